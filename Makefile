@@ -1,0 +1,40 @@
+# Each command first makes .venv, with this project and its development tools inside.
+PYTHON ?= python3
+BIN = .venv/bin
+
+.PHONY: demo test slow coverage lint format bench docs clean
+
+.venv/ready: pyproject.toml
+	$(PYTHON) -m venv .venv
+	$(BIN)/pip install -q -e '.[dev]'
+	touch $@
+
+# Exit code 1 of a comparison means that the engines diverged: a result, not a failure.
+demo: .venv/ready
+	$(BIN)/truebreak compare gas --html report.html || test $$? -eq 1
+
+test: .venv/ready
+	$(BIN)/python -m pytest -n auto
+
+slow: .venv/ready
+	$(BIN)/python -m pytest -n auto -m slow
+
+coverage: .venv/ready
+	$(BIN)/python -m pytest -n auto --cov=scenarios --cov=exact --cov=floating --cov=compare --cov-report=term
+
+lint: .venv/ready
+	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/pyright
+
+format: .venv/ready
+	$(BIN)/ruff check --fix-only . && $(BIN)/ruff format .
+
+bench: .venv/ready
+	$(BIN)/pip install -q -e '.[bench]'
+	$(BIN)/truebreak bench --full
+
+# Runs every example of the README, of docs/ and of the docstrings.
+docs: .venv/ready
+	$(BIN)/python -m pytest -n auto tests/test_docs.py
+
+clean:
+	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

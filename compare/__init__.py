@@ -1,0 +1,64 @@
+"""Runs one scene in several engines and says where, and why, their histories part.
+
+>>> from truebreak.compare import compare
+>>> from truebreak.scenarios import Circle, Scene
+>>> compare(Scene([Circle(0, 0, vx=1), Circle(4, 0)]), ["double"], until=5).verdict
+'agree'
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .align import Alignment, Divergence
+    from .comparison import Candidate, Comparison, compare
+    from .comparison_document import comparison_json
+    from .engines import ENGINES, engine
+    from .outcomes import OUTCOMES, Outcome
+    from .report.html import html_report
+    from .trajectory_document import trajectory_json
+
+__all__ = [
+    "ENGINES",
+    "OUTCOMES",
+    "Alignment",
+    "Candidate",
+    "Comparison",
+    "Divergence",
+    "Outcome",
+    "compare",
+    "comparison_json",
+    "engine",
+    "html_report",
+    "trajectory_json",
+]
+
+_HOMES = {
+    "ENGINES": "engines",
+    "OUTCOMES": "outcomes",
+    "Alignment": "align",
+    "Candidate": "comparison",
+    "Comparison": "comparison",
+    "Divergence": "align",
+    "Outcome": "outcomes",
+    "compare": "comparison",
+    "comparison_json": "comparison_document",
+    "engine": "engines",
+    "html_report": "report.html",
+    "trajectory_json": "trajectory_document",
+}
+"""The module of each name: imported when it is asked for, so that `truebreak --help` loads no engine."""
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *__all__]

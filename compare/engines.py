@@ -1,0 +1,203 @@
+"""The table of engines by name, and engines built from text such as `pymunk:dt=1/1000,iterations=30`."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import types
+import typing
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..scenarios.engine import Engine
+
+
+@dataclass(frozen=True)
+class EngineEntry:
+    """Where an engine lives and what it is, without importing it.
+
+    Attributes:
+        name: what the command line calls it.
+        module: dotted path of the module that has the class.
+        attribute: name of the class, a frozen dataclass whose fields are the engine's parameters.
+        summary: one line for a listing.
+        stepped: whether it advances by time steps, and so reports several collisions as one instant.
+    """
+
+    name: str
+    module: str
+    attribute: str
+    summary: str
+    stepped: bool = False
+
+    def load(self) -> type[Any]:
+        """The engine's class, imported now."""
+        return getattr(import_module(self.module), self.attribute)
+
+
+ROOT = __name__.rpartition(".compare")[0]
+
+ENGINES: dict[str, EngineEntry] = {
+    entry.name: entry
+    for entry in (
+        EngineEntry("exact", f"{ROOT}.exact", "ExactEngine", "certified: every decision proved, or it says so"),
+        EngineEntry("sympy", f"{ROOT}.exact.symbolic", "SymbolicEngine", "SymPy alone, taken literally: slow, an oracle"),
+        EngineEntry("double", f"{ROOT}.floating", "DoubleEngine", "event-driven in 53-bit floating point"),
+        EngineEntry("interval", f"{ROOT}.floating", "IntervalEngine", "event-driven in intervals; stops where unsure"),
+        EngineEntry("pymunk", f"{ROOT}.floating", "PymunkEngine", "the game engine Chipmunk, by time steps", stepped=True),
+    )
+}
+"""Every engine that the command line and `compare` know. A new engine adds its own file and one line here."""
+
+
+def engine(text: str) -> Engine:
+    """The engine that `text` names: `NAME`, or `NAME:key=value,key=value` with the engine's parameters.
+
+    Raises:
+        SceneError: for an unknown engine, an unknown parameter, or a value of the wrong type.
+
+    >>> engine("duoble")
+    Traceback (most recent call last):
+      ...
+    truebreak.scenarios.errors.SceneError: engine 'duoble' is not known; did you mean 'double'?
+    """
+    from ..scenarios.errors import SceneError
+
+    name, _, settings = text.strip().partition(":")
+    if name not in ENGINES:
+        raise SceneError(f"engine {name!r} is not known; {suggestion(name, list(ENGINES))}")
+    return build(ENGINES[name], parsed_settings(f"engine {name!r}", settings))
+
+
+def build(entry: EngineEntry, settings: Mapping[str, str]) -> Engine:
+    """The engine of an entry, with settings given as text read by the types of the engine's fields.
+
+    Raises:
+        SceneError: for an unknown setting or a value of the wrong type.
+    """
+    from ..scenarios.errors import SceneError
+
+    kind = entry.load()
+    hints = typing.get_type_hints(kind)
+    known = {f.name: hints.get(f.name, str) for f in dataclasses.fields(kind) if f.init and f.name != "name"}
+    values: dict[str, Any] = {}
+    for key, value in settings.items():
+        if key not in known:
+            raise SceneError(f"engine {entry.name!r} has no parameter {key!r}; {suggestion(key, list(known))}")
+        values[key] = converted(f"engine {entry.name!r}: {key}", value, known[key])
+    return kind(**values)
+
+
+def is_stepped(name: str) -> bool:
+    """Whether the engine of that name advances by time steps."""
+    return name in ENGINES and ENGINES[name].stepped
+
+
+def split_engines(text: str) -> list[str]:
+    """Splits a list of engines at the commas that do not separate parameters.
+
+    >>> split_engines("double,pymunk:dt=1/1000,iterations=30,interval")
+    ['double', 'pymunk:dt=1/1000,iterations=30', 'interval']
+    """
+    parts: list[str] = []
+    for piece in (part.strip() for part in text.split(",")):
+        if "=" in piece and ":" not in piece and parts and ":" in parts[-1]:
+            parts[-1] += f",{piece}"
+        elif piece:
+            parts.append(piece)
+    return parts
+
+
+def parsed_settings(label: str, text: str) -> dict[str, str]:
+    """`key=value,key=value` as a dict of text.
+
+    Raises:
+        SceneError: for a piece without `=`, or a key given twice.
+    """
+    from ..scenarios.errors import SceneError
+
+    settings: dict[str, str] = {}
+    for piece in filter(None, (part.strip() for part in text.split(","))):
+        key, equals, value = piece.partition("=")
+        key, value = key.strip(), value.strip()
+        if not equals or not key or not value:
+            raise SceneError(f"{label}: {piece!r} is not a setting; write key=value")
+        if key in settings:
+            raise SceneError(f"{label}: {key!r} is set twice; keep one")
+        settings[key] = value
+    return settings
+
+
+def suggestion(word: str, known: list[str]) -> str:
+    """The end of an error about an unknown word: the nearest known one, or all of them."""
+    near = difflib.get_close_matches(word, known, n=1)
+    if near:
+        return f"did you mean {near[0]!r}?"
+    return f"choose from: {', '.join(known)}" if known else "there are none"
+
+
+def converted(label: str, text: str, hint: Any) -> Any:
+    """A setting's text as a value of the type that the field's annotation asks for.
+
+    Raises:
+        SceneError: if the text is not such a value.
+
+    >>> converted("dt", "1/1000", Fraction), converted("bits", "none", int | None)
+    (Fraction(1, 1000), None)
+    """
+    from ..scenarios.errors import SceneError
+    from ..scenarios.quantity import Quantity
+    from ..scenarios.tie_policy import TiePolicy
+
+    options = typing.get_args(hint) if typing.get_origin(hint) in (typing.Union, types.UnionType) else (hint,)
+    if type(None) in options and text.lower() in ("none", "null"):
+        return None
+    readers: dict[Any, Callable[[str], Any]] = {
+        bool: _boolean,
+        int: int,
+        float: lambda value: float(Quantity.of(value)),
+        Fraction: _fraction,
+        Quantity: Quantity.of,
+        TiePolicy: TiePolicy.parse,
+        str: str,
+    }
+    for kind, read in readers.items():
+        if kind not in options:
+            continue
+        try:
+            return read(text)
+        except (ValueError, OverflowError) as error:
+            reason = f"; {error}" if isinstance(error, SceneError) else ""
+            raise SceneError(f"{label} = {text!r} is not {NOUNS.get(kind, 'usable')}{reason}") from None
+    if typing.get_origin(hint) is typing.Literal and text not in typing.get_args(hint):
+        raise SceneError(f"{label} = {text!r}: {suggestion(text, [str(a) for a in typing.get_args(hint)])}")
+    return text
+
+
+NOUNS = {
+    bool: "true or false",
+    int: "a whole number",
+    float: "a number",
+    Fraction: "a rational number",
+}
+"""What each type is called in an error."""
+
+
+def _boolean(text: str) -> bool:
+    words = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
+    if text.lower() not in words:
+        raise ValueError(text)
+    return words[text.lower()]
+
+
+def _fraction(text: str) -> Fraction:
+    from ..scenarios.quantity import Quantity
+
+    value = Quantity.of(text).fraction
+    if value is None:
+        raise ValueError(text)
+    return value

@@ -1,0 +1,57 @@
+"""Which balls enter a pocket, and when."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..scenarios.trajectory import Trajectory
+
+
+def pocketed(trajectory: Trajectory) -> dict[str, Any] | None:
+    """For each circle whose centre enters a pocket, the first pocket and the instant, to a double's precision.
+
+    Between two events a centre flies straight; it enters a pocket (X, Y, R) when the quadratic
+    |p + v t - (X, Y)|^2 = R^2 has its smaller root within the flight. None for a scene without pockets.
+    """
+    scene = trajectory.scene
+    if not scene.pockets:
+        return None
+    end = float(trajectory.final_time)
+    knots = sorted({0.0, *(t for e in trajectory.events if (t := float(e.time)) < end)})
+    states = trajectory.sample(knots)
+    found: dict[str, Any] = {}
+    for number, circle in enumerate(scene.circles):
+        if circle.fixed:
+            continue
+        for place, start in enumerate(knots):
+            length = (knots[place + 1] if place + 1 < len(knots) else end) - start
+            x, y, vx, vy = (float(value) for value in states[place, number])
+            entries = [
+                (start + after, str(pocket.id))
+                for pocket in scene.pockets
+                if (after := _entry(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))) is not None
+                and after <= length
+            ]
+            if entries:
+                time, name = min(entries)
+                found[str(circle.id)] = {"pocket": name, "time": time}
+                break
+    return found
+
+
+def _entry(dx: float, dy: float, vx: float, vy: float, r: float) -> float | None:
+    """Time until a point comes within r of the origin; 0 if it is there already, None if it never does.
+
+    >>> _entry(-3.0, 0.0, 1.0, 0.0, 1.0), _entry(-3.0, 2.0, 1.0, 0.0, 1.0)
+    (2.0, None)
+    """
+    gap = dx * dx + dy * dy - r * r
+    if gap <= 0:
+        return 0.0
+    approach, speed2 = dx * vx + dy * vy, vx * vx + vy * vy
+    discriminant = speed2 * r * r - (dx * vy - dy * vx) ** 2
+    if approach >= 0 or discriminant < 0:
+        return None
+    return gap / (-approach + math.sqrt(discriminant))

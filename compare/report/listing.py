@@ -1,0 +1,187 @@
+"""The catalogue, a scene and a single run, printed on stdout."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import TYPE_CHECKING, Any
+
+from ..amounts import bounds, double, exact_text
+from .sentences import counted
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Event, Trajectory
+
+PLAIN_WIDTH = 110
+"""Columns of a table where the output is not a terminal."""
+
+SHOWN_EVENTS = 40
+"""Rows of events printed for people: three quarters of them from the start, the rest from the end."""
+
+SHOWN_DIGITS = 60
+"""Longest exact text in a table; longer ones are in the JSON."""
+
+
+def console() -> Console:
+    """Standard output: colours on a terminal, plain text elsewhere."""
+    from rich.console import Console
+
+    terminal = sys.stdout.isatty()
+    return Console(width=None if terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
+
+
+def grid(*headings: str, title: str | None = None) -> Table:
+    """An empty table in the one style of all reports."""
+    from rich.box import SIMPLE
+    from rich.table import Table
+
+    table = Table(box=SIMPLE, title=title, title_justify="left", pad_edge=False)
+    for heading in headings:
+        table.add_column(heading)
+    return table
+
+
+def print_json(data: dict[str, Any]) -> None:
+    """One object on stdout, as one line each level of nesting that is worth one."""
+    sys.stdout.write(json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
+
+
+def print_catalogue(as_json: bool) -> None:
+    """Every scene of the catalogue, with parameters and source."""
+    from ...scenarios import catalogue
+
+    entries = [catalogue.entry(name) for name in catalogue.names()]
+    if as_json:
+        from ..amounts import plain
+
+        print_json({"scenes": [plain(catalogue_row(entry)) for entry in entries]})
+        return
+    from rich.markup import escape
+
+    out = console()
+    for entry in entries:
+        row = catalogue_row(entry)
+        settings = ", ".join(f"{key}={value}" for key, value in row["parameters"].items())
+        out.print(f"[bold]{escape(row['name'])}[/]{escape(f':{settings}') if settings else ''}")
+        for key in ("summary", "known", "source"):
+            if row.get(key):
+                out.print(escape(f"    {'' if key == 'summary' else f'{key}: '}{row[key]}"))
+    out.print("\nRun one with: truebreak compare NAME, or NAME:key=value,key=value")
+
+
+def catalogue_row(entry: Any) -> dict[str, Any]:
+    """What the catalogue tells of one scene."""
+    return {
+        "name": entry.name,
+        "parameters": dict(entry.parameters),
+        "summary": entry.summary,
+        "source": entry.source,
+        "known": entry.known,
+    }
+
+
+def print_scene(scene: Scene, as_json: bool) -> None:
+    """A scene's circles and walls, exactly."""
+    if as_json:
+        print_json(scene.data())
+        return
+    from rich.markup import escape
+
+    out = console()
+    out.print(f"[bold]{escape(scene.name)}[/]  {escape(scene.description)}")
+    if scene.source:
+        out.print(escape(f"source: {scene.source}"))
+    facts = {"tie policy": str(scene.tie_policy), "digest": scene.digest[:16]}
+    for key in ("reverse_after", "reverse_at", "until", "events"):
+        value = getattr(scene, key)
+        if value is not None:
+            facts[key.replace("_", " ")] = str(value)
+    out.print(escape(", ".join(f"{key}: {value}" for key, value in facts.items())))
+    data = scene.data()
+    for kind, keys in (
+        ("circle", ("id", "x", "y", "r", "vx", "vy", "m")),
+        ("wall", ("id", "x0", "y0", "x1", "y1")),
+        ("pocket", ("id", "x", "y", "r")),
+    ):
+        rows = data.get(kind)
+        if not rows:
+            continue
+        table = grid(*keys, title=counted(len(rows), kind))
+        for row in rows:
+            table.add_row(*(escape(cut(str(row[key]))) for key in keys))
+        out.print(table)
+
+
+def cut(text: str) -> str:
+    """A text of at most `SHOWN_DIGITS` characters, the missing ones counted."""
+    return text if len(text) <= SHOWN_DIGITS else f"{text[:SHOWN_DIGITS]}... ({len(text):,} characters)"
+
+
+def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
+    """A run: why it stopped, its events, its final state."""
+    from rich.markup import escape
+
+    out = console()
+    name, scene = trajectory.engine, trajectory.scene
+    out.print(
+        f"[bold]{escape(scene.name)}[/] in {escape(name)}: {counted(len(trajectory.events), 'event')}, "
+        f"{counted(trajectory.collisions, 'collision')}, to time {number(trajectory.final_time, exact)}"
+    )
+    out.print(escape(f"stopped: {trajectory.stop.message}"))
+    if trajectory.reversal is not None:
+        when = number(trajectory.reversal.time, exact)
+        out.print(f"reversed: after {counted(trajectory.reversal.after, 'event')}, at time {when}")
+    for note in trajectory.notes:
+        out.print(escape(note))
+    if not trajectory.certified:
+        out.print("this history rests on ties that are not proved")
+    out.print(events_table(trajectory, exact))
+    table = grid("circle", "x", "y", "vx", "vy", title="at the end")
+    for circle in trajectory.final.circles:
+        cells = [number(getattr(circle, key), exact) for key in ("x", "y", "vx", "vy")]
+        table.add_row(escape(circle.id), *map(escape, cells))
+    out.print(table)
+    if trajectory.plan:
+        told = ", ".join(f"{key}: {value}" for key, value in trajectory.plan.items())
+        out.print(escape(f"plan: {told}"))
+
+
+def events_table(trajectory: Trajectory, exact: bool) -> Table:
+    """The first and last events of a run."""
+    from rich.markup import escape
+
+    table = grid("event", "time", "contacts", "impulses")
+    events = trajectory.events
+    head = SHOWN_EVENTS * 3 // 4
+    shown: list[Event | None] = list(events)
+    if len(events) > SHOWN_EVENTS:
+        shown = [*events[:head], None, *events[head - SHOWN_EVENTS :]]
+    for event in shown:
+        if event is None:
+            table.add_row("...", f"{len(events) - SHOWN_EVENTS:,} more", "", "")
+            continue
+        contacts = " ".join(f"{a}-{b}" for a, b in event.contacts)
+        impulses = " ".join(f"{a}-{b}" for a, b in event.impulses) if event.impulses != event.contacts else ""
+        table.add_row(str(event.index), escape(number(event.time, exact)), escape(contacts), escape(impulses))
+    return table
+
+
+def number(value: Any, exact: bool) -> str:
+    """A number for people: exact text if asked for, bounds of an interval, else the nearest double.
+
+    >>> number(0.5, True), number(0.1, False)
+    ('1/2', '0.1')
+    """
+    ends = bounds(value)
+    if ends is not None and ends[0] != ends[1]:
+        return f"[{ends[0]:.17g}, {ends[1]:.17g}]"
+    if exact:
+        text = exact_text(value)
+        if text is not None:
+            return cut(text)
+    nearest = double(value)
+    return "beyond the doubles" if nearest is None else f"{nearest:.17g}" if exact else f"{nearest:.12g}"

@@ -1,0 +1,211 @@
+"""Pictures of scenes and states as SVG."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ..comparison import Candidate, Comparison
+
+WIDTH, HEIGHT = 720.0, 480.0
+"""Largest size of a picture in pixels."""
+
+MARGIN = 0.06
+"""Room around what is shown, as a share of its size."""
+
+STYLE = """
+.frame { fill: #fbfaf7; } .wall { stroke: #555; stroke-width: 1.5; } .pocket { fill: #ddd9cf; }
+.circle { fill: #2b6cb022; stroke: #2b6cb0; } .fixed { fill: #5555; stroke: #555; }
+.other { fill: none; stroke: #c05621; stroke-dasharray: 4 3; } .marked { stroke-width: 3; }
+.velocity { stroke: #2b6cb0; } .othervelocity { stroke: #c05621; }
+text { font: 11px system-ui, sans-serif; fill: #222; text-anchor: middle; dominant-baseline: central; }
+@media (prefers-color-scheme: dark) {
+  .frame { fill: #1b1d21; } .wall { stroke: #aaa; } .pocket { fill: #3a3d44; } text { fill: #eee; }
+  .circle { fill: #63b3ed33; stroke: #63b3ed; } .fixed { fill: #aaa5; stroke: #aaa; }
+  .other { stroke: #f6ad55; } .velocity { stroke: #63b3ed; } .othervelocity { stroke: #f6ad55; }
+}
+"""
+"""Colours; the reference is blue and solid, another engine orange and dashed."""
+
+
+@dataclass(frozen=True)
+class Disc:
+    """One circle to draw: where, how large, how fast, and with which classes."""
+
+    id: str
+    x: float
+    y: float
+    r: float
+    vx: float
+    vy: float
+    classes: str
+    label: bool = True
+
+
+@dataclass(frozen=True)
+class View:
+    """The part of the plane that is shown; y goes up."""
+
+    left: float
+    bottom: float
+    width: float
+    height: float
+
+    @property
+    def scale(self) -> float:
+        """Pixels to a unit."""
+        return min(WIDTH / self.width, HEIGHT / self.height)
+
+    def x(self, x: float) -> float:
+        """Pixels from the left."""
+        return (x - self.left) * self.scale
+
+    def y(self, y: float) -> float:
+        """Pixels from the top."""
+        return (self.bottom + self.height - y) * self.scale
+
+
+def view_of(discs: Sequence[Disc], scene: Scene) -> View:
+    """A view of the discs, and of the walls' own points where those lie near."""
+    xs = [v for d in discs for v in (d.x - d.r, d.x + d.r)]
+    ys = [v for d in discs for v in (d.y - d.r, d.y + d.r)]
+    size = max(max(xs) - min(xs), max(ys) - min(ys), 1e-9)
+    for wall in scene.walls:
+        for x, y in _nearest(wall_line(wall), [(d.x, d.y) for d in discs]):
+            if min(xs) - 3 * size <= x <= max(xs) + 3 * size and min(ys) - 3 * size <= y <= max(ys) + 3 * size:
+                xs.append(x)
+                ys.append(y)
+    width, height = max(xs) - min(xs), max(ys) - min(ys)
+    room = MARGIN * max(width, height, 1e-9)
+    width, height = max(width + 2 * room, (height + 2 * room) / 4), max(height + 2 * room, (width + 2 * room) / 4)
+    middle_x, middle_y = (max(xs) + min(xs)) / 2, (max(ys) + min(ys)) / 2
+    return View(middle_x - width / 2, middle_y - height / 2, width, height)
+
+
+def wall_line(wall: object) -> tuple[float, float, float, float]:
+    """A wall's two points as doubles."""
+    return tuple(float(getattr(wall, key)) for key in ("x0", "y0", "x1", "y1"))  # type: ignore[return-value]
+
+
+def _nearest(line: tuple[float, float, float, float], points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """The feet of perpendiculars from points to a line."""
+    x0, y0, x1, y1 = line
+    dx, dy = x1 - x0, y1 - y0
+    length2 = dx * dx + dy * dy
+    feet = []
+    for x, y in points:
+        share = ((x - x0) * dx + (y - y0) * dy) / length2
+        feet.append((x0 + share * dx, y0 + share * dy))
+    return feet
+
+
+def scene_picture(scene: Scene, *, standalone: bool = False) -> str:
+    """The scene at time 0, with arrows for velocities."""
+    discs = [
+        Disc(
+            str(c.id), float(c.x), float(c.y), float(c.r), float(c.vx), float(c.vy), "fixed" if c.fixed else "circle"
+        )
+        for c in scene.circles
+    ]
+    return draw(scene, discs, f"{scene.name} at time 0", standalone=standalone)
+
+
+def divergence_picture(comparison: Comparison, candidate: Candidate) -> str:
+    """Both runs at the time of the first divergence: the reference solid, the candidate dashed."""
+    divergence = candidate.alignment.divergence
+    assert divergence is not None
+    marked = {divergence.body, divergence.expected, divergence.got}
+    reference, run = comparison.reference, candidate.trajectory
+    ends = [t for t in (divergence.expected_time, divergence.got_time) if t is not None]
+    time = min(max(ends), float(reference.final_time) * (1 - 2**-50), float(run.final_time) * (1 - 2**-50))
+    discs = []
+    for trajectory, kind in ((reference, "circle"), (run, "other")):
+        for circle, row in zip(trajectory.scene.circles, trajectory.sample([time])[0], strict=True):
+            if circle.fixed and kind == "other":
+                continue
+            classes = f"{'fixed' if circle.fixed else kind}{' marked' if circle.id in marked else ''}"
+            x, y, vx, vy = (float(v) for v in row)
+            discs.append(Disc(str(circle.id), x, y, float(circle.r), vx, vy, classes, label=kind == "circle"))
+    title = f"{reference.engine} (solid) and {candidate.engine} (dashed) at time {time:.9g}"
+    return draw(comparison.scene, discs, title, marked={name for name in marked if name})
+
+
+def draw(
+    scene: Scene, discs: Sequence[Disc], title: str, *, marked: Iterable[str] = (), standalone: bool = False
+) -> str:
+    """Discs and walls as one SVG element."""
+    view = view_of(discs, scene)
+    width, height = view.width * view.scale, view.height * view.scale
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.2f} {height:.2f}" '
+        f'width="{width:.0f}" height="{height:.0f}" role="img" class="picture">',
+        f"<title>{escape(title)}</title>",
+    ]
+    if standalone:
+        parts.append(f"<style>{STYLE}</style>")
+    parts.append(f'<rect class="frame" width="{width:.2f}" height="{height:.2f}" rx="4"/>')
+    for pocket in scene.pockets:
+        parts.append(_round("pocket", view, float(pocket.x), float(pocket.y), float(pocket.r)))
+    names = set(marked)
+    parts += [_wall(view, wall_line(w), w.id in names, str(w.id)) for w in scene.walls]
+    fastest = max((math.hypot(d.vx, d.vy) for d in discs), default=0.0)
+    arrow = 0.12 * max(view.width, view.height) / fastest if fastest else 0.0
+    for disc in discs:
+        parts.append(_round(disc.classes, view, disc.x, disc.y, disc.r))
+        if disc.vx or disc.vy:
+            kind = "othervelocity" if "other" in disc.classes else "velocity"
+            parts.append(
+                f'<line class="{kind}" x1="{view.x(disc.x):.2f}" y1="{view.y(disc.y):.2f}" '
+                f'x2="{view.x(disc.x + disc.vx * arrow):.2f}" y2="{view.y(disc.y + disc.vy * arrow):.2f}"/>'
+            )
+        if disc.label and disc.r * view.scale >= 6:
+            parts.append(f'<text x="{view.x(disc.x):.2f}" y="{view.y(disc.y):.2f}">{escape(disc.id)}</text>')
+    parts.append("</svg>")
+    return "\n".join(parts) + "\n"
+
+
+def _round(classes: str, view: View, x: float, y: float, r: float) -> str:
+    radius = max(r * view.scale, 2.0)
+    return f'<circle class="{classes}" cx="{view.x(x):.2f}" cy="{view.y(y):.2f}" r="{radius:.2f}"/>'
+
+
+def _wall(view: View, line: tuple[float, float, float, float], marked: bool, name: str) -> str:
+    """The part of a wall's line that crosses the view."""
+    x0, y0, x1, y1 = line
+    dx, dy = x1 - x0, y1 - y0
+    low, high = -math.inf, math.inf
+    for origin, step, least, size in ((x0, dx, view.left, view.width), (y0, dy, view.bottom, view.height)):
+        if step == 0:
+            if not least <= origin <= least + size:
+                return ""
+            continue
+        ends = sorted(((least - origin) / step, (least + size - origin) / step))
+        low, high = max(low, ends[0]), min(high, ends[1])
+    if low >= high:
+        return ""
+    ax, ay, bx, by = x0 + low * dx, y0 + low * dy, x0 + high * dx, y0 + high * dy
+    return (
+        f'<line class="wall{" marked" if marked else ""}" x1="{view.x(ax):.2f}" y1="{view.y(ay):.2f}" '
+        f'x2="{view.x(bx):.2f}" y2="{view.y(by):.2f}"><title>{escape(name)}</title></line>'
+    )
+
+
+def svg_path(name: str) -> Path:
+    """A path for a picture.
+
+    Raises:
+        SceneError: unless it ends in .svg.
+    """
+    from ...scenarios.errors import SceneError
+
+    if not name.lower().endswith(".svg"):
+        raise SceneError(f"--plot {name!r}: pictures are SVG; give a file name that ends in .svg")
+    return Path(name)
+
+

@@ -1,0 +1,100 @@
+"""A comparison on the terminal: one sentence, a table, the first divergence side by side."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from .listing import console, grid
+from .sentences import counted, divergence_phrase, margin_phrase, short, verdict_sentence
+from .side_by_side import side_by_side
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ..comparison import Candidate, Comparison
+
+COLOURS = {"agree": "green", "diverged": "red", "undecided": "yellow"}
+
+
+def print_comparison(comparison: Comparison) -> None:
+    """Prints the report of a comparison on stdout."""
+    from rich.markup import escape
+
+    out = console()
+    colour = COLOURS[comparison.verdict]
+    out.print(f"[bold {colour}]{escape(verdict_sentence(comparison))}[/]")
+    reference = comparison.reference
+    out.print(
+        escape(
+            f"{comparison.scene.name}: {counted(len(reference.events), 'event')}, "
+            f"{counted(reference.collisions, 'collision')} in the {reference.engine} run, "
+            f"to time {comparison.span:.9g} ({reference.stop.message}). "
+            f"{'Every decision is proved.' if reference.certified else 'Not every tie in it is proved.'}"
+        )
+    )
+    for note in reference.notes:
+        out.print(escape(note))
+    out.print(engines_table(comparison))
+    for candidate in comparison.candidates:
+        if candidate.alignment.divergence is not None:
+            _print_divergence(comparison, candidate)
+        elif candidate.verdict == "undecided":
+            out.print(escape(f"{candidate.engine}: {candidate.trajectory.stop.message}"))
+            if candidate.cause is not None:
+                out.print(escape(f"  cause: {candidate.cause}: {candidate.cause.evidence}"))
+
+
+def engines_table(comparison: Comparison) -> Table:
+    """One row an engine; a column for the return only after a reversal."""
+    from rich.markup import escape
+
+    returns = comparison.return_miss is not None or any(c.return_miss is not None for c in comparison.candidates)
+    headings = ["engine", "verdict", "agreed", "differs at", "cause", "swaps", "position error", "outcomes changed"]
+    table = grid(*headings, *(["misses start by"] if returns else []))
+    total = len(comparison.reference.events)
+    reference = [comparison.reference.engine, "reference", f"{total:,}", "", "", "", "", ""]
+    table.add_row(*map(escape, reference), *([short(comparison.return_miss)] if returns else []))
+    for candidate in comparison.candidates:
+        colour = COLOURS[candidate.verdict]
+        divergence = candidate.alignment.divergence
+        cells = [
+            escape(candidate.engine),
+            f"[{colour}]{candidate.verdict}[/]",
+            f"{candidate.alignment.agreed:,}",
+            f"event {divergence.event:,}" if divergence else "",
+            escape(str(candidate.cause)) if candidate.cause else "",
+            str(candidate.alignment.harmless_swaps),
+            short(candidate.separation.maximum),
+            escape(changed_text(candidate)),
+        ]
+        table.add_row(*cells, *([short(candidate.return_miss)] if returns else []))
+    return table
+
+
+def changed_text(candidate: Candidate) -> str:
+    """The outcomes that differ, or a word for none; for a run that stopped early they say nothing."""
+    if candidate.verdict == "undecided":
+        return ""
+    return ", ".join(name.replace("_", " ") for name in candidate.changed) or "none"
+
+
+def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
+    from rich.markup import escape
+
+    out = console()
+    divergence = candidate.alignment.divergence
+    assert divergence is not None
+    out.print(f"[bold]{escape(divergence_phrase(comparison, candidate))}[/]")
+    if candidate.cause is not None:
+        out.print(escape(f"  cause: {candidate.cause}: {candidate.cause.evidence}"))
+    close = margin_phrase(candidate)
+    if close is not None:
+        out.print(f"  margin: {close}")
+    names = comparison.reference.engine, candidate.engine
+    table = grid("", f"{names[0]} time", f"{names[0]}: {divergence.body} meets", f"{names[1]} time",
+                 f"{names[1]}: {divergence.body} meets")  # fmt: skip
+    for row in side_by_side(comparison, candidate):
+        style = "bold red" if row.differs else None
+        cells = ("->" if row.differs else "", row.expected_time, row.expected, row.got_time, row.got)
+        table.add_row(*map(escape, cells), style=style)
+    out.print(table)

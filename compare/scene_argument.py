@@ -1,0 +1,26 @@
+"""The scene that a word on the command line names: a catalogue scene or a file."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..scenarios.scene import Scene
+
+FILE_SUFFIXES = (".toml", ".json")
+
+
+def scene_from(text: str) -> Scene:
+    """The scene of `NAME`, `NAME:key=value,...`, or a path to a .toml or .json file.
+
+    Raises:
+        SceneError: if there is no such scene or file, or it is not a valid scene.
+    """
+    if text.lower().endswith(FILE_SUFFIXES) or os.sep in text or os.path.isfile(text):
+        from ..scenarios.files import load_scene
+
+        return load_scene(text)
+    from ..scenarios import catalogue
+
+    return catalogue.build(text)

@@ -1,0 +1,335 @@
+"""The exact engine's decisions: short balls, then full balls, then proofs of zero, then more bits.
+
+Every decision climbs only as far as it must. What a rung decides is certain; what none decides is Undecided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import inf, nextafter
+from typing import Any
+
+from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
+
+from ..scenarios.scene import Scene
+from ..scenarios.tower import sign_of_root_sum
+from ..scenarios.trajectory import OnProgress, Tie, TieProof
+from .evidence import Evidence, Prover
+from .event_loop import Candidate, EventLoop, Limits
+from .live import LiveMachine
+from .machine import Body, Link, Number, Step
+from .numbers import ball
+from .numbers.field import field_sign
+from .questions import Approach, Discriminant, Gap, Question, Sooner
+from .undecided import Undecided
+
+QUICK_BITS = 128
+"""Precision of predictions: two machine words, the most that flint keeps without a call for memory."""
+
+FIRST_BITS = 256
+"""Precision of the state at first: four words, twice the quick one, so the first rise comes late."""
+
+SAFE_BITS = 96
+"""When the times' accuracy falls below this, precision rises at once: predictions would soon be undecided, and
+results should round to doubles without another look."""
+
+TRY_BITS = 1024
+"""Below this precision, more bits are cheaper than any attempt to prove a zero."""
+
+
+class CertifiedLoop(EventLoop):
+    """The loop on balls and fields, with the ladder.
+
+    Args:
+        max_bits: the precision beyond which an undecided sign stays so.
+        prover: what proves zeros in nested roots, by symmetry, or gives evidence by residues.
+    """
+
+    def __init__(
+        self, scene: Scene, limits: Limits, progress: OnProgress | None, max_bits: int, prover: Prover
+    ) -> None:
+        self.live = LiveMachine(scene, FIRST_BITS)
+        super().__init__(scene, self.live, limits, progress)  # type: ignore[arg-type]
+        self.bodies = list(self.live.bodies)
+        self.steps = self.history.steps = self.live.steps
+        self.max_bits = max_bits
+        self.prover = prover
+        self.evidence: Evidence | None = None
+        self._reaches = self._quick_reaches()
+        self._quick_lines: dict[tuple[int, int], tuple[arb, ...]] = {}
+
+    # -- numbers for predictions
+
+    def _quick_reaches(self) -> list[list[arb]]:
+        """Sums of radii by kind of radius; each body's `kind` indexes it."""
+        radii: dict[Any, int] = {}
+        for body, circle in zip(self.bodies, self.scene.circles, strict=True):
+            body.kind = radii.setdefault(circle.r, len(radii))
+        with ball.precision(QUICK_BITS):
+            return [[ball.constant(r + s) for s in radii] for r in radii]
+
+    def quick_reach(self, a: Body, b: Body) -> arb:
+        """The sum of two radii as a short ball."""
+        return self._reaches[a.kind][b.kind]
+
+    def quick_line(self, body: Body, wall: int) -> tuple[arb, ...]:
+        """A wall in short balls."""
+        key = (body.index, wall)
+        found = self._quick_lines.get(key)
+        if found is None:
+            with ball.precision(2 * QUICK_BITS):
+                exact = self.scene.walls[wall]
+                nx, ny = exact.normal
+                length = (nx * nx + ny * ny).sqrt()
+                if self.live.balls._sides.negative(body.index, wall):
+                    nx, ny = -nx, -ny
+                offset = self.scene.circles[body.index].r * length
+                numbers = [ball.constant(q) for q in (exact.x0, exact.y0, nx, ny, offset)]
+            with ball.precision(QUICK_BITS):
+                found = self._quick_lines[key] = tuple(+number for number in numbers)
+        return found
+
+    def refresh(self, bodies: Iterable[Body]) -> None:
+        """Short copies of the states."""
+        live = self.live
+        if live._stale:
+            ctx.prec = live.bits
+            live.sync(tuple(body.index for body in bodies))
+        ctx.prec = QUICK_BITS
+        clocks: dict[int, arb] = {}
+        for body in bodies:
+            t = clocks.setdefault(id(body.t), +body.t)
+            body.q = (+body.x, +body.y, +body.vx, +body.vy, t)
+
+    def do(self, step: Step) -> None:
+        """Carries out a step; the live machine logs it."""
+        self.live.do(step)
+
+    def to_predict(self) -> tuple[arb, Any]:
+        """Short precision."""
+        ctx.prec = QUICK_BITS
+        return ball.ZERO, arb.sqrt
+
+    def prepare(self) -> None:
+        """Full precision, raised first if accuracy has run low."""
+        live = self.live
+        if live.lowest < SAFE_BITS:
+            self._rise("accuracy had run low")
+        ctx.prec = live.bits
+
+    def bounds(self, time: arb) -> tuple[float, float]:
+        """Doubles around a ball."""
+        return ball.double_bounds(time)
+
+    def knot(self, body: Body) -> tuple[Any, ...]:
+        """The state: exact numbers if the body is exact, else short balls; and the length of the log."""
+        live = self.live
+        if live.exact[body.index]:
+            return (*live.state(body.index), len(live.steps))
+        x, y, vx, vy, t = body.q
+        return (t, x, y, vx, vy, len(live.steps))
+
+    def now(self, body: Body) -> Number:
+        """The clock of a body, exact if the body is."""
+        if self.live.exact[body.index]:
+            return self.live.state(body.index)[0]
+        return body.q[4] if body.q else body.t
+
+    def note(self) -> str:
+        """The precision at work."""
+        return f"{self.live.bits} bits"
+
+    # -- the ladder
+
+    def _rise(self, why: str) -> None:
+        bits = 2 * self.live.bits
+        if bits > self.max_bits:
+            raise Undecided(
+                f"{why} at {self.live.bits} bits, and max_bits is {self.max_bits}; "
+                f"{self._where()}; allow more bits to go on"
+            )
+        self.plan["precision raised"] += 1
+        self.live.rise(bits)
+
+    def _where(self) -> str:
+        return f"after {len(self.history.records)} instants"
+
+    def name(self, link: Link) -> str:
+        """A contact as a person reads it."""
+        ids = self.scene.ids
+        return f"{ids[link[0]]} and {ids[link[1]]}"
+
+    def _ball_sign(self, question: Question) -> int | None:
+        bodies = question.bodies(self.n)
+        ctx.prec = self.live.bits
+        self.live.sync(bodies)
+        try:
+            return ball.sign_of(question.value(self.live.balls))
+        except ZeroDivisionError:
+            return None
+
+    def _field_sign(self, question: Question) -> int | None:
+        """The sign in the scene's field, where all bodies concerned are exact."""
+        if not self.live.all_exact(question.bodies(self.n)):
+            return None
+        machine = self.live.field
+        assert machine is not None
+        parts = question.root_sum(machine)
+        if parts[2] == 0 and parts[4] == 0:
+            return field_sign(parts[0])
+        return sign_of_root_sum(*(self.live.numbers.element(part) for part in parts))
+
+    def ask(self, question: Question) -> int:
+        """The sign of a question, by the ladder.
+
+        Raises:
+            Undecided: naming the question, the rungs tried and the bits.
+        """
+        self.evidence = None
+        proof_tried = False
+        while True:
+            sign = self._ball_sign(question)
+            if sign is not None:
+                self.plan["full ball"] += 1
+                return sign
+            sign = self._field_sign(question)
+            if sign is not None:
+                self.plan["field"] += 1
+                rational = all(isinstance(self.live.state(i)[1], fmpq) for i in question.bodies(self.n))
+                self.evidence = Evidence(TieProof.RATIONAL if rational else TieProof.FIELD)
+                return sign
+            if isinstance(question, Sooner) and self.prover.symmetric(question.first, question.second):
+                self.plan["symmetry"] += 1
+                self.evidence = Evidence(TieProof.SYMMETRY)
+                return 0
+            if not proof_tried and self.live.bits >= TRY_BITS:
+                proof_tried = True
+                sign = self._proved(question)
+                if sign is not None:
+                    return sign
+            if self.prover.accepts(self.live.bits):
+                self.plan["assumed"] += 1
+                self.evidence = Evidence(TieProof.ASSUMED, self.live.bits)
+                return 0
+            if 2 * self.live.bits > self.max_bits:
+                raise Undecided(self._undecided_message(question))
+            self._rise("undecided")
+
+    def _proved(self, question: Question) -> int | None:
+        """Zero proved in nested roots, or made probable by residues and accepted as such."""
+        found = self.prover.prove(question, self.history.steps)
+        if found is None:
+            return None
+        self.evidence = found.evidence
+        self.plan[found.evidence.proof.name.lower()] += 1
+        return found.sign
+
+    def _undecided_message(self, question: Question) -> str:
+        tried = self.prover.tried()
+        return (
+            f"{question.describe(self.name)} is not proved, after {len(self.history.records)} instants, "
+            f"with {self.live.bits} bits{tried}"
+        )
+
+    # -- which comes first
+
+    def earliest(self, rivals: list[Candidate]) -> tuple[list[Candidate], list[Candidate], list[Tie]]:
+        """Settles doubtful hits, then finds the first, or those proved to coincide."""
+        self.prepare()
+        candidates = [c for c in map(self._settled, rivals) if c is not None]
+        if not candidates:
+            return [], [], []
+        rest = []
+        front = []
+        for c in candidates:
+            if any(other.time < c.time for other in candidates):
+                rest.append(c)
+            else:
+                front.append(c)
+        first, ties = front[0], []
+        chosen = [first]
+        for c in front[1:]:
+            sign = self.ask(Sooner(c.link, first.link))
+            if sign < 0:
+                rest += chosen
+                first, ties, chosen = c, [], [c]
+            elif sign > 0:
+                rest.append(c)
+            else:
+                evidence = self.evidence or Evidence(TieProof.CONSTRUCTION)
+                ids = self.scene.ids
+                pairs = tuple(contact_of(ids, link) for link in (first.link, c.link))
+                ties.append(Tie(pairs, evidence.proof, evidence.bound))
+                chosen.append(c)
+        return chosen, rest, ties
+
+    def _settled(self, candidate: Candidate) -> Candidate | None:
+        """The candidate if it is certain to come, or made so; None if it will not come."""
+        if candidate.time is not None:
+            return candidate
+        link = candidate.link
+        self.plan["doubtful settled"] += 1
+        if link[1] < self.n and self.ask(Discriminant(link)) <= 0:
+            return None
+        if self.ask(Approach(link)) >= 0:
+            return None
+        return candidate._replace(time=self._hit_time(link))
+
+    def _hit_time(self, link: Link) -> arb:
+        """The time of a hit that is certain, as a ball of full precision that excludes the past."""
+        while True:
+            ctx.prec = self.live.bits
+            self.live.sync(tuple(i for i in link if i < self.n))
+            t, wait = self.live.balls.hit(link)
+            if wait > ball.ZERO:
+                return t + wait
+            self._rise(f"the time of {self.name(link)} is unsharp")
+
+    def unsure(self, link: Link) -> None:
+        """A prediction that short balls could not decide: full balls, and proofs where a gap may be zero."""
+        self.plan["full predictions"] += 1
+        self.prepare()
+        pair = link[1] < self.n
+        if self.ask(Gap(link)) == 0:
+            if self.ask(Approach(link)) < 0:
+                raise Undecided(
+                    f"{self.name(link)} touch just as one of them is hit, {self._where()}: "
+                    "the contact belongs to the instant before"
+                )
+            return
+        ctx.prec = self.live.bits
+        approach = self._ball_sign(Approach(link))
+        if approach is not None and approach >= 0:
+            return
+        disc = self._ball_sign(Discriminant(link)) if pair else 1
+        if disc is not None and (disc < 0 or (disc == 0)):
+            return
+        if approach is not None and disc is not None:
+            self.push(self._hit_time(link), link)
+            return
+        low = self._earliest_possible(link)
+        if low < inf:
+            self.push_doubtful(low, link)
+
+    def _earliest_possible(self, link: Link) -> float:
+        """A double before which a doubtful hit cannot come: gap over the greatest closing speed."""
+        machine = self.live.balls
+        if link[1] < self.n:
+            t, dx, dy, vx, vy, reach = machine.relation(*link)
+            distance = ball.root(dx * dx + dy * dy)
+            speed = ball.root(vx * vx + vy * vy)
+            gap = machine.gap(link) / (distance + reach)
+        else:
+            t, gap, speed = machine.bodies[link[0]].t, machine.gap(link), -machine.approach(link)
+        fastest = speed.upper()
+        if not fastest > ball.ZERO:
+            return inf
+        low = float((t + gap / fastest).lower())
+        return -inf if low != low else nextafter(low, -inf)
+
+
+def contact_of(ids: tuple[str, ...], link: Link) -> Any:
+    """A contact by id."""
+    from ..scenarios.trajectory import Contact
+
+    return Contact(ids[link[0]], ids[link[1]])

@@ -1,0 +1,329 @@
+"""The laws of motion and collision, stated as equations and solved by SymPy.
+
+The statements are those of Carl M. Kadie, 'Perfect, Infinite-Precision, Game Physics in Python
+(Part 3)', 2023 (package perfect-physics on PyPI), in his symbols: circles a and b, a wall through
+(x_0, y_0) and (x_1, y_1), a prime for a position at time t, a hat for a velocity after a collision.
+
+`python -m truebreak.exact.laws` derives them all afresh, proves that the stable forms
+of `stable_forms.py` are equal to them, and writes `formulas.py`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from sympy import Eq, Expr, Symbol, cancel, limit, linsolve, oo, sqrt, symbols
+
+from .elimination import eliminate
+
+t, p = symbols("t, p")
+a_x, a_y, a_vx, a_vy, a_r, a_m = symbols("a_x, a_y, a_vx, a_vy, a_r, a_m")
+b_x, b_y, b_vx, b_vy, b_r, b_m = symbols("b_x, b_y, b_vx, b_vy, b_r, b_m")
+aprime_x, aprime_y, bprime_x, bprime_y = symbols("a'_x, a'_y, b'_x, b'_y")
+ahat_vx, ahat_vy, bhat_vx, bhat_vy = symbols("ahat_vx, ahat_vy, bhat_vx, bhat_vy")
+x0, y0, x1, y1, x2, y2 = symbols("x_0, y_0, x_1, y_1, x_2, y_2")
+w_x0, w_y0, w_x1, w_y1, w_m, what_vx, what_vy = symbols("w_x0, w_y0, w_x1, w_y1, w_m, what_vx, what_vy")
+
+
+class LawError(ArithmeticError):
+    """A derivation did not give what the physics demands."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """A system of equations as the physics states it, and what to solve it for.
+
+    Attributes:
+        title: what the equations say, in words.
+        equations: one `sympy.Eq` for each unknown.
+        unknowns: the first is what is asked for.
+    """
+
+    title: str
+    equations: tuple[Any, ...]
+    unknowns: tuple[Symbol, ...]
+
+
+def pair_touch() -> Statement:
+    """Step 1: two circles, moving straight, just touch at time t.
+
+    >>> len(pair_touch().equations)
+    5
+    """
+    return Statement(
+        "two circles just touch: the distance of the centers is the sum of the radii",
+        (
+            Eq(aprime_x, a_x + a_vx * t),
+            Eq(aprime_y, a_y + a_vy * t),
+            Eq(bprime_x, b_x + b_vx * t),
+            Eq(bprime_y, b_y + b_vy * t),
+            Eq((aprime_x - bprime_x) ** 2 + (aprime_y - bprime_y) ** 2, (a_r + b_r) ** 2),
+        ),
+        (t, aprime_x, aprime_y, bprime_x, bprime_y),
+    )
+
+
+def wall_touch() -> Statement:
+    """Step 2: a circle just touches a wall at the point (x_2, y_2), at right angles to it.
+
+    >>> len(wall_touch().equations)
+    6
+    """
+    slope_0 = (y1 - y0) / (x1 - x0)
+    slope_1 = (aprime_y - y2) / (aprime_x - x2)
+    return Statement(
+        "a circle just touches a wall: a point of the wall is one radius away, at a right angle",
+        (
+            Eq(aprime_x, a_x + a_vx * t),
+            Eq(aprime_y, a_y + a_vy * t),
+            Eq(x2, x0 + (x1 - x0) * p),
+            Eq(y2, y0 + (y1 - y0) * p),
+            Eq((x2 - aprime_x) ** 2 + (y2 - aprime_y) ** 2, a_r**2),
+            Eq(slope_0, -1 / slope_1),
+        ),
+        (t, p, aprime_x, aprime_y, x2, y2),
+    )
+
+
+def pair_collision() -> Statement:
+    """Step 3: energy, momentum, and the velocity at right angles to the impact stay.
+
+    >>> len(pair_collision().equations)
+    4
+    """
+    energy_before = a_m * (a_vx**2 + a_vy**2) / 2 + b_m * (b_vx**2 + b_vy**2) / 2
+    energy_after = a_m * (ahat_vx**2 + ahat_vy**2) / 2 + b_m * (bhat_vx**2 + bhat_vy**2) / 2
+    d = sqrt((b_x - a_x) ** 2 + (b_y - a_y) ** 2)
+    ux = -(b_y - a_y) / d
+    uy = (b_x - a_x) / d
+    return Statement(
+        "two circles collide: energy, momentum and the velocity at right angles to the impact stay",
+        (
+            Eq(energy_before, energy_after),
+            Eq(a_m * a_vx + b_m * b_vx, a_m * ahat_vx + b_m * bhat_vx),
+            Eq(a_m * a_vy + b_m * b_vy, a_m * ahat_vy + b_m * bhat_vy),
+            Eq(
+                (b_vx - a_vx) * ux + (b_vy - a_vy) * uy,
+                (bhat_vx - ahat_vx) * ux + (bhat_vy - ahat_vy) * uy,
+            ),
+        ),
+        (ahat_vx, ahat_vy, bhat_vx, bhat_vy),
+    )
+
+
+def wall_collision() -> Statement:
+    """Step 4: the same for a wall at rest of finite mass, before its mass goes to infinity.
+
+    >>> len(wall_collision().equations)
+    4
+    """
+    energy_before = a_m * (a_vx**2 + a_vy**2) / 2 + w_m * 0
+    energy_after = a_m * (ahat_vx**2 + ahat_vy**2) / 2 + w_m * (what_vx**2 + what_vy**2) / 2
+    d = sqrt((w_x1 - w_x0) ** 2 + (w_y1 - w_y0) ** 2)
+    ux = (w_x1 - w_x0) / d
+    uy = (w_y1 - w_y0) / d
+    return Statement(
+        "a circle collides with a wall of finite mass: energy, momentum and the velocity along the wall stay",
+        (
+            Eq(energy_before, energy_after),
+            Eq(a_m * a_vx + w_m * 0, a_m * ahat_vx + w_m * what_vx),
+            Eq(a_m * a_vy + w_m * 0, a_m * ahat_vy + w_m * what_vy),
+            Eq(a_vx * ux + a_vy * uy, (ahat_vx - what_vx) * ux + (ahat_vy - what_vy) * uy),
+        ),
+        (ahat_vx, ahat_vy, what_vx, what_vy),
+    )
+
+
+def wall_aim() -> Statement:
+    """Step 5: the point (x_2, y_2) of a wall where the circle's center would meet it.
+
+    >>> len(wall_aim().equations)
+    4
+    """
+    return Statement(
+        "where the center of a circle would meet a wall",
+        (
+            Eq(x2, a_x + a_vx * t),
+            Eq(y2, a_y + a_vy * t),
+            Eq(x2, x0 + (x1 - x0) * p),
+            Eq(y2, y0 + (y1 - y0) * p),
+        ),
+        (x2, y2, p, t),
+    )
+
+
+@cache
+def pair_times() -> tuple[Expr, ...]:
+    """The two times at which circles a and b just touch; the first is the earlier one.
+
+    Times may come out negative, complex, or nan (no relative motion): see step 1 of the article.
+
+    >>> head_on = {a_x: 0, a_y: 0, a_r: 1, a_vx: 2, a_vy: 0, b_x: 4, b_y: 0, b_r: 1, b_vx: 0, b_vy: 0}
+    >>> [time.subs(head_on) for time in pair_times()]
+    [1, 3]
+    """
+    return _first_of_each(pair_touch(), count=2)
+
+
+@cache
+def wall_times() -> tuple[Expr, ...]:
+    """The two times at which circle a just touches a wall, from the one side and from the other.
+
+    >>> fall = {a_x: 0, a_y: 5, a_r: 1, a_vx: 0, a_vy: -2, x0: 0, y0: 0, x1: 1, y1: 0}
+    >>> sorted(time.subs(fall) for time in wall_times())
+    [2, 3]
+    """
+    return _first_of_each(wall_touch(), count=2)
+
+
+@cache
+def pair_velocities() -> tuple[tuple[Expr, ...], tuple[Expr, ...]]:
+    """(ahat_vx, ahat_vy, bhat_vx, bhat_vy) if the circles miss each other, and if they collide.
+
+    Raises:
+        LawError: unless there are these two solutions and the first changes nothing.
+
+    >>> pair_velocities()[0]
+    (a_vx, a_vy, b_vx, b_vy)
+    """
+    return _miss_and_hit(pair_collision(), (a_vx, a_vy, b_vx, b_vy))
+
+
+@cache
+def fixed_circle_velocities() -> tuple[Expr, Expr]:
+    """(ahat_vx, ahat_vy) off a circle b at rest, in the limit of b's infinite mass.
+
+    The article takes this limit for walls; here it is taken for an obstacle too.
+
+    Raises:
+        LawError: if the obstacle would move.
+
+    >>> a = {a_x: 0, a_y: 0, b_x: 0, b_y: -2, a_vx: 3, a_vy: -1}
+    >>> [velocity.subs(a) for velocity in fixed_circle_velocities()]
+    [3, 1]
+    """
+    _, hit = pair_velocities()
+    at_rest = {b_vx: 0, b_vy: 0}
+    vx, vy, *obstacle = (limit(velocity.subs(at_rest), b_m, oo) for velocity in hit)
+    if obstacle != [0, 0]:
+        raise LawError(f"a circle of infinite mass moves off with {obstacle}")
+    return cancel(vx), cancel(vy)
+
+
+@cache
+def finite_wall_velocities() -> tuple[tuple[Expr, ...], tuple[Expr, ...]]:
+    """(ahat_vx, ahat_vy, what_vx, what_vy) for a wall of finite mass w_m: if missed, and if hit.
+
+    Raises:
+        LawError: unless there are these two solutions and the first changes nothing.
+    """
+    return _miss_and_hit(wall_collision(), (a_vx, a_vy, 0, 0))
+
+
+@cache
+def wall_velocities() -> tuple[Expr, Expr]:
+    """(ahat_vx, ahat_vy) off a wall: the limit of the wall's infinite mass.
+
+    Raises:
+        LawError: if the wall would move.
+
+    >>> floor = {w_x0: 0, w_y0: 0, w_x1: 1, w_y1: 0, a_vx: 1, a_vy: -1}
+    >>> [velocity.subs(floor) for velocity in wall_velocities()]
+    [1, 1]
+    """
+    vx, vy, *wall = (limit(velocity, w_m, oo) for velocity in finite_wall_velocities()[1])
+    if wall != [0, 0]:
+        raise LawError(f"a wall of infinite mass moves off with {wall}")
+    return cancel(vx), cancel(vy)
+
+
+@cache
+def pair_instant_speed() -> Expr:
+    """How fast the centers of a and b come nearer in the instant after time 0; negative if they part.
+
+    >>> facing = {a_x: 0, a_y: 0, a_vx: 1, a_vy: 0, b_x: 2, b_y: 0, b_vx: 0, b_vy: 0}
+    >>> pair_instant_speed().subs(facing)
+    1
+    """
+    d0 = sqrt((a_x - b_x) ** 2 + (a_y - b_y) ** 2)
+    d1 = sqrt((a_x + t * a_vx - (b_x + t * b_vx)) ** 2 + (a_y + t * a_vy - (b_y + t * b_vy)) ** 2)
+    return limit((d0 - d1) / t, t, 0)
+
+
+@cache
+def wall_aim_point() -> tuple[Expr, Expr]:
+    """The point (x_2, y_2) of a wall that the center of circle a is heading for, or is coming from."""
+    statement = wall_aim()
+    solutions: Any = linsolve(list(statement.equations), statement.unknowns)
+    ((x, y, _p, _t),) = solutions
+    return x, y
+
+
+@cache
+def wall_instant_speed() -> Expr:
+    """How fast the center of circle a comes nearer to the point of the wall it is heading for.
+
+    This is the whole speed of the circle, negative if it moves away from the wall.
+
+    >>> slope = {x0: -1, y0: -1, x1: 1, y1: 1, a_x: -sqrt(2)/2, a_y: sqrt(2)/2, a_vx: 2, a_vy: 1}
+    >>> wall_instant_speed().subs(slope).simplify()
+    sqrt(5)
+    """
+    x, y = wall_aim_point()
+    return pair_instant_speed().subs({b_x: x, b_y: y, b_vx: 0, b_vy: 0})
+
+
+def _first_of_each(statement: Statement, count: int) -> tuple[Expr, ...]:
+    solutions = eliminate(statement.equations, statement.unknowns)
+    if len(solutions) != count:
+        raise LawError(f"{statement.title}: {len(solutions)} solutions, not {count}")
+    return tuple(solution[0] for solution in solutions)
+
+
+def _miss_and_hit(statement: Statement, before: tuple) -> tuple[tuple[Expr, ...], tuple[Expr, ...]]:
+    solutions = eliminate(statement.equations, statement.unknowns)
+    if len(solutions) != 2 or before not in solutions:
+        raise LawError(f"{statement.title}: expected a miss and a hit, found {solutions}")
+    (hit,) = (solution for solution in solutions if solution != before)
+    return before, hit
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Derive, prove, and write or check `formulas.py`; the exit status."""
+    from . import proofs
+
+    parser = argparse.ArgumentParser(
+        prog="python -m truebreak.exact.laws",
+        description="Derive the laws of motion and collision with SymPy, show them, prove that the stable "
+        "forms are equal to them, and write these to formulas.py. Takes some ten seconds. "
+        "The laws go to standard output, the progress to standard error.",
+        epilog="To change a formula: edit its stable form in exact/stable_forms.py, then run this again. "
+        "To change the physics: edit a statement in exact/laws.py; the proofs then fail until the "
+        "stable forms agree. Exit status: 0 done, 1 not current (--check) or not proved.",
+    )
+    check = "write nothing; exit with 1 if formulas.py is not current"
+    parser.add_argument("--check", action="store_true", help=check)
+    options = parser.parse_args(arguments)
+
+    try:
+        text = proofs.derive_and_prove(sys.stdout, sys.stderr)
+    except (LawError, ValueError) as error:
+        print(f"not proved: {error}", file=sys.stderr)
+        return 1
+    if options.check:
+        current = proofs.is_current(text)
+        verdict = "current" if current else "not current: run without --check"
+        print(f"formulas.py is {verdict}", file=sys.stderr)
+        return 0 if current else 1
+    print(f"wrote {proofs.write(text)}", file=sys.stderr)
+    return 0
+
+
+if __name__ == "__main__":
+    from .laws import main as run  # not this copy of the module, which is named __main__
+
+    sys.exit(run())

@@ -1,0 +1,235 @@
+"""The exact engine's live state: each body in its field while that is short, in balls from then on.
+
+A body is *exact* while its position, velocity and clock lie in the field of the scene (rationals, or the roots in
+the scene's own numbers) and are short; else it is held in balls of `bits` bits. Every step carried out is logged,
+so the balls can be computed again with more bits: that is how precision rises.
+"""
+
+from __future__ import annotations
+
+from flint import arb, ctx  # type: ignore[attr-defined]
+
+from ..scenarios.quantity import Quantity
+from ..scenarios.scene import Scene
+from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Step
+from .numbers import ball
+from .numbers.field import Field, LeavesField, field_ball, height
+
+FIELD_BITS = 768
+"""Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
+bits a collision, would soon cost far more."""
+
+SPARE_BITS = 64
+"""Bits of working precision kept beyond the accuracy of the numbers at hand."""
+
+
+class LiveMachine:
+    """Fields and balls side by side, under one log.
+
+    Attributes:
+        balls: the state in balls; a body that is exact is copied into it when asked for (`sync`).
+        field: the state in the scene's field, of the bodies that are exact.
+        exact: for each body, whether it is exact.
+        steps: the log.
+        lowest: the worst accuracy in bits of any event time since the last rise.
+    """
+
+    def __init__(self, scene: Scene, bits: int) -> None:
+        self.scene = scene
+        self.n = len(scene.circles)
+        self.bits = bits
+        self.steps: list[Step] = []
+        self._in_field: list[bool] = []
+        self._left: dict[int, list[tuple[int, tuple[Number, ...]]]] = {}
+        self._stale = set(range(self.n))
+        self.numbers = Field()
+        ctx.prec = bits
+        self.balls = Machine(scene, ball.constant, ball.root)
+        self.bodies = self.balls.bodies
+        self.lowest = bits
+        for body in self.bodies:
+            body.acc = bits
+        try:
+            self.field: Machine | None = Machine(scene, self.numbers.constant, self.numbers.root)
+            self.numbers.tower.max_depth = self.numbers.tower.depth
+            self.exact = [True] * self.n
+        except LeavesField:
+            self.field = None
+            self.exact = [False] * self.n
+            self._stale.clear()
+
+    @property
+    def zero(self) -> Number:
+        """Zero as a ball."""
+        return self.balls.zero
+
+    @property
+    def flip_time(self) -> Number:
+        """The moment of the reversal, as a ball."""
+        return self.balls.flip_time
+
+    def constant(self, q: Quantity) -> Number:
+        """An exact number as a ball."""
+        return self.balls.constant(q)
+
+    def line(self, body: Body, wall: int) -> Line:
+        """A wall in balls, as seen from a body."""
+        return self.balls.line(body, wall)
+
+    def all_exact(self, bodies: tuple[int, ...]) -> bool:
+        """Whether all of these bodies are exact."""
+        return self.field is not None and all(self.exact[i] for i in bodies)
+
+    # -- copies
+
+    def sync(self, bodies: tuple[int, ...]) -> None:
+        """Brings the ball copies of exact bodies up to date."""
+        for i in bodies:
+            if i in self._stale:
+                self._copy(i)
+                self._stale.discard(i)
+
+    def _copy(self, i: int) -> None:
+        assert self.field is not None
+        source, target = self.field.bodies[i], self.balls.bodies[i]
+        bits = ctx.prec
+        target.x, target.y = field_ball(source.x, bits), field_ball(source.y, bits)
+        target.vx, target.vy = field_ball(source.vx, bits), field_ball(source.vy, bits)
+        target.t = field_ball(source.t, bits)
+        target.last, target.rest, target.acc = source.last, source.rest, bits
+
+    def state(self, i: int) -> tuple[Number, ...]:
+        """(t, x, y, vx, vy) of a body: exact numbers if it is exact, else balls."""
+        body = self.field.bodies[i] if self.field is not None and self.exact[i] else self.balls.bodies[i]
+        return body.t, body.x, body.y, body.vx, body.vy
+
+    def _leave(self, i: int) -> None:
+        """The body's exact life ends here; the log keeps its last exact state."""
+        self.sync((i,))
+        self.exact[i] = False
+        assert self.field is not None
+        body = self.field.bodies[i]
+        state = (body.t, body.x, body.y, body.vx, body.vy, body.last, body.rest)
+        self._left.setdefault(len(self.steps), []).append((i, state))
+
+    # -- steps
+
+    def do(self, step: Step) -> None:
+        """Carries out one step, in the field if its bodies stay there, and logs it."""
+        taking_part = self._taking_part(step)
+        in_field = self.all_exact(taking_part) and self._try_field(step, taking_part)
+        if not in_field:
+            for i in taking_part:
+                if self.exact[i]:
+                    self._leave(i)
+            self._do_balls(step, taking_part)
+        self.steps.append(step)
+        self._in_field.append(in_field)
+
+    def _taking_part(self, step: Step) -> tuple[int, ...]:
+        if type(step) is Go:
+            source = step.source
+            if type(source) is tuple:
+                n = self.n
+                extra = [i for i in source if i < n and i not in step.bodies]
+                return (*step.bodies, *extra) if extra else step.bodies
+            return step.bodies if isinstance(step.source, Quantity) else (*step.bodies, step.source)
+        if isinstance(step, Kick):
+            return tuple({i for link in step.links for i in link if i < self.n})
+        return tuple(range(self.n))
+
+    def _try_field(self, step: Step, taking_part: tuple[int, ...]) -> bool:
+        machine = self.field
+        assert machine is not None
+        machine.steps_done = len(self.steps)
+        try:
+            machine.do(step)
+        except LeavesField:
+            return False
+        longest = 0
+        for i in taking_part:
+            body = machine.bodies[i]
+            longest = max(longest, height(body.x), height(body.y), height(body.t), height(body.vx))
+            if isinstance(step, Kick):
+                body.rest = body.vx == 0 and body.vy == 0
+        self._stale.update(taking_part)
+        if isinstance(step, Flip):
+            self.sync(taking_part)
+            self.balls.flip_time = field_ball(machine.flip_time, ctx.prec)
+        if longest > FIELD_BITS and isinstance(step, Kick):
+            self.steps.append(step)
+            for i in taking_part:
+                self._leave(i)
+            self.steps.pop()
+        return True
+
+    def _do_balls(self, step: Step, taking_part: tuple[int, ...]) -> None:
+        machine = self.balls
+        machine.steps_done = len(self.steps)
+        accuracy = self._step_in_balls(machine, step, taking_part, self.bits)
+        if accuracy < self.lowest:
+            self.lowest = accuracy
+
+    @staticmethod
+    def _step_in_balls(machine: Machine, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
+        """One step, with no more bits than the bodies' accuracy deserves; gives the accuracy after it."""
+        bodies = machine.bodies
+        accuracy = bits
+        if type(step) is Go:
+            worst = min([bodies[i].acc for i in taking_part if not bodies[i].rest], default=bits)
+            ctx.prec = min(bits, worst + SPARE_BITS)
+            machine.do(step)
+            if taking_part:
+                accuracy = max(0, min(bits, bodies[taking_part[0]].t.rel_accuracy_bits()))
+                for i in step.bodies:
+                    bodies[i].acc = accuracy
+        else:
+            machine.do(step)
+            if isinstance(step, Kick):
+                for i in taking_part:
+                    body = bodies[i]
+                    body.rest = body.vx.is_zero() and body.vy.is_zero()
+        return accuracy
+
+    # -- precision
+
+    def rise(self, bits: int) -> None:
+        """Computes the balls again with `bits` bits, from the log."""
+        self.bits = bits
+        self.lowest = bits
+        ctx.prec = bits
+        machine = Machine(self.scene, ball.constant, ball.root)
+        for body in machine.bodies:
+            body.acc = bits
+        for k, step in enumerate(self.steps):
+            if k in self._left:
+                self._arrive(machine, k)
+            if not self._in_field[k]:
+                machine.steps_done = k
+                accuracy = self._step_in_balls(machine, step, self._taking_part(step), bits)
+                self.lowest = min(self.lowest, accuracy)
+                ctx.prec = bits
+            elif isinstance(step, Flip):
+                machine.flip_time = self.balls.flip_time
+        if len(self.steps) in self._left:
+            self._arrive(machine, len(self.steps))
+        if self.field is not None and any(isinstance(step, Flip) for step in self.steps):
+            last = next(k for k, step in enumerate(self.steps) if isinstance(step, Flip))
+            if self._in_field[last]:
+                machine.flip_time = field_ball(self.field.flip_time, bits)
+        for old, new in zip(self.bodies, machine.bodies, strict=True):
+            for name in ("x", "y", "vx", "vy", "t", "acc", "r", "w"):
+                setattr(old, name, getattr(new, name))
+        self.balls._lines = machine._lines
+        self.balls.zero, self.balls.one = machine.zero, machine.one
+        self.balls.flip_time = machine.flip_time
+        self._stale = {i for i in range(self.n) if self.exact[i]}
+
+    def _arrive(self, machine: Machine, k: int) -> None:
+        """Bodies whose exact life ended before step k enter the balls of a replay."""
+        for i, (t, x, y, vx, vy, last, rest) in self._left[k]:
+            body = machine.bodies[i]
+            bits = ctx.prec
+            body.t, body.x, body.y = (field_ball(value, bits) for value in (t, x, y))
+            body.vx, body.vy = field_ball(vx, bits), field_ball(vy, bits)
+            body.last, body.rest, body.acc = last, rest, bits

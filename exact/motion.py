@@ -1,0 +1,217 @@
+"""The motion of an exact run between its events."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from flint import arb, fmpq  # type: ignore[attr-defined]
+from numpy.typing import NDArray
+
+from ..scenarios.quantity import Quantity, certain_double
+from ..scenarios.tower import Element
+from .formulas import advance
+from .machine import Machine, Number
+from .numbers import ball
+from .value import ExactValue, Program
+
+READ_BITS = 192
+"""Precision at which stored states (short balls) are carried on to a time asked for."""
+
+
+class ExactMotion:
+    """Positions and velocities at any time, as `ExactValue`s.
+
+    Args:
+        program: the scene and its log.
+        knots: for each circle, (t, x, y, vx, vy, length of the log) after each change of its velocity.
+        end: the last time that may be asked for.
+        flip: the moment of the reversal and the length of the log after it, if there was one.
+        returned: whether the state at twice that moment is known to be the start with velocities negated.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        knots: Sequence[Sequence[tuple[Any, ...]]],
+        end: ExactValue | Quantity,
+        returned: bool = False,
+    ) -> None:
+        self.program = program
+        self.knots = knots
+        self.end = end
+        self.returned = returned
+        self._rough = [[float(_ball(knot[0])) for knot in row] for row in knots]
+
+    def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
+        """(x, y, vx, vy) of every circle; at an event, as it leaves it.
+
+        Args:
+            time: a number of any kind (see `Quantity.of`), or a time of this run.
+
+        Raises:
+            ValueError: before 0 or after the end.
+        """
+        if self.returned and time is self.end:
+            return self._start_reversed()
+        if not isinstance(time, ExactValue):
+            time = Quantity.of(time)
+            if time.sign() < 0:
+                raise ValueError(f"time {time} is before the start; ask for 0 or later")
+        if time is not self.end and self._after(time, self.end):
+            raise ValueError(f"time {_shown(time)} is after the end of the run; run it for longer")
+        return [self._of_circle(i, time) for i in range(len(self.knots))]
+
+    def _start_reversed(self) -> list[tuple[Any, Any, Any, Any]]:
+        rows = []
+        for circle in self.program.scene.circles:
+            values = (circle.x, circle.y, -circle.vx, -circle.vy)
+            rows.append(tuple(_known(self.program, value) for value in values))
+        return rows
+
+    def _after(self, time: Any, other: Any) -> bool:
+        """Whether a time is certainly later than another; a knot's own time never is."""
+        with ball.precision(READ_BITS):
+            if isinstance(time, Quantity) and isinstance(other, Quantity):
+                return time > other
+            gap = _ball_of(time, READ_BITS) - _ball_of(other, READ_BITS)
+        return gap > ball.ZERO
+
+    def _knot(self, i: int, time: Any) -> int:
+        """The last knot of a circle that is not later than a time."""
+        rough = self._rough[i]
+        near = float(time)
+        room = abs(near) * 2.0**-50
+        k = bisect_right(rough, near + room) - 1
+        while k > 0 and rough[k] >= near - room and self._knot_after(i, k, time):
+            k -= 1
+        return max(k, 0)
+
+    def _knot_after(self, i: int, k: int, time: Any) -> bool:
+        """Whether a knot is later than a time, to full accuracy; equal counts as not later."""
+        if isinstance(time, ExactValue) and time._upto >= self.knots[i][k][5]:
+            return False
+        if isinstance(time, ExactValue):
+            return True
+        known = self.knots[i][k][0]
+        if isinstance(known, fmpq) and time.rational is not None:
+            return known > time.rational
+        knot_time = self._time_value(i, k)
+        bits = 128
+        while True:
+            with ball.precision(bits + 64):
+                gap = knot_time.ball(bits) - time.ball(bits)
+            sign = ball.sign_of(gap)
+            if sign is not None:
+                return sign > 0
+            if bits >= EQUAL_BITS:
+                return self._exactly_after(knot_time, time)
+            bits *= 2
+
+    def _exactly_after(self, knot_time: ExactValue, time: Quantity) -> bool:
+        exact = knot_time.exact()
+        if exact is None:
+            raise ValueError(f"whether an event falls on time {time} is not known; ask for a time beside it")
+        return (exact - time.in_tower(exact.tower)).sign() > 0
+
+    def _time_value(self, i: int, k: int) -> ExactValue:
+        upto = self.knots[i][k][5]
+        return ExactValue(self.program, upto, (i,), lambda m: m.bodies[i].t, self.knots[i][k][0])
+
+    def _of_circle(self, i: int, time: Any) -> tuple[Any, Any, Any, Any]:
+        k = self._knot(i, time)
+        t, x, y, vx, vy, upto = self.knots[i][k]
+        if isinstance(time, ExactValue):
+            bodies = (i, *time._bodies)
+            upto = max(upto, time._upto)
+            when: Callable[[Machine], Number] = time._formula
+            near_time = time.near
+        else:
+            bodies = (i,)
+
+            def when(machine: Machine) -> Number:
+                return machine.constant(time)
+
+            near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
+
+        def x_at(machine: Machine) -> Number:
+            body = machine.bodies[i]
+            return body.x if body.rest else advance(body.x, body.vx, when(machine) - body.t)
+
+        def y_at(machine: Machine) -> Number:
+            body = machine.bodies[i]
+            return body.y if body.rest else advance(body.y, body.vy, when(machine) - body.t)
+
+        near_x, near_y = _near(x, vx, near_time, t), _near(y, vy, near_time, t)
+        make = ExactValue
+        return (
+            make(self.program, upto, bodies, x_at, near_x),
+            make(self.program, upto, bodies, y_at, near_y),
+            make(self.program, upto, bodies, lambda m: m.bodies[i].vx, vx),
+            make(self.program, upto, bodies, lambda m: m.bodies[i].vy, vy),
+        )
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """Shape (times, circles, 4), as doubles; times within the run, ascending."""
+        result = np.empty((len(times), len(self.knots), 4))
+        for row, time in enumerate(times):
+            exact = Quantity.of(float(time))
+            for i in range(len(self.knots)):
+                t, x, y, vx, vy, _ = self.knots[i][self._knot(i, exact)]
+                values = (
+                    _near(x, vx, exact.rational, t),
+                    _near(y, vy, exact.rational, t),
+                    vx,
+                    vy,
+                )
+                result[row, i] = [_double(value) for value in values]
+        return result
+
+
+EQUAL_BITS = 1024
+"""Accuracy at which a time that still cannot be told from an event's is asked to be proved equal."""
+
+
+def _exact_kind(*numbers: Any) -> bool:
+    return not any(isinstance(number, arb) for number in numbers)
+
+
+def _near(x: Any, v: Any, time: Any, t: Any) -> Any:
+    """x + v (time - t) in the numbers at hand: exact if they all are and share a field, else a ball."""
+    if _exact_kind(x, v, time, t):
+        towers = {id(n.tower) for n in (x, v, time, t) if isinstance(n, Element)}
+        if len(towers) <= 1:
+            return advance(x, v, time - t)
+    with ball.precision(READ_BITS):
+        return advance(_ball(x), _ball(v), _ball(time) - _ball(t))
+
+
+def _ball(number: Any) -> arb:
+    if isinstance(number, arb):
+        return number
+    if isinstance(number, fmpq):
+        with ball.precision(READ_BITS):
+            return arb(number)
+    return number.ball(READ_BITS)
+
+
+def _ball_of(time: Any, bits: int) -> arb:
+    return time.ball(bits)
+
+
+def _double(number: Any) -> float:
+    """The nearest double where that is certain at the accuracy at hand, else the double nearest the midpoint."""
+    value = _ball(number)
+    double = certain_double(value)
+    return float(value) if double is None else double
+
+
+def _shown(time: Any) -> str:
+    return f"{float(time):.17g}"
+
+
+def _known(program: Program, value: Quantity) -> ExactValue:
+    near = value.rational if value.rational is not None else value.ball(READ_BITS)
+    return ExactValue(program, 0, (), lambda machine: machine.constant(value), near)

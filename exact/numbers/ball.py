@@ -1,0 +1,85 @@
+"""Balls: midpoint and radius that enclose the exact value, through `flint.arb`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import inf, nextafter
+
+from flint import arb, ctx  # type: ignore[attr-defined]
+
+from ...scenarios.quantity import Quantity
+
+ZERO = arb(0)
+
+SHARP_BITS = 60
+"""A time accurate to this many bits lies within 2**-58 of its midpoint, relatively."""
+
+SLACK = 2.0**-50
+"""Relative room left around the nearest double of such a midpoint: 2**-53 for the rounding to double, 2**-58 for
+the ball, twice 2**-53 for the rounding of the bounds themselves; four times their sum is still less."""
+
+LEAST_ROOM = 1e-290
+"""Room below which doubles near their underflow would need a closer look."""
+
+
+def sign_of(value: arb) -> int | None:
+    """-1, 0 or +1 if every number in the ball has that sign, None if not: the one comparison of balls.
+
+    >>> sign_of(arb(2)), sign_of(arb(0)), sign_of(arb("0 +/- 1"))
+    (1, 0, None)
+    """
+    if value > ZERO:
+        return 1
+    if value < ZERO:
+        return -1
+    return 0 if value.is_zero() else None
+
+
+def double_bounds(value: arb) -> tuple[float, float]:
+    """Doubles at or below, and at or above, every number in a ball.
+
+    >>> low, high = double_bounds(arb(1) / 3)
+    >>> low < 1 / 3 < high
+    True
+    """
+    if value.rel_accuracy_bits() > SHARP_BITS:
+        middle = float(value)
+        room = abs(middle) * SLACK
+        if LEAST_ROOM < room < inf or value.is_zero():
+            return middle - room, middle + room
+    if not value.is_finite():
+        return -inf, inf
+    return nextafter(float(value.lower()), -inf), nextafter(float(value.upper()), inf)
+
+
+def constant(q: Quantity) -> arb:
+    """An exact number as a ball at the working precision."""
+    return arb(q.rational) if q.rational is not None else q.ball(ctx.prec)
+
+
+def root(value: arb) -> arb:
+    """The square root of a number that is known not to be negative; its ball may touch zero.
+
+    Where the ball reaches below zero, the root is enclosed by that of its non-negative part: sqrt is increasing,
+    so [0, sqrt(upper)] holds it.
+    """
+    if value > ZERO:
+        return value.sqrt()
+    if value.is_zero():
+        return value
+    top = value.upper()
+    if not top >= ZERO:
+        return arb.nan()
+    return ZERO.union(top.sqrt())
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Sets flint's working precision for a while."""
+    saved = ctx.prec
+    ctx.prec = bits
+    try:
+        yield
+    finally:
+        ctx.prec = saved

@@ -1,0 +1,91 @@
+"""The field of a scene: rationals, with the square roots that the scene's own numbers are made of."""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+from flint import fmpq  # type: ignore[attr-defined]
+
+from ...scenarios.quantity import Quantity, rational_root
+from ...scenarios.tower import Element, Tower, TowerLimit
+
+FieldNumber: TypeAlias = Any
+"""`flint.fmpq` while no root is about, else a tower's `Element`."""
+
+MAX_ROOTS = 4
+"""Nested levels that a scene's constants may need for its runs to be kept in their field."""
+
+
+class LeavesField(Exception):  # noqa: N818 - an outcome, not an error
+    """A square root that is not in the field."""
+
+
+class Field:
+    """Constants and roots within the smallest field that holds a scene's numbers."""
+
+    def __init__(self) -> None:
+        self.tower = Tower(max_depth=MAX_ROOTS)
+
+    def constant(self, q: Quantity) -> FieldNumber:
+        """An exact number; its roots join the field.
+
+        Raises:
+            LeavesField: if the field would grow too deep.
+        """
+        if q.rational is not None:
+            return q.rational
+        try:
+            element = q.in_tower(self.tower)
+        except TowerLimit as limit:
+            raise LeavesField from limit
+        return _simplest(element)
+
+    def root(self, value: FieldNumber) -> FieldNumber:
+        """The square root of a number of the field.
+
+        Raises:
+            LeavesField: if it is not in the field, or the number is negative.
+        """
+        if isinstance(value, fmpq):
+            if value < 0:
+                raise LeavesField
+            root = rational_root(value)
+            if root is not None:
+                return root
+            if self.tower.depth == 0:
+                raise LeavesField
+            value = self.tower.rational(value)
+        if value.sign() < 0:
+            raise LeavesField
+        within = self.tower.root_within(value)
+        if within is None:
+            raise LeavesField
+        return _simplest(within)
+
+    def element(self, value: FieldNumber) -> Element:
+        """The number as an element of the tower."""
+        return self.tower.rational(value) if isinstance(value, fmpq) else value
+
+
+def _simplest(element: Element) -> FieldNumber:
+    fraction = element.fraction()
+    return element if fraction is None else fraction
+
+
+def field_sign(value: FieldNumber) -> int:
+    """-1, 0 or +1."""
+    if isinstance(value, fmpq):
+        return (value > 0) - (value < 0)
+    return value.sign()
+
+
+def field_ball(value: FieldNumber, bits: int) -> Any:
+    """A ball around the number, at flint's working precision, which is `bits`."""
+    from flint import arb  # type: ignore[attr-defined]
+
+    return arb(value) if isinstance(value, fmpq) else value.ball(bits)
+
+
+def height(value: FieldNumber) -> int:
+    """Bits of the longest whole number in it."""
+    return value.height_bits()

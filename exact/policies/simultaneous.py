@@ -1,0 +1,20 @@
+"""All approaching contacts at once, in rounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..complementarity import Ask, pushing_contacts
+from ..machine import Link
+
+
+class Simultaneous:
+    """In each round all contacts that approach get their impulses together.
+
+    The impulses are the least that make every one of them separate at least as fast as it approached
+    (`complementarity`). Symmetric scenes stay symmetric, and no order is chosen.
+    """
+
+    def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+        """Those of the approaching contacts that push."""
+        return pushing_contacts(approaching, ask)

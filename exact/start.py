@@ -1,0 +1,36 @@
+"""Which circles and walls of a scene touch at time 0, decided exactly."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from ..scenarios.scene import Scene
+from ..scenarios.validation import rough_circle, surely_apart
+from .machine import Link
+
+
+@lru_cache(maxsize=8)
+def touching_at_start(scene: Scene) -> list[Link]:
+    """The contacts at gap zero at time 0, in scene order.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> touching_at_start(Scene([Circle(0, 0), Circle("sqrt(2)", "sqrt(2)"), Circle(5, 5)]))
+    [(0, 1)]
+    """
+    circles = scene.circles
+    rough = [rough_circle(circle) for circle in circles]
+    links: list[Link] = []
+    for i, a in enumerate(circles):
+        for j in range(i + 1, len(circles)):
+            if surely_apart(rough[i], rough[j]):
+                continue
+            b = circles[j]
+            dx, dy, reach = b.x - a.x, b.y - a.y, a.r + b.r
+            if (dx * dx + dy * dy - reach * reach).sign() == 0:
+                links.append((i, j))
+        for k, wall in enumerate(scene.walls):
+            nx, ny = wall.normal
+            height = wall.height(a.x, a.y)
+            if (height * height - a.r * a.r * (nx * nx + ny * ny)).sign() == 0:
+                links.append((i, len(circles) + k))
+    return links

@@ -1,0 +1,173 @@
+"""The derived laws as SymPy gave them, evaluated at numbers: nothing rearranged, every filter decided.
+
+The article substitutes numbers into the solutions and filters out what is complex, nan or infinite.
+With nested roots SymPy may leave a zero unrecognised in a denominator, and give nonsense for nan; so the
+radicand and the denominator of each solution are looked at first, and their signs decided.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from sympy import Expr, Symbol, fraction, sqrt, together
+
+from . import laws
+from .symbolic_sign import normal, root, sign
+
+_ROOT = Symbol("root")
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A derived expression taken apart: over / under, in which `_ROOT` stands for sqrt(radicand).
+
+    Attributes:
+        over: numerator.
+        under: denominator.
+        radicand: what the square root is taken of, over its own denominator; None without a root.
+    """
+
+    over: Any
+    under: Any
+    radicand: tuple[Any, Any] | None
+
+    @staticmethod
+    def of(expression: Any) -> Solution:
+        """Takes an expression with at most one square root apart.
+
+        >>> from sympy.abc import x, y
+        >>> Solution.of((1 - sqrt(x)) / y).radicand
+        (x, 1)
+        """
+        half_powers = {part for part in expression.atoms(type(sqrt(Symbol("x")))) if part.exp.q == 2}
+        bases = {part.base for part in half_powers}
+        if not bases:
+            return Solution(*fraction(together(expression)), None)
+        (base,) = bases
+        rational = expression.xreplace({part: _ROOT ** (2 * part.exp) for part in half_powers})
+        return Solution(*fraction(together(rational)), fraction(together(base)))
+
+    def value(self, at: Mapping[Any, Any]) -> Expr | None:
+        """The number that the solution takes, or None where it is complex, nan or infinite."""
+        at = self._with_root(at)
+        if at is None:
+            return None
+        under = normal(self.under.xreplace(at))
+        if sign(under) == 0:
+            return None
+        return normal(self.over.xreplace(at) / under)
+
+    def sign(self, at: Mapping[Any, Any]) -> int | None:
+        """The sign of that number, without computing it; None where it is complex, nan or infinite."""
+        at = self._with_root(at)
+        if at is None:
+            return None
+        under = sign(normal(self.under.xreplace(at)))
+        return under * sign(normal(self.over.xreplace(at))) if under else None
+
+    def _with_root(self, at: Mapping[Any, Any]) -> Any:
+        if self.radicand is None:
+            return at
+        over, under = (normal(part.xreplace(at)) for part in self.radicand)
+        if sign(under) == 0:
+            return None
+        radicand = normal(over / under)
+        if sign(radicand) < 0:
+            return None
+        return {**at, _ROOT: root(radicand)}
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A circle at one moment, in SymPy numbers; `m` is None for a fixed circle."""
+
+    x: Any
+    y: Any
+    vx: Any
+    vy: Any
+    r: Any
+    m: Any | None
+
+
+@dataclass(frozen=True)
+class Line:
+    """A wall through two points, in SymPy numbers."""
+
+    x0: Any
+    y0: Any
+    x1: Any
+    y1: Any
+
+
+def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
+    """All real times from now at which two things would just touch, not ordered, negative ones too.
+
+    >>> from sympy import Integer as I
+    >>> touch_times(Disc(I(0), I(0), I(2), I(0), I(1), I(1)), Disc(I(4), I(0), I(0), I(0), I(1), I(1)))
+    [1, 3]
+    """
+    found = [solution.value(_at(a, b)) for solution in _touch_solutions(isinstance(b, Line))]
+    return [time for time in found if time is not None]
+
+
+def approach_sign(a: Disc, b: Disc | Line) -> int:
+    """The sign of the instant speed at which two things come nearer; 0 where that is nan."""
+    solution = _wall_speed() if isinstance(b, Line) else _pair_speed()
+    return solution.sign(_at(a, b)) or 0
+
+
+def velocities_after(a: Disc, b: Disc | Line) -> tuple[Expr, ...]:
+    """(vx, vy) of a after a collision with a wall or fixed circle b, or (vx, vy) of a and of b.
+
+    Raises:
+        ValueError: where the law has no value, as for two points at one place.
+    """
+    solutions = _hit_solutions("wall" if isinstance(b, Line) else "fixed" if b.m is None else "pair")
+    values = [solution.value(_at(a, b)) for solution in solutions]
+    found = tuple(value for value in values if value is not None)
+    if len(found) != len(values):
+        raise ValueError("the velocities after this collision have no value")
+    return found
+
+
+@cache
+def _touch_solutions(wall: bool) -> Sequence[Solution]:
+    return tuple(map(Solution.of, laws.wall_times() if wall else laws.pair_times()))
+
+
+@cache
+def _pair_speed() -> Solution:
+    return Solution.of(laws.pair_instant_speed())
+
+
+@cache
+def _wall_speed() -> Solution:
+    return Solution.of(laws.wall_instant_speed())
+
+
+@cache
+def _hit_solutions(kind: str) -> Sequence[Solution]:
+    hits = {
+        "pair": lambda: laws.pair_velocities()[1],
+        "fixed": laws.fixed_circle_velocities,
+        "wall": laws.wall_velocities,
+    }
+    return tuple(map(Solution.of, hits[kind]()))
+
+
+def _at(a: Disc, b: Disc | Line) -> dict[Any, Any]:
+    """The article's symbols and their numbers."""
+    values: dict[Any, Any] = {
+        laws.a_x: a.x, laws.a_y: a.y, laws.a_vx: a.vx, laws.a_vy: a.vy, laws.a_r: a.r, laws.a_m: a.m,
+    }  # fmt: skip
+    if isinstance(b, Line):
+        return values | {
+            laws.x0: b.x0, laws.y0: b.y0, laws.x1: b.x1, laws.y1: b.y1,
+            laws.w_x0: b.x0, laws.w_y0: b.y0, laws.w_x1: b.x1, laws.w_y1: b.y1,
+        }  # fmt: skip
+    return values | {
+        laws.b_x: b.x, laws.b_y: b.y, laws.b_vx: b.vx, laws.b_vy: b.vy, laws.b_r: b.r, laws.b_m: b.m,
+    }  # fmt: skip

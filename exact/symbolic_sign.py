@@ -1,0 +1,256 @@
+"""The sign of a SymPy number made of rationals, + - * / and square roots, decided rigorously.
+
+First by enclosures in interval arithmetic. A number that these cannot tell from zero is proved
+to be zero, or not, by squaring: A + B s, with s = sqrt(E), is zero just if A and B s have opposite
+signs and A**2 = B**2 E, which is a question with one root less.
+
+Nothing here is shared with the number systems of the exact engine, whose oracle this is.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from mpmath.ctx_iv import MPIntervalContext
+from sympy import QQ, Add, Expr, Mul, Rational, Symbol, ring, sqrt, sqrtdenest
+
+ENCLOSURE_BITS = (64, 128, 256)
+"""Precisions tried before a proof of zero is; 256 bits are 77 digits."""
+
+MAX_BITS = 1 << 16
+"""A number proved not to be zero is enclosed to at most so many bits."""
+
+MAX_TERMS = 20_000
+"""Squaring doubles degrees; with more terms than this the question is given up as undecided."""
+
+
+class SymbolicUndecided(ArithmeticError):
+    """The sign of a number could not be proved within the budget of terms or bits."""
+
+
+def sign(number: Any) -> int:
+    """-1, 0 or +1.
+
+    Raises:
+        SymbolicUndecided: beyond `MAX_TERMS` or `MAX_BITS`.
+
+    >>> sign(sqrt(2) + sqrt(3) - sqrt(5 + 2*sqrt(6))), sign(sqrt(2) - Rational(141421356, 10**8))
+    (0, 1)
+    """
+    if number.is_Rational:
+        return bool(number > 0) - bool(number < 0)
+    roots = Roots.of(number)
+    return roots.sign(roots.polynomial(number))
+
+
+def normal(number: Any) -> Expr:
+    """The same number, expanded, each root at most once in a product and none in a denominator.
+
+    Equal numbers get the same form if no root is a combination of the others.
+
+    Raises:
+        SymbolicUndecided: as `sign` does.
+
+    >>> normal((1 + sqrt(2)) / (3 - sqrt(2)))
+    5/7 + 4*sqrt(2)/7
+    """
+    if number.is_Rational:
+        return number
+    roots = Roots.of(number)
+    return roots.expression(roots.polynomial(number))
+
+
+def root(radicand: Any) -> Expr:
+    """The square root of a number known not to be negative, denested where SymPy can.
+
+    >>> root(3 + 2*sqrt(2))
+    1 + sqrt(2)
+    """
+    return sqrtdenest(sqrt(radicand))
+
+
+def enclosure(number: Any, bits: int) -> tuple[Any, Any]:
+    """Two mpmath numbers between which a number lies, computed with so many bits."""
+    roots = Roots.of(number)
+    found = roots.enclose(roots.polynomial(number), bits)
+    return found.a, found.b
+
+
+class Roots:
+    """The square roots s_0, s_1, ... that occur in a number, inner ones first.
+
+    Numbers in them are polynomials of degree at most 1 in each, with rational coefficients.
+
+    Attributes:
+        bases: the radicands as SymPy numbers.
+        radicands: the radicands as polynomials in the roots before.
+    """
+
+    def __init__(self, bases: list[Any]) -> None:
+        self.bases = bases
+        self.ring: Any = ring([Symbol(f"s_{k}") for k in range(len(bases))] or [Symbol("s_0")], QQ)[0]
+        self.radicands: list[Any] = []
+        self._interval: Any = MPIntervalContext()
+        self._enclosures: dict[int, list[Any]] = {}
+        for base in bases:
+            self.radicands.append(self.polynomial(base))
+
+    @staticmethod
+    def of(number: Any) -> Roots:
+        """The roots in a number."""
+        bases = {part.base for part in number.atoms(type(sqrt(Symbol("x")))) if _is_root(part)}
+        return Roots(sorted(bases, key=lambda base: (_depth(base), base.sort_key())))
+
+    def polynomial(self, number: Any) -> Any:
+        """A number in these roots as a polynomial in them.
+
+        Raises:
+            SymbolicUndecided: for a number that holds anything but rationals and roots.
+            ZeroDivisionError: for a division by zero.
+        """
+        if number.is_Rational:
+            return self.ring(QQ(int(number.p), int(number.q)))
+        if isinstance(number, Add):
+            return sum((self.polynomial(part) for part in number.args), self.ring.zero)
+        if isinstance(number, Mul):
+            product = self.ring.one
+            for part in number.args:
+                product = self._reduced(product * self.polynomial(part))
+            return product
+        if _is_root(number) or (number.is_Pow and number.exp.is_Integer):
+            value = (
+                self.ring.gens[self.bases.index(number.base)]
+                if _is_root(number)
+                else self.polynomial(number.base)
+            )
+            exponent = int(2 * number.exp) if _is_root(number) else int(number.exp)
+            if exponent < 0:
+                value = self._inverse(value)
+            power = self.ring.one
+            for _ in range(abs(exponent)):
+                power = self._reduced(power * value)
+            return power
+        raise SymbolicUndecided(f"{number} is not made of rationals and square roots")
+
+    def expression(self, polynomial: Any) -> Expr:
+        """A polynomial in the roots as a SymPy number."""
+        total = []
+        for exponents, coefficient in polynomial.terms():
+            factors = [sqrt(base) for base, exponent in zip(self.bases, exponents, strict=False) if exponent]
+            total.append(Mul(Rational(int(coefficient.numerator), int(coefficient.denominator)), *factors))
+        return Add(*total)
+
+    def sign(self, polynomial: Any) -> int:
+        """The sign of a polynomial in the roots.
+
+        Raises:
+            SymbolicUndecided: beyond `MAX_TERMS` or `MAX_BITS`.
+        """
+        if len(polynomial) == 0:
+            return 0
+        for bits in ENCLOSURE_BITS:
+            found = self._certain_sign(polynomial, bits)
+            if found:
+                return found
+        if self._vanishes(polynomial):
+            return 0
+        bits = ENCLOSURE_BITS[-1]
+        while bits < MAX_BITS:
+            bits *= 2
+            found = self._certain_sign(polynomial, bits)
+            if found:
+                return found
+        raise SymbolicUndecided(f"a number that is not 0 cannot be told from 0 by {MAX_BITS} bits")
+
+    def enclose(self, polynomial: Any, bits: int) -> Any:
+        """An mpmath interval that holds the value of a polynomial in the roots."""
+        iv = self._interval
+        iv.prec = bits
+        roots = self._enclosures.setdefault(bits, [])
+        for radicand in self.radicands[len(roots) :]:
+            under = self._value(radicand, roots)
+            roots.append(iv.sqrt(iv.mpf([max(under.a, 0), max(under.b, 0)])))  # radicands are never negative
+        return self._value(polynomial, roots)
+
+    def _value(self, polynomial: Any, roots: list[Any]) -> Any:
+        iv = self._interval
+        total = iv.mpf(0)
+        for exponents, coefficient in polynomial.terms():
+            term = iv.mpf(int(coefficient.numerator)) / int(coefficient.denominator)
+            for value, exponent in zip(roots, exponents, strict=False):
+                if exponent:
+                    term *= value**exponent
+            total += term
+        return total
+
+    def _certain_sign(self, polynomial: Any, bits: int) -> int:
+        """+1 or -1 if an enclosure of so many bits shows it, else 0."""
+        found = self.enclose(polynomial, bits)
+        return bool(found.a > 0) - bool(found.b < 0)
+
+    def _reduced(self, polynomial: Any) -> Any:
+        """The same value, with s_k**2 replaced by its radicand."""
+        for k in reversed(range(len(self.radicands))):
+            if polynomial.degree(self.ring.gens[k]) < 2:
+                continue
+            by_power: dict[int, Any] = {}
+            for exponents, coefficient in polynomial.terms():
+                half, odd = divmod(exponents[k], 2)
+                rest = self.ring({(*exponents[:k], odd, *exponents[k + 1 :]): coefficient})
+                by_power[half] = by_power.get(half, self.ring.zero) + rest
+            polynomial = sum(
+                (part * self.radicands[k] ** half for half, part in by_power.items()), self.ring.zero
+            )
+        if len(polynomial) > MAX_TERMS:
+            raise SymbolicUndecided(
+                f"a number with {len(self.bases)} nested roots needs over {MAX_TERMS} terms"
+            )
+        return polynomial
+
+    def _split(self, polynomial: Any) -> tuple[int, Any, Any] | None:
+        """(k, A, B) with the polynomial = A + B s_k, where s_k is its last root; None without a root."""
+        last = max((k for monomial in polynomial.monoms() for k, e in enumerate(monomial) if e), default=None)
+        if last is None:
+            return None
+        parts = [self.ring.zero, self.ring.zero]
+        for exponents, coefficient in polynomial.terms():
+            rest = (*exponents[:last], 0, *exponents[last + 1 :])
+            parts[exponents[last]] += self.ring({rest: coefficient})
+        return last, parts[0], parts[1]
+
+    def _vanishes(self, polynomial: Any) -> bool:
+        split = self._split(polynomial)
+        if split is None:
+            return not polynomial
+        k, a, b = split
+        sign_b = self.sign(b)
+        sign_a = self.sign(a)
+        if sign_b == 0:
+            return sign_a == 0
+        if sign_a == 0:
+            return self.sign(self.radicands[k]) == 0
+        return sign_a != sign_b and self.sign(self._reduced(a**2 - b**2 * self.radicands[k])) == 0
+
+    def _inverse(self, polynomial: Any) -> Any:
+        over = self.ring.one
+        while (split := self._split(polynomial)) is not None:
+            k, a, b = split
+            conjugate = a - b * self.ring.gens[k]
+            if self.sign(conjugate) == 0:  # the root is a combination of earlier ones: A + B s = 2 A
+                polynomial = 2 * a
+                continue
+            over = self._reduced(over * conjugate)
+            polynomial = self._reduced(a**2 - b**2 * self.radicands[k])
+        constant = polynomial.coeff(1)
+        if not constant:
+            raise ZeroDivisionError("division by a number that is exactly zero")
+        return over.mul_ground(1 / constant)
+
+
+def _is_root(part: Any) -> bool:
+    return part.is_Pow and part.exp.is_Rational and part.exp.q == 2
+
+
+def _depth(number: Any) -> int:
+    """How deep square roots are nested in a number."""
+    return max((_depth(part) for part in number.args), default=0) + _is_root(number)

@@ -1,0 +1,78 @@
+"""Motion in doubles, made of knots: where a circle was when its velocity last changed, and how it left."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import SupportsFloat, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..scenarios.trajectory import Real
+
+Knot: TypeAlias = tuple[float, float, float, float, float]
+"""(t, x, y, vx, vy) of one circle: from time t on it flies straight from (x, y) at (vx, vy)."""
+
+
+@dataclass(frozen=True)
+class DoubleMotion:
+    """Straight flight between knots: the `Motion` of engines that count in doubles.
+
+    Attributes:
+        knots: for each circle, in scene order, its knots by ascending time, at least one. Of several knots at
+            one time the last holds, so that a state at an event is the state as the event leaves it.
+        end: the last time that may be asked for.
+
+    >>> motion = DoubleMotion([[(0.0, 0.0, 0.0, 1.0, 0.0), (2.0, 2.0, 0.0, -1.0, 0.0)]])
+    >>> motion.state(1.5), motion.state(2), motion.state(3)
+    ([(1.5, 0.0, 1.0, 0.0)], [(2.0, 0.0, -1.0, 0.0)], [(1.0, 0.0, -1.0, 0.0)])
+    >>> motion.sample([1.5, 3.0])[:, 0, 0].tolist()
+    [1.5, 1.0]
+    """
+
+    knots: Sequence[Sequence[Knot]]
+    end: float = math.inf
+
+    def state(self, time: SupportsFloat) -> list[tuple[Real, Real, Real, Real]]:
+        """(x, y, vx, vy) of every circle at a time; at a knot, as it leaves it.
+
+        Raises:
+            ValueError: for a time before the first knot or after `end`.
+        """
+        t = float(time)
+        self._check(t)
+        rows: list[tuple[Real, Real, Real, Real]] = []
+        for knots in self.knots:
+            t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
+            rows.append((x + vx * (t - t0), y + vy * (t - t0), vx, vy))
+        return rows
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """Shape (times, circles, 4): the same for many times at once.
+
+        Raises:
+            ValueError: as `state`.
+        """
+        at = np.asarray(times, dtype=np.float64)
+        result = np.empty((len(at), len(self.knots), 4))
+        if len(at):
+            self._check(float(at.min()))
+            self._check(float(at.max()))
+        for column, knots in enumerate(self.knots):
+            table = np.array(knots, dtype=np.float64)
+            held = table[np.searchsorted(table[:, 0], at, side="right") - 1]
+            result[:, column, :2] = held[:, 1:3] + held[:, 3:] * (at - held[:, 0])[:, None]
+            result[:, column, 2:] = held[:, 3:]
+        return result
+
+    def _check(self, time: float) -> None:
+        start = max((knots[0][0] for knots in self.knots), default=0.0)
+        if not start <= time <= self.end:
+            raise ValueError(f"time {time!r} is outside of the run: it lasts from {start!r} to {self.end!r}")
+
+
+def _time(knot: Knot) -> float:
+    return knot[0]

@@ -1,0 +1,81 @@
+"""The table of all scenes in the catalogue, and how one is built from its name."""
+
+from __future__ import annotations
+
+import difflib
+from importlib import import_module
+from typing import Any
+
+from ..errors import SceneError
+from ..scene import Scene
+from ..showing import cut
+from .entry import Entry
+
+FAMILIES = {
+    "article": "article",
+    "cradle": "line",
+    "tennis": "line",
+    "sizes": "line",
+    "galperin": "line",
+    "lee": "line",
+    "near-tie": "line",
+    "inscribed": "polygon",
+    "rack": "rack",
+    "gas": "gas",
+    "reversal": "gas",
+    "pinball": "scatterers",
+    "lorentz": "scatterers",
+    "point": "scatterers",
+    "grazing": "touch",
+    "corner": "touch",
+}
+"""Every scene, and the module of this package whose `SCENES` hold it. A new scene touches its module and this."""
+
+
+def names() -> tuple[str, ...]:
+    """The names of all scenes.
+
+    >>> names()[:3]
+    ('article', 'cradle', 'tennis')
+    """
+    return tuple(FAMILIES)
+
+
+def entry(name: str) -> Entry:
+    """The scene of that name: its summary, its parameters, its source and what is known of it.
+
+    Raises:
+        SceneError: if there is none.
+
+    >>> [parameter.name for parameter in entry("galperin").parameters]
+    ['n']
+    """
+    if name not in FAMILIES:
+        near = difflib.get_close_matches(name, FAMILIES, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise SceneError(f"no scene {cut(name)} in the catalogue; {hint}it has: {', '.join(FAMILIES)}")
+    return import_module(f".{FAMILIES[name]}", __package__).SCENES[name]
+
+
+def build(spec: str, **settings: Any) -> Scene:
+    """The scene that `NAME` or `NAME:key=value,key=value` says; settings may also be given by name.
+
+    Raises:
+        SceneError: for an unknown name or key, and for a value that the scene cannot have.
+
+    >>> build("lee").ids
+    ('left', 'middle', 'right')
+    >>> build("galperin:n=1").name, build("galperin", n=1).name
+    ('galperin:n=1', 'galperin:n=1')
+    """
+    name, colon, rest = spec.partition(":")
+    scene = entry(name.strip())
+    given: dict[str, Any] = {}
+    for part in rest.split(",") if colon and rest.strip() else ():
+        key, equals, value = (piece.strip() for piece in part.partition("="))
+        if not equals:
+            raise SceneError(f"catalogue scene {scene.name!r}: {cut(part)} is not a setting; write key=value")
+        if key in given:
+            raise SceneError(f"catalogue scene {scene.name!r}: {key} is set twice; keep one")
+        given[key] = value
+    return scene.build({**given, **settings})

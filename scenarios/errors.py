@@ -1,0 +1,14 @@
+"""The one error that bad input raises: what is wrong, where, and what to do about it."""
+
+from __future__ import annotations
+
+
+class SceneError(ValueError):
+    """A scene, a number or a setting that cannot be used.
+
+    The message is one line that names the thing, its value and the remedy, fit to be shown to a person as it
+    stands.
+
+    >>> str(SceneError("circle 'b3': r is 0; a radius must be positive"))
+    "circle 'b3': r is 0; a radius must be positive"
+    """

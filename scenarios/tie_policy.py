@@ -1,0 +1,55 @@
+"""What happens when several contacts fall on one instant: the names of the modelling choices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from .errors import SceneError
+
+PolicyName: TypeAlias = Literal["simultaneous", "sequential"]
+
+
+@dataclass(frozen=True)
+class TiePolicy:
+    """The chosen order of impulses among contacts at one instant.
+
+    Attributes:
+        name: `simultaneous` (all approaching contacts at once, in rounds) or `sequential` (one approaching
+            contact at a time).
+        seed: for `sequential`: None takes the contacts in scene order, a whole number draws the order from
+            that seed.
+
+    >>> TiePolicy.parse("sequential:seed=7")
+    TiePolicy(name='sequential', seed=7)
+    >>> str(TiePolicy.parse("sequential"))
+    'sequential:order=scene'
+    """
+
+    name: PolicyName = "simultaneous"
+    seed: int | None = None
+
+    @staticmethod
+    def parse(text: str | TiePolicy) -> TiePolicy:
+        """Reads `simultaneous`, `sequential`, `sequential:order=scene` or `sequential:seed=N`.
+
+        Raises:
+            SceneError: for any other text.
+        """
+        if isinstance(text, TiePolicy):
+            return text
+        if text == "simultaneous":
+            return TiePolicy()
+        if text in ("sequential", "sequential:order=scene"):
+            return TiePolicy("sequential")
+        head, _, seed = str(text).partition("seed=")
+        if head == "sequential:" and seed.isascii() and seed.isdigit() and len(seed) <= 18:
+            return TiePolicy("sequential", int(seed))
+        raise SceneError(
+            f"tie_policy {text!r} is not known; choose simultaneous, sequential:order=scene or sequential:seed=N"
+        )
+
+    def __str__(self) -> str:
+        if self.name == "simultaneous":
+            return self.name
+        return f"sequential:{'order=scene' if self.seed is None else f'seed={self.seed}'}"

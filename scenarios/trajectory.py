@@ -1,0 +1,227 @@
+"""What a run gives back: events, the reason it stopped, and the motion between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .quantity import QuantityLike
+    from .scene import Scene
+
+Real: TypeAlias = SupportsFloat
+"""A number of some engine: float() gives its nearest double. The exact engine's also know their exact value."""
+
+
+class Contact(NamedTuple):
+    """Two touching things by id: the circle that comes first in the scene is first, a wall is last."""
+
+    first: str
+    second: str
+
+
+class TieProof(Enum):
+    """How it is known that several contacts fall on one instant; weakest last."""
+
+    CONSTRUCTION = "the same instant by construction"
+    RATIONAL = "computed in rational numbers"
+    FIELD = "signs of coefficients in the field of the state"
+    SYMMETRY = "a symmetry of the scene maps one to the other"
+    TOWER = "replayed in nested square roots in normal form"
+    PROBABLE = "zero modulo a random prime: evidence, not proof"
+    ASSUMED = "agreement to as many bits as the user asked for: an assumption"
+    FLOAT = "equal in the engine's own finite precision"
+
+    @property
+    def proved(self) -> bool:
+        """Whether this is a proof."""
+        return self not in (TieProof.PROBABLE, TieProof.ASSUMED, TieProof.FLOAT)
+
+
+@dataclass(frozen=True)
+class Tie:
+    """Several contacts on one instant, and how that is known.
+
+    Attributes:
+        contacts: the contacts shown to be simultaneous.
+        proof: the kind of evidence.
+        bound: for PROBABLE, the chance (as log2) that it is wrong; for ASSUMED, the bits of agreement.
+    """
+
+    contacts: tuple[Contact, ...]
+    proof: TieProof
+    bound: int | None = None
+
+
+@dataclass(frozen=True)
+class Event:
+    """One instant at which contacts collide.
+
+    Attributes:
+        index: place in the trajectory, from 0.
+        time: the instant; float(time) is the nearest double.
+        contacts: the contacts that took part, in scene order: those that approach as the instant comes, and
+            those that come to approach in its rounds of impulses.
+        impulses: the pairwise impulses in the order applied; their number is the number of collisions.
+        ties: how it is known that the contacts are simultaneous; empty for a single contact.
+        coupled: whether the order of the impulses could matter: some circle takes part in several contacts that
+            are not at right angles to each other.
+    """
+
+    index: int
+    time: Real
+    contacts: tuple[Contact, ...]
+    impulses: tuple[Contact, ...]
+    ties: tuple[Tie, ...] = ()
+    coupled: bool = False
+
+
+@dataclass(frozen=True)
+class Reversal:
+    """The one moment at which every velocity was negated.
+
+    Attributes:
+        after: number of instants before it.
+        time: the moment.
+    """
+
+    after: int
+    time: Real
+
+
+@dataclass(frozen=True)
+class CircleState:
+    """Where a circle is and how fast it goes, in the engine's own numbers."""
+
+    id: str
+    x: Real
+    y: Real
+    vx: Real
+    vy: Real
+
+
+@dataclass(frozen=True)
+class State:
+    """All circles at one time, in scene order."""
+
+    time: Real
+    circles: tuple[CircleState, ...]
+
+    def __getitem__(self, name: str) -> CircleState:
+        for circle in self.circles:
+            if circle.id == name:
+                return circle
+        raise KeyError(name)
+
+    def array(self) -> NDArray[np.float64]:
+        """Shape (circles, 4): x, y, vx, vy as doubles."""
+        return np.array([[float(c.x), float(c.y), float(c.vx), float(c.vy)] for c in self.circles])
+
+
+class StopReason(Enum):
+    """Why a run ended; the value is what a person reads."""
+
+    HORIZON = "reached the time limit"
+    EVENTS = "reached the limit on instants"
+    QUIET = "no further collision: nothing left to happen"
+    UNDECIDED = "undecided: what happens next could not be proved"
+    BUDGET = "the budget is spent"
+    INTERRUPTED = "interrupted"
+
+
+@dataclass(frozen=True)
+class Stop:
+    """The reason for the end of a run, with the particulars."""
+
+    reason: StopReason
+    message: str
+
+
+class Motion(Protocol):
+    """The motion between the events, as an engine keeps it."""
+
+    def state(self, time: Any) -> list[tuple[Real, Real, Real, Real]]:
+        """(x, y, vx, vy) of every circle at a time; at an event, as it leaves it."""
+        ...
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """Shape (times, circles, 4): the same as doubles at ascending times."""
+        ...
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run is: instants done, and the time reached."""
+
+    events: int
+    time: float
+    note: str = ""
+
+
+OnProgress: TypeAlias = Callable[[Progress], None]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """The history of one scene in one engine.
+
+    Attributes:
+        scene: what was run.
+        engine: the engine's name.
+        parameters: the engine's settings, all of them.
+        events: the instants, in order.
+        stop: why it ended.
+        final_time: the time of the final state.
+        motion: positions and velocities between events; ask through `at` and `sample`.
+        reversal: where velocities were negated, if they were.
+        plan: what each rung of the decision ladder decided and what was skipped, as counts.
+        notes: what the run says of itself, one sentence each (such as an exact return to the start).
+    """
+
+    scene: Scene
+    engine: str
+    parameters: Mapping[str, Any]
+    events: tuple[Event, ...]
+    stop: Stop
+    final_time: Real
+    motion: Motion = field(repr=False)
+    reversal: Reversal | None = None
+    plan: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def at(self, time: QuantityLike | Real) -> State:
+        """The state at a time from 0 to `final_time`; at an event, as it leaves it.
+
+        Raises:
+            ValueError: outside of that range.
+        """
+        rows = self.motion.state(time)
+        return State(
+            time,
+            tuple(CircleState(str(c.id), *row) for c, row in zip(self.scene.circles, rows, strict=True)),
+        )
+
+    @cached_property
+    def final(self) -> State:
+        """The state at the end."""
+        return self.at(self.final_time)
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """Shape (times, circles, 4): x, y, vx, vy as doubles, at ascending times within the run."""
+        return self.motion.sample(times)
+
+    @property
+    def collisions(self) -> int:
+        """Number of pairwise impulses."""
+        return sum(len(event.impulses) for event in self.events)
+
+    @property
+    def certified(self) -> bool:
+        """Whether every decision rests on proof."""
+        return all(tie.proof.proved for event in self.events for tie in event.ties)

@@ -1,0 +1,105 @@
+"""Benchmarks measure what they say, in tiny sizes: what they print, not how many seconds they take."""
+
+from __future__ import annotations
+
+import json
+import math
+from importlib.util import find_spec
+
+import click
+import pytest
+
+from truebreak.compare import bench, rivals
+from truebreak.compare.bench import TRADEOFFS, measure
+from truebreak.compare.figures import BENCHMARKS, GAS, TINY, Figure, Target, interleaved
+from truebreak.compare.tradeoff import SETTINGS, tradeoffs
+from truebreak.scenarios import SceneError
+from truebreak.scenarios.catalogue import build
+
+OPTIONAL = {"gas-billiards": "billiards", "galperin-perfect-physics": "perfect_physics"}
+
+
+@pytest.mark.parametrize(
+    ("bound", "value", "met"),
+    [("at most", 3, True), ("at most", 1, False), ("at least", 1, True), ("at least", 3, False)],
+)
+def test_target_is_met_on_its_own_side(bound: str, value: float, met: bool) -> None:
+    figure = Figure("x", "this / that", 4.0, 2.0, Target("ratio", bound, value))  # type: ignore[arg-type]
+    assert figure.met is met
+
+
+def test_target_in_seconds_regards_the_numerator() -> None:
+    assert Figure("x", "this / that", 4.0, 1.0, Target("seconds", "at most", 4)).met is True
+    assert Figure("x", "this / that", 4.0, 1.0).met is None
+
+
+def test_repeats_are_interleaved_and_a_slow_first_runs_once() -> None:
+    calls: list[str] = []
+    interleaved(lambda: calls.append("a"), lambda: calls.append("b"), 2)
+    assert calls == ["a", "b", "a", "b"]
+    calls.clear()
+    interleaved(lambda: calls.append("a"), lambda: calls.append("b"), 3, once=True)
+    assert calls == ["a", "b", "b", "b"]
+
+
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_every_figure_is_a_positive_ratio_or_says_what_to_install(name: str) -> None:
+    report = measure(TINY, only=[name])
+    if name in OPTIONAL and find_spec(OPTIONAL[name]) is None:
+        assert "pip install" in report.skipped[name]
+        return
+    (figure,) = report.figures
+    assert figure.name == name
+    assert figure.numerator > 0 < figure.denominator
+    assert math.isclose(figure.ratio * figure.denominator, figure.numerator)
+    assert " / " in figure.what
+
+
+def test_tradeoffs_begin_with_exact_and_list_every_setting() -> None:
+    rows = list(tradeoffs(build(GAS), TINY.traded))
+    assert [row.engine for row in rows] == ["exact", *SETTINGS]
+    assert all(row.agreed <= row.events == TINY.traded for row in rows)
+    assert rows[1].agreed == TINY.traded, "doubles follow a gas over five events"
+    assert rows[1].error < 1e-9
+
+
+def test_missing_packages_are_named_with_the_command_that_installs_them(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def missing(name: str) -> None:
+        raise ModuleNotFoundError(name)
+
+    monkeypatch.setattr(rivals, "import_module", missing)
+    report = bench.run(only=list(OPTIONAL), size=TINY)
+    assert report.figures == ()
+    assert set(report.skipped) == set(OPTIONAL)
+    notes = capsys.readouterr().err
+    assert "truebreak[bench]" in notes
+    assert "perfect-physics" in notes
+
+
+def test_json_is_one_object_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
+    bench.run(as_json=True, only=["gas-double", TRADEOFFS], size=TINY)
+    data = json.loads(capsys.readouterr().out)
+    assert data["schema"] == "truebreak/bench-1"
+    (figure,) = data["figures"]
+    assert {"name", "what", "numerator", "denominator", "ratio", "target", "met"} == set(figure)
+    assert data["tradeoffs"][0]["engine"] == "exact"
+
+
+def test_tables_show_each_figure(capsys: pytest.CaptureFixture[str]) -> None:
+    bench.run(only=["gas-double"], size=TINY)
+    assert "exact / double" in capsys.readouterr().out
+
+
+def test_unknown_figures_are_refused_with_a_suggestion() -> None:
+    with pytest.raises(SceneError, match="did you mean 'gas-double'"):
+        measure(TINY, only=["gas-duoble"])
+
+
+def test_help_names_every_figure(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(click.exceptions.Exit) as stop:
+        bench.main(["--help"])
+    assert stop.value.exit_code == 0
+    shown = capsys.readouterr().out
+    assert all(name in shown for name in (*BENCHMARKS, TRADEOFFS))

@@ -1,0 +1,164 @@
+"""Imports run one way, scenarios, exact, floating, compare, and nothing heavy comes before it is needed."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+LAYERS = ("scenarios", "exact", "floating", "compare")
+"""Lowest first: a layer imports itself and those before it."""
+
+FILES = {
+    ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+    for layer in LAYERS
+    for path in sorted((ROOT / layer).rglob("*.py"))
+}
+"""Every module by its name below `truebreak`."""
+
+
+def imported(module: str, with_types: bool = True) -> Iterator[str]:
+    """Full names that a module imports, relative ones resolved: `truebreak.exact.formulas`, `sympy`.
+
+    Imports inside functions count, and so does `import_module` of a literal name; with `with_types=False`
+    those under `if TYPE_CHECKING` do not.
+    """
+    path = FILES[module]
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    yield from _imports(ast.parse(path.read_text("utf-8")), f"truebreak.{package}", with_types)
+
+
+def _imports(node: ast.AST, package: str, with_types: bool) -> Iterator[str]:
+    if isinstance(node, ast.Import):
+        yield from (alias.name for alias in node.names)
+    elif isinstance(node, ast.ImportFrom):
+        base = _absolute("." * node.level + (node.module or ""), package)
+        yield base
+        yield from (f"{base}.{alias.name}" for alias in node.names)
+    elif isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[2] == "import_module":
+        yield from (_absolute(str(a.value), package) for a in node.args[:1] if isinstance(a, ast.Constant))
+    for child in ast.iter_child_nodes(node):
+        if isinstance(node, ast.If) and ast.unparse(node.test).endswith("TYPE_CHECKING") and not with_types:
+            continue
+        yield from _imports(child, package, with_types)
+
+
+def _absolute(name: str, package: str) -> str:
+    level = len(name) - len(name.lstrip("."))
+    if level == 0:
+        return name
+    parts = package.split(".")
+    return ".".join([*parts[: len(parts) - level + 1], *filter(None, [name[level:]])])
+
+
+def own(names: Iterator[str]) -> set[str]:
+    """Those of the names that are modules of this project, without the leading `truebreak.`."""
+    return {short for name in names if (short := name.removeprefix("truebreak.")) != name and short in FILES}
+
+
+def reached(module: str) -> set[str]:
+    """Every module of this project that a module imports when it runs, directly or through others."""
+    found: set[str] = set()
+    waiting = [module]
+    while waiting:
+        for name in own(imported(waiting.pop(), with_types=False)) - found:
+            found.add(name)
+            waiting.append(name)
+    return found
+
+
+def test_resolver_sees_relative_lazy_and_named_imports() -> None:
+    source = (
+        "import sympy\n"
+        "from ..scenarios.scene import Scene\n"
+        "def late():\n"
+        "    from . import formulas\n"
+        "    import_module('..floating.double', __package__)\n"
+    )
+    names = set(_imports(ast.parse(source), "truebreak.exact", True))
+    assert {
+        "sympy",
+        "truebreak.scenarios.scene",
+        "truebreak.exact.formulas",
+        "truebreak.floating.double",
+    } <= names
+
+
+@pytest.mark.parametrize("module", FILES)
+def test_a_layer_imports_only_itself_and_those_below(module: str) -> None:
+    layer = module.partition(".")[0]
+    allowed = LAYERS[: LAYERS.index(layer) + 1]
+    wrong = {name for name in own(imported(module)) if name.partition(".")[0] not in allowed}
+    assert not wrong, f"{module} imports {sorted(wrong)}, which lies above {layer}"
+
+
+@pytest.mark.parametrize("module", FILES)
+def test_siblings_are_imported_relatively(module: str) -> None:
+    tree = ast.parse(FILES[module].read_text("utf-8"))
+    tops = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
+    tops += [
+        str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 0
+    ]
+    wrong = [name for name in tops if name.partition(".")[0] in ("truebreak", *LAYERS)]
+    assert not wrong, (
+        f"{module} imports {wrong}; write it relatively, as in `from ..scenarios.scene import Scene`"
+    )
+
+
+def test_pymunk_engine_is_independent_of_the_exact_layer() -> None:
+    used = {name for name in reached("floating.pymunk_engine") if name.partition(".")[0] == "exact"}
+    assert not used, f"floating/pymunk_engine.py reaches {sorted(used)}; it must stay an independent witness"
+
+
+def test_symbolic_engine_does_not_share_the_event_loop() -> None:
+    used = reached("exact.symbolic") & {"exact.event_loop", "exact.certify", "exact.engine"}
+    assert not used, f"exact/symbolic.py reaches {sorted(used)}; it must stay an independent oracle"
+
+
+TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])"
+"""Irrational from its first collision on, so that the exact engine must leave plain rationals."""
+
+
+@pytest.mark.parametrize(
+    ("code", "absent"),
+    [
+        ("import truebreak.scenarios", "sympy pymunk"),
+        (f"from truebreak.scenarios import *; {TINY}", "sympy pymunk"),
+        ("import truebreak.exact; truebreak.exact.ExactEngine", "sympy pymunk"),
+        (
+            f"from truebreak.scenarios import *; from truebreak.exact import ExactEngine; "
+            f"run = ExactEngine().run({TINY}, events=5); assert run.events; float(run.final.circles[0].x)",
+            "sympy pymunk",
+        ),
+        ("import truebreak.floating; truebreak.floating.DoubleEngine", "sympy pymunk"),
+        ("import truebreak.compare", "sympy pymunk"),
+        (
+            "import sys; sys.argv[1:] = ['--help']; from truebreak.compare.cli import main; main()",
+            "sympy pymunk",
+        ),
+        (
+            "import sys; sys.argv[1:] = ['scenes']; from truebreak.compare.cli import main; main()",
+            "sympy pymunk",
+        ),
+    ],
+    ids=["scenarios", "scene", "exact", "exact-run", "floating", "compare", "help", "scenes"],
+)
+def test_heavy_packages_are_not_imported_before_they_are_needed(
+    code: str, absent: str, tmp_path: Path
+) -> None:
+    script = (
+        "import atexit, sys\n"
+        "atexit.register(lambda: print('LOADED', *sorted(m for m in sys.modules if '.' not in m)))\n" + code
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    loaded = set(done.stdout.rpartition("LOADED")[2].split())
+    assert "sys" in loaded
+    assert not loaded & set(absent.split())
