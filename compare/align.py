@@ -7,6 +7,7 @@ collisions that merely swap their order change nothing; they are counted, not re
 from __future__ import annotations
 
 from bisect import bisect_left
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -138,16 +139,16 @@ def align(
             found.append(divergence)
     first = min(found, key=lambda d: (d.time, d.event), default=None)
     before = first.time if first else end
-    tie = _first_broken_tie(reference, candidate, walks, mine, before, step > 0)
+    tie = _first_broken_tie(reference, candidate, walks, mine, before, step)
     if tie is not None and (first is None or (tie.time, tie.event) <= (first.time, first.event)):
         first = tie
     cut = candidate.stop.reason in CUT_SHORT and float(candidate.final_time) < end
     stop_at = (first.time, first.event) if first else (end, len(mine.times))
-    kept = {c: r for c, r in matches.items() if (mine.times[r], r) < stop_at or (first is None and mine.times[r] <= end)}
+    kept = {c: r for c, r in matches.items() if (mine.times[r], r) < stop_at or (not first and mine.times[r] <= end)}
     return Alignment(
         divergence=first,
         undecided=cut and first is None,
-        agreed=len(_complete(reference, walks, set(kept.values()))),
+        agreed=len(_complete(walks, {r for w in walks.values() for r, c in w.pairs if c in kept})),
         harmless_swaps=_overtaken(kept),
         harmless_splits=len({r for w in walks.values() for r in w.split if mine.times[r] <= before}),
         merged=len({c for w in walks.values() for c in w.merged if c in kept}),
@@ -167,14 +168,13 @@ def _matches(walks: dict[str, Walk]) -> dict[int, int]:
     return matches
 
 
-def _complete(reference: Trajectory, walks: dict[str, Walk], within: set[int]) -> set[int]:
+def _complete(walks: dict[str, Walk], within: set[int]) -> set[int]:
     """The reference events that the candidate has for every body that takes part."""
     events = {r for w in walks.values() for r, _ in w.pairs}
     for body, walked in walks.items():
         if walked.mismatch is not None and walked.mismatch.mine is not None:
             events.discard(walked.mismatch.mine)
-    merged = {r for w in walks.values() for c, rs in w.merged.items() for r in rs}
-    return events & (within | merged)
+    return events & within
 
 
 def _overtaken(matches: dict[int, int]) -> int:
@@ -231,60 +231,56 @@ class _Tail:
 
 
 def _first_broken_tie(
-    reference: Trajectory, candidate: Trajectory, walks: dict[str, Walk], mine: History, before: float, stepped: bool
+    reference: Trajectory, candidate: Trajectory, walks: dict[str, Walk], mine: History, before: float, step: float
 ) -> Divergence | None:
     """The first instant of several contacts that only one of the runs has as one, with another outcome."""
-    split: dict[int, tuple[str, set[int]]] = {}
-    merged: dict[int, tuple[str, set[int]]] = {}
-    for body, walked in walks.items():
+    split: dict[int, set[int]] = {}
+    merged: dict[int, set[int]] = {}
+    for walked in walks.values():
         taken_apart = [*walked.split.items()]
         if reference.scene.tie_policy.name == "sequential":
             taken_apart += walked.reordered.items()
         for event, others in taken_apart:
-            split.setdefault(event, (body, set()))[1].update(others)
+            split.setdefault(event, set()).update(others)
         for event, others in walked.merged.items():
-            merged.setdefault(event, (body, set()))[1].update(others)
+            merged.setdefault(event, set()).update(others)
     found: list[Divergence] = []
     for event in sorted(split):
         if mine.times[event] > before:
             break
-        if not reference.events[event].coupled:
-            continue
-        body, others = split[event]
-        pairs = reference.events[event].impulses
-        order = impulses_among((candidate.events[c].impulses for c in sorted(others)), pairs)
-        if not order_reproduces(reference, event, order):
-            found.append(_tie(reference, candidate, event, min(others), body, pairs, order, at_once=True))
+        told, others = reference.events[event], sorted(split[event])
+        groups = impulses_among((candidate.events[c].impulses for c in others), told.impulses)
+        if told.coupled and not order_reproduces(reference, event, groups, step):
+            found.append(_tie(reference, event, [[*told.impulses]], candidate, others[0], groups))
             break
-    for event in sorted(merged) if not stepped else ():
-        body, others = merged[event]
-        if mine.times[min(others)] > before:
+    for event in sorted(merged, key=lambda event: min(merged[event])):
+        told, others = candidate.events[event], sorted(merged[event])
+        if mine.times[others[0]] > before:
             break
-        if not candidate.events[event].coupled:
-            continue
-        pairs = candidate.events[event].impulses
-        order = impulses_among((reference.events[r].impulses for r in sorted(others)), pairs)
-        if not order_reproduces(candidate, event, order):
-            found.append(_tie(reference, candidate, min(others), event, body, order, pairs, at_once=False))
+        groups = impulses_among((reference.events[r].impulses for r in others), told.impulses)
+        if told.coupled and not order_reproduces(candidate, event, groups, step):
+            found.append(_tie(reference, others[0], groups, candidate, event, [[*told.impulses]]))
             break
     return min(found, key=lambda d: (d.time, d.event), default=None)
 
 
 def _tie(
     reference: Trajectory,
-    candidate: Trajectory,
     event: int,
+    expected: Sequence[Sequence[Contact]],
+    candidate: Trajectory,
     other: int,
-    body: str,
-    expected: tuple[Contact, ...] | list[Contact],
-    got: tuple[Contact, ...] | list[Contact],
-    at_once: bool,
+    got: Sequence[Sequence[Contact]],
 ) -> Divergence:
-    def partners(pairs: tuple[Contact, ...] | list[Contact], joint: str) -> str:
-        return joint.join(dict.fromkeys(b if a == body else a for a, b in pairs if body in (a, b)))
+    """The divergence, told of the first body with the most partners: the one that the order matters to."""
+    everyone = [pair for groups in (expected, got) for pairs in groups for pair in pairs]
+    movable = [str(c.id) for c in reference.scene.circles if not c.fixed]
+    body = max(movable, key=lambda name: len({frozenset(pair) for pair in everyone if name in pair}))
 
-    words = (" + ", " then ") if at_once else (" then ", " + ")
+    def partners(groups: Sequence[Sequence[Contact]]) -> str:
+        """Partners at once joined by +, one instant after the other by `then`."""
+        met = [dict.fromkeys(b if a == body else a for a, b in pairs if body in (a, b)) for pairs in groups]
+        return " then ".join(" + ".join(names) for names in met if names)
+
     times = float(reference.events[event].time), float(candidate.events[other].time)
-    return Divergence(
-        event, min(times), body, partners(expected, words[0]), partners(got, words[1]), Kind.TIE, *times, other
-    )
+    return Divergence(event, min(times), body, partners(expected), partners(got), Kind.TIE, *times, other)

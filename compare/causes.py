@@ -60,24 +60,25 @@ class Cause:
 def cause_of(study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Cause:
     """The cause of a candidate's divergence, by the first experiment that explains it.
 
-    1. Is it the order among simultaneous contacts? That is seen in the events themselves.
-    2. For an engine with a time step: does the divergence move when the step is smaller?
+    1. For an engine with a time step: does the divergence move when the step is smaller?
+    2. Is it the order among contacts of one instant? That is seen in the events themselves.
     3. Input rounding: does the reference engine, on the scene rounded to doubles, diverge as early?
     4. Arithmetic rounding: does the candidate differ from the reference engine on that same rounded scene?
     Otherwise the difference is one of model.
     """
     divergence = candidate.alignment.divergence
     assert divergence is not None
-    tie = _tie(study, candidate, divergence)
-    if tie is not None:
-        return tie
     stepped = "dt" in candidate.trajectory.parameters and hasattr(engine, "dt")
     if stepped:
         smaller = _smaller_step(study, candidate, engine, divergence, progress)
         if smaller is not None:
             return smaller
+    tie = _tie(study, candidate, divergence)
+    if tie is not None:
+        return tie
     if stepped:
-        earlier = [e.index for e in study.reference.events[: divergence.event + 1] if e.coupled]
+        before = study.reference.events[: divergence.event + 1]
+        earlier = [e.index for e in before if e.coupled and float(e.time) <= divergence.time]
         if earlier:
             return Cause(
                 CauseName.TIE,

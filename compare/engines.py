@@ -44,11 +44,11 @@ ROOT = __name__.rpartition(".compare")[0]
 ENGINES: dict[str, EngineEntry] = {
     entry.name: entry
     for entry in (
-        EngineEntry("exact", f"{ROOT}.exact", "ExactEngine", "certified: every decision proved, or it says so"),
+        EngineEntry("exact", f"{ROOT}.exact.engine", "ExactEngine", "certified: every decision proved, or it says so"),
         EngineEntry("sympy", f"{ROOT}.exact.symbolic", "SymbolicEngine", "SymPy alone, taken literally: slow, an oracle"),
-        EngineEntry("double", f"{ROOT}.floating", "DoubleEngine", "event-driven in 53-bit floating point"),
-        EngineEntry("interval", f"{ROOT}.floating", "IntervalEngine", "event-driven in intervals; stops where unsure"),
-        EngineEntry("pymunk", f"{ROOT}.floating", "PymunkEngine", "the game engine Chipmunk, by time steps", stepped=True),
+        EngineEntry("double", f"{ROOT}.floating.double", "DoubleEngine", "event-driven in 53-bit floating point"),
+        EngineEntry("interval", f"{ROOT}.floating.interval", "IntervalEngine", "event-driven in intervals; stops where unsure"),
+        EngineEntry("pymunk", f"{ROOT}.floating.pymunk_engine", "PymunkEngine", "the game engine Chipmunk, by time steps", stepped=True),
     )
 }
 """Every engine that the command line and `compare` know. A new engine adds its own file and one line here."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .amounts import bounds, double, exact_text, plain
+from .amounts import ExactTexts, bounds, double, plain
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Event, State, Stop, Trajectory
@@ -19,8 +19,10 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
     adds the bounds as `..._interval`.
 
     Args:
-        exact: add each time and coordinate as exact text, under `..._exact`.
+        exact: add each time and coordinate as exact text, under `..._exact`. It is null, with decimals under
+            `..._digits`, for a value of too many nested roots to be written out.
     """
+    texts = ExactTexts() if exact else None
     data: dict[str, Any] = {
         "schema": TRAJECTORY_SCHEMA,
         "scene": scene_json(trajectory),
@@ -28,14 +30,14 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
         "stop": stop_json(trajectory.stop),
         "certified": trajectory.certified,
         "collisions": trajectory.collisions,
-        "events": [event_json(event, exact=exact) for event in trajectory.events],
-        "final": state_json(trajectory.final, exact=exact),
+        "events": [event_json(event, texts) for event in trajectory.events],
+        "final": state_json(trajectory.final, texts),
         "plan": plain(trajectory.plan),
     }
     if trajectory.reversal is not None:
         data["reversal"] = {
             "after": trajectory.reversal.after,
-            **amount("time", trajectory.reversal.time, exact=exact),
+            **amount("time", trajectory.reversal.time, texts),
         }
     if trajectory.notes:
         data["notes"] = list(trajectory.notes)
@@ -56,11 +58,11 @@ def stop_json(stop: Stop) -> dict[str, Any]:
     return {"reason": stop.reason.name.lower(), "message": stop.message}
 
 
-def event_json(event: Event, *, exact: bool = False) -> dict[str, Any]:
+def event_json(event: Event, texts: ExactTexts | None = None) -> dict[str, Any]:
     """One instant; `ties` only where several contacts fell on it."""
     data: dict[str, Any] = {
         "index": event.index,
-        **amount("time", event.time, exact=exact),
+        **amount("time", event.time, texts),
         "contacts": [list(pair) for pair in event.contacts],
         "impulses": [list(pair) for pair in event.impulses],
     }
@@ -79,27 +81,27 @@ def event_json(event: Event, *, exact: bool = False) -> dict[str, Any]:
     return data
 
 
-def state_json(state: State, *, exact: bool = False) -> dict[str, Any]:
+def state_json(state: State, texts: ExactTexts | None = None) -> dict[str, Any]:
     """All circles at one time."""
     circles = []
     for circle in state.circles:
         row: dict[str, Any] = {"id": circle.id}
         for key in ("x", "y", "vx", "vy"):
-            row.update(amount(key, getattr(circle, key), exact=exact))
+            row.update(amount(key, getattr(circle, key), texts))
         circles.append(row)
-    return {**amount("time", state.time, exact=exact), "circles": circles}
+    return {**amount("time", state.time, texts), "circles": circles}
 
 
-def amount(key: str, value: Any, *, exact: bool) -> dict[str, Any]:
+def amount(key: str, value: Any, texts: ExactTexts | None) -> dict[str, Any]:
     """One number under its key: the nearest double, bounds if it is an interval, exact text if asked for.
 
-    >>> amount("x", 0.5, exact=True)
+    >>> amount("x", 0.5, ExactTexts())
     {'x': 0.5, 'x_exact': '1/2'}
     """
     data: dict[str, Any] = {key: double(value)}
     interval = bounds(value)
     if interval is not None:
         data[f"{key}_interval"] = list(interval)
-    elif exact:
-        data[f"{key}_exact"] = exact_text(value)
+    elif texts is not None:
+        data |= texts.of(key, value)
     return data

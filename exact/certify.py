@@ -6,7 +6,7 @@ Every decision climbs only as far as it must. What a rung decides is certain; wh
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import inf, nextafter
+from math import inf
 from typing import Any
 
 from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
@@ -130,10 +130,11 @@ class CertifiedLoop(EventLoop):
         return (t, x, y, vx, vy, len(live.steps))
 
     def now(self, body: Body) -> Number:
-        """The clock of a body, exact if the body is."""
+        """The instant of a body's last contact: exact if the body is, else a short ball."""
         if self.live.exact[body.index]:
             return self.live.state(body.index)[0]
-        return body.q[4] if body.q else body.t
+        with ball.precision(QUICK_BITS):
+            return +body.instant
 
     def note(self) -> str:
         """The precision at work."""
@@ -307,25 +308,10 @@ class CertifiedLoop(EventLoop):
         if approach is not None and disc is not None:
             self.push(self._hit_time(link), link)
             return
-        low = self._earliest_possible(link)
+        ctx.prec = self.live.bits
+        low = self.earliest_possible(link)
         if low < inf:
             self.push_doubtful(low, link)
-
-    def _earliest_possible(self, link: Link) -> float:
-        """A double before which a doubtful hit cannot come: gap over the greatest closing speed."""
-        machine = self.live.balls
-        if link[1] < self.n:
-            t, dx, dy, vx, vy, reach = machine.relation(*link)
-            distance = ball.root(dx * dx + dy * dy)
-            speed = ball.root(vx * vx + vy * vy)
-            gap = machine.gap(link) / (distance + reach)
-        else:
-            t, gap, speed = machine.bodies[link[0]].t, machine.gap(link), -machine.approach(link)
-        fastest = speed.upper()
-        if not fastest > ball.ZERO:
-            return inf
-        low = float((t + gap / fastest).lower())
-        return -inf if low != low else nextafter(low, -inf)
 
 
 def contact_of(ids: tuple[str, ...], link: Link) -> Any:

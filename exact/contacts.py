@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from .complementarity import Ask
 from .machine import Link
 from .policies.policy import Policy
-from .questions import Approach
+from .questions import Closing
 from .undecided import BudgetSpent
 
 
@@ -113,7 +113,7 @@ def settle_contacts(
     taking_part: set[Link] = set()
     rounds = 0
     while True:
-        known = {link: ask(Approach(link)) if sign is None else sign for link, sign in signs.items()}
+        known = {link: ask(Closing(link)) if sign is None else sign for link, sign in signs.items()}
         coming = [link for link in links if known[link] < 0]
         if not coming:
             return Instant(tuple(impulses), frozenset(taking_part), known, rounds)

@@ -111,7 +111,7 @@ class ExactEngine:
 
 
 def _clock(body: int) -> Any:
-    return lambda machine: machine.bodies[body].t
+    return lambda machine: machine.bodies[body].instant
 
 
 def run_limits(scene: Scene, until: QuantityLike | None, events: int | None) -> Limits:

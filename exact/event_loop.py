@@ -18,6 +18,7 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
+from math import inf, nextafter
 from typing import Any, NamedTuple
 
 from ..scenarios.quantity import Quantity
@@ -35,6 +36,9 @@ PROGRESS_EVERY = 0.2
 
 MAX_ROUNDS = 10_000
 """Rounds of impulses at one instant before the run gives up: a cradle of n balls needs about n of them."""
+
+ROUNDED_DOWN = 1 - 2.0**-50
+"""Makes a quotient of doubles a lower bound: its rounding, 2**-53, is less."""
 
 
 class Candidate(NamedTuple):
@@ -143,6 +147,10 @@ class EventLoop(ABC):
     def knot(self, body: Body) -> tuple[Any, ...]:
         """(t, x, y, vx, vy) of a body as the history keeps them."""
 
+    def now(self, body: Body) -> Number:
+        """The instant of a body's last contact, as the history keeps it."""
+        return body.instant
+
     def quick_line(self, body: Body, wall: int) -> tuple[Number, Number, Number, Number, Number]:
         """(x0, y0, nx, ny, r*|n|) of a wall as seen from a body, as predictions use them."""
         line = self.machine.line(body, wall)
@@ -223,7 +231,7 @@ class EventLoop(ABC):
         if queue:
             first = heappop(queue)
             rivals = [first]
-            bar = first.high if first.time is not None else float("inf")
+            bar = first.high if first.time is not None else inf
             while queue and queue[0].low <= bar:
                 other = heappop(queue)
                 if self._fresh(other):
@@ -340,7 +348,7 @@ class EventLoop(ABC):
         self.do(Go(link, link if j < self.n else (i,)))
         self.do(Kick((link,)))
         self.history.records.append(
-            Record(a.t, len(self.history.steps), i, (link,), (link,), (), coupled=False)
+            Record(self.now(a), len(self.history.steps), i, (link,), (link,), (), coupled=False)
         )
         self.just_parted = (link,)
         self._resume(moved, frozenset(self.just_parted))
@@ -373,7 +381,7 @@ class EventLoop(ABC):
             parted += self._part(component.links, instant)
         if stands is None:
             return
-        time = self.bodies[stands].t
+        time = self.now(self.bodies[stands])
         self.history.records.append(
             Record(
                 time,
@@ -500,6 +508,24 @@ class EventLoop(ABC):
         else:
             self.unsure(link)
 
+    def earliest_possible(self, link: Link) -> float:
+        """A double before which a doubtful hit cannot come: the gap over the greatest closing speed; inf: never."""
+        machine = self.machine
+        if link[1] < self.n:
+            t, dx, dy, vx, vy, reach = machine.relation(*link)
+            distance = machine.root(dx * dx + dy * dy)
+            speed = machine.root(vx * vx + vy * vy)
+            gap = machine.gap(link) / (distance + reach)
+        else:
+            t, gap, speed = machine.bodies[link[0]].t, machine.gap(link), -machine.approach(link)
+        least_gap, top_speed = self.bounds(gap)[0], self.bounds(speed)[1]
+        if top_speed <= 0.0:
+            return inf
+        if not least_gap > 0.0:
+            return -inf
+        wait = least_gap / top_speed * ROUNDED_DOWN
+        return nextafter(self.bounds(t)[0] + wait, -inf)
+
     def push(self, time: Number, link: Link) -> None:
         """Queues a hit that is certain to come if nothing else does first."""
         low, high = self.bounds(time)
@@ -507,7 +533,7 @@ class EventLoop(ABC):
 
     def push_doubtful(self, low: float, link: Link) -> None:
         """Queues a hit that may not come at all, to be settled when its turn comes."""
-        self._queue(low, float("inf"), None, link)
+        self._queue(low, inf, None, link)
 
     def _queue(self, low: float, high: float, time: Number, link: Link) -> None:
         i, j = link

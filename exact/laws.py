@@ -294,7 +294,7 @@ def _miss_and_hit(statement: Statement, before: tuple) -> tuple[tuple[Expr, ...]
 
 def main(arguments: list[str] | None = None) -> int:
     """Derive, prove, and write or check `formulas.py`; the exit status."""
-    from . import proofs
+    from .proofs import derive_and_prove, is_current, write
 
     parser = argparse.ArgumentParser(
         prog="python -m truebreak.exact.laws",
@@ -310,16 +310,16 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
 
     try:
-        text = proofs.derive_and_prove(sys.stdout, sys.stderr)
+        text = derive_and_prove(sys.stdout, sys.stderr)
     except (LawError, ValueError) as error:
         print(f"not proved: {error}", file=sys.stderr)
         return 1
     if options.check:
-        current = proofs.is_current(text)
+        current = is_current(text)
         verdict = "current" if current else "not current: run without --check"
         print(f"formulas.py is {verdict}", file=sys.stderr)
         return 0 if current else 1
-    print(f"wrote {proofs.write(text)}", file=sys.stderr)
+    print(f"wrote {write(text)}", file=sys.stderr)
     return 0
 
 

@@ -11,7 +11,8 @@ from flint import arb, ctx  # type: ignore[attr-defined]
 
 from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
-from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Step
+from .ball_machine import BallMachine
+from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step
 from .numbers import ball
 from .numbers.field import Field, LeavesField, field_ball, height
 
@@ -44,7 +45,7 @@ class LiveMachine:
         self._stale = set(range(self.n))
         self.numbers = Field()
         ctx.prec = bits
-        self.balls = Machine(scene, ball.constant, ball.root)
+        self.balls = BallMachine(scene)
         self.bodies = self.balls.bodies
         self.lowest = bits
         for body in self.bodies:
@@ -76,6 +77,22 @@ class LiveMachine:
         """A wall in balls, as seen from a body."""
         return self.balls.line(body, wall)
 
+    def relation(self, i: int, j: int) -> Relation:
+        """Two bodies in balls (see `Machine.relation`); their copies must be up to date."""
+        return self.balls.relation(i, j)
+
+    def root(self, value: Number) -> Number:
+        """The square root of a ball."""
+        return self.balls.root(value)
+
+    def gap(self, link: Link) -> Number:
+        """See `Machine.gap`."""
+        return self.balls.gap(link)
+
+    def approach(self, link: Link) -> Number:
+        """See `Machine.approach`."""
+        return self.balls.approach(link)
+
     def all_exact(self, bodies: tuple[int, ...]) -> bool:
         """Whether all of these bodies are exact."""
         return self.field is not None and all(self.exact[i] for i in bodies)
@@ -95,7 +112,8 @@ class LiveMachine:
         bits = ctx.prec
         target.x, target.y = field_ball(source.x, bits), field_ball(source.y, bits)
         target.vx, target.vy = field_ball(source.vx, bits), field_ball(source.vy, bits)
-        target.t = field_ball(source.t, bits)
+        target.t = target.instant = field_ball(source.t, bits)
+        target.late = None
         target.last, target.rest, target.acc = source.last, source.rest, bits
 
     def state(self, i: int) -> tuple[Number, ...]:
@@ -180,7 +198,7 @@ class LiveMachine:
             ctx.prec = min(bits, worst + SPARE_BITS)
             machine.do(step)
             if taking_part:
-                accuracy = max(0, min(bits, bodies[taking_part[0]].t.rel_accuracy_bits()))
+                accuracy = max(0, min(bits, machine.instant.rel_accuracy_bits()))
                 for i in step.bodies:
                     bodies[i].acc = accuracy
         else:
@@ -198,7 +216,7 @@ class LiveMachine:
         self.bits = bits
         self.lowest = bits
         ctx.prec = bits
-        machine = Machine(self.scene, ball.constant, ball.root)
+        machine = BallMachine(self.scene)
         for body in machine.bodies:
             body.acc = bits
         for k, step in enumerate(self.steps):
@@ -218,10 +236,11 @@ class LiveMachine:
             if self._in_field[last]:
                 machine.flip_time = field_ball(self.field.flip_time, bits)
         for old, new in zip(self.bodies, machine.bodies, strict=True):
-            for name in ("x", "y", "vx", "vy", "t", "acc", "r", "w"):
+            for name in ("x", "y", "vx", "vy", "t", "instant", "late", "acc", "r", "w"):
                 setattr(old, name, getattr(new, name))
         self.balls._lines = machine._lines
-        self.balls.zero, self.balls.one = machine.zero, machine.one
+        for name in ("_mirrors", "zero", "one", "instant", "late", "met"):
+            setattr(self.balls, name, getattr(machine, name))
         self.balls.flip_time = machine.flip_time
         self._stale = {i for i in range(self.n) if self.exact[i]}
 
@@ -231,5 +250,6 @@ class LiveMachine:
             body = machine.bodies[i]
             bits = ctx.prec
             body.t, body.x, body.y = (field_ball(value, bits) for value in (t, x, y))
+            body.instant, body.late = body.t, None
             body.vx, body.vy = field_ball(vx, bits), field_ball(vy, bits)
             body.last, body.rest, body.acc = last, rest, bits

@@ -57,14 +57,30 @@ Step: TypeAlias = Go | Kick | Flip
 
 
 class Body:
-    """One circle's state: position and velocity at its own clock t."""
+    """One circle's state: position and velocity at its own clock t.
 
-    __slots__ = ("acc", "index", "kind", "last", "q", "r", "rest", "serial", "t", "vx", "vy", "w", "x", "y")
+    Attributes:
+        x, y, vx, vy, t: it flies through (x, y) at time t with velocity (vx, vy).
+        instant, late: the instant of its last contact, and the time from t to it (None: it is t itself).
+        r, w: radius and inverse mass.
+        rest: whether its velocity is exactly zero.
+        last: number of log steps done when it was last touched; tells the later of two clocks.
+        serial: how often its velocity has changed; tells stale predictions.
+        q: its state as predictions use it.
+        kind, acc: for the exact engine: which radius it has, how many bits of it are known.
+    """
+
+    __slots__ = (
+        "acc", "index", "instant", "kind", "last", "late", "q", "r", "rest", "serial",
+        "t", "vx", "vy", "w", "x", "y",
+    )  # fmt: skip
 
     def __init__(self, index: int, state: Sequence[Number], t: Number, r: Number, w: Number) -> None:
         self.index = index
         self.x, self.y, self.vx, self.vy = state
         self.t = t
+        self.instant = t
+        self.late: Number | None = None
         self.r = r
         self.w = w
         self.q: tuple[Number, ...] = ()
@@ -125,6 +141,9 @@ class Machine:
         self.one = constant(Quantity.of(1))
         self.steps_done = 0
         self.flip_time = self.zero
+        self.instant = self.zero
+        self.late: Number | None = None
+        self.met: tuple[Link, Number, Number] | None = None
         chosen = range(self.n) if only is None else sorted(only)
         self.bodies: dict[int, Body] | list[Body]
         made = {i: self._body(i) for i in chosen}
@@ -231,27 +250,65 @@ class Machine:
 
     def go(self, source: Link | int | Quantity, bodies: tuple[int, ...]) -> None:
         """Advances bodies to the instant that `source` names (see `Go`)."""
+        self.met = None
         if isinstance(source, tuple):
-            base, wait = self.hit(source)
-            time = base + wait
+            base, wait = self._hit_from_base(source)
+            clock, lag = self.set_instant(base, wait)
         elif isinstance(source, int):
-            base = time = self.bodies[source].t
-            wait = None
+            clock = self.recall(self.bodies[source])
+            base = lag = None
         else:
-            base = time = self.constant(source)
-            wait = None
+            base = lag = None
+            clock = self.constant(source)
+            self.instant, self.late = clock, None
         for index in bodies:
             body = self.bodies[index]
-            if not body.rest and body.t is not time:
-                if wait is not None and body.t is base:
-                    lag = wait
-                elif wait is not None:
-                    lag = (base - body.t) + wait
-                else:
-                    lag = time - body.t
-                body.x, body.y = advance(body.x, body.vx, lag), advance(body.y, body.vy, lag)
-            body.t = time
+            if not body.rest and body.t is not clock:
+                step = lag if body.t is base else clock - body.t
+                body.x, body.y = advance(body.x, body.vx, step), advance(body.y, body.vy, step)
+            body.t = clock
             body.last = self.steps_done
+            body.instant, body.late = self.instant, self.late
+
+    def _hit_from_base(self, source: Link) -> tuple[Number, Number]:
+        """The time of a hit, as `hit`; a machine may note more of the contact here."""
+        return self.hit(source)
+
+    def set_instant(self, base: Number, wait: Number) -> tuple[Number, Number]:
+        """Fixes the instant base + wait; gives the clock at which bodies will stand, and its distance from base.
+
+        In exact numbers the clock is the instant. Enclosures may choose a clock beside it and set `late` to the
+        (small) time from the clock to the instant.
+        """
+        self.instant, self.late = base + wait, None
+        return self.instant, wait
+
+    def recall(self, body: Body) -> Number:
+        """The clock of a body's last instant, which becomes the machine's."""
+        self.instant, self.late = body.instant, body.late
+        return body.t
+
+    def place(self, body: Body) -> tuple[Number, Number]:
+        """Where a body is at the instant."""
+        if self.late is None:
+            return body.x, body.y
+        return advance(body.x, body.vx, self.late), advance(body.y, body.vy, self.late)
+
+    def span(self, i: int, j: int) -> tuple[Number, Number]:
+        """d of two bodies at the instant."""
+        if self.met is not None and self.met[0] == (i, j):
+            return self.met[1], self.met[2]
+        ax, ay = self.place(self.bodies[i])
+        bx, by = self.place(self.bodies[j])
+        return bx - ax, by - ay
+
+    def closing(self, link: Link) -> Number:
+        """d.v at the instant (for a wall n.v): negative while the two come nearer."""
+        i, j = link
+        if j >= self.n:
+            return self.approach(link)
+        a, b = self.bodies[i], self.bodies[j]
+        return pair_approach(*self.span(i, j), b.vx - a.vx, b.vy - a.vy)
 
     def kick(self, links: tuple[Link, ...]) -> None:
         """Applies the impulses of contacts together; each then separates as fast as it approached."""
@@ -261,26 +318,32 @@ class Machine:
         i, j = links[0]
         a = self.bodies[i]
         if j < self.n:
-            b = self.bodies[j]
-            jx, jy = pair_impulse(
-                b.x - a.x, b.y - a.y, b.vx - a.vx, b.vy - a.vy, self.reach(a, b), *self.weights(a, b)
-            )
-            self._push(a, -jx, -jy)
-            self._push(b, jx, jy)
+            self.bounce_pair(a, self.bodies[j])
         else:
-            line = self.line(a, j - self.n)
-            a.vx, a.vy = wall_bounce(a.vx, a.vy, line.nx, line.ny, line.nn)
+            self.bounce_wall(a, j - self.n)
 
-    def weights(self, a: Body, b: Body) -> tuple[Number, Number]:
-        """The inverse masses of two bodies."""
-        return a.w, b.w
+    def bounce_pair(self, a: Body, b: Body) -> None:
+        """The elastic bounce of two circles."""
+        dx, dy = self.span(a.index, b.index)
+        jx, jy = pair_impulse(dx, dy, b.vx - a.vx, b.vy - a.vy, self.reach(a, b), a.w, b.w)
+        self._push(a, -jx, -jy)
+        self._push(b, jx, jy)
+
+    def bounce_wall(self, a: Body, wall: int) -> None:
+        """The elastic bounce of a circle off a wall."""
+        line = self.line(a, wall)
+        a.vx, a.vy = wall_bounce(a.vx, a.vy, line.nx, line.ny, line.nn)
 
     def _push(self, body: Body, jx: Number, jy: Number) -> None:
         if self.scene.circles[body.index].fixed:
             return
-        body.vx = body.vx + body.w * jx
-        body.vy = body.vy + body.w * jy
+        ux, uy = body.w * jx, body.w * jy
+        body.vx = body.vx + ux
+        body.vy = body.vy + uy
         body.rest = False
+        if self.late is not None:
+            body.x = body.x - ux * self.late
+            body.y = body.y - uy * self.late
 
     def _kick_together(self, links: tuple[Link, ...]) -> None:
         matrix, approaches = self.contact_system(links)
@@ -294,8 +357,7 @@ class Machine:
         i, j = link
         a = self.bodies[i]
         if j < self.n:
-            b = self.bodies[j]
-            dx, dy = b.x - a.x, b.y - a.y
+            dx, dy = self.span(i, j)
             return [(i, -dx, -dy), (j, dx, dy)]
         line = self.line(a, j - self.n)
         return [(i, line.nx, line.ny)]
@@ -318,13 +380,16 @@ class Machine:
                         entry = entry + self.bodies[index].w * (jx * kx + jy * ky)
                 row.append(entry)
             matrix.append(row)
-        return matrix, [self.approach(link) for link in links]
+        return matrix, [self.closing(link) for link in links]
 
     def flip(self) -> None:
         """Negates every velocity, and keeps the moment."""
+        self.flip_time = self.instant
         for body in self.bodies.values() if isinstance(self.bodies, dict) else self.bodies:
-            self.flip_time = body.t
             if not body.rest:
+                if self.late is not None:
+                    twice = self.late + self.late
+                    body.x, body.y = advance(body.x, body.vx, twice), advance(body.y, body.vy, twice)
                 body.vx, body.vy = -body.vx, -body.vy
             body.last = self.steps_done
 

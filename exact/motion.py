@@ -118,7 +118,7 @@ class ExactMotion:
 
     def _time_value(self, i: int, k: int) -> ExactValue:
         upto = self.knots[i][k][5]
-        return ExactValue(self.program, upto, (i,), lambda m: m.bodies[i].t, self.knots[i][k][0])
+        return ExactValue(self.program, upto, (i,), lambda m: m.bodies[i].instant, self.knots[i][k][0])
 
     def _of_circle(self, i: int, time: Any) -> tuple[Any, Any, Any, Any]:
         k = self._knot(i, time)

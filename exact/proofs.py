@@ -15,8 +15,41 @@ from typing import Any, TextIO
 
 from sympy import Expr, Integer, sqrt
 
-from . import laws
 from .elimination import is_zero
+from .laws import (
+    LawError,
+    Statement,
+    a_m,
+    a_r,
+    a_vx,
+    a_vy,
+    a_x,
+    a_y,
+    b_m,
+    b_r,
+    b_vx,
+    b_vy,
+    b_x,
+    b_y,
+    fixed_circle_velocities,
+    pair_instant_speed,
+    pair_times,
+    pair_touch,
+    pair_velocities,
+    t,
+    w_x0,
+    w_x1,
+    w_y0,
+    w_y1,
+    wall_aim_point,
+    wall_instant_speed,
+    wall_times,
+    wall_velocities,
+    x0,
+    x1,
+    y0,
+    y1,
+)
 from .stable_forms import FORMS, render
 
 FORMULAS = Path(__file__).with_name("formulas.py")
@@ -37,93 +70,98 @@ class Proof:
     difference: Callable[[Mapping[str, Callable[..., Any]]], tuple[Expr, ...]]
 
 
-_d = (laws.b_x - laws.a_x, laws.b_y - laws.a_y)
-_v = (laws.b_vx - laws.a_vx, laws.b_vy - laws.a_vy)
-_radii = laws.a_r + laws.b_r
+_d = (b_x - a_x, b_y - a_y)
+_v = (b_vx - a_vx, b_vy - a_vy)
+_radii = a_r + b_r
 _distance = sqrt(_d[0] ** 2 + _d[1] ** 2)
-_normal = (laws.y0 - laws.y1, laws.x1 - laws.x0)
+_normal = (y0 - y1, x1 - x0)
 _length = sqrt(_normal[0] ** 2 + _normal[1] ** 2)
 
 
 def _pair_times(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
-    earlier, _later = laws.pair_times()
+    earlier, later = pair_times()
     discriminant = formulas["pair_discriminant"](*_d, *_v, _radii)
     gap, approach = formulas["pair_gap"](*_d, _radii), formulas["pair_approach"](*_d, *_v)
-    return (formulas["pair_hit_time"](gap, approach, sqrt(discriminant)) - earlier,)
+    speed2 = _v[0] ** 2 + _v[1] ** 2
+    return (
+        formulas["pair_hit_time"](gap, approach, sqrt(discriminant)) - earlier,
+        later - earlier - 2 * sqrt(discriminant) / speed2,  # so the earlier one is the earlier one
+    )
 
 
 def _touch_equation(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     """At the position a', b' after `advance`, the gap is the fifth equation's difference."""
-    *flights, touch = laws.pair_touch().equations
+    *flights, touch = pair_touch().equations
     there: dict[Any, Any] = {flight.lhs: flight.rhs for flight in flights}
     advance = formulas["advance"]
-    a_x, a_y = advance(laws.a_x, laws.a_vx, laws.t), advance(laws.a_y, laws.a_vy, laws.t)
-    b_x, b_y = advance(laws.b_x, laws.b_vx, laws.t), advance(laws.b_y, laws.b_vy, laws.t)
-    gap = formulas["pair_gap"](b_x - a_x, b_y - a_y, _radii)
+    dx = advance(b_x, b_vx, t) - advance(a_x, a_vx, t)
+    dy = advance(b_y, b_vy, t) - advance(a_y, a_vy, t)
+    gap = formulas["pair_gap"](dx, dy, _radii)
     return (gap - (touch.lhs - touch.rhs).subs(there),)
 
 
 def _pair_speed(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
-    return (formulas["pair_approach"](*_d, *_v) + laws.pair_instant_speed() * _distance,)
+    return (formulas["pair_approach"](*_d, *_v) + pair_instant_speed() * _distance,)
 
 
 def _pair_velocities(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
-    wa, wb = 1 / laws.a_m, 1 / laws.b_m
+    wa, wb = 1 / a_m, 1 / b_m
     jx, jy = formulas["pair_impulse"](*_d, *_v, _distance, wa, wb)
-    after = (laws.a_vx - wa * jx, laws.a_vy - wa * jy, laws.b_vx + wb * jx, laws.b_vy + wb * jy)
-    return tuple(ours - theirs for ours, theirs in zip(after, laws.pair_velocities()[1], strict=True))
+    after = (a_vx - wa * jx, a_vy - wa * jy, b_vx + wb * jx, b_vy + wb * jy)
+    return tuple(ours - theirs for ours, theirs in zip(after, pair_velocities()[1], strict=True))
 
 
 def _fixed_circle(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
-    wa = 1 / laws.a_m
-    jx, jy = formulas["pair_impulse"](*_d, -laws.a_vx, -laws.a_vy, _distance, wa, Integer(0))
-    after = (laws.a_vx - wa * jx, laws.a_vy - wa * jy)
-    return tuple(ours - theirs for ours, theirs in zip(after, laws.fixed_circle_velocities(), strict=True))
+    wa = 1 / a_m
+    jx, jy = formulas["pair_impulse"](*_d, -a_vx, -a_vy, _distance, wa, Integer(0))
+    after = (a_vx - wa * jx, a_vy - wa * jy)
+    return tuple(ours - theirs for ours, theirs in zip(after, fixed_circle_velocities(), strict=True))
 
 
 def _wall_times(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
-    """One time for the normal on either side of the wall, in the order that SymPy gives."""
+    """For the normal on either side of the wall, the time at which the center is at +r|n| on that side."""
 
     def hit(sign: int) -> Expr:
         normal = (sign * _normal[0], sign * _normal[1])
-        gap = formulas["wall_gap"](laws.a_x, laws.a_y, laws.x0, laws.y0, *normal, laws.a_r * _length)
-        return formulas["wall_hit_time"](gap, formulas["wall_approach"](laws.a_vx, laws.a_vy, *normal))
+        gap = formulas["wall_gap"](a_x, a_y, x0, y0, *normal, a_r * _length)
+        return formulas["wall_hit_time"](gap, formulas["wall_approach"](a_vx, a_vy, *normal))
 
-    one, other = laws.wall_times()
-    if is_zero(hit(1) - one):
-        return hit(1) - one, hit(-1) - other
-    return hit(-1) - one, hit(1) - other
+    one, other = wall_times()
+    x, y = a_x + a_vx * one, a_y + a_vy * one
+    height = _normal[0] * (x - x0) + _normal[1] * (y - y0)
+    side = 1 if is_zero(height - a_r * _length) else -1
+    return height - side * a_r * _length, hit(side) - one, hit(-side) - other
 
 
 def _wall_speed(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     """The point aimed at is p + v (-g/approach), so the speed toward it is -sign(g approach) |v|,
     where g = n.(p - p0) is positive on the side that n points to."""
-    g = formulas["wall_gap"](laws.a_x, laws.a_y, laws.x0, laws.y0, *_normal, Integer(0))
-    approach = formulas["wall_approach"](laws.a_vx, laws.a_vy, *_normal)
-    aim_x, aim_y = laws.wall_aim_point()
-    away = sqrt((laws.a_x - aim_x) ** 2 + (laws.a_y - aim_y) ** 2)
+    g = formulas["wall_gap"](a_x, a_y, x0, y0, *_normal, Integer(0))
+    approach = formulas["wall_approach"](a_vx, a_vy, *_normal)
+    aim_x, aim_y = wall_aim_point()
+    away = sqrt((a_x - aim_x) ** 2 + (a_y - aim_y) ** 2)
     return (
-        (aim_x - laws.a_x) * approach + g * laws.a_vx,
-        (aim_y - laws.a_y) * approach + g * laws.a_vy,
-        laws.wall_instant_speed() * away * approach + g * (laws.a_vx**2 + laws.a_vy**2),
+        (aim_x - a_x) * approach + g * a_vx,
+        (aim_y - a_y) * approach + g * a_vy,
+        wall_instant_speed() * away * approach + g * (a_vx**2 + a_vy**2),
     )
 
 
 def _wall_velocities(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
-    normal = (laws.w_y0 - laws.w_y1, laws.w_x1 - laws.w_x0)
-    ours = formulas["wall_bounce"](laws.a_vx, laws.a_vy, *normal, normal[0] ** 2 + normal[1] ** 2)
-    return tuple(a - b for a, b in zip(ours, laws.wall_velocities(), strict=True))
+    normal = (w_y0 - w_y1, w_x1 - w_x0)
+    ours = formulas["wall_bounce"](a_vx, a_vy, *normal, normal[0] ** 2 + normal[1] ** 2)
+    return tuple(a - b for a, b in zip(ours, wall_velocities(), strict=True))
 
 
 PROOFS = (
-    Proof("straight flight, and two circles touch", laws.pair_touch, _touch_equation),
-    Proof("time until two circles touch", laws.pair_times, _pair_times),
-    Proof("two circles approach", laws.pair_instant_speed, _pair_speed),
-    Proof("velocities after two circles collide", laws.pair_velocities, _pair_velocities),
-    Proof("velocity off a circle of infinite mass", laws.fixed_circle_velocities, _fixed_circle),
-    Proof("time until a circle touches a wall", laws.wall_times, _wall_times),
-    Proof("a circle approaches a wall", laws.wall_instant_speed, _wall_speed),
-    Proof("velocity off a wall of infinite mass", laws.wall_velocities, _wall_velocities),
+    Proof("straight flight, and two circles touch", pair_touch, _touch_equation),
+    Proof("time until two circles touch", pair_times, _pair_times),
+    Proof("two circles approach", pair_instant_speed, _pair_speed),
+    Proof("velocities after two circles collide", pair_velocities, _pair_velocities),
+    Proof("velocity off a circle of infinite mass", fixed_circle_velocities, _fixed_circle),
+    Proof("time until a circle touches a wall", wall_times, _wall_times),
+    Proof("a circle approaches a wall", wall_instant_speed, _wall_speed),
+    Proof("velocity off a wall of infinite mass", wall_velocities, _wall_velocities),
 )
 
 
@@ -142,7 +180,7 @@ def prove(proof: Proof, formulas: Mapping[str, Callable[..., Any]]) -> None:
     """
     for number, difference in enumerate(proof.difference(formulas), start=1):
         if not is_zero(difference):
-            raise laws.LawError(
+            raise LawError(
                 f"{proof.name}: component {number} of what stable_forms.py states is not what "
                 f"laws.{proof.law.__name__} derives; correct the one that is wrong"
             )
@@ -172,7 +210,7 @@ def derive_and_prove(shown: TextIO, progress: TextIO) -> str:
 
 
 def _readable(law: Any) -> str:
-    if isinstance(law, laws.Statement):
+    if isinstance(law, Statement):
         return "\n".join(f"  {equation.lhs} = {equation.rhs}" for equation in law.equations)
     if isinstance(law, Expr):
         law = (law,)

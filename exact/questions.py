@@ -70,6 +70,17 @@ class Approach(_OfLink):
 
 
 @dataclass(frozen=True)
+class Closing(_OfLink):
+    """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
+
+    def value(self, machine: Machine) -> Number:
+        return machine.closing(self.link)
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether {name(self.link)} come nearer or part as they touch"
+
+
+@dataclass(frozen=True)
 class Gap(_OfLink):
     """Are the two of a contact apart (positive) or touching (zero)?"""
 
@@ -171,7 +182,7 @@ class ClockAt:
         return (self.body,)
 
     def value(self, machine: Machine) -> Number:
-        return machine.bodies[self.body].t - machine.constant(self.time)
+        return machine.bodies[self.body].instant - machine.constant(self.time)
 
     def root_sum(self, machine: Machine) -> RootSum:
         zero = machine.zero

@@ -6,6 +6,9 @@
 3. Of the pairs that touch, those whose instant speed toward each other is positive collide.
 4. Put the numbers into the derived solutions for the velocities; repeat.
 
+One addition: where two points meet, or a point meets a wall, the article's instant speed is nan. Here it is
+then taken at the positions from which they came, so that points bounce as the smallest of circles do.
+
 Source: Carl M. Kadie, 'Perfect, Infinite-Precision, Game Physics in Python', parts 1 and 3, 2023.
 It uses no formula, number system or decision of the exact engine.
 """
@@ -39,7 +42,7 @@ from ..scenarios.trajectory import (
 from .symbolic_contacts import Outcome, Pair, Touching, UnendingCollision, collide, coupled
 from .symbolic_laws import Disc, Line, touch_times
 from .symbolic_motion import SymbolicMotion
-from .symbolic_sign import SymbolicUndecided, normal, sign
+from .symbolic_sign import SymbolicUndecided, normal, quantity, sign
 
 ZERO: Any = Integer(0)
 
@@ -130,7 +133,7 @@ class _Run:
             parameters={},
             events=tuple(self.events),
             stop=stop,
-            final_time=Quantity.of(self.now),
+            final_time=quantity(self.now),
             motion=SymbolicMotion(tuple(self.starts), tuple(self.legs), self.now),
             reversal=self.reversal,
             plan=self.plan,
@@ -176,6 +179,7 @@ class _Run:
             self._move(end)
             return self._stop(StopReason.HORIZON, str(self.until))
         if soonest is None:
+            self.now = self.starts[-1]  # a graze since then was not an event
             return Stop(StopReason.QUIET, StopReason.QUIET.value)
         self._move(soonest)
         return None
@@ -206,7 +210,7 @@ class _Run:
                 self.came[pair] = before
         self.now = time
         if self.progress is not None:
-            self.progress(Progress(len(self.events), float(Quantity.of(time))))
+            self.progress(Progress(len(self.events), float(quantity(time))))
 
     def _touching(self) -> Touching:
         """Who touches now: what was predicted to, and every other pair by its distance."""
@@ -241,7 +245,7 @@ class _Run:
         self.events.append(
             Event(
                 index=len(self.events),
-                time=Quantity.of(self.now),
+                time=quantity(self.now),
                 contacts=tuple(map(self._contact, outcome.contacts)),
                 impulses=tuple(map(self._contact, outcome.impulses)),
                 ties=ties,
@@ -256,7 +260,7 @@ class _Run:
     def _reverse(self) -> None:
         self.discs = tuple(replace(d, vx=-d.vx, vy=-d.vy) for d in self.discs)
         self.hits = {}
-        self.reversal = Reversal(len(self.events), Quantity.of(self.now))
+        self.reversal = Reversal(len(self.events), quantity(self.now))
         self._leg()
 
     def _leg(self) -> None:

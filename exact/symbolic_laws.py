@@ -14,7 +14,35 @@ from typing import Any
 
 from sympy import Expr, Symbol, fraction, sqrt, together
 
-from . import laws
+from .laws import (
+    a_m,
+    a_r,
+    a_vx,
+    a_vy,
+    a_x,
+    a_y,
+    b_m,
+    b_r,
+    b_vx,
+    b_vy,
+    b_x,
+    b_y,
+    fixed_circle_velocities,
+    pair_instant_speed,
+    pair_times,
+    pair_velocities,
+    w_x0,
+    w_x1,
+    w_y0,
+    w_y1,
+    wall_instant_speed,
+    wall_times,
+    wall_velocities,
+    x0,
+    x1,
+    y0,
+    y1,
+)
 from .symbolic_sign import normal, root, sign
 
 _ROOT = Symbol("root")
@@ -135,25 +163,25 @@ def velocities_after(a: Disc, b: Disc | Line) -> tuple[Expr, ...]:
 
 @cache
 def _touch_solutions(wall: bool) -> Sequence[Solution]:
-    return tuple(map(Solution.of, laws.wall_times() if wall else laws.pair_times()))
+    return tuple(map(Solution.of, wall_times() if wall else pair_times()))
 
 
 @cache
 def _pair_speed() -> Solution:
-    return Solution.of(laws.pair_instant_speed())
+    return Solution.of(pair_instant_speed())
 
 
 @cache
 def _wall_speed() -> Solution:
-    return Solution.of(laws.wall_instant_speed())
+    return Solution.of(wall_instant_speed())
 
 
 @cache
 def _hit_solutions(kind: str) -> Sequence[Solution]:
     hits = {
-        "pair": lambda: laws.pair_velocities()[1],
-        "fixed": laws.fixed_circle_velocities,
-        "wall": laws.wall_velocities,
+        "pair": lambda: pair_velocities()[1],
+        "fixed": fixed_circle_velocities,
+        "wall": wall_velocities,
     }
     return tuple(map(Solution.of, hits[kind]()))
 
@@ -161,13 +189,13 @@ def _hit_solutions(kind: str) -> Sequence[Solution]:
 def _at(a: Disc, b: Disc | Line) -> dict[Any, Any]:
     """The article's symbols and their numbers."""
     values: dict[Any, Any] = {
-        laws.a_x: a.x, laws.a_y: a.y, laws.a_vx: a.vx, laws.a_vy: a.vy, laws.a_r: a.r, laws.a_m: a.m,
+        a_x: a.x, a_y: a.y, a_vx: a.vx, a_vy: a.vy, a_r: a.r, a_m: a.m,
     }  # fmt: skip
     if isinstance(b, Line):
         return values | {
-            laws.x0: b.x0, laws.y0: b.y0, laws.x1: b.x1, laws.y1: b.y1,
-            laws.w_x0: b.x0, laws.w_y0: b.y0, laws.w_x1: b.x1, laws.w_y1: b.y1,
+            x0: b.x0, y0: b.y0, x1: b.x1, y1: b.y1,
+            w_x0: b.x0, w_y0: b.y0, w_x1: b.x1, w_y1: b.y1,
         }  # fmt: skip
     return values | {
-        laws.b_x: b.x, laws.b_y: b.y, laws.b_vx: b.vx, laws.b_vy: b.vy, laws.b_r: b.r, laws.b_m: b.m,
+        b_x: b.x, b_y: b.y, b_vx: b.vx, b_vy: b.vy, b_r: b.r, b_m: b.m,
     }  # fmt: skip

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ..scenarios.quantity import Quantity
 from ..scenarios.trajectory import Real
 from .symbolic_laws import Disc
-from .symbolic_sign import normal, sign
+from .symbolic_sign import normal, quantity, sign
 
 
 @dataclass(frozen=True)
@@ -38,16 +38,16 @@ class SymbolicMotion:
         """
         at: Any = Quantity.of(time).sympy()
         if sign(at) < 0 or sign(at - self.end) > 0:
-            raise ValueError(f"time {time} is not between 0 and the end of the run, {Quantity.of(self.end)}")
+            raise ValueError(f"time {time} is not between 0 and the end of the run, {quantity(self.end)}")
         for start, leg in zip(reversed(self.starts), reversed(self.legs), strict=True):
             since = at - start
             if sign(since) >= 0:
                 return [
                     (
-                        Quantity.of(normal(disc.x + disc.vx * since)),
-                        Quantity.of(normal(disc.y + disc.vy * since)),
-                        Quantity.of(disc.vx),
-                        Quantity.of(disc.vy),
+                        quantity(normal(disc.x + disc.vx * since)),
+                        quantity(normal(disc.y + disc.vy * since)),
+                        quantity(disc.vx),
+                        quantity(disc.vy),
                     )
                     for disc in leg
                 ]
@@ -55,9 +55,9 @@ class SymbolicMotion:
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the same as doubles, flights computed in doubles."""
-        starts = [float(Quantity.of(start)) for start in self.starts]
+        starts = [float(quantity(start)) for start in self.starts]
         legs = np.array(
-            [[[float(Quantity.of(n)) for n in (d.x, d.y, d.vx, d.vy)] for d in leg] for leg in self.legs]
+            [[[float(quantity(n)) for n in (d.x, d.y, d.vx, d.vy)] for d in leg] for leg in self.legs]
         )
         places = [max(bisect_right(starts, time) - 1, 0) for time in times]
         found = legs[places].copy()

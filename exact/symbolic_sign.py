@@ -12,7 +12,9 @@ from __future__ import annotations
 from typing import Any
 
 from mpmath.ctx_iv import MPIntervalContext
-from sympy import QQ, Add, Expr, Mul, Rational, Symbol, ring, sqrt, sqrtdenest
+from sympy import QQ, Add, Expr, Mul, Pow, Rational, Symbol, ring, sqrt, sqrtdenest
+
+from ..scenarios.quantity import Quantity
 
 ENCLOSURE_BITS = (64, 128, 256)
 """Precisions tried before a proof of zero is; 256 bits are 77 digits."""
@@ -69,6 +71,29 @@ def root(radicand: Any) -> Expr:
     return sqrtdenest(sqrt(radicand))
 
 
+def quantity(number: Any) -> Quantity:
+    """A number as the exact quantity that trajectories hold.
+
+    >>> quantity(sqrt(sqrt(3)) / 2) == Quantity.of("sqrt(sqrt(3))/2")
+    True
+    """
+    roots = Roots.of(number)
+    values: list[Quantity] = []
+
+    def value(polynomial: Any) -> Quantity:
+        total = Quantity.of(0)
+        for exponents, coefficient in polynomial.terms():
+            term = Quantity.of(int(coefficient.numerator)) / int(coefficient.denominator)
+            for root, exponent in zip(values, exponents, strict=False):
+                term = term * root if exponent else term
+            total = total + term
+        return total
+
+    for radicand in roots.radicands:
+        values.append(value(radicand).sqrt())  # noqa: PERF401  each rests on those before
+    return value(roots.polynomial(number))
+
+
 def enclosure(number: Any, bits: int) -> tuple[Any, Any]:
     """Two mpmath numbers between which a number lies, computed with so many bits."""
     roots = Roots.of(number)
@@ -82,24 +107,29 @@ class Roots:
     Numbers in them are polynomials of degree at most 1 in each, with rational coefficients.
 
     Attributes:
-        bases: the radicands as SymPy numbers.
-        radicands: the radicands as polynomials in the roots before.
+        bases: each root as (base, k), the 2**k-th root of base, since SymPy merges sqrt(sqrt(3)) to 3**(1/4).
+        radicands: their squares, as polynomials in the roots before.
     """
 
-    def __init__(self, bases: list[Any]) -> None:
+    def __init__(self, bases: list[tuple[Any, int]]) -> None:
         self.bases = bases
         self.ring: Any = ring([Symbol(f"s_{k}") for k in range(len(bases))] or [Symbol("s_0")], QQ)[0]
         self.radicands: list[Any] = []
         self._interval: Any = MPIntervalContext()
         self._enclosures: dict[int, list[Any]] = {}
-        for base in bases:
-            self.radicands.append(self.polynomial(base))
+        for base, level in bases:
+            known = self.polynomial(base) if level == 1 else self._generator(base, level - 1)
+            self.radicands.append(known)
 
     @staticmethod
     def of(number: Any) -> Roots:
         """The roots in a number."""
-        bases = {part.base for part in number.atoms(type(sqrt(Symbol("x")))) if _is_root(part)}
-        return Roots(sorted(bases, key=lambda base: (_depth(base), base.sort_key())))
+        powers = number.atoms(type(sqrt(Symbol("x"))))
+        bases = {(part.base, k) for part in powers for k in range(1, _root_level(part) + 1)}
+        return Roots(sorted(bases, key=lambda root: (_depth(root[0]), root[1], root[0].sort_key())))
+
+    def _generator(self, base: Any, level: int) -> Any:
+        return self.ring.gens[self.bases.index((base, level))]
 
     def polynomial(self, number: Any) -> Any:
         """A number in these roots as a polynomial in them.
@@ -117,13 +147,10 @@ class Roots:
             for part in number.args:
                 product = self._reduced(product * self.polynomial(part))
             return product
-        if _is_root(number) or (number.is_Pow and number.exp.is_Integer):
-            value = (
-                self.ring.gens[self.bases.index(number.base)]
-                if _is_root(number)
-                else self.polynomial(number.base)
-            )
-            exponent = int(2 * number.exp) if _is_root(number) else int(number.exp)
+        level = _root_level(number)
+        if level or (number.is_Pow and number.exp.is_Integer):
+            value = self._generator(number.base, level) if level else self.polynomial(number.base)
+            exponent = int(number.exp * 2**level)
             if exponent < 0:
                 value = self._inverse(value)
             power = self.ring.one
@@ -136,7 +163,8 @@ class Roots:
         """A polynomial in the roots as a SymPy number."""
         total = []
         for exponents, coefficient in polynomial.terms():
-            factors = [sqrt(base) for base, exponent in zip(self.bases, exponents, strict=False) if exponent]
+            used = (root for root, exponent in zip(self.bases, exponents, strict=False) if exponent)
+            factors = [Pow(base, Rational(1, 2**level)) for base, level in used]
             total.append(Mul(Rational(int(coefficient.numerator), int(coefficient.denominator)), *factors))
         return Add(*total)
 
@@ -247,10 +275,14 @@ class Roots:
         return over.mul_ground(1 / constant)
 
 
-def _is_root(part: Any) -> bool:
-    return part.is_Pow and part.exp.is_Rational and part.exp.q == 2
+def _root_level(part: Any) -> int:
+    """k if a number is a power with an exponent m / 2**k in lowest terms, else 0."""
+    if not (part.is_Pow and part.exp.is_Rational):
+        return 0
+    below = int(part.exp.q)
+    return below.bit_length() - 1 if below & (below - 1) == 0 else 0
 
 
 def _depth(number: Any) -> int:
     """How deep square roots are nested in a number."""
-    return max((_depth(part) for part in number.args), default=0) + _is_root(number)
+    return max((_depth(part) for part in number.args), default=0) + _root_level(number)

@@ -12,6 +12,7 @@ from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 from ..scenarios.quantity import certain_double, nearest_double
 from ..scenarios.scene import Scene
 from ..scenarios.tower import Element, Tower, TowerLimit
+from .ball_machine import BallMachine
 from .machine import Machine, Number, Step
 from .numbers import ball
 from .program import causal_past, replay
@@ -48,7 +49,7 @@ class Program:
         """The state after the first `upto` steps, in balls computed with `bits` bits."""
         if self._key != (bits, upto):
             ctx.prec = bits
-            machine = Machine(self.scene, ball.constant, ball.root)
+            machine = BallMachine(self.scene)
             replay(machine, self.steps, range(upto))
             self._key, self._machine = (bits, upto), machine
         assert self._machine is not None

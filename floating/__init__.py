@@ -1,0 +1,21 @@
+"""Engines of finite precision: doubles, mpmath intervals, and pymunk."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .double import DoubleEngine
+    from .interval import IntervalEngine
+    from .pymunk_engine import PymunkEngine
+
+_HOMES = {"DoubleEngine": ".double", "IntervalEngine": ".interval", "PymunkEngine": ".pymunk_engine"}
+
+__all__ = ["DoubleEngine", "IntervalEngine", "PymunkEngine"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name], __name__), name)

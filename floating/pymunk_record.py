@@ -32,7 +32,10 @@ class Record:
         self.settling: set[int] = set()
         self.failures: list[BaseException] = []
         self.events: list[Event] = []
-        self.knots: list[list[Knot]] = [[_knot(body, 0.0)] for body in world.bodies]
+        self.knots: list[list[Knot]] = [
+            [(0.0, body.position.x, body.position.y, body.velocity.x, body.velocity.y)]
+            for body in world.bodies
+        ]
         self.contact_steps = self.resting_contacts = 0
         self._pushed: list[tuple[int, int]] = []
         self._world = world
@@ -63,23 +66,30 @@ class Record:
 
         self._world.space.on_collision(post_solve=after_contact)
 
-    def tie_knots(self, time: float, places: Iterable[int] | None = None) -> None:
-        """Notes where the circles at these places (all of them by default) are and how they go on."""
+    def tie_knots(self, time: float) -> None:
+        """Notes where every circle is and how it goes on."""
+        self._tie(time, self._moving, all_of_them=True)
+
+    def _tie(self, time: float, places: Iterable[int], all_of_them: bool) -> None:
+        """A knot for all of the circles at these places, or only for those whose velocity has changed."""
         moving = self._moving
-        for place in moving if places is None else places:
+        for place in places:
             if place in moving:
                 body, knots = moving[place]
-                knots.append(_knot(body, time))
+                vx, vy = body.velocity
+                if all_of_them or knots[-1][3:] != (vx, vy):
+                    x, y = body.position
+                    knots.append((time, x, y, vx, vy))
 
     def step(self, time: float) -> bool:
         """Notes what the step that ended at `time` did; whether that was an event."""
         touched, pushed = self.touched, self._pushed
         collided = bool(pushed)
         if len(touched) == 1 and not self._corrects:
-            self.tie_knots(time, touched[0])
+            self._tie(time, touched[0], all_of_them=False)
         else:
             places = {place for pair in touched for place in pair}
-            self.tie_knots(time, sorted(places | self.settling))
+            self._tie(time, places | self.settling, all_of_them=self._corrects)
             self.settling.clear()
             if self._corrects:
                 self.settling.update(places)
@@ -131,9 +141,3 @@ class Record:
             nx, ny, _ = self._world.walls[second - len(bodies)]
             return nx, ny
         return bodies[second].position - bodies[first].position
-
-
-def _knot(body: pymunk.Body, time: float) -> Knot:
-    x, y = body.position
-    vx, vy = body.velocity
-    return time, x, y, vx, vy

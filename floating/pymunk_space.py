@@ -49,6 +49,7 @@ class PymunkSpace:
         moving: those of the circles that are not fixed.
         places: the index in `scene.ids` of each shape's circle or wall.
         walls: (nx, ny, height) of each wall: it is where nx * x + ny * y = height; (nx, ny) has length 1.
+        sides: for each circle and each wall, the sign of nx * x + ny * y - height.
         speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`.
     """
 
@@ -57,6 +58,7 @@ class PymunkSpace:
     moving: tuple[pymunk.Body, ...]
     places: dict[pymunk.Shape, int]
     walls: tuple[tuple[float, float, float], ...]
+    sides: tuple[tuple[int, ...], ...]
     speed: float
 
 
@@ -87,7 +89,8 @@ def build_space(
     try:
         speed = _top_speed(scene.circles)
         lines = tuple(_line(wall) for wall in scene.walls)
-        cells = _cells(scene)
+        sides = [tuple(wall.height(c.x, c.y).sign() for wall in scene.walls) for c in scene.circles]
+        cells = _cells(scene.name, sides)
         places: dict[pymunk.Shape, int] = {}
         bodies: list[pymunk.Body] = []
         for place, circle in enumerate(scene.circles):
@@ -98,7 +101,8 @@ def build_space(
             places[shape] = place
         for cell in sorted(set(cells)):
             inmates = [c for c, number in zip(scene.circles, cells, strict=True) if number == cell]
-            slabs = _slabs(space.static_body, inmates, scene.walls, lines, speed * duration, speed * dt)
+            side = sides[cells.index(cell)]
+            slabs = _slabs(space.static_body, inmates, side, lines, speed * duration, speed * dt)
             for index, segment in slabs:
                 segment.filter = _only(cell)
                 space.add(segment)
@@ -109,7 +113,7 @@ def build_space(
         shape.elasticity = ELASTICITY
         shape.friction = FRICTION
     moving = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
-    return PymunkSpace(space, tuple(bodies), moving, places, lines, speed)
+    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), speed)
 
 
 def _only(cell: int) -> pymunk.ShapeFilter:
@@ -147,20 +151,17 @@ def _line(wall: Wall) -> tuple[float, float, float]:
     return nx, ny, nx * float(wall.x0) + ny * float(wall.y0)
 
 
-def _cells(scene: Scene) -> list[int]:
+def _cells(name: str, sides: Sequence[tuple[int, ...]]) -> list[int]:
     """A number for each circle: the same for two circles if no wall is between them.
 
     Raises:
         SceneError: for more than `MAX_CELLS` numbers.
     """
     numbers: dict[tuple[int, ...], int] = {}
-    cells = [
-        numbers.setdefault(tuple(wall.height(c.x, c.y).sign() for wall in scene.walls), len(numbers))
-        for c in scene.circles
-    ]
+    cells = [numbers.setdefault(side, len(numbers)) for side in sides]
     if len(numbers) > MAX_CELLS:
         raise SceneError(
-            f"{scene.name!r}: walls part the circles into {len(numbers)} groups; pymunk's filters tell "
+            f"{name!r}: walls part the circles into {len(numbers)} groups; pymunk's filters tell "
             f"{MAX_CELLS} apart; remove walls or circles, or run the groups as scenes of their own"
         )
     return cells
@@ -169,7 +170,7 @@ def _cells(scene: Scene) -> list[int]:
 def _slabs(
     static: pymunk.Body,
     inmates: Sequence[Circle],
-    walls: Sequence[Wall],
+    sides: Sequence[int],
     lines: Sequence[tuple[float, float, float]],
     reach: float,
     stride: float,
@@ -181,10 +182,7 @@ def _slabs(
     coordinate is exact. The cell is the convex region that walls leave of where speed can take the circles,
     so that a box needs short segments however long the run.
     """
-    if not walls:
-        return
     biggest = max(float(circle.r) for circle in inmates)
-    sides = [wall.height(inmates[0].x, inmates[0].y).sign() for wall in walls]
     xs, ys = [float(c.x) for c in inmates], [float(c.y) for c in inmates]
     spread = reach + biggest
     region: list[Point] = [

@@ -16,8 +16,8 @@ BARE = re.compile(r"-?(0|[1-9][0-9]{0,14})", re.ASCII)
 """A whole number below 10**15: every reader of TOML holds it exactly."""
 
 PLAIN = 100
-"""A number's text of at most this many characters is within the limits of `parse_quantity` for certain: it has
-no power, and fewer than `MAX_DEPTH` pairs of parentheses. Longer ones are tried."""
+"""A number's text of at most this many characters is within the limits of `parse_quantity` for certain, as
+it has no power and fewer than `MAX_DEPTH` pairs of parentheses. Longer ones are tried."""
 
 NUMBERS = ("x", "y", "r", "vx", "vy", "m", "x0", "y0", "x1", "y1", "reverse_at", "until")
 

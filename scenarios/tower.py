@@ -31,7 +31,7 @@ from __future__ import annotations
 
 import random
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final, TypeAlias
 
@@ -57,7 +57,7 @@ PLACES: Final = 20
 A non-square slips through about once in 2**20, and then costs time, not truth."""
 
 PRIME_TRIES: Final = 300
-"""Primes tried for one place before the descent is left to work without more of them."""
+"""Suitable primes tried for one place before the descent is left to work without more of them."""
 
 FIRST_BITS: Final = 64
 """Precision of the first ball of a sign test; doubled until the sign shows."""
@@ -221,6 +221,26 @@ def _masks(x: Integral) -> int:
     return _masks(x.a) | _masks(x.b)
 
 
+def _leaf_masks(x: Integral) -> Iterator[int]:
+    """The sets of base radicands whose products have roots in x, outside of radicands."""
+    if isinstance(x, dict):
+        yield from x
+    elif isinstance(x, Nested):
+        yield from _leaf_masks(x.a)
+        yield from _leaf_masks(x.b)
+
+
+def _span(masks: Iterable[int]) -> list[int]:
+    """The reduced basis, modulo 2, of what the masks generate: the same for the same span."""
+    basis: list[int] = []
+    for mask in masks:
+        for b in basis:
+            mask = min(mask, mask ^ b)
+        if mask:
+            basis = sorted([*(min(b, b ^ mask) for b in basis), mask], reverse=True)
+    return basis
+
+
 # --------------------------------------------------------------------------------------
 # Squares among the whole numbers.
 # --------------------------------------------------------------------------------------
@@ -324,29 +344,34 @@ def _square_subset(n: fmpz, radicands: list[fmpz]) -> int | None:
 
 
 class Place:
-    """A ring homomorphism from Z[sqrt(m_1), ..., s_1, ..., s_level] to Z/n, n odd.
+    """A ring homomorphism to Z/n, n odd, from Z[sqrt(B), ..., s_1, ..., s_level].
 
-    It is given by a root of every m_i and of every D_k modulo n, all prime to n.
+    It is given by a root modulo n of every D_k and of some products B of base radicands, all
+    prime to n. Let E be the field of those roots. The whole K_level is E with roots of the m_i.
 
-    What it proves: *if the Jacobi symbol of the image of x is -1, x is not a square in K_level*.
-    Let q be a prime factor of n, and follow the homomorphism to F_q with kernel P. Its generators
-    are not zero and 2 is not either, so Z[...] localised at P is etale over Z localised at q, hence
-    normal. If x = w**2 with w in K, then w is integral over that ring, so lies in it, and the
-    image of x is the square of the image of w. That holds for each q, so the Jacobi symbol, the
-    product of the Legendre symbols, is 0 or +1. Nothing here needs n to be prime, so a pseudoprime
-    could not do harm.
+    What it proves. Let x in E be a square in K_level. As K_level is E with square roots of whole
+    numbers, x P is a square in E for some product P of distinct m_i. Let q be a prime factor of n,
+    and follow the homomorphism to F_q. The roots do not become zero and q is not 2, so the ring,
+    localised at the kernel, is etale over Z localised at q, hence normal; a root of x P is integral
+    over it, so lies in it, and the image of x P is a square in F_q. So the Jacobi symbol of the
+    image of x P, a product of Legendre symbols, is +1 (or 0, where the place has nothing to say).
+    So *the symbol of x is a product of symbols of the m_i, over the same m_i at every place*; and
+    if no choice of m_i does that, x is not a square in K_level. Nothing here needs n to be prime,
+    so a pseudoprime could do no harm.
     """
 
-    __slots__ = ("_products", "base", "modulus", "nested")
+    __slots__ = ("_products", "_rows", "_tower", "modulus", "nested", "roots")
 
-    def __init__(self, modulus: int) -> None:
+    def __init__(self, tower: Tower, modulus: int) -> None:
+        self._tower = tower
         self.modulus = modulus
-        self.base: list[int] = []
+        self.roots: dict[int, tuple[int, int]] = {}  # leading bit -> (mask, root of its product)
         self.nested: list[int] = []
         self._products: dict[int, int] = {0: 1}
+        self._rows: list[int] = []  # Jacobi symbols of the base radicands: 0 for +1, 1 for -1
 
     def root(self, value: int) -> int | None:
-        """A root of value modulo n, prime to n; None if there is none to be had."""
+        """A root of value modulo n, prime to n, of random sign; None if there is none to be had."""
         n = fmpz(self.modulus)
         if fmpz(value).jacobi(n) != 1:
             return None
@@ -356,13 +381,44 @@ class Place:
             return None
         if (r * r - value) % n != 0 or r.gcd(n) != 1:
             return None
-        return int(r)
+        return int(r if self._tower._random.random() < 0.5 else n - r)
+
+    def split(self, masks: Iterable[int]) -> bool:
+        """Get roots of these products of base radicands; False if one has none."""
+        for mask in masks:
+            while mask:
+                known = self.roots.get(mask.bit_length())
+                if known is None:
+                    break
+                mask ^= known[0]
+            if mask:
+                root = self.root(int(self._tower._product(mask) % self.modulus))
+                if root is None:
+                    return False
+                self.roots[mask.bit_length()] = (mask, root)
+        return True
+
+    def lift(self, radicands: list[Integral]) -> bool:
+        """Get roots of D_1, D_2, ..., trying both signs of each; False if there are none."""
+        if len(self.nested) == len(radicands):
+            return True
+        root = self.root(self.value(radicands[len(self.nested)]))
+        if root is not None:
+            for choice in (root, self.modulus - root):
+                self.nested.append(choice)
+                if self.lift(radicands):
+                    return True
+                self.nested.pop()
+        return False
 
     def _product(self, mask: int) -> int:
+        """The image of the root of a product: sqrt(P Q) = sqrt(P) sqrt(Q) over their common part."""
         known = self._products.get(mask)
         if known is None:
-            low = mask & -mask
-            known = self._product(mask ^ low) * self.base[low.bit_length() - 1] % self.modulus
+            lead, root = self.roots[mask.bit_length()]
+            rest = mask ^ lead
+            shared = int(self._tower._product(rest & lead) % self.modulus)
+            known = self._product(rest) * root * pow(shared, -1, self.modulus) % self.modulus
             self._products[mask] = known
         return known
 
@@ -375,9 +431,29 @@ class Place:
             return sum(int(c % n) * self._product(mask) for mask, c in x.items()) % n
         return (self.value(x.a) + self.value(x.b) * self.nested[x.level - 1]) % n
 
-    def refutes(self, x: Integral) -> bool:
-        """Whether this place proves that x is not a square."""
-        return fmpz(self.value(x)).jacobi(self.modulus) == -1
+    def row(self, x: Integral) -> int | None:
+        """Jacobi symbols, -1 as bit 1: of each m_i as bit i + 1, of x as bit 0. None if x becomes 0."""
+        symbol = fmpz(self.value(x)).jacobi(self.modulus)
+        if symbol == 0:
+            return None
+        for m in self._tower._base[len(self._rows) :]:
+            self._rows.append(m.jacobi(self.modulus))
+        row = int(symbol == -1)
+        for i, of_m in enumerate(self._rows):
+            if of_m == 0:
+                return None
+            if of_m == -1:
+                row |= 2 << i
+        return row
+
+
+def _by_reciprocity(count: int, bits: int) -> bool:
+    """Whether to make primes from the base radicands (of `bits` together), or to wait for luck.
+
+    A prime of 61 bits takes 30 us, and one in 2**count will do; one that is made takes about
+    30 us * (2 + bits**2 / 5000), and is slower to compute with.
+    """
+    return 2**count > 64 + bits * bits // 2000
 
 
 # --------------------------------------------------------------------------------------
@@ -399,12 +475,15 @@ class Tower:
         self.max_depth = max_depth
         self.deadline = deadline
         self._base: list[fmpz] = []
+        self._all = ONE  # the product of the base
+        self._coprime = True  # whether its members are pairwise coprime
         self._radicands: list[Integral] = []
         self._made: list[tuple[bool, int]] = []  # (nested?, index), in order of making
         self._products: dict[int, fmpz] = {0: ONE}
         self._roots: dict[Element, Element] = {}
         self._places: dict[int, list[Place]] = {}
-        self._exhausted: dict[int, int] = {}
+        self._exhausted: set[tuple[int, tuple[int, ...]]] = set()
+        self._supports: list[tuple[int, ...]] = [()]
         self._frames: dict[int, _Frame] = {}
         self._random = random.Random(20)
 
@@ -553,7 +632,8 @@ class Tower:
         self._check_depth(len(self._radicands) + 1)
         self._base.append(m)
         self._made.append((False, len(self._base) - 1))
-        self._exhausted.clear()
+        self._coprime = self._coprime and m.gcd(self._all) == 1
+        self._all *= m
         return self._element({1 << (len(self._base) - 1): ONE})
 
     def _check_depth(self, depth: int) -> None:
@@ -579,7 +659,7 @@ class Tower:
         if isinstance(x, fmpz):
             if x < 0:
                 return None
-            subset = _square_subset(x, self._base) if x else 0
+            subset = self._square_class(x) if x else 0
             if subset is not None:
                 # x * product = square, so sqrt(x) = isqrt(x * product) / product * sqrt(product)
                 product = self._product(subset)
@@ -603,6 +683,26 @@ class Tower:
             return root * self._element(Nested(level, ZERO, ONE)) / self._element(radicand)
         assert isinstance(x, dict)
         return self._root_surds(x)
+
+    def _square_class(self, n: fmpz) -> int | None:
+        """`_square_subset` of the base, quickly where that is pairwise coprime.
+
+        As no m is a square, n times a product of distinct m is one exactly if all exponents of the
+        m are even in it, and what of n is coprime to the base is a square.
+        """
+        if n.is_square():
+            return 0
+        if not self._coprime:
+            return _square_subset(n, self._base)
+        common = n.gcd(self._all)
+        subset = 0
+        for i, m in enumerate(self._base if common > 1 else ()):
+            while common % m == 0 and n % m == 0:
+                n //= m
+                subset ^= 1 << i
+        if n.gcd(self._all) != 1:
+            return _square_subset(n * self._product(subset), self._base)
+        return subset if n.is_square() else None
 
     def _root_nested(self, x: Nested) -> Element | None:
         below = x.level - 1
@@ -642,76 +742,87 @@ class Tower:
         return None if root is None else root / e.den
 
     def _refuted(self, x: Integral, level: int) -> bool:
-        """Whether some place proves that x is not a square in K_level."""
-        return any(place.refutes(x) for place in self._places_at(level))
+        """Whether places prove that x is not a square in K_level.
 
-    def _places_at(self, level: int) -> Iterator[Place]:
-        """Up to `PLACES` homomorphisms on Z[base, s_1 .. s_level], made when needed."""
-        pool = [p for p in self._places.get(level, []) if self._extended(p)]
-        self._places[level] = pool
-        yield from pool
-        while len(pool) < PLACES and level not in self._exhausted:
-            place = self._new_place(level)
+        Each place says: the sum of its bits i + 1 over the unknown set of m_i is its bit 0, modulo
+        2 (see `Place`). The proof is that these equations contradict one another.
+        """
+        pivots: dict[int, int] = {}
+        idle = 0
+        for place in self._places_for(x, level):
+            row = place.row(x)
+            while row is not None and row > 1 and row.bit_length() in pivots:
+                row ^= pivots[row.bit_length()]
+            if row is None:
+                continue
+            if row == 1:
+                return True
+            if row == 0:
+                idle += 1
+                if idle == PLACES:
+                    break
+            else:
+                pivots[row.bit_length()] = row
+        return False
+
+    def _places_for(self, x: Integral, level: int) -> Iterator[Place]:
+        """Homomorphisms that x and s_1 .. s_level have images under, made as they are needed."""
+        basis = tuple(_span([*self._support(level), *_leaf_masks(x)]))
+        pool = self._places.setdefault(level, [])
+        for place in pool:
+            if place.split(basis):
+                yield place
+        while (level, basis) not in self._exhausted:
+            place = self._new_place(basis, level)
             if place is None:
-                self._exhausted[level] = len(pool)
+                self._exhausted.add((level, basis))
                 return
             pool.append(place)
             yield place
 
-    def _extended(self, place: Place) -> bool:
-        """Give the place roots of base radicands that are newer; False if it has none."""
-        for m in self._base[len(place.base) :]:
-            root = place.root(int(m % place.modulus))
-            if root is None:
-                return False
-            place.base.append(self._random.choice((root, place.modulus - root)))
-        return True
+    def _support(self, level: int) -> tuple[int, ...]:
+        """A basis of the base products in D_1 .. D_level."""
+        while len(self._supports) <= level:
+            radicand = self._radicands[len(self._supports) - 1]
+            self._supports.append(tuple(_span([*self._supports[-1], *_leaf_masks(radicand)])))
+        return self._supports[level]
 
-    def _new_place(self, level: int) -> Place | None:
-        for _ in range(PRIME_TRIES):
+    def _new_place(self, basis: tuple[int, ...], level: int) -> Place | None:
+        for modulus in self._moduli(basis):
             self._tick()
-            place = Place(self._splitting_prime())
-            if self._extended(place) and self._lifted(place, level):
+            place = Place(self, modulus)
+            if place.split(basis) and place.lift(self._radicands[:level]):
                 return place
         return None
 
-    def _lifted(self, place: Place, level: int) -> bool:
-        """Give the place roots of D_1 .. D_level, trying both signs of each."""
-        done = len(place.nested)
-        if done == level:
-            return True
-        root = place.root(place.value(self._radicands[done]))
-        if root is None:
-            return False
-        if self._random.random() < 0.5:
-            root = place.modulus - root
-        for choice in (root, place.modulus - root):
-            place.nested.append(choice)
-            if self._lifted(place, level):
-                return True
-            place.nested.pop()
-        return False
+    def _moduli(self, basis: tuple[int, ...]) -> Iterator[int]:
+        """Random primes (probably), modulo which the base products in the basis are likely squares.
 
-    def _splitting_prime(self) -> int:
-        """A random prime (probably) modulo which every base radicand has a root.
-
-        Take n = r**2 modulo 8 times every odd part of an m: then n = 1 modulo 8, so 2 has a root,
-        and by reciprocity so has each odd part.
+        Few products: any prime does, once in 2**len(basis). Many: n = r**2 modulo 8 times every odd
+        part of an m, so that 2 is a square modulo n, and by reciprocity each odd part, as n = 1
+        modulo 4. Which of the two is quicker was measured: see `_by_reciprocity`.
         """
-        odd = 1
-        for m in self._base:
-            part = int(m)
-            odd *= part >> ((part & -part).bit_length() - 1)
-        step = 8 * odd
-        r = self._random.randrange(step) | 1
-        while fmpz(r).gcd(odd) != 1:
-            r = self._random.randrange(step) | 1
-        start = r * r % step
+        odd = ONE
+        union = 0
+        for mask in basis:
+            union |= mask
+        if _by_reciprocity(len(basis), self._product(union).bit_length()):
+            for i, m in enumerate(self._base):
+                if union >> i & 1:
+                    odd *= m // (m & -m) if m % 2 == 0 else m
+            tries = PRIME_TRIES
+        else:
+            tries = PRIME_TRIES << len(basis)
+        step = int(8 * odd)
         span = max(1 << 16, (1 << 61) // step)
-        while True:
-            n = start + step * self._random.randrange(1, span)
-            if fmpz(n).is_probable_prime():
-                return n
+        for _ in range(tries):
+            r = self._random.randrange(step) | 1
+            while odd.gcd(r) != 1:
+                r = self._random.randrange(step) | 1
+            n = 0
+            while not fmpz(n).is_probable_prime():
+                n = r * r % step + step * self._random.randrange(1, span)
+            yield n
 
     # -- arithmetic of integral values ---------------------------------------------------
 

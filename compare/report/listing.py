@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+    from ...scenarios.catalogue import Entry
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Event, Trajectory
 
@@ -46,8 +47,34 @@ def grid(*headings: str, title: str | None = None) -> Table:
 
 
 def print_json(data: dict[str, Any]) -> None:
-    """One object on stdout, as one line each level of nesting that is worth one."""
-    sys.stdout.write(json.dumps(data, indent=1, allow_nan=False, ensure_ascii=False) + "\n")
+    """One object on stdout: a line for each key, and for each thing in a list of things."""
+    sys.stdout.write(laid_out(data) + "\n")
+
+
+def laid_out(data: dict[str, Any]) -> str:
+    """JSON text with a line for each key of an object, and for each object in a list.
+
+    >>> print(laid_out({"a": [1, 2], "b": [{"c": 1}, {"c": 2}]}))
+    {
+     "a": [1, 2],
+     "b": [
+      {"c": 1},
+      {"c": 2}
+     ]
+    }
+    """
+    lines = []
+    for key, value in data.items():
+        if isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+            rows = ",\n".join(f"  {_flat(item)}" for item in value)
+            lines.append(f" {_flat(key)}: [\n{rows}\n ]")
+        else:
+            lines.append(f" {_flat(key)}: {_flat(value)}")
+    return "{\n" + ",\n".join(lines) + "\n}"
+
+
+def _flat(value: Any) -> str:
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)
 
 
 def print_catalogue(as_json: bool) -> None:
@@ -65,19 +92,21 @@ def print_catalogue(as_json: bool) -> None:
     out = console()
     for entry in entries:
         row = catalogue_row(entry)
-        settings = ", ".join(f"{key}={value}" for key, value in row["parameters"].items())
-        out.print(f"[bold]{escape(row['name'])}[/]{escape(f':{settings}') if settings else ''}")
-        for key in ("summary", "known", "source"):
+        out.print(f"[bold]{escape(row['name'])}[/]  {escape(row['summary'])}")
+        for parameter in row["parameters"]:
+            setting = f"{parameter['name']}={parameter['default']}"
+            out.print(escape(f"    {setting:<14} {parameter['help']}"))
+        for key in ("known", "source"):
             if row.get(key):
-                out.print(escape(f"    {'' if key == 'summary' else f'{key}: '}{row[key]}"))
+                out.print(escape(f"    {key}: {row[key]}"))
     out.print("\nRun one with: truebreak compare NAME, or NAME:key=value,key=value")
 
 
-def catalogue_row(entry: Any) -> dict[str, Any]:
+def catalogue_row(entry: Entry) -> dict[str, Any]:
     """What the catalogue tells of one scene."""
     return {
         "name": entry.name,
-        "parameters": dict(entry.parameters),
+        "parameters": [{"name": p.name, "default": p.default, "help": p.help} for p in entry.parameters],
         "summary": entry.summary,
         "source": entry.source,
         "known": entry.known,

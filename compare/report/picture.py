@@ -160,10 +160,8 @@ def draw(
         parts.append(_round(disc.classes, view, disc.x, disc.y, disc.r))
         if disc.vx or disc.vy:
             kind = "othervelocity" if "other" in disc.classes else "velocity"
-            parts.append(
-                f'<line class="{kind}" x1="{view.x(disc.x):.2f}" y1="{view.y(disc.y):.2f}" '
-                f'x2="{view.x(disc.x + disc.vx * arrow):.2f}" y2="{view.y(disc.y + disc.vy * arrow):.2f}"/>'
-            )
+            start = view.x(disc.x), view.y(disc.y)
+            parts.append(_arrow(kind, start, (disc.vx * arrow * view.scale, -disc.vy * arrow * view.scale)))
         if disc.label and disc.r * view.scale >= 6:
             parts.append(f'<text x="{view.x(disc.x):.2f}" y="{view.y(disc.y):.2f}">{escape(disc.id)}</text>')
     parts.append("</svg>")
@@ -173,6 +171,22 @@ def draw(
 def _round(classes: str, view: View, x: float, y: float, r: float) -> str:
     radius = max(r * view.scale, 2.0)
     return f'<circle class="{classes}" cx="{view.x(x):.2f}" cy="{view.y(y):.2f}" r="{radius:.2f}"/>'
+
+
+def _arrow(classes: str, start: tuple[float, float], along: tuple[float, float]) -> str:
+    """An arrow as one path; its head is a quarter of its length, at most 7 pixels."""
+    (x, y), (dx, dy) = start, along
+    length = math.hypot(dx, dy)
+    if length < 1.0:
+        return ""
+    head = min(7.0, length / 4) / length
+    back, side = (dx * head, dy * head), (-dy * head / 2, dx * head / 2)
+    tip = x + dx, y + dy
+    wings = [(tip[0] - back[0] + s * side[0], tip[1] - back[1] + s * side[1]) for s in (1, -1)]
+    return (
+        f'<path class="{classes}" fill="none" d="M{x:.2f} {y:.2f}L{tip[0]:.2f} {tip[1]:.2f}'
+        f'M{wings[0][0]:.2f} {wings[0][1]:.2f}L{tip[0]:.2f} {tip[1]:.2f}L{wings[1][0]:.2f} {wings[1][1]:.2f}"/>'
+    )
 
 
 def _wall(view: View, line: tuple[float, float, float, float], marked: bool, name: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..align import Kind
+from ..engines import is_stepped
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -12,31 +13,59 @@ if TYPE_CHECKING:
 
 
 def verdict_sentence(comparison: Comparison) -> str:
-    """The one sentence that a report leads with."""
-    diverged = [c for c in comparison.candidates if c.alignment.divergence is not None]
-    undecided = [c for c in comparison.candidates if c.verdict == "undecided"]
-    events = len(comparison.reference.events)
-    if diverged:
-        first = min(diverged, key=_place)
-        head = "Floating point changed what happened" if _is_float_error(first) else "The histories differ"
-        return f"{head}: {divergence_phrase(comparison, first)}"
-    if comparison.verdict == "undecided" and not undecided:
-        return f"Undecided: the {comparison.reference.engine} run itself stopped after {counted(events, 'event')}."
-    agreeing = [c.engine for c in comparison.candidates if c.verdict == "agree"]
-    if agreeing:
-        head = f"Floating point did not change what happened: {listed(agreeing)} " + (
-            "agrees" if len(agreeing) == 1 else "agree"
+    """The one sentence that a report leads with.
+
+    A time step or a difference of model is not called floating-point error.
+    """
+    by_verdict = {
+        verdict: [c for c in comparison.candidates if c.verdict == verdict]
+        for verdict in ("agree", "diverged", "undecided")
+    }
+    reference, events = comparison.reference, counted(len(comparison.reference.events), "event")
+    rounding = [c for c in by_verdict["diverged"] if _is_rounding(c)]
+    if by_verdict["diverged"]:
+        first = min(rounding or by_verdict["diverged"], key=_place)
+        agreeing = [c.engine for c in by_verdict["agree"]]
+        spared = f"{listed(agreeing)} {'agrees' if len(agreeing) == 1 else 'agree'}, but " if agreeing else ""
+        return f"{_head(first)}: {spared}{divergence_phrase(comparison, first)}"
+    stopped = f"the {reference.engine} run itself stopped after {events}: {reference.stop.message}"
+    if comparison.verdict == "undecided" and not by_verdict["undecided"]:
+        return f"Undecided: {stopped}."
+    undecided = listed([c.engine for c in by_verdict["undecided"]])
+    if by_verdict["agree"]:
+        agreeing = [c.engine for c in by_verdict["agree"]]
+        verb = "agrees" if len(agreeing) == 1 else "agree"
+        rest = f"; {undecided} could not follow to the end" if by_verdict["undecided"] else ""
+        return (
+            f"Floating point did not change what happened: {listed(agreeing)} {verb} with the {reference.engine} "
+            f"run in {'its one event' if len(reference.events) == 1 else f'all {events}'}{rest}."
         )
-        tail = f" with the {comparison.reference.engine} run in all {counted(events, 'event')}"
-        rest = f"; {listed([c.engine for c in undecided])} could not follow to the end" if undecided else ""
-        return f"{head}{tail}{rest}."
-    return f"Undecided: {listed([c.engine for c in undecided])} could not follow the {comparison.reference.engine} run."
+    return f"Undecided: {undecided} could not follow the {reference.engine} run to the end."
 
 
-def _is_float_error(candidate: Candidate) -> bool:
+def _is_rounding(candidate: Candidate) -> bool:
+    """Whether rounding is to blame, as far as is known: not a time step, not a difference of model."""
     from ..causes import CauseName
 
-    return candidate.cause is None or candidate.cause.name is not CauseName.MODEL
+    cause = candidate.cause
+    if cause is None:
+        return not is_stepped(candidate.trajectory.engine)
+    if cause.name is CauseName.TIE:
+        return not is_stepped(candidate.trajectory.engine)
+    return cause.name in (CauseName.INPUT, CauseName.ARITHMETIC, CauseName.WIDTH)
+
+
+def _head(candidate: Candidate) -> str:
+    from ..causes import CauseName
+
+    if _is_rounding(candidate):
+        return "Floating point changed what happened"
+    name = candidate.cause.name if candidate.cause else None
+    if name is CauseName.STEP:
+        return "The time step changed what happened"
+    if name is CauseName.TIE:
+        return "A tie was resolved differently"
+    return "The histories differ"
 
 
 def _place(candidate: Candidate) -> tuple[float, int]:
@@ -60,8 +89,7 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
         case Kind.EXTRA:
             what = f"{body} meets {named(scene, divergence.got)}, which it should not"
         case Kind.TIE:
-            what = f"{body} meets {divergence.got} where it should meet {divergence.expected}"
-            what += " at once" if divergence.expected and " + " in divergence.expected else ""
+            what = f"{body} meets {tied(divergence.got)} where it should meet {tied(divergence.expected)}"
     return f"{where}: {what}."
 
 
@@ -77,6 +105,16 @@ def named(scene: Scene, name: str | None) -> str:
     if any(wall.id == name for wall in scene.walls):
         return f"wall {name}"
     return f"circle {name}"
+
+
+def tied(partners: str | None) -> str:
+    """The partners of a tie in words.
+
+    >>> tied("a + b"), tied("a then b")
+    ('a and b at once', 'a, then b')
+    """
+    groups = [group.split(" + ") for group in (partners or "nothing").split(" then ")]
+    return ", then ".join(f"{listed(names)} at once" if len(names) > 1 else names[0] for names in groups)
 
 
 def counted(number: int, noun: str) -> str:

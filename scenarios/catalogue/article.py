@@ -42,10 +42,12 @@ SCENES = {
             Parameter("figure", "diagonal", f"which example: {', '.join(FIGURES)}", one_of(*FIGURES)),
         ),
         known=(
-            "approach: they just touch at times 1 and 3, and collide at 1. apart: they just touch at -2 - sqrt(2) "
-            "and -2 + sqrt(2), both past, and never collide. head-on: a goes on with (0, 2), b with (1, 0). "
-            "diagonal: a goes on with (1/2, -1/2), b with (1/2, 1/2). giant: a goes on with (1, 999/1001), b with "
-            "(0, -2/1001). floor: a goes on with (1, 1). slope: a goes on with (1, 2)."
+            "approach: they just touch at times 1 and 3, and collide at 1. "
+            "apart: they just touch at -2 - sqrt(2) and -2 + sqrt(2), both past, and never collide. "
+            "head-on: a goes on with (0, 2), b with (1, 0). "
+            "diagonal: a goes on with (1/2, -1/2), b with (1/2, 1/2). "
+            "giant: a goes on with (1, 999/1001), b with (0, -2/1001). "
+            "floor: a goes on with (1, 1). slope: a goes on with (1, 2)."
         ),
         source=SOURCE,
         make=article,

@@ -12,7 +12,7 @@ class Draw:
 
     >>> draw = Draw(1)
     >>> [draw.between(-5, 5) for _ in range(6)]
-    [1, 3, 4, -1, 4, 1]
+    [1, 3, 5, -1, -1, 3]
     """
 
     def __init__(self, seed: int) -> None:

@@ -62,7 +62,7 @@ class Entry:
             if key not in known:
                 near = difflib.get_close_matches(key, known, n=1)
                 hint = f"did you mean {near[0]!r}? " if near else ""
-                raise SceneError(f"{label} has no parameter {cut(key)}; {hint}it has: {', '.join(known) or 'none'}")
+                raise SceneError(f"{label} has no parameter {cut(key)}; {hint}it has: {', '.join(known)}")
         values: dict[str, Any] = {}
         changed: list[str] = []
         for key, parameter in known.items():

@@ -29,7 +29,7 @@ FAMILIES = {
     "grazing": "touch",
     "corner": "touch",
 }
-"""Every scene, and the module of this package whose `SCENES` hold it. A new scene touches its module and this."""
+"""Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 
 
 def names() -> tuple[str, ...]:

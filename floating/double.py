@@ -1,0 +1,62 @@
+"""The event-driven engine in doubles: what a careful simulation in floating point does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import nan, sqrt
+
+from ..exact.engine import run_limits
+from ..exact.machine import Machine
+from ..scenarios.quantity import QuantityLike
+from ..scenarios.scene import Scene
+from ..scenarios.trajectory import OnProgress, Trajectory
+from .knots import DoubleMotion
+from .plain_loop import PlainLoop
+from .plain_run import trajectory
+
+
+def sign(x: float) -> int:
+    """The sign of a double: always an answer, perhaps a wrong one."""
+    return (x > 0.0) - (x < 0.0)
+
+
+def root(x: float) -> float:
+    """The square root; nan below zero."""
+    return sqrt(x) if x >= 0.0 else nan
+
+
+def bounds(time: float) -> tuple[float, float]:
+    """A double is its own bound."""
+    return time, time
+
+
+@dataclass(frozen=True)
+class DoubleEngine:
+    """The event loop of the exact engine, fed doubles.
+
+    Inputs are rounded to the nearest doubles; every sign is taken at its word; equal event times are a tie; an
+    overlap that rounding has made collides at once.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> float(DoubleEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])).events[0].time)
+    2.267949192431123
+    """
+
+    @property
+    def name(self) -> str:
+        """The engine's name."""
+        return "double"
+
+    def run(
+        self,
+        scene: Scene,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """The history as doubles see it (see `Engine.run`)."""
+        limits = run_limits(scene, until, events)
+        loop = PlainLoop(scene, Machine(scene, float, root), limits, progress, sign, bounds)
+        stop = loop.run()
+        return trajectory(scene, self.name, {}, loop, limits, stop, DoubleMotion)
