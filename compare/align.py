@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from ..scenarios.trajectory import Contact, Trajectory
 
 TIME_SAFETY = 100.0
-"""Near the end of the span a partner is called missing or extra only if it is this many times farther from the
-end than the largest difference of times so far: a time error grows less than this within one flight."""
+"""Near the end of the span a partner is called missing or extra only if it is this many times farther from
+the end than the largest difference of times so far: a time error grows less than this within one flight."""
 
 TIME_FLOOR = 2.0**-30
 """Least difference of times assumed, as a share of the span: what rounding alone may reach in a long run."""
@@ -41,7 +41,8 @@ class Kind(Enum):
     EXTRA = "extra"
     """the body meets a partner where the reference has none"""
     TIE = "tie"
-    """contacts of one instant, whose order matters, taken apart or in another order; or instants taken as one"""
+    """contacts of one instant, whose order matters, taken apart or in another order; or instants taken as
+    one"""
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,8 @@ class Alignment:
     Attributes:
         divergence: the first divergence, or None.
         undecided: whether the candidate stopped, before the end of the span and before any divergence.
-        agreed: number of reference events before the divergence (or the candidate's stop) found in the candidate.
+        agreed: number of reference events before the divergence (or the candidate's stop) found in the
+            candidate.
         harmless_swaps: independent events that the candidate has in another order.
         harmless_splits: instants with several contacts that the candidate took apart without consequence.
         merged: candidate events that hold several reference events.
@@ -127,7 +129,9 @@ def align(
     }
     matches = _matches(walks)
     error = max((abs(mine.times[r] - theirs.times[c]) for c, r in matches.items()), default=0.0)
-    tail = _Tail(reference, candidate, mine, theirs, end, TIME_SAFETY * max(error, 2 * step, TIME_FLOOR * end))
+    tail = _Tail(
+        reference, candidate, mine, theirs, end, TIME_SAFETY * max(error, 2 * step, TIME_FLOOR * end)
+    )
     found: list[Divergence] = []
     unsettled = False
     for body, walked in walks.items():
@@ -144,7 +148,11 @@ def align(
         first = tie
     cut = candidate.stop.reason in CUT_SHORT and float(candidate.final_time) < end
     stop_at = (first.time, first.event) if first else (end, len(mine.times))
-    kept = {c: r for c, r in matches.items() if (mine.times[r], r) < stop_at or (not first and mine.times[r] <= end)}
+    kept = {
+        c: r
+        for c, r in matches.items()
+        if (mine.times[r], r) < stop_at or (not first and mine.times[r] <= end)
+    }
     return Alignment(
         divergence=first,
         undecided=cut and first is None,
@@ -171,7 +179,7 @@ def _matches(walks: dict[str, Walk]) -> dict[int, int]:
 def _complete(walks: dict[str, Walk], within: set[int]) -> set[int]:
     """The reference events that the candidate has for every body that takes part."""
     events = {r for w in walks.values() for r, _ in w.pairs}
-    for body, walked in walks.items():
+    for walked in walks.values():
         if walked.mismatch is not None and walked.mismatch.mine is not None:
             events.discard(walked.mismatch.mine)
     return events & within
@@ -225,13 +233,20 @@ class _Tail:
         time = min(t for t in (mine, theirs) if t is not None)
         event = mismatch.mine if mismatch.mine is not None else bisect_left(self.mine.times, time)
         return (
-            Divergence(event, time, body, mismatch.expected, mismatch.got, kind, mine, theirs, mismatch.theirs),
+            Divergence(
+                event, time, body, mismatch.expected, mismatch.got, kind, mine, theirs, mismatch.theirs
+            ),
             False,
         )
 
 
 def _first_broken_tie(
-    reference: Trajectory, candidate: Trajectory, walks: dict[str, Walk], mine: History, before: float, step: float
+    reference: Trajectory,
+    candidate: Trajectory,
+    walks: dict[str, Walk],
+    mine: History,
+    before: float,
+    step: float,
 ) -> Divergence | None:
     """The first instant of several contacts that only one of the runs has as one, with another outcome."""
     split: dict[int, set[int]] = {}

@@ -61,7 +61,8 @@ class ExactTexts:
     seconds: float = EXACT_SECONDS
 
     def of(self, key: str, value: Any) -> dict[str, Any]:
-        """`KEY_exact`, and `KEY_digits` where the exact text is null because the value is too deep to be written out.
+        """`KEY_exact`, and `KEY_digits` where the exact text is null because the value is too deep to be
+        written out.
 
         >>> ExactTexts().of("x", 0.375)
         {'x_exact': '3/8'}

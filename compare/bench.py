@@ -128,16 +128,20 @@ def main(arguments: list[str]) -> int:
     return 0
 
 
-@click.command()
+NAMES = {
+    **{name: str(measured.__doc__) for name, measured in BENCHMARKS.items()},
+    TRADEOFFS: "Run time against error, engine by engine.",
+}
+
+
+@click.command(
+    epilog="\b\nNAME is one of these, or all without one:\n" + "\n".join(f"  {n}: {NAMES[n]}" for n in NAMES)
+)
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--full", is_flag=True, help="Give perfect-physics 314 collisions: about a minute.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def command(names: tuple[str, ...], full: bool, as_json: bool) -> None:
-    """Measure speed and print the figures, each a ratio of two things timed in one run.
-
-    NAME is one of: gas-billiards, gas-double, gas-long, galperin-perfect-physics, galperin-long,
-    pymunk-overhead, start-up, tradeoffs. Without one, all are measured.
-    """
+    """Measure speed and print the figures, each a ratio of two things timed in one run."""
     run(full=full, as_json=as_json, only=names)
 
 

@@ -34,7 +34,8 @@ class Table(NamedTuple):
 
 
 def table(scene: Scene) -> Table | None:
-    """The rectangle between the outermost axis-parallel walls; None unless there are two of each direction."""
+    """The rectangle between the outermost axis-parallel walls; None unless there are two of each
+    direction."""
     upright = [float(w.x0) for w in scene.walls if w.x0 == w.x1]
     level = [float(w.y0) for w in scene.walls if w.y0 == w.y1]
     if len(set(upright)) < 2 or len(set(level)) < 2:
@@ -45,8 +46,8 @@ def table(scene: Scene) -> Table | None:
 def break_pattern(trajectory: Trajectory) -> dict[str, Any] | None:
     """For each circle that can move, the partners that it met and the cell (or pocket) that it ended in.
 
-    Cells are squares of a grid of 4 by 2 on the table, A1 at the lower left. None for a scene without a table,
-    or with a single ball.
+    Cells are squares of a grid of 4 by 2 on the table, A1 at the lower left. None for a scene without a
+    table, or with a single ball.
     """
     scene = trajectory.scene
     bounds = table(scene)

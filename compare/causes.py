@@ -10,22 +10,26 @@ from typing import TYPE_CHECKING
 from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import StopReason
 from .align import Kind, align
+from .deadline import OutOfTime
+from .engines import is_stepped
 from .rounding import rounded
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
+    from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress, Trajectory
     from .align import Alignment, Divergence
     from .comparison import Candidate, Study
 
 STEP_DIVISORS = (4, 16)
-"""A divergence that comes of the time step moves, or goes, when the step is a quarter, at last a sixteenth."""
+"""A divergence that comes of the time step moves or goes when the step is a quarter, or a sixteenth."""
 
-STEP_SECONDS = 20.0
-"""No experiment with a smaller step is begun that would take longer than this, judged by the run at hand."""
+EXPERIMENT_SECONDS = 20.0
+"""Longest that one experiment may run."""
 
-OVERRUN = 1 / 32
-"""Experiments run this share past the divergence."""
+LONGER = 2.0
+"""Experiments run to this many times the time of the divergence: a run that is a little off has its events
+at other times, and must come to the one in question."""
 
 
 class CauseName(Enum):
@@ -36,9 +40,11 @@ class CauseName(Enum):
     STEP = "time step"
     TIE = "tie"
     WIDTH = "enclosure width"
+    ZERO = "exact zero"
     BUDGET = "budget"
     UNABLE = "scene not possible in this engine"
     MODEL = "model"
+    UNKNOWN = "not determined"
 
 
 @dataclass(frozen=True)
@@ -61,56 +67,66 @@ def cause_of(study: Study, candidate: Candidate, engine: Engine, progress: OnPro
     """The cause of a candidate's divergence, by the first experiment that explains it.
 
     1. For an engine with a time step: does the divergence move when the step is smaller?
-    2. Is it the order among contacts of one instant? That is seen in the events themselves.
+    2. Does the reference have several contacts at one instant there, whose order matters?
     3. Input rounding: does the reference engine, on the scene rounded to doubles, diverge as early?
     4. Arithmetic rounding: does the candidate differ from the reference engine on that same rounded scene?
     Otherwise the difference is one of model.
     """
     divergence = candidate.alignment.divergence
     assert divergence is not None
-    stepped = "dt" in candidate.trajectory.parameters and hasattr(engine, "dt")
-    if stepped:
-        smaller = _smaller_step(study, candidate, engine, divergence, progress)
-        if smaller is not None:
-            return smaller
-    tie = _tie(study, candidate, divergence)
-    if tie is not None:
-        return tie
-    if stepped:
-        before = study.reference.events[: divergence.event + 1]
-        earlier = [e.index for e in before if e.coupled and float(e.time) <= divergence.time]
-        if earlier:
-            return Cause(
-                CauseName.TIE,
-                f"a smaller step does not move it, and at event {earlier[-1]} several contacts fall on one instant "
-                "so that the order of their impulses matters",
-            )
-    return _rounding(study, candidate, divergence, progress, stepped)
+    stepped = is_stepped(candidate.trajectory.engine)
+    try:
+        if stepped:
+            smaller = _smaller_step(study, candidate, engine, divergence, progress)
+            if smaller is not None:
+                return smaller
+        tie = _tie(study, candidate, divergence)
+        if tie is not None:
+            return tie
+        return _rounding(study, candidate, divergence, progress, stepped)
+    except OutOfTime:
+        return Cause(CauseName.UNKNOWN, f"an experiment took more than {EXPERIMENT_SECONDS:g} s")
 
 
 def _tie(study: Study, candidate: Candidate, divergence: Divergence) -> Cause | None:
-    """The order among contacts of one instant, where an event says that it matters."""
-    if divergence.kind is Kind.TIE:
+    """Contacts of one exact instant, where their order matters and the candidate has another."""
+    name, reference = candidate.trajectory.engine, study.reference
+    if divergence.kind is Kind.TIE and not _at_several(divergence.expected):
         return Cause(
             CauseName.TIE,
-            f"the reference has {divergence.expected}, {candidate.trajectory.engine} has {divergence.got}, "
+            f"the reference has {divergence.expected} at exactly one instant, {name} has {divergence.got}, "
             "and the two lead to different velocities",
         )
-    reference, index = study.reference, divergence.event
-    if index < len(reference.events) and reference.events[index].coupled:
-        together = {name for pair in reference.events[index].contacts for name in pair}
+    if divergence.event < len(reference.events) and reference.events[divergence.event].coupled:
+        contacts = reference.events[divergence.event].contacts
+        together = {thing for pair in contacts for thing in pair}
         if divergence.body in together and divergence.got in together:
             return Cause(
                 CauseName.TIE,
-                f"{len(reference.events[index].contacts)} contacts fall on one instant, {divergence.got} among them, "
+                f"{len(contacts)} contacts fall on exactly one instant, {divergence.got} among them, "
                 "and the order of their impulses matters",
+            )
+    if is_stepped(name):
+        before = reference.events[: divergence.event + 1]
+        coupled = [e for e in before if e.coupled and float(e.time) <= divergence.time]
+        if coupled:
+            return Cause(
+                CauseName.TIE,
+                f"a smaller step does not move it, and at event {coupled[-1].index} several contacts fall on "
+                "exactly one instant, where the order of impulses matters",
+            )
+        if divergence.kind is Kind.TIE:
+            return Cause(
+                CauseName.TIE,
+                f"one step holds {divergence.got}, which the reference has as {divergence.expected}, "
+                "and a smaller step does not tell them apart",
             )
     return None
 
 
-def _reaches(study: Study, divergence: Divergence) -> float:
-    """The share of the span that an experiment must cover to show a divergence."""
-    return min(1.0, divergence.time / study.span) if study.span else 1.0
+def _at_several(partners: str | None) -> bool:
+    """Whether the partners of a tie are met at several instants."""
+    return partners is not None and " then " in partners
 
 
 def _later(alignment: Alignment, divergence: Divergence) -> bool:
@@ -121,82 +137,100 @@ def _later(alignment: Alignment, divergence: Divergence) -> bool:
 def _smaller_step(
     study: Study, candidate: Candidate, engine: Engine, divergence: Divergence, progress: OnProgress | None
 ) -> Cause | None:
-    dt = engine.dt  # type: ignore[attr-defined]
+    dt: float = engine.dt  # type: ignore[attr-defined]
     for divisor in STEP_DIVISORS:
-        if candidate.seconds * divisor > STEP_SECONDS:
+        if candidate.seconds * divisor > EXPERIMENT_SECONDS:
             break
         changes = {"dt": dt / divisor}
         if hasattr(engine, "max_steps"):
             changes["max_steps"] = engine.max_steps * divisor  # type: ignore[attr-defined]
         finer = dataclasses.replace(engine, **changes)  # type: ignore[type-var]
-        run = study.run(finer, study.scene, progress, share=_reaches(study, divergence))
-        alignment = study.aligned(run)
+        run = study.experiment(finer, study.scene, divergence, progress, LONGER, EXPERIMENT_SECONDS)
+        alignment = align(study.reference, run, span=study.span, step=dt / divisor)
         if _later(alignment, divergence):
             then = alignment.divergence
             what = f"first differs at event {then.event}" if then else "agrees up to there"
-            return Cause(CauseName.STEP, f"with a step {divisor} times smaller, {dt / divisor:.3g}, it {what}")
+            return Cause(
+                CauseName.STEP, f"with a step {divisor} times smaller, {dt / divisor:.3g}, it {what}"
+            )
     return None
 
 
 def _rounding(
-    study: Study, candidate: Candidate, divergence: Divergence, progress: OnProgress | None, stepped: bool
+    study: Study,
+    candidate: Candidate,
+    divergence: Divergence,
+    progress: OnProgress | None,
+    stepped: bool,
 ) -> Cause:
     name = candidate.trajectory.engine
-    try:
-        scene = rounded(study.scene)
-    except SceneError as error:
-        return Cause(CauseName.INPUT, f"rounded to doubles, the scene is no longer valid: {error}")
+    scene = _rounded(study.scene)
+    if isinstance(scene, Cause):
+        return scene
     if scene.digest == study.scene.digest:
         if stepped:
-            return Cause(CauseName.MODEL, "the scene is exact in doubles, and a smaller step does not move it")
+            return Cause(
+                CauseName.MODEL, "the scene is exact in doubles, and a smaller step does not move it"
+            )
         return Cause(CauseName.ARITHMETIC, "the scene is exact in doubles, so no input was rounded")
-    share = _reaches(study, divergence)
-    truth = study.run(study.truth, scene, progress, share)
-    by_input = study.aligned(truth)
-    by_arithmetic = align(truth, candidate.trajectory, span=min(study.span, float(truth.final_time)))
-    input_event = _event(by_input)
-    arithmetic_event = _event(by_arithmetic)
-    said = (
-        f"the reference engine on the scene rounded to doubles {_told(input_event)}; "
-        f"{name} leaves that run {_told(arithmetic_event, 'not at all up to there')}"
+    truth = study.experiment(study.truth, scene, divergence, progress, LONGER, EXPERIMENT_SECONDS)
+    by_input = align(study.reference, truth, span=study.span).divergence
+    by_arithmetic = align(
+        truth, candidate.trajectory, span=min(study.span, float(truth.final_time))
+    ).divergence
+    told_input = "agrees up to there" if by_input is None else f"differs at event {by_input.event}"
+    told_rest = (
+        "does not leave that run"
+        if by_arithmetic is None
+        else f"leaves that run at event {by_arithmetic.event}"
     )
-    if input_event is not None and input_event <= divergence.event:
+    said = f"the reference engine on the scene rounded to doubles {told_input}; {name} {told_rest}"
+    if by_input is not None and by_input.event <= divergence.event:
         return Cause(CauseName.INPUT, said)
-    if arithmetic_event is not None and not stepped:
-        return Cause(CauseName.ARITHMETIC, said)
     if stepped:
         return Cause(CauseName.MODEL, f"neither a smaller step nor rounding of the input moves it: {said}")
-    return Cause(CauseName.INPUT if input_event is not None else CauseName.MODEL, said)
+    if by_arithmetic is not None:
+        return Cause(CauseName.ARITHMETIC, said)
+    return Cause(CauseName.UNKNOWN if by_input is None else CauseName.INPUT, said)
 
 
-def _event(alignment: Alignment) -> int | None:
-    return alignment.divergence.event if alignment.divergence else None
-
-
-def _told(event: int | None, otherwise: str = "agrees up to there") -> str:
-    return otherwise if event is None else f"differs at event {event}" if otherwise[0] == "a" else f"at event {event}"
+def _rounded(scene: Scene) -> Scene | Cause:
+    """The scene in doubles, or what that comes to if it is none."""
+    try:
+        return rounded(scene)
+    except SceneError as error:
+        return Cause(CauseName.INPUT, f"rounded to doubles, the scene is no longer valid: {error}")
 
 
 def cause_of_stop(study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Cause:
-    """Why a candidate could not follow the reference to the end."""
+    """Why a candidate could not follow the reference to the end: would wider numbers have gone on?"""
     stop = candidate.trajectory.stop
     if stop.reason is not StopReason.UNDECIDED:
         return Cause(CauseName.BUDGET, stop.message)
-    if not candidate.trajectory.parameters and not candidate.trajectory.events:
+    if candidate.unable:
         return Cause(CauseName.UNABLE, stop.message)
     done = len(candidate.trajectory.events)
     key = next((k for k in ("bits", "precision", "prec") if isinstance(getattr(engine, k, None), int)), None)
-    if key is not None:
-        wider = dataclasses.replace(engine, **{key: 2 * getattr(engine, key)})  # type: ignore[type-var]
-        run = study.run(wider, study.scene, progress)
-        if len(run.events) > done:
-            return Cause(
-                CauseName.WIDTH, f"with {2 * getattr(engine, key)} bits it goes on to {len(run.events)} events"
-            )
+    if key is None:
+        return Cause(CauseName.UNKNOWN, stop.message)
+    bits = 2 * getattr(engine, key)
+    wider = dataclasses.replace(engine, **{key: bits})  # type: ignore[type-var]
+    try:
+        run = study.run(wider, study.scene, progress, EXPERIMENT_SECONDS)
+    except OutOfTime:
+        return Cause(CauseName.UNKNOWN, f"with {bits} bits it runs for more than {EXPERIMENT_SECONDS:g} s")
+    if len(run.events) > done:
+        return Cause(CauseName.WIDTH, f"with {bits} bits it goes on to {len(run.events)} events")
     if _tied(study.reference, done):
-        return Cause(CauseName.TIE, f"several contacts fall on the instant of event {done}: no interval can tell")
-    return Cause(CauseName.WIDTH, stop.message)
+        return Cause(
+            CauseName.TIE,
+            f"several contacts fall on exactly one instant, event {done}: no enclosure can tell",
+        )
+    return Cause(
+        CauseName.ZERO,
+        f"with {bits} bits it stops there too: a sign that is exactly zero, no enclosure can tell",
+    )
 
 
 def _tied(reference: Trajectory, index: int) -> bool:
-    return index < len(reference.events) and len(reference.events[index].contacts) > 1
+    return any(len(event.contacts) > 1 for event in reference.events[index : index + 1])

@@ -14,7 +14,9 @@ from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 if TYPE_CHECKING:
     from ..scenarios.scene import Scene
 
-SCENE_HELP = "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), or a .toml or .json file."
+SCENE_HELP = (
+    "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), or a .toml or .json file."
+)
 
 EXAMPLES = """
 \b
@@ -33,29 +35,42 @@ Exit codes:
 """
 
 
-@click.group(epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.group(
+    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110}
+)
 @click.option("--debug", is_flag=True, help="Show the traceback of an internal error.")
 @click.version_option(package_name="truebreak", message="%(prog)s %(version)s")
 def cli(debug: bool) -> None:
     """Says, provably, whether and where floating-point error changed what happened.
 
     truebreak runs one scene of colliding circles and walls through engines that count differently, takes the
-    exact one as the truth, and reports the first event where another engine's history leaves it, why, and what
-    that did to the outcome.
+    exact one as the truth, and reports the first event where another engine's history leaves it, why, and
+    what that did to the outcome.
     """
 
 
 SCENE = click.argument("scene", metavar="SCENE")
-UNTIL = click.option("--until", metavar="T", help='Stop at this time: exact text such as 12, 9/4 or "10*sqrt(2)".')
-EVENTS = click.option("--events", type=click.IntRange(min=1), metavar="N", help="Stop after N instants of collision.")
+UNTIL = click.option(
+    "--until", metavar="T", help='Stop at this time: exact text such as 12, 9/4 or "10*sqrt(2)".'
+)
+EVENTS = click.option(
+    "--events", type=click.IntRange(min=1), metavar="N", help="Stop after N instants of collision."
+)
 REVERSE = click.option(
-    "--reverse-after", type=click.IntRange(min=1), metavar="N", help="Negate every velocity once, after N instants."
+    "--reverse-after",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Negate every velocity once, after N instants.",
 )
 POLICY = click.option(
-    "--tie-policy", metavar="P", help="simultaneous, sequential:order=scene or sequential:seed=N; else the scene's own."
+    "--tie-policy",
+    metavar="P",
+    help="simultaneous, sequential:order=scene or sequential:seed=N; else the scene's own.",
 )
 TIES = click.option(
-    "--ties", metavar="RULE", help="What the exact engine accepts as a tie: proved (default), probable or assume:BITS."
+    "--ties",
+    metavar="RULE",
+    help="What the exact engine accepts as a tie: proved (default), probable or assume:BITS.",
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 
@@ -91,8 +106,14 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 
 @cli.command(epilog=SCENE_HELP)
 @SCENE
-@click.option("--engine", "engine_text", default="exact", show_default=True, metavar="E",
-              help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30.")  # fmt: skip
+@click.option(
+    "--engine",
+    "engine_text",
+    default="exact",
+    show_default=True,
+    metavar="E",
+    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30.",
+)
 @UNTIL
 @EVENTS
 @click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
@@ -117,7 +138,7 @@ def run(
     from .report.listing import print_json, print_trajectory
     from .trajectory_document import trajectory_json
 
-    loaded = changed(scene, reverse_after, tie_policy)
+    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events))
     chosen = engine(with_ties(engine_text, ties))
     with showing_progress(f"{loaded.name} in {chosen.name}") as progress:
         trajectory = chosen.run(loaded, until=until, events=events, progress=progress)
@@ -130,9 +151,16 @@ def run(
 
 @cli.command(epilog=SCENE_HELP)
 @SCENE
-@click.option("--engines", default="double,interval,pymunk", show_default=True, metavar="A,B,...",
-              help="The engines to hold against the reference.")  # fmt: skip
-@click.option("--reference", default="exact", show_default=True, metavar="E", help="The engine taken as the truth.")
+@click.option(
+    "--engines",
+    default="double,interval,pymunk",
+    show_default=True,
+    metavar="A,B,...",
+    help="The engines to hold against the reference.",
+)
+@click.option(
+    "--reference", default="exact", show_default=True, metavar="E", help="The engine taken as the truth."
+)
 @UNTIL
 @EVENTS
 @REVERSE
@@ -161,7 +189,7 @@ def compare(
     from .report.terminal import print_comparison
     from .writing import check_writable, write_whole
 
-    loaded = changed(scene, reverse_after, tie_policy)
+    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events))
     if html is not None:
         check_writable(html)
     with showing_progress(loaded.name) as progress:
@@ -184,7 +212,9 @@ def compare(
     return of_comparison(comparison)
 
 
-@cli.command(context_settings={"ignore_unknown_options": True, "help_option_names": []}, add_help_option=False)
+@cli.command(
+    context_settings={"ignore_unknown_options": True, "help_option_names": []}, add_help_option=False
+)
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def bench(arguments: tuple[str, ...]) -> int:
     """Measure speed and print the figures (`truebreak bench --help` lists its options)."""
@@ -194,12 +224,15 @@ def bench(arguments: tuple[str, ...]) -> int:
 
 
 def changed(scene: str, reverse_after: int | None, tie_policy: str | None) -> Scene:
-    """The scene of the command line, with a reversal or a tie policy of the command line in place of its own."""
+    """The scene of the command line, with a reversal or a tie policy of the command line in place of its
+    own."""
     from .scene_argument import scene_from
 
     changes: dict[str, Any] = {}
     if reverse_after is not None:
         changes |= {"reverse_after": reverse_after, "reverse_at": None}
+        if not limited:
+            changes |= {"until": None, "events": None}
     if tie_policy is not None:
         changes["tie_policy"] = tie_policy
     loaded = scene_from(scene)

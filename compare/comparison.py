@@ -11,6 +11,7 @@ from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import Progress, Stop, StopReason, Trajectory
 from .align import Alignment, align
 from .causes import Cause, cause_of, cause_of_stop
+from .deadline import OutOfTime, limited
 from .engines import engine as engine_named
 from .engines import is_stepped
 from .margin import Margin, margin
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from ..scenarios.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
+    from .align import Divergence
     from .outcomes import Outcome
 
 Verdict: TypeAlias = Literal["agree", "diverged", "undecided"]
@@ -29,13 +31,18 @@ Verdict: TypeAlias = Literal["agree", "diverged", "undecided"]
 DEFAULT_ENGINES = ("double", "interval", "pymunk")
 
 OVERRUN = 1 / 32
-"""Candidates run this share of the span past its end, so that an event which they have a little late is seen."""
+"""Candidates run this share of the span past its end, so that an event which they have a little late is
+seen."""
 
 EVENTS_FACTOR, EVENTS_MORE = 4, 1_000
 """A candidate with this many times the reference's events, and this many more, has left it long before."""
 
 MORE_REFERENCE = 1 / 16
-"""Share of further reference events by which a doubt at the end of the span is settled; at least one a circle."""
+"""Share of further reference events by which a doubt at the end of the span is settled; at least one a
+circle."""
+
+PATIENCE_LEAST = 5.0
+"""Seconds that settling a doubt at the end may take, or as long as the reference took."""
 
 UNDONE = (StopReason.UNDECIDED, StopReason.BUDGET, StopReason.INTERRUPTED)
 
@@ -55,6 +62,7 @@ class Candidate:
         margin: how close the competing events were, at a divergence.
         return_miss: after a reversal, the largest distance from the start at the return.
         seconds: wall time of the run.
+        unable: whether the engine cannot take the scene at all.
     """
 
     engine: str
@@ -67,6 +75,7 @@ class Candidate:
     margin: Margin | None = None
     return_miss: float | None = None
     seconds: float = 0.0
+    unable: bool = False
 
     @property
     def verdict(self) -> Verdict:
@@ -100,7 +109,8 @@ class Comparison:
 
     @property
     def verdict(self) -> Verdict:
-        """`diverged` if any engine did; else `undecided` if anything, the reference included, is; else `agree`."""
+        """`diverged` if any engine did; else `undecided` if anything, the reference included, is; else
+        `agree`."""
         verdicts = {candidate.verdict for candidate in self.candidates}
         if "diverged" in verdicts:
             return "diverged"
@@ -130,7 +140,8 @@ def compare(
     """Runs `scene` in a reference engine and in others, and says where their histories part.
 
     The span compared ends where the reference ends. Candidates run a little past it; what they have there is
-    looked at only to tell a late event from a missing one. Where that is not enough, the reference is run on too.
+    looked at only to tell a late event from a missing one. Where that is not enough, the reference is run
+    on too.
 
     Args:
         engines: names, with parameters as in `pymunk:dt=1/1000`, or engines.
@@ -141,8 +152,8 @@ def compare(
         progress: called now and then with how far a run is.
 
     Raises:
-        SceneError: for an unknown engine or parameter, a limit that is not positive, or a scene that the reference
-            cannot run.
+        SceneError: for an unknown engine or parameter, a limit that is not positive, or a scene that the
+            reference cannot run.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> compare(Scene([Circle(0, 0, vx=1), Circle(4, 0)]), ["double"], until=5).verdict
@@ -157,12 +168,14 @@ def compare(
     began = clock.perf_counter()
     told = truth.run(scene, until=until, events=events, progress=_noted(progress, truth.name))
     seconds = clock.perf_counter() - began
-    study = Study(scene, truth, told, until, events)
+    study = Study(scene, truth, told, until, events, seconds)
     found = outcomes_of(told, outcomes)
     results = []
     for label, engine in chosen:
         result = study.candidate(label, engine, found, outcomes, _noted(progress, label))
-        results.append(study.explained(result, engine, _noted(progress, f"why {label}")) if causes else result)
+        results.append(
+            study.explained(result, engine, _noted(progress, f"why {label}")) if causes else result
+        )
     return Comparison(scene, told, tuple(results), found, study.span, return_miss(told, told), seconds)
 
 
@@ -175,6 +188,7 @@ class Study:
     reference: Trajectory
     until: QuantityLike | None
     events: int | None
+    seconds: float = 0.0
     longer: Trajectory | None = None
 
     @property
@@ -193,23 +207,65 @@ class Study:
         time, _ = horizon(self.scene, self.until, self.events)
         return None if time is None else float(time)
 
-    def run(self, engine: Engine, scene: Scene, progress: OnProgress | None, share: float = 1.0) -> Trajectory:
-        """Another engine's run over the span, or over a share of it, and a little more."""
-        length = self.span * share or self.limit or 1.0
-        cap = EVENTS_FACTOR * len(self.reference.events) + EVENTS_MORE
-        return engine.run(scene, until=length * (1 + OVERRUN), events=cap, progress=progress)
+    def run(
+        self, engine: Engine, scene: Scene, progress: OnProgress | None, seconds: float | None = None
+    ) -> Trajectory:
+        """Another engine's run over the span and a little more.
 
-    def aligned(self, trajectory: Trajectory) -> Alignment:
+        Raises:
+            OutOfTime: if it takes longer than `seconds`.
+        """
+        length = self.span or self.limit or 1.0
+        if seconds is not None:
+            progress = limited(progress, seconds)
+        return engine.run(scene, until=length * (1 + OVERRUN), events=self.cap, progress=progress)
+
+    def experiment(
+        self,
+        engine: Engine,
+        scene: Scene,
+        divergence: Divergence,
+        progress: OnProgress | None,
+        longer: float,
+        seconds: float,
+    ) -> Trajectory:
+        """A run to `longer` times the time of a divergence.
+
+        Raises:
+            OutOfTime: if it takes longer than `seconds`.
+        """
+        length = longer * divergence.time or self.span or self.limit or 1.0
+        count = EVENTS_FACTOR * divergence.event + EVENTS_MORE
+        return engine.run(
+            scene, until=length, events=min(count, self.cap), progress=limited(progress, seconds)
+        )
+
+    @property
+    def cap(self) -> int:
+        """The number of events after which a candidate is ended."""
+        return EVENTS_FACTOR * len(self.reference.events) + EVENTS_MORE
+
+    def aligned(self, trajectory: Trajectory, progress: OnProgress | None) -> Alignment:
         """The causal comparison, with the reference run on where the end of the span leaves a doubt."""
         step = step_of(trajectory)
         alignment = align(self.reference, trajectory, span=self.span, step=step)
         if alignment.unsettled and self.reference.stop.reason in (StopReason.EVENTS, StopReason.HORIZON):
             if self.longer is None:
                 done = len(self.reference.events)
-                more = max(len(self.scene.circles), int(done * MORE_REFERENCE))
-                self.longer = self.truth.run(self.scene, events=done + more)
+                more = done + max(len(self.scene.circles), int(done * MORE_REFERENCE))
+                try:
+                    self.longer = self.truth.run(
+                        self.scene, events=more, progress=limited(progress, self.patience)
+                    )
+                except OutOfTime:
+                    self.longer = self.reference
             alignment = align(self.longer, trajectory, span=self.span, step=step)
         return alignment
+
+    @property
+    def patience(self) -> float:
+        """Seconds that running the reference on may take."""
+        return max(PATIENCE_LEAST, self.seconds)
 
     def candidate(
         self,
@@ -220,13 +276,13 @@ class Study:
         progress: OnProgress | None,
     ) -> Candidate:
         """One engine held against the reference, without causes."""
-        began = clock.perf_counter()
+        began, unable = clock.perf_counter(), False
         try:
             trajectory = self.run(engine, self.scene, progress)
         except SceneError as error:
-            trajectory = _unable(self.scene, engine, str(error))
+            trajectory, unable = _unable(self.scene, engine, str(error)), True
         seconds = clock.perf_counter() - began
-        alignment = self.aligned(trajectory)
+        alignment = self.aligned(trajectory, progress)
         values = outcomes_of(_within(trajectory, alignment, self.span, self.reference), outcomes)
         return Candidate(
             engine=label,
@@ -237,6 +293,7 @@ class Study:
             changed=tuple(changed_outcomes(expected, values)),
             return_miss=return_miss(trajectory, self.reference),
             seconds=seconds,
+            unable=unable,
         )
 
     def explained(self, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Candidate:

@@ -44,11 +44,31 @@ ROOT = __name__.rpartition(".compare")[0]
 ENGINES: dict[str, EngineEntry] = {
     entry.name: entry
     for entry in (
-        EngineEntry("exact", f"{ROOT}.exact.engine", "ExactEngine", "certified: every decision proved, or it says so"),
-        EngineEntry("sympy", f"{ROOT}.exact.symbolic", "SymbolicEngine", "SymPy alone, taken literally: slow, an oracle"),
-        EngineEntry("double", f"{ROOT}.floating.double", "DoubleEngine", "event-driven in 53-bit floating point"),
-        EngineEntry("interval", f"{ROOT}.floating.interval", "IntervalEngine", "event-driven in intervals; stops where unsure"),
-        EngineEntry("pymunk", f"{ROOT}.floating.pymunk_engine", "PymunkEngine", "the game engine Chipmunk, by time steps", stepped=True),
+        EngineEntry(
+            "exact", f"{ROOT}.exact.engine", "ExactEngine", "certified: every decision proved, or it says so"
+        ),
+        EngineEntry(
+            "sympy",
+            f"{ROOT}.exact.symbolic",
+            "SymbolicEngine",
+            "SymPy alone, taken literally: slow, an oracle",
+        ),
+        EngineEntry(
+            "double", f"{ROOT}.floating.double", "DoubleEngine", "event-driven in 53-bit floating point"
+        ),
+        EngineEntry(
+            "interval",
+            f"{ROOT}.floating.interval",
+            "IntervalEngine",
+            "event-driven in intervals; stops where unsure",
+        ),
+        EngineEntry(
+            "pymunk",
+            f"{ROOT}.floating.pymunk_engine",
+            "PymunkEngine",
+            "the game engine Chipmunk, by time steps",
+            stepped=True,
+        ),
     )
 }
 """Every engine that the command line and `compare` know. A new engine adds its own file and one line here."""
@@ -87,7 +107,9 @@ def build(entry: EngineEntry, settings: Mapping[str, str]) -> Engine:
     values: dict[str, Any] = {}
     for key, value in settings.items():
         if key not in known:
-            raise SceneError(f"engine {entry.name!r} has no parameter {key!r}; {suggestion(key, list(known))}")
+            raise SceneError(
+                f"engine {entry.name!r} has no parameter {key!r}; {suggestion(key, list(known))}"
+            )
         values[key] = converted(f"engine {entry.name!r}: {key}", value, known[key])
     return kind(**values)
 

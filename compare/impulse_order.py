@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 Velocities: TypeAlias = "dict[str, tuple[float, float]]"
 
 SAME_VELOCITY = 2.0**-26
-"""Velocities closer than this share of the largest speed are the same. Both come from one state by a handful of
-operations in doubles (2**-53 each), while a different order of coupled impulses changes them in their first
-digits: half of a double's digits lies far from both."""
+"""Velocities closer than this share of the largest speed are the same. Both come from one state by a
+handful of operations in doubles (2**-53 each), while a different order of coupled impulses changes them in
+their first digits: half of a double's digits lies far from both."""
 
 
 def order_reproduces(
@@ -24,16 +24,16 @@ def order_reproduces(
 ) -> bool:
     """Whether the impulses of `groups`, in order, lead from the state before an event to the state after it.
 
-    A run that took an instant's contacts apart (or took several instants as one) has not changed what happened if
-    the way in which it took them leads to the same velocities. Contacts of one group that approach together get
-    their impulses together, unless the scene's tie policy is sequential.
+    A run that took an instant's contacts apart (or took several instants as one) has not changed what
+    happened if the way in which it took them leads to the same velocities. Contacts of one group that
+    approach together get their impulses together, unless the scene's tie policy is sequential.
 
     Args:
         trajectory: the run that took the contacts as one instant.
         index: the event in that run.
         groups: the pairs as the other run took them: a group for each of its instants.
-        step: the time step of either run. It leaves the direction of an impact uncertain by speed * step / reach,
-            and so each impulse by twice that share of the speed, once for each of two bodies.
+        step: the time step of either run. It leaves the direction of an impact uncertain by speed * step /
+            reach, and so each impulse by twice that share of the speed, once for each of two bodies.
     """
     event = trajectory.events[index]
     before, after = _velocities_before(trajectory, index), trajectory.at(event.time)
@@ -90,7 +90,12 @@ class _Impact:
         left = list(group)
         while left:
             count = 1 if at_once else 0
-            while at_once and count < len(left) and left[count] not in left[:count] and self._closing(left[count]) > 0:
+            while (
+                at_once
+                and count < len(left)
+                and left[count] not in left[:count]
+                and self._closing(left[count]) > 0
+            ):
                 count += 1
             together, left = left[: max(count, 1)], left[max(count, 1) :]
             if not self._kick(together):
@@ -129,7 +134,10 @@ class _Impact:
             for pair, n in zip(pairs, normals, strict=True)
         ]  # fmt: skip
         matrix = np.array(
-            [[_opening(pair, normal, push) for push in pushes] for pair, normal in zip(pairs, normals, strict=True)]
+            [
+                [_opening(pair, normal, push) for push in pushes]
+                for pair, normal in zip(pairs, normals, strict=True)
+            ]
         )
         sizes = np.linalg.lstsq(matrix, 2 * closing, rcond=None)[0]
         if not (sizes > -SAME_VELOCITY * np.abs(sizes).max()).all():

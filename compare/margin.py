@@ -23,12 +23,12 @@ class Margin:
     """What decided between the expected and the got event, at the divergence.
 
     Attributes:
-        gap: the time between the two in the reference's motion, taken as if neither hindered the other; None if
-            only one of the two would come to pass there.
-        ulps: the same in units of a double's spacing at that time: an engine of doubles cannot tell events apart
-            that are nearer than about one.
-        miss: where one of them is a matter of hit or miss, by what distance: positive for a miss, negative for the
-            depth of the hit.
+        gap: the time between the two in the reference's motion, taken as if neither hindered the other;
+            None if only one of the two would come to pass there.
+        ulps: the same in units of a double's spacing at that time: an engine of doubles cannot tell events
+            apart that are nearer than about one.
+        miss: where one of them is a matter of hit or miss, by what distance: positive for a miss, negative
+            for the depth of the hit.
     """
 
     gap: float | None
@@ -39,7 +39,8 @@ class Margin:
 def margin(reference: Trajectory, divergence: Divergence) -> Margin:
     """The margin of a divergence, from the reference's state just before it, in 120 digits.
 
-    From that state all fly freely: the time at which the body would meet the expected partner, the time at which
+    From that state all fly freely: the time at which the body would meet the expected partner, the time at
+        which
     it would meet the one that it got, and by how much it would miss one of them.
     """
     index = divergence.event
@@ -63,7 +64,8 @@ def margin(reference: Trajectory, divergence: Divergence) -> Margin:
 
 
 def _state_before(reference: Trajectory, index: int) -> State:
-    """The state that the event before an event leaves; after a reversal between them, the one that that leaves."""
+    """The state that the event before an event leaves; after a reversal between them, the one that that
+    leaves."""
     if reference.reversal is not None and reference.reversal.after == index:
         return reference.at(reference.reversal.time)
     return reference.at(reference.events[index - 1].time if index else 0)

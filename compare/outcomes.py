@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
 
 Outcome: TypeAlias = "Callable[[Trajectory], Any]"
-"""An outcome takes a trajectory and gives a value of plain data: numbers, text, lists and dicts; None where it says
-nothing about the scene. Two runs have the same outcome when the values are equal."""
+"""An outcome takes a trajectory and gives a value of plain data: numbers, text, lists and dicts; None where
+it says nothing about the scene. Two runs have the same outcome when the values are equal."""
 
 
 def collisions(trajectory: Trajectory) -> int:
@@ -40,7 +40,9 @@ def who_hit_whom(trajectory: Trajectory) -> dict[str, int]:
 def moved(trajectory: Trajectory) -> list[str]:
     """Ids of the circles that moved: those that did at the start, and those that were hit."""
     hit = {name for event in trajectory.events for pair in event.impulses for name in pair}
-    return [str(c.id) for c in trajectory.scene.circles if not c.at_rest or (str(c.id) in hit and not c.fixed)]
+    return [
+        str(c.id) for c in trajectory.scene.circles if not c.at_rest or (str(c.id) in hit and not c.fixed)
+    ]
 
 
 OUTCOMES: dict[str, Outcome] = {
@@ -52,8 +54,8 @@ OUTCOMES: dict[str, Outcome] = {
     "pocketed": pocketed,
     "symmetry": symmetry,
 }
-"""The outcomes that every comparison reports. A new one adds its own function and one line here; `compare` takes
-more through its argument `outcomes`."""
+"""The outcomes that every comparison reports. A new one adds its own function and one line here; `compare`
+takes more through its argument `outcomes`."""
 
 
 def outcomes_of(trajectory: Trajectory, more: Mapping[str, Outcome] | None = None) -> dict[str, Any]:

@@ -10,7 +10,8 @@ if TYPE_CHECKING:
 
 
 def pocketed(trajectory: Trajectory) -> dict[str, Any] | None:
-    """For each circle whose centre enters a pocket, the first pocket and the instant, to a double's precision.
+    """For each circle whose centre enters a pocket, the first pocket and the instant, to a double's
+    precision.
 
     Between two events a centre flies straight; it enters a pocket (X, Y, R) when the quadratic
     |p + v t - (X, Y)|^2 = R^2 has its smaller root within the flight. None for a scene without pockets.
@@ -31,7 +32,8 @@ def pocketed(trajectory: Trajectory) -> dict[str, Any] | None:
             entries = [
                 (start + after, str(pocket.id))
                 for pocket in scene.pockets
-                if (after := _entry(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))) is not None
+                if (after := _entry(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r)))
+                is not None
                 and after <= length
             ]
             if entries:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from ..scenarios.trajectory import Contact
+
 if TYPE_CHECKING:
     from ..scenarios.scene import Scene, Wall
 
@@ -30,10 +32,12 @@ def optional(module: str, package: str) -> Any:
         raise MissingPackage(package) from error
 
 
-def run_billiards(scene: Scene, collisions: int) -> int:
+def run_billiards(scene: Scene, collisions: int) -> list[Contact]:
     """Runs a scene of moving circles in `billiards` (float64, event-driven) for a number of collisions.
 
-    The same loop as that package's own `Billiard.evolve`, ended by a count instead of a time.
+    The same loop as that package's own `Billiard.evolve`, ended by a count instead of a time. Returns who met
+    whom, in order.
+
     Source: https://github.com/markus-ebke/python-billiards
 
     Raises:
@@ -41,18 +45,20 @@ def run_billiards(scene: Scene, collisions: int) -> int:
     """
     billiards = optional("billiards", "billiards")
     first = scene.circles[0]
-    table = billiards.Billiard(obstacles=[_one_sided(billiards, wall, first) for wall in scene.walls])
+    names = {_one_sided(billiards, wall, first): str(wall.id) for wall in scene.walls}
+    table = billiards.Billiard(obstacles=list(names))
     for c in scene.circles:
         mass = float("inf") if isinstance(c.m, str) else float(c.m)
         table.add_ball((float(c.x), float(c.y)), (float(c.vx), float(c.vy)), float(c.r), mass)
-    for done in range(collisions):
-        if min(table.toi_next[0], table.obstacles_next[0]) == float("inf"):
-            return done
+    met: list[Contact] = []
+    while len(met) < collisions and min(table.toi_next[0], table.obstacles_next[0]) < float("inf"):
         if table.toi_next[0] <= table.obstacles_next[0]:
-            table.bounce_ballball()
+            _, i, j = table.bounce_ballball()
+            met.append(Contact(scene.ids[i], scene.ids[j]))
         else:
-            table.bounce_ballobstacle()
-    return collisions
+            _, i, wall = table.bounce_ballobstacle()
+            met.append(Contact(scene.ids[i], names[wall]))
+    return met
 
 
 def _one_sided(billiards: Any, wall: Wall, circle: Any) -> Any:
@@ -62,8 +68,10 @@ def _one_sided(billiards: Any, wall: Wall, circle: Any) -> Any:
     return billiards.InfiniteWall(start, end, inside=side)
 
 
-def run_perfect_physics(scene: Scene, collisions: int) -> int:
+def run_perfect_physics(scene: Scene, collisions: int) -> list[tuple[Any, Any]]:
     """Runs a scene in `perfect-physics` (SymPy throughout) for a number of instants.
+
+    Returns the velocities at the end, circle by circle.
 
     Source: https://pypi.org/project/perfect-physics/
 
@@ -80,4 +88,4 @@ def run_perfect_physics(scene: Scene, collisions: int) -> int:
         for w in scene.walls
     ]
     theirs.World(circles, walls).run_in_place(collisions, show=False)
-    return collisions
+    return [(circle.vx, circle.vy) for circle in circles]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ def scene_from(text: str) -> Scene:
     Raises:
         SceneError: if there is no such scene or file, or it is not a valid scene.
     """
-    if text.lower().endswith(FILE_SUFFIXES) or os.sep in text or os.path.isfile(text):
+    if text.lower().endswith(FILE_SUFFIXES) or os.sep in text or Path(text).is_file():
         from ..scenarios.files import load_scene
 
         return load_scene(text)

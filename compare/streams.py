@@ -27,8 +27,8 @@ class History:
     """A trajectory seen body by body.
 
     Attributes:
-        meetings: for each body that can move, its meetings in order. Walls and fixed circles are met, but have
-            no history of their own: two balls that bounce off the same wall do not influence each other.
+        meetings: for each body that can move, its meetings in order. Walls and fixed circles are met, but
+            have no history of their own: two balls that bounce off the same wall do not influence each other.
         times: the time of each event as a double.
     """
 

@@ -14,15 +14,16 @@ if TYPE_CHECKING:
 Axis: TypeAlias = Literal["x", "y"]
 
 DIGITS = 9
-"""Decimals of a double by which likely mirror images are looked up; whether they are is then decided exactly."""
+"""Decimals of a double by which likely mirror images are looked up; whether they are is then decided
+exactly."""
 
 
 def symmetry(trajectory: Trajectory) -> dict[str, Any] | None:
     """Whether each ball keeps meeting the mirror images of what its own image meets.
 
-    Looks for a mirror line parallel to an axis through the centre of the circles, exactly; None if there is none.
-    Then compares partners only, so that a late rounding of positions counts for nothing until it changes whom a
-    ball meets.
+    Looks for a mirror line parallel to an axis through the centre of the circles, exactly; None if there is
+    none. Then compares partners only, so that a late rounding of positions counts for nothing until it
+    changes whom a ball meets.
 
     Returns:
         `line` (such as `y = 21`), `kept`, and `lost_at`, the time of the first meeting without an image.
@@ -116,4 +117,3 @@ def _lost_at(trajectory: Trajectory, image: dict[str, str]) -> float | None:
             if abs(len(mine) - len(theirs)) > 1:  # one may lie beyond the end by rounding
                 lost.append(seen.times[longer[min(len(mine), len(theirs))][1]])
     return min(lost, default=None)
-

@@ -15,8 +15,8 @@ TRAJECTORY_SCHEMA = "truebreak/trajectory-1"
 def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str, Any]:
     """The object that `truebreak run --json` prints.
 
-    Times and coordinates are the nearest doubles; null stands for one beyond the doubles. An engine of intervals
-    adds the bounds as `..._interval`.
+    Times and coordinates are the nearest doubles; null stands for one beyond the doubles. An engine of
+    intervals adds the bounds as `..._interval`.
 
     Args:
         exact: add each time and coordinate as exact text, under `..._exact`. It is null, with decimals under

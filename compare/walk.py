@@ -14,7 +14,8 @@ class Mismatch:
     """Where one body's two sequences of partners part.
 
     Attributes:
-        mine, expected: the reference's next event for the body and its partner; None at the end of the sequence.
+        mine, expected: the reference's next event for the body and its partner; None at the end of the
+            sequence.
         theirs, got: the same for the candidate.
     """
 
@@ -52,8 +53,8 @@ def walk(
 ) -> Walk:
     """Matches partners in order; those of one instant in any order, and over several instants.
 
-    With a time step, a partner met in several rounds of one instant counts once, and an impulse that repeats one
-    within the last step is taken as part of it.
+    With a time step, a partner met in several rounds of one instant counts once, and an impulse that
+    repeats one within the last step is taken as part of it.
 
     >>> walk([Meeting(0, ("j", "k"))], [Meeting(0, ("k",)), Meeting(1, ("j",))], [1.0], [1.0, 1.0], 0.0).split
     {0: {0, 1}}
@@ -118,7 +119,9 @@ def _shares(waiting: Sequence[tuple[str, int]], partners: Sequence[str]) -> bool
     return any(name in partners for name, _ in waiting)
 
 
-def _next_has(coming: Sequence[tuple[str, int]], theirs: Sequence[Meeting], j: int, partners: Sequence[str]) -> bool:
+def _next_has(
+    coming: Sequence[tuple[str, int]], theirs: Sequence[Meeting], j: int, partners: Sequence[str]
+) -> bool:
     """Whether the candidate's next meeting has one of the partners."""
     if coming:
         return _shares(coming, partners)

@@ -15,19 +15,9 @@ Interval arithmetic pays for every number that it uses twice. So:
 from __future__ import annotations
 
 from ..scenarios.scene import Scene
+from .formulas import pair_mix, wall_mirror
 from .machine import Body, Link, Machine, Number
 from .numbers import ball
-
-
-def pair_mix(dx, dy, R, wa, wb):
-    share = 2 / (wa + wb)
-    scale = share / (R * R)
-    xx, xy, yy = scale * dx * dx, scale * dx * dy, scale * dy * dy
-    return wa * xx, wa * xy, wa * yy, wa * share, wb * xx, wb * xy, wb * yy, wb * share
-
-
-def wall_mirror(nx, ny, nn):
-    return (ny * ny - nx * nx) / nn, -2 * nx * ny / nn, (nx * nx - ny * ny) / nn
 
 
 class BallMachine(Machine):

@@ -399,18 +399,20 @@ class EventLoop(ABC):
 
     def _coupled(self, instant: Instant) -> bool:
         """Whether the order of an instant's impulses could matter; where that is not known, it could."""
-        if instant.rounds > 1:
-            return True
         links = sorted(instant.taking_part)
         try:
             return any(
                 self.ask(Coupling(first, second)) != 0
                 for k, second in enumerate(links)
                 for first in links[:k]
-                if {i for i in first if i < self.n} & {i for i in second if i < self.n}
+                if self._share_a_mover(first, second)
             )
         except (Undecided, BudgetSpent):
             return True
+
+    def _share_a_mover(self, first: Link, second: Link) -> bool:
+        shared = set(first) & set(second)
+        return any(i < self.n and not self.scene.circles[i].fixed for i in shared)
 
     def _part(self, links: Iterable[Link], instant: Instant) -> list[Link]:
         """Keeps the contacts that last, drops the others, and lists all that stand at gap zero now."""

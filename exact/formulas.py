@@ -95,6 +95,26 @@ def pair_impulse(dx: N, dy: N, vx: N, vy: N, R: N, wa: N, wb: N) -> tuple[N, N]:
     return dx * scale, dy * scale
 
 
+def pair_mix(dx: N, dy: N, R: N, wa: N, wb: N) -> tuple[N, N, N, N, N, N, N, N]:
+    """The elastic collision as matrices: A (xx, xy, yy) and its factor for a, then for b.
+
+    Valid at contact, where |d| is R. The velocity of a becomes (I - A) va + A vb, and the line
+    on which it flies, told by its point at any one time, goes through (I - A) pa + A pb - k d,
+    k the factor; for b with the roles exchanged, and + k d. In interval arithmetic these lose
+    less than `pair_impulse`. Equals `laws.pair_velocities`.
+
+    >>> from fractions import Fraction as Q
+    >>> pair_mix(Q(2), Q(0), Q(2), Q(1), Q(1))[:4]
+    (Fraction(1, 1), Fraction(0, 1), Fraction(0, 1), Fraction(1, 1))
+    """
+    share_a = (wa + wa) / (wa + wb)
+    share_b = (wb + wb) / (wa + wb)
+    xx = dx * dx / (R * R)
+    xy = dx * dy / (R * R)
+    yy = dy * dy / (R * R)
+    return share_a * xx, share_a * xy, share_a * yy, share_a, share_b * xx, share_b * xy, share_b * yy, share_b
+
+
 def wall_gap(x: N, y: N, x0: N, y0: N, nx: N, ny: N, rL: N) -> N:
     """n.(p - p0) - r |n|: |n| times the distance between circle and wall, 0 when they touch.
 
@@ -145,6 +165,21 @@ def wall_bounce(vx: N, vy: N, nx: N, ny: N, nn: N) -> tuple[N, N]:
     approach = vx * nx + vy * ny
     scale = (approach + approach) / nn
     return vx - nx * scale, vy - ny * scale
+
+
+def wall_mirror(nx: N, ny: N, nn: N) -> tuple[N, N, N]:
+    """The bounce off a wall as a symmetric matrix (xx, xy, yy): v' = H v, H = I - 2 n n^T / |n|^2.
+
+    The line on which the circle flies is mirrored too: its point p at any one time becomes
+    H p + 2 (n.p0 + r |n|) n / |n|^2. Equals `laws.wall_velocities`.
+
+    >>> from fractions import Fraction as Q
+    >>> wall_mirror(Q(0), Q(2), Q(4))
+    (Fraction(1, 1), Fraction(0, 1), Fraction(-1, 1))
+    """
+    xx = (ny * ny - nx * nx) / nn
+    xy = -(nx + nx) * ny / nn
+    return xx, xy, -xx
 
 
 def advance(x: N, v: N, dt: N) -> N:

@@ -111,6 +111,29 @@ def _pair_velocities(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, 
     return tuple(ours - theirs for ours, theirs in zip(after, pair_velocities()[1], strict=True))
 
 
+def _pair_mixed(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """The mixed velocities, and mixed lines that still meet the old ones where the circles touch, at time t."""
+    axx, axy, ayy, ka, bxx, bxy, byy, kb = formulas["pair_mix"](*_d, _distance, 1 / a_m, 1 / b_m)
+    after = (
+        a_vx + axx * _v[0] + axy * _v[1],
+        a_vy + axy * _v[0] + ayy * _v[1],
+        b_vx - bxx * _v[0] - bxy * _v[1],
+        b_vy - bxy * _v[0] - byy * _v[1],
+    )
+    early = (_d[0] - t * _v[0], _d[1] - t * _v[1])
+    shifts = (
+        axx * early[0] + axy * early[1] - ka * _d[0],
+        axy * early[0] + ayy * early[1] - ka * _d[1],
+        kb * _d[0] - bxx * early[0] - bxy * early[1],
+        kb * _d[1] - bxy * early[0] - byy * early[1],
+    )
+    before = (a_vx, a_vy, b_vx, b_vy)
+    return (
+        *(ours - theirs for ours, theirs in zip(after, pair_velocities()[1], strict=True)),
+        *(shift + t * (new - old) for shift, new, old in zip(shifts, after, before, strict=True)),
+    )
+
+
 def _fixed_circle(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     wa = 1 / a_m
     jx, jy = formulas["pair_impulse"](*_d, -a_vx, -a_vy, _distance, wa, Integer(0))
@@ -153,15 +176,36 @@ def _wall_velocities(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, 
     return tuple(a - b for a, b in zip(ours, wall_velocities(), strict=True))
 
 
+def _wall_mirrored(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """The mirrored velocity, and a mirrored line that meets the old one at the wall, at time t."""
+    normal = (w_y0 - w_y1, w_x1 - w_x0)
+    nn = normal[0] ** 2 + normal[1] ** 2
+    xx, xy, yy = formulas["wall_mirror"](*normal, nn)
+    ours = (xx * a_vx + xy * a_vy, xy * a_vx + yy * a_vy)
+    offset = normal[0] * a_x + normal[1] * a_y  # n.p0 + r |n| of a circle that touches the wall at (a_x, a_y)
+    early = (a_x - t * a_vx, a_y - t * a_vy)
+    line = (
+        xx * early[0] + xy * early[1] + 2 * offset * normal[0] / nn,
+        xy * early[0] + yy * early[1] + 2 * offset * normal[1] / nn,
+    )
+    return (
+        *(a - b for a, b in zip(ours, wall_velocities(), strict=True)),
+        line[0] + t * ours[0] - a_x,
+        line[1] + t * ours[1] - a_y,
+    )
+
+
 PROOFS = (
     Proof("straight flight, and two circles touch", pair_touch, _touch_equation),
     Proof("time until two circles touch", pair_times, _pair_times),
     Proof("two circles approach", pair_instant_speed, _pair_speed),
     Proof("velocities after two circles collide", pair_velocities, _pair_velocities),
+    Proof("velocities after two circles collide, by matrices", pair_velocities, _pair_mixed),
     Proof("velocity off a circle of infinite mass", fixed_circle_velocities, _fixed_circle),
     Proof("time until a circle touches a wall", wall_times, _wall_times),
     Proof("a circle approaches a wall", wall_instant_speed, _wall_speed),
     Proof("velocity off a wall of infinite mass", wall_velocities, _wall_velocities),
+    Proof("velocity off a wall, by a matrix", wall_velocities, _wall_mirrored),
 )
 
 

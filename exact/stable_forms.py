@@ -15,6 +15,7 @@ from sympy import Add, Expr, Mul, Pow, Symbol, fraction, symbols
 x, y, v, dt, dx, dy, vx, vy, R, wa, wb = symbols("x, y, v, dt, dx, dy, vx, vy, R, wa, wb")
 nx, ny, nn, rL, x0, y0 = symbols("nx, ny, nn, rL, x0, y0")
 gap, approach, root, cross, scale = symbols("gap, approach, root, cross, scale")
+share_a, share_b, xx, xy, yy = symbols("share_a, share_b, xx, xy, yy")
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,28 @@ FORMS = (
         ("pair_impulse(Q(2), Q(0), Q(-1), Q(-2), Q(2), Q(1), Q(1))", "(Fraction(1, 1), Fraction(0, 1))"),
     ),
     StableForm(
+        "pair_mix",
+        (dx, dy, R, wa, wb),
+        (
+            (share_a, 2 * wa / (wa + wb)),
+            (share_b, 2 * wb / (wa + wb)),
+            (xx, dx**2 / R**2),
+            (xy, dx * dy / R**2),
+            (yy, dy**2 / R**2),
+        ),
+        (share_a * xx, share_a * xy, share_a * yy, share_a, share_b * xx, share_b * xy, share_b * yy, share_b),
+        """The elastic collision as matrices: A (xx, xy, yy) and its factor for a, then for b.
+
+        Valid at contact, where |d| is R. The velocity of a becomes (I - A) va + A vb, and the line
+        on which it flies, told by its point at any one time, goes through (I - A) pa + A pb - k d,
+        k the factor; for b with the roles exchanged, and + k d. In interval arithmetic these lose
+        less than `pair_impulse`. Equals `laws.pair_velocities`.""",
+        (
+            "pair_mix(Q(2), Q(0), Q(2), Q(1), Q(1))[:4]",
+            "(Fraction(1, 1), Fraction(0, 1), Fraction(0, 1), Fraction(1, 1))",
+        ),
+    ),
+    StableForm(
         "wall_gap",
         (x, y, x0, y0, nx, ny, rL),
         (),
@@ -136,6 +159,17 @@ FORMS = (
 
         Equals `laws.wall_velocities`, the limit of a wall of infinite mass.""",
         ("wall_bounce(Q(3), Q(-2), Q(0), Q(2), Q(4))", "(Fraction(3, 1), Fraction(2, 1))"),
+    ),
+    StableForm(
+        "wall_mirror",
+        (nx, ny, nn),
+        ((xx, (ny**2 - nx**2) / nn), (xy, -2 * nx * ny / nn)),
+        (xx, xy, -xx),
+        """The bounce off a wall as a symmetric matrix (xx, xy, yy): v' = H v, H = I - 2 n n^T / |n|^2.
+
+        The line on which the circle flies is mirrored too: its point p at any one time becomes
+        H p + 2 (n.p0 + r |n|) n / |n|^2. Equals `laws.wall_velocities`.""",
+        ("wall_mirror(Q(0), Q(2), Q(4))", "(Fraction(1, 1), Fraction(0, 1), Fraction(-1, 1))"),
     ),
     StableForm(
         "advance",

@@ -19,6 +19,9 @@ MAX_DEPTH = 60
 MAX_EXPONENT = 10_000
 """Largest power and largest decimal exponent."""
 
+MAX_ROOTS = 1 << 10
+"""Largest denominator of a SymPy exponent, a power of two: ten roots of one number."""
+
 MAX_BITS = 1 << 20
 """Largest size of a rational result: a power tower built of allowed powers stops here."""
 
@@ -221,7 +224,8 @@ def quantity_from_sympy(value: Any) -> Quantity:
     """The exact number that a SymPy expression is.
 
     Raises:
-        SceneError: unless the expression is made of rationals, + - * /, and (half-)integer powers.
+        SceneError: unless the expression is made of rationals, + - * /, and powers whose exponents have a power of two
+            below the fraction bar.
 
     >>> import sympy
     >>> quantity_from_sympy(sympy.sqrt(3) / 2) == Quantity.of("sqrt(3)/2")
@@ -245,6 +249,9 @@ def quantity_from_sympy(value: Any) -> Quantity:
         base = quantity_from_sympy(value.base)
         if value.exp.q == 1:
             return base ** int(value.exp)
-        if value.exp.q == 2:
-            return base.sqrt() ** int(value.exp.p)
+        denominator = int(value.exp.q)
+        if denominator & (denominator - 1) == 0 and denominator <= MAX_ROOTS:
+            while denominator > 1:
+                base, denominator = base.sqrt(), denominator // 2
+            return base ** int(value.exp.p)
     raise SceneError(f"{shown(str(value))} is not made of rationals and square roots")

@@ -10,7 +10,7 @@ The field is K = Q(sqrt(m_1), sqrt(m_2), ...)(s_1)(s_2)... and grows as roots ar
 The products of distinct generators are then a basis of K over Q, so an element is zero exactly
 if all its coefficients are. Everything rests on one question: *is x a square in K?* It is
 answered by descent (`Tower._root`), and a "yes" is squared again before it is believed. A "no"
-mostly comes at once from a reduction modulo a prime (`Place`).
+mostly comes at once from reductions modulo primes (`Place`).
 
 Numbers are stored as num / den with num in Z[sqrt(m_i), s_k], so that no fraction is reduced
 in the middle of a product. A new radicand is scaled into that ring first.
@@ -53,8 +53,8 @@ TRIAL_PRIMES: Final = 1000
 """How many primes are tried on a longer number: 0.3 ms at 2,000 bits."""
 
 PLACES: Final = 20
-"""Reductions that must all fail to refute a square before the descent is tried.
-A non-square slips through about once in 2**20, and then costs time, not truth."""
+"""Equations from places that must add nothing new before a square is believed possible, and the
+descent tried. A non-square slips through about once in 2**20, and then costs time, not truth."""
 
 PRIME_TRIES: Final = 300
 """Suitable primes tried for one place before the descent is left to work without more of them."""
@@ -545,9 +545,7 @@ class Tower:
             for part in parts:
                 rest *= part
             root = self._sqrt_integral(_scale(primitive, rest)) * factor
-        root = root / e.den
-        if root * root != e or root.sign() <= 0:
-            raise AssertionError(f"sqrt({_brief(e)}) did not square to its radicand")
+        root = self._checked(root / e.den, e)
         self._roots[e] = root
         return root
 
@@ -568,7 +566,12 @@ class Tower:
         if sign == 0:
             return e
         root = self._root(_scale(e.num, e.den), len(self._radicands))
-        return None if root is None else abs(root) / e.den
+        return None if root is None else self._checked(abs(root) / e.den, e)
+
+    def _checked(self, root: Element, e: Element) -> Element:
+        if root * root != e or root.sign() <= 0:
+            raise AssertionError(f"sqrt({_brief(e)}) did not square to its radicand: a defect")
+        return root
 
     # -- growing -----------------------------------------------------------------------
 
@@ -875,9 +878,9 @@ class Tower:
         return _nested(x.level, _add(low, mul(high, radicand)), cross)
 
     def _mul_surds(self, x: dict[int, fmpz], y: dict[int, fmpz]) -> Integral:
-        self._tick()
         terms: dict[int, fmpz] = {}
         for p, c in x.items():
+            self._tick()
             for q, d in y.items():
                 term = c * d
                 if p & q:

@@ -32,13 +32,18 @@ class Still:
 
 
 def told(
-    *events: tuple[float, str], end: float = 100.0, stop: StopReason = StopReason.HORIZON, coupled: bool = False
+    *events: tuple[float, str],
+    end: float = 100.0,
+    stop: StopReason = StopReason.HORIZON,
+    coupled: bool = False,
 ) -> Trajectory:
     """A history from (time, pairs), such as (1.0, "ab cw")."""
     rows = []
     for index, (time, text) in enumerate(events):
         pairs = tuple(Contact(*sorted(pair)) for pair in text.split())
-        rows.append(Event(index, time, tuple(dict.fromkeys(pairs)), pairs, coupled=coupled and len(pairs) > 1))
+        rows.append(
+            Event(index, time, tuple(dict.fromkeys(pairs)), pairs, coupled=coupled and len(pairs) > 1)
+        )
     return Trajectory(
         scene=scene(),
         engine="told",
@@ -57,7 +62,9 @@ def test_a_history_agrees_with_itself() -> None:
 
 
 def test_a_swap_of_independent_events_is_harmless_and_counted() -> None:
-    alignment = align(told((1.0, "ab"), (2.0, "cd"), (3.0, "bc")), told((1.9, "cd"), (2.0, "ab"), (3.0, "bc")))
+    alignment = align(
+        told((1.0, "ab"), (2.0, "cd"), (3.0, "bc")), told((1.9, "cd"), (2.0, "ab"), (3.0, "bc"))
+    )
     assert (alignment.verdict, alignment.agreed, alignment.harmless_swaps) == ("agree", 3, 1)
 
 
@@ -78,13 +85,21 @@ def test_another_partner_is_a_divergence_at_the_earlier_time() -> None:
 def test_a_dependent_swap_is_a_divergence() -> None:
     alignment = align(told((1.0, "ab"), (2.0, "bc")), told((1.0, "bc"), (2.0, "ab")))
     assert alignment.divergence is not None
-    assert (alignment.divergence.body, alignment.divergence.expected, alignment.divergence.got) == ("b", "a", "c")
+    assert (alignment.divergence.body, alignment.divergence.expected, alignment.divergence.got) == (
+        "b",
+        "a",
+        "c",
+    )
 
 
 def test_a_missing_meeting_is_one_well_before_the_end_only() -> None:
     missing = align(told((1.0, "ab"), (2.0, "cd")), told((1.0, "ab")))
     assert missing.divergence is not None
-    assert (missing.divergence.kind, missing.divergence.expected, missing.divergence.got) == (Kind.MISSING, "d", None)
+    assert (missing.divergence.kind, missing.divergence.expected, missing.divergence.got) == (
+        Kind.MISSING,
+        "d",
+        None,
+    )
     late = align(told((1.0, "ab"), (100.0, "cd")), told((1.0, "ab"), end=100.0))
     assert (late.verdict, late.unsettled) == ("agree", True)
 
@@ -149,7 +164,9 @@ def test_the_first_of_several_divergences_is_reported() -> None:
 
 def test_fixed_circles_have_no_history_of_their_own() -> None:
     fixed = Scene([Circle(0, 0, m="oo", id="o"), Circle(5, 0, vx=-1, id="a"), Circle(-5, 0, vx=1, id="b")])
-    assert set(history(Trajectory(fixed, "told", {}, (), Stop(StopReason.QUIET, ""), 0.0, Still())).meetings) == {"a", "b"}
+    assert set(
+        history(Trajectory(fixed, "told", {}, (), Stop(StopReason.QUIET, ""), 0.0, Still())).meetings
+    ) == {"a", "b"}
 
 
 def test_long_histories_are_compared_in_linear_time() -> None:

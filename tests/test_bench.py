@@ -13,6 +13,7 @@ from truebreak.compare import bench, rivals
 from truebreak.compare.bench import TRADEOFFS, measure
 from truebreak.compare.figures import BENCHMARKS, GAS, TINY, Figure, Target, interleaved
 from truebreak.compare.tradeoff import SETTINGS, tradeoffs
+from truebreak.exact import ExactEngine
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build
 
@@ -55,6 +56,21 @@ def test_every_figure_is_a_positive_ratio_or_says_what_to_install(name: str) -> 
     assert " / " in figure.what
 
 
+def test_billiards_plays_the_same_gas_from_the_start() -> None:
+    pytest.importorskip("billiards")
+    scene = build(GAS)
+    exact = ExactEngine().run(scene, events=50)
+    assert rivals.run_billiards(scene, 50) == [event.contacts[0] for event in exact.events]
+
+
+def test_perfect_physics_ends_with_the_same_exact_velocities() -> None:
+    pytest.importorskip("perfect_physics")
+    scene = build("galperin:n=0")
+    exact = ExactEngine().run(scene, events=3).final
+    ends = rivals.run_perfect_physics(scene, 3)
+    assert [float(vx) for vx, _ in ends] == [float(circle.vx) for circle in exact.circles]
+
+
 def test_tradeoffs_begin_with_exact_and_list_every_setting() -> None:
     rows = list(tradeoffs(build(GAS), TINY.traded))
     assert [row.engine for row in rows] == ["exact", *SETTINGS]
@@ -87,7 +103,8 @@ def test_json_is_one_object_on_stdout(capsys: pytest.CaptureFixture[str]) -> Non
     assert data["tradeoffs"][0]["engine"] == "exact"
 
 
-def test_tables_show_each_figure(capsys: pytest.CaptureFixture[str]) -> None:
+def test_tables_show_each_figure(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setenv("COLUMNS", "200")
     bench.run(only=["gas-double"], size=TINY)
     assert "exact / double" in capsys.readouterr().out
 

@@ -25,7 +25,10 @@ CIRCLES: list[tuple[dict[str, object], str]] = [
         {"x": "1/0", "y": 0, "id": "b3"},
         "circle 'b3': x = '1/0' is not an exact number: division by zero",
     ),
-    ({"x": 0, "y": 0, "r": 0, "id": "a"}, "circle 'a': r = 0: a radius must be positive; a point ball says point = true"),
+    (
+        {"x": 0, "y": 0, "r": 0, "id": "a"},
+        "circle 'a': r = 0: a radius must be positive; a point ball says point = true",
+    ),
     ({"x": 0, "y": 0, "r": "-1/2", "id": "a"}, "circle 'a': r = -1/2: a radius must be positive"),
     (
         {"x": 0, "y": 0, "r": 1, "point": True, "id": "a"},
@@ -46,9 +49,15 @@ CIRCLES: list[tuple[dict[str, object], str]] = [
     ),
     ({"x": float("nan"), "y": 0, "id": "a"}, "circle 'a': x = nan is not a finite number"),
     ({"x": 0, "y": 0, "id": ""}, "circle: id = '' is not usable; write 1 to 64 printable characters"),
-    ({"x": 0, "y": 0, "id": "a\nb"}, "circle: id = 'a\\nb' is not usable; write 1 to 64 printable characters"),
+    (
+        {"x": 0, "y": 0, "id": "a\nb"},
+        "circle: id = 'a\\nb' is not usable; write 1 to 64 printable characters",
+    ),
     ({"x": 0, "y": 0, "point": 1, "id": "a"}, "circle 'a': point = 1 is not true or false"),
-    ({"x": "x", "y": 0}, "circle: x = 'x' is not an exact number: 'x' is not allowed; the only function is sqrt"),
+    (
+        {"x": "x", "y": 0},
+        "circle: x = 'x' is not an exact number: 'x' is not allowed; the only function is sqrt",
+    ),
 ]
 
 
@@ -146,7 +155,8 @@ def test_no_size_is_too_small_or_too_large(scale: str) -> None:
 @settings(deadline=None)
 def test_circles_overlap_exactly_if_their_centres_are_too_close(x: int, y: int, r: int, s: int) -> None:
     def make() -> Scene:
-        return Scene([Circle(0, 0, r=Fraction(r, 2)), Circle(Fraction(x, 2), Fraction(y, 2), r=Fraction(s, 2))])
+        other = Circle(Fraction(x, 2), Fraction(y, 2), r=Fraction(s, 2))
+        return Scene([Circle(0, 0, r=Fraction(r, 2)), other])
 
     if x * x + y * y < (r + s) ** 2:
         assert "overlaps" in refusal(make)

@@ -13,6 +13,7 @@ import sympy
 from flint import acb, arb, ctx, fmpq, fmpz, fmpz_poly
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+
 from truebreak.scenarios import tower as tower_module
 from truebreak.scenarios.tower import Element, Tower, TowerLimit, sign_of_root_sum
 
@@ -449,6 +450,54 @@ def test_negative_and_foreign_numbers_are_refused() -> None:
     assert t.sqrt(2) != 0.5
 
 
+# -- whichever way the base is factored, and the places are found ---
+
+
+@pytest.mark.parametrize("reciprocity", [True, False])
+@settings(law, max_examples=30)
+@given(
+    st.data(), st.lists(st.sampled_from([6, 10, 12, 15, 35, 77, 143, 1001, 30030]), min_size=2, max_size=5)
+)
+def test_composite_radicands_and_either_source_of_primes(
+    reciprocity: bool, data: st.DataObject, radicands: list[int]
+) -> None:
+    """Where nothing can be factored, the base is neither prime nor coprime, and no less right."""
+
+    def unfactored(n: fmpz) -> list[tuple[fmpz, int]]:
+        return [(n.isqrt(), 2)] if n.is_square() else [(n, 1)]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tower_module, "_factor", unfactored)
+        patch.setattr(tower_module, "_by_reciprocity", lambda count, bits: reciprocity)
+        rough = fresh()
+        total = rough.rational(0)
+        for n in radicands:
+            total = total + rough.sqrt(n) * data.draw(small)
+        nested = total + rough.sqrt(1 + total * total)
+        before = rough.generators
+        for i, j in itertools.combinations(radicands, 2):
+            assert rough.sqrt(i * j) == rough.sqrt(i) * rough.sqrt(j)
+        assert rough.sqrt(nested * nested) == abs(nested)
+        assert rough.generators == before
+    fine = fresh()
+    for n in radicands:
+        fine.sqrt(n)
+    assert read(fine, total.text()).text() == read(fine, sympy.sstr(total.sympy())).text()
+
+
+@law
+@given(numbers(1))
+def test_root_within_agrees_with_whether_the_root_needs_a_new_generator(pairs: list[Pair]) -> None:
+    tower = pairs[0][0].tower
+    for e in (abs(pairs[0][0]), abs(pairs[0][0] + 1), pairs[0][0] ** 2, tower.rational(6)):
+        before = tower.generators
+        within = tower.root_within(e)
+        assert tower.generators == before
+        root = tower.sqrt(e)
+        assert (within is None) == (tower.generators != before)
+        assert within is None or within == root
+
+
 # -- limits ------------------------------------------------------------------------------------------
 
 
@@ -485,7 +534,15 @@ def test_deadline_stops_a_tower_that_grows_beyond_reason() -> None:
     with pytest.raises(TowerLimit):
         for k in range(40):
             e = t.sqrt(e * e + 3 * e + k) + 1 / (e + k + 1)
-    assert time.monotonic() - start < 5
+    assert time.monotonic() - start < 3
+    t.deadline = time.monotonic() + 0.5
+    start = time.monotonic()
+    with pytest.raises(TowerLimit):
+        for k in range(2, 60):
+            e = e + t.sqrt(k)
+        for _ in range(20):
+            e = e * e
+    assert time.monotonic() - start < 3
 
 
 # -- other forms -------------------------------------------------------------------------------------

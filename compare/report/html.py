@@ -22,7 +22,10 @@ PICTURED_CIRCLES = 500
 def html_report(comparison: Comparison) -> str:
     """The report: verdict, table, separation over time, and each first divergence with a picture."""
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(__package__ or "", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
+        loader=jinja2.PackageLoader(__package__ or "", ""),
+        autoescape=True,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
     reference = comparison.reference
     return environment.get_template("report.html.jinja").render(
@@ -46,9 +49,15 @@ def html_report(comparison: Comparison) -> str:
 def _facts(comparison: Comparison) -> list[tuple[str, str]]:
     reference, scene = comparison.reference, comparison.scene
     facts = [
-        ("Scene", f"{scene.name} ({counted(len(scene.circles), 'circle')}, {counted(len(scene.walls), 'wall')})"),
-        ("Reference", f"{reference.engine}: {counted(len(reference.events), 'event')}, "
-                      f"{counted(reference.collisions, 'collision')}"),  # fmt: skip
+        (
+            "Scene",
+            f"{scene.name} ({counted(len(scene.circles), 'circle')}, {counted(len(scene.walls), 'wall')})",
+        ),
+        (
+            "Reference",
+            f"{reference.engine}: {counted(len(reference.events), 'event')}, "
+            f"{counted(reference.collisions, 'collision')}",
+        ),
         ("Compared", f"from time 0 to {comparison.span:.9g}; {reference.stop.message}"),
         ("Proof", "every decision is proved" if reference.certified else "not every tie is proved"),
         ("Tie policy", str(scene.tie_policy)),
@@ -71,7 +80,9 @@ def _row(candidate: Candidate) -> dict[str, Any]:
         "evidence": candidate.cause.evidence if candidate.cause else "",
         "swaps": candidate.alignment.harmless_swaps,
         "error": short(candidate.separation.maximum),
-        "changed": ", ".join(n.replace("_", " ") for n in candidate.changed) if candidate.verdict != "undecided" else "",
+        "changed": ", ".join(n.replace("_", " ") for n in candidate.changed)
+        if candidate.verdict != "undecided"
+        else "",
         "miss": short(candidate.return_miss),
         "stop": candidate.trajectory.stop.message,
         "parameters": ", ".join(f"{k} = {v}" for k, v in candidate.trajectory.parameters.items()),

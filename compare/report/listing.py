@@ -35,6 +35,13 @@ def console() -> Console:
     return Console(width=None if terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
 
 
+def say(out: Console, text: str, style: str | None = None) -> None:
+    """A line of text; where the output is not a terminal it stays one line, however long."""
+    from rich.text import Text
+
+    out.print(Text(text, style=style or ""), soft_wrap=not out.is_terminal)
+
+
 def grid(*headings: str, title: str | None = None) -> Table:
     """An empty table in the one style of all reports."""
     from rich.box import SIMPLE

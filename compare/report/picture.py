@@ -78,12 +78,18 @@ def view_of(discs: Sequence[Disc], scene: Scene) -> View:
     size = max(max(xs) - min(xs), max(ys) - min(ys), 1e-9)
     for wall in scene.walls:
         for x, y in _nearest(wall_line(wall), [(d.x, d.y) for d in discs]):
-            if min(xs) - 3 * size <= x <= max(xs) + 3 * size and min(ys) - 3 * size <= y <= max(ys) + 3 * size:
+            if (
+                min(xs) - 3 * size <= x <= max(xs) + 3 * size
+                and min(ys) - 3 * size <= y <= max(ys) + 3 * size
+            ):
                 xs.append(x)
                 ys.append(y)
     width, height = max(xs) - min(xs), max(ys) - min(ys)
     room = MARGIN * max(width, height, 1e-9)
-    width, height = max(width + 2 * room, (height + 2 * room) / 4), max(height + 2 * room, (width + 2 * room) / 4)
+    width, height = (
+        max(width + 2 * room, (height + 2 * room) / 4),
+        max(height + 2 * room, (width + 2 * room) / 4),
+    )
     middle_x, middle_y = (max(xs) + min(xs)) / 2, (max(ys) + min(ys)) / 2
     return View(middle_x - width / 2, middle_y - height / 2, width, height)
 
@@ -93,7 +99,9 @@ def wall_line(wall: object) -> tuple[float, float, float, float]:
     return tuple(float(getattr(wall, key)) for key in ("x0", "y0", "x1", "y1"))  # type: ignore[return-value]
 
 
-def _nearest(line: tuple[float, float, float, float], points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+def _nearest(
+    line: tuple[float, float, float, float], points: Iterable[tuple[float, float]]
+) -> list[tuple[float, float]]:
     """The feet of perpendiculars from points to a line."""
     x0, y0, x1, y1 = line
     dx, dy = x1 - x0, y1 - y0
@@ -109,7 +117,13 @@ def scene_picture(scene: Scene, *, standalone: bool = False) -> str:
     """The scene at time 0, with arrows for velocities."""
     discs = [
         Disc(
-            str(c.id), float(c.x), float(c.y), float(c.r), float(c.vx), float(c.vy), "fixed" if c.fixed else "circle"
+            str(c.id),
+            float(c.x),
+            float(c.y),
+            float(c.r),
+            float(c.vx),
+            float(c.vy),
+            "fixed" if c.fixed else "circle",
         )
         for c in scene.circles
     ]
@@ -150,8 +164,7 @@ def draw(
     if standalone:
         parts.append(f"<style>{STYLE}</style>")
     parts.append(f'<rect class="frame" width="{width:.2f}" height="{height:.2f}" rx="4"/>')
-    for pocket in scene.pockets:
-        parts.append(_round("pocket", view, float(pocket.x), float(pocket.y), float(pocket.r)))
+    parts += [_round("pocket", view, float(p.x), float(p.y), float(p.r)) for p in scene.pockets]
     names = set(marked)
     parts += [_wall(view, wall_line(w), w.id in names, str(w.id)) for w in scene.walls]
     fastest = max((math.hypot(d.vx, d.vy) for d in discs), default=0.0)
@@ -182,11 +195,10 @@ def _arrow(classes: str, start: tuple[float, float], along: tuple[float, float])
     head = min(7.0, length / 4) / length
     back, side = (dx * head, dy * head), (-dy * head / 2, dx * head / 2)
     tip = x + dx, y + dy
-    wings = [(tip[0] - back[0] + s * side[0], tip[1] - back[1] + s * side[1]) for s in (1, -1)]
-    return (
-        f'<path class="{classes}" fill="none" d="M{x:.2f} {y:.2f}L{tip[0]:.2f} {tip[1]:.2f}'
-        f'M{wings[0][0]:.2f} {wings[0][1]:.2f}L{tip[0]:.2f} {tip[1]:.2f}L{wings[1][0]:.2f} {wings[1][1]:.2f}"/>'
-    )
+    one, other = ((tip[0] - back[0] + s * side[0], tip[1] - back[1] + s * side[1]) for s in (1, -1))
+    points = (("M", (x, y)), ("L", tip), ("M", one), ("L", tip), ("L", other))
+    path = "".join(f"{letter}{px:.2f} {py:.2f}" for letter, (px, py) in points)
+    return f'<path class="{classes}" fill="none" d="{path}"/>'
 
 
 def _wall(view: View, line: tuple[float, float, float, float], marked: bool, name: str) -> str:
@@ -221,5 +233,3 @@ def svg_path(name: str) -> Path:
     if not name.lower().endswith(".svg"):
         raise SceneError(f"--plot {name!r}: pictures are SVG; give a file name that ends in .svg")
     return Path(name)
-
-

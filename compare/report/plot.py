@@ -49,9 +49,10 @@ def separation_plot(comparison: Comparison) -> str:
     low = math.floor(math.log10(min(values)))
     high = max(math.ceil(math.log10(max(values))), low + 1)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" height="{HEIGHT}" '
-        'role="img" class="plot">',
-        "<title>Largest distance of a circle from its place in the reference run, over time, logarithmic scale</title>",
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" '
+        f'height="{HEIGHT}" role="img" class="plot">',
+        "<title>Largest distance of a circle from its place in the reference run, over time, on a "
+        "logarithmic scale</title>",
         *_axes(end, low, high),
     ]
     for number, line in enumerate(lines):
@@ -105,7 +106,9 @@ def _drawn(line: Line, number: int, end: float, low: int, high: int) -> list[str
     dashes = STROKES[number % len(STROKES)]
     dash = f' stroke-dasharray="{dashes}"' if dashes else ""
     kind = f"series s{number % 5}"
-    parts = [f'<polyline class="{kind}"{dash} points="{points}"><title>{escape(line.label)}</title></polyline>']
+    parts = [
+        f'<polyline class="{kind}"{dash} points="{points}"><title>{escape(line.label)}</title></polyline>'
+    ]
     if line.diverged is not None and line.diverged <= end:
         value = _at(line, line.diverged)
         x, y = _x(line.diverged, end), _y(value, low, high)

@@ -37,8 +37,8 @@ def verdict_sentence(comparison: Comparison) -> str:
         verb = "agrees" if len(agreeing) == 1 else "agree"
         rest = f"; {undecided} could not follow to the end" if by_verdict["undecided"] else ""
         return (
-            f"Floating point did not change what happened: {listed(agreeing)} {verb} with the {reference.engine} "
-            f"run in {'its one event' if len(reference.events) == 1 else f'all {events}'}{rest}."
+            f"Floating point did not change what happened: {listed(agreeing)} {verb} with the "
+            f"{reference.engine} run in {all_of(len(reference.events))}{rest}."
         )
     return f"Undecided: {undecided} could not follow the {reference.engine} run to the end."
 
@@ -52,7 +52,9 @@ def _is_rounding(candidate: Candidate) -> bool:
         return not is_stepped(candidate.trajectory.engine)
     if cause.name is CauseName.TIE:
         return not is_stepped(candidate.trajectory.engine)
-    return cause.name in (CauseName.INPUT, CauseName.ARITHMETIC, CauseName.WIDTH)
+    return cause.name in (CauseName.INPUT, CauseName.ARITHMETIC) or (
+        cause.name is CauseName.UNKNOWN and not is_stepped(candidate.trajectory.engine)
+    )
 
 
 def _head(candidate: Candidate) -> str:
@@ -83,7 +85,9 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
     body = named(scene, divergence.body)
     match divergence.kind:
         case Kind.DIFFERENT:
-            what = f"{body} meets {named(scene, divergence.got)} instead of {named(scene, divergence.expected)}"
+            what = (
+                f"{body} meets {named(scene, divergence.got)} instead of {named(scene, divergence.expected)}"
+            )
         case Kind.MISSING:
             what = f"{body} does not meet {named(scene, divergence.expected)}"
         case Kind.EXTRA:
@@ -117,6 +121,15 @@ def tied(partners: str | None) -> str:
     return ", then ".join(f"{listed(names)} at once" if len(names) > 1 else names[0] for names in groups)
 
 
+def all_of(number: int) -> str:
+    """All events in words.
+
+    >>> all_of(0), all_of(1), all_of(60)
+    ('it, which has no event', 'its one event', 'all 60 events')
+    """
+    return "it, which has no event" if number == 0 else "its one event" if number == 1 else f"all {counted(number, 'event')}"
+
+
 def counted(number: int, noun: str) -> str:
     """A number with its noun.
 
@@ -132,7 +145,9 @@ def listed(words: list[str]) -> str:
     >>> listed(["a"]), listed(["a", "b", "c"])
     ('a', 'a, b and c')
     """
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else "no engine"
+    return (
+        words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else "no engine"
+    )
 
 
 def short(value: float | None) -> str:

@@ -48,8 +48,19 @@ def engines_table(comparison: Comparison) -> Table:
     """One row an engine; a column for the return only after a reversal."""
     from rich.markup import escape
 
-    returns = comparison.return_miss is not None or any(c.return_miss is not None for c in comparison.candidates)
-    headings = ["engine", "verdict", "agreed", "differs at", "cause", "swaps", "position error", "outcomes changed"]
+    returns = comparison.return_miss is not None or any(
+        c.return_miss is not None for c in comparison.candidates
+    )
+    headings = [
+        "engine",
+        "verdict",
+        "agreed",
+        "differs at",
+        "cause",
+        "swaps",
+        "position error",
+        "outcomes changed",
+    ]
     table = grid(*headings, *(["misses start by"] if returns else []))
     total = len(comparison.reference.events)
     reference = [comparison.reference.engine, "reference", f"{total:,}", "", "", "", "", ""]
