@@ -85,6 +85,8 @@ def bounds(value: Any) -> tuple[float, float] | None:
     >>> bounds(iv.mpf([1, 2])), bounds(1.5)
     ((1.0, 2.0), None)
     """
+    if hasattr(value, "low") and hasattr(value, "high"):
+        return value.low, value.high
     low, high = getattr(value, "a", None), getattr(value, "b", None)
     if low is None or high is None:
         return None

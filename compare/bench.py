@@ -165,7 +165,8 @@ def _tables(report: Report) -> Iterator[Any]:
             )
         yield table
     if report.tradeoffs:
-        table = Table("engine", title="Run time against error, 10 discs", title_justify="left")
+        table = Table(title="Run time against error, 10 discs", title_justify="left")
+        table.add_column("engine", no_wrap=True)
         for heading in ("seconds", "/ exact", "events agreed", "reached", "largest error"):
             table.add_column(heading, justify="right", no_wrap=True)
         for row in report.tradeoffs:

@@ -11,7 +11,7 @@ from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import StopReason
 from .align import Kind, align
 from .deadline import OutOfTime
-from .engines import is_stepped
+from .engines import engine, is_stepped
 from .rounding import rounded
 
 if TYPE_CHECKING:
@@ -63,13 +63,14 @@ class Cause:
         return self.name.value
 
 
-def cause_of(study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Cause:
+def cause_of(study: Study, candidate: Candidate, played: Engine, progress: OnProgress | None) -> Cause:
     """The cause of a candidate's divergence, by the first experiment that explains it.
 
     1. For an engine with a time step: does the divergence move when the step is smaller?
     2. Does the reference have several contacts at one instant there, whose order matters?
     3. Input rounding: does the reference engine, on the scene rounded to doubles, diverge as early?
     4. Arithmetic rounding: does the candidate differ from the reference engine on that same rounded scene?
+       With a time step: does the double engine, which has none, diverge too?
     Otherwise the difference is one of model.
     """
     divergence = candidate.alignment.divergence
@@ -77,7 +78,7 @@ def cause_of(study: Study, candidate: Candidate, engine: Engine, progress: OnPro
     stepped = is_stepped(candidate.trajectory.engine)
     try:
         if stepped:
-            smaller = _smaller_step(study, candidate, engine, divergence, progress)
+            smaller = _smaller_step(study, candidate, played, divergence, progress)
             if smaller is not None:
                 return smaller
         tie = _tie(study, candidate, divergence)
@@ -167,31 +168,32 @@ def _rounding(
     scene = _rounded(study.scene)
     if isinstance(scene, Cause):
         return scene
-    if scene.digest == study.scene.digest:
-        if stepped:
-            return Cause(
-                CauseName.MODEL, "the scene is exact in doubles, and a smaller step does not move it"
-            )
-        return Cause(CauseName.ARITHMETIC, "the scene is exact in doubles, so no input was rounded")
-    truth = study.experiment(study.truth, scene, divergence, progress, LONGER, EXPERIMENT_SECONDS)
-    by_input = align(study.reference, truth, span=study.span).divergence
-    by_arithmetic = align(
-        truth, candidate.trajectory, span=min(study.span, float(truth.final_time))
-    ).divergence
-    told_input = "agrees up to there" if by_input is None else f"differs at event {by_input.event}"
-    told_rest = (
-        "does not leave that run"
-        if by_arithmetic is None
-        else f"leaves that run at event {by_arithmetic.event}"
-    )
-    said = f"the reference engine on the scene rounded to doubles {told_input}; {name} {told_rest}"
-    if by_input is not None and by_input.event <= divergence.event:
-        return Cause(CauseName.INPUT, said)
-    if stepped:
-        return Cause(CauseName.MODEL, f"neither a smaller step nor rounding of the input moves it: {said}")
-    if by_arithmetic is not None:
+    still = "a smaller step does not move it; " if stepped else ""
+    said = "the scene is exact in doubles, so no input was rounded"
+    by_input = None
+    if scene.digest != study.scene.digest:
+        truth = study.experiment(study.truth, scene, divergence, progress, LONGER, EXPERIMENT_SECONDS)
+        by_input = align(study.reference, truth, span=study.span).divergence
+        rest = align(truth, candidate.trajectory, span=min(study.span, float(truth.final_time))).divergence
+        said = (
+            f"the reference engine on the scene rounded to doubles {_told(by_input, 'differs', 'agrees')}; "
+            f"{name} {_told(rest, 'leaves that run', 'does not leave that run')}"
+        )
+        if by_input is not None and (stepped or rest is None or by_input.event <= divergence.event):
+            return Cause(CauseName.INPUT, still + said)
+        if rest is None:
+            return Cause(CauseName.UNKNOWN, said)
+    if not stepped:
         return Cause(CauseName.ARITHMETIC, said)
-    return Cause(CauseName.UNKNOWN if by_input is None else CauseName.INPUT, said)
+    double = study.experiment(engine("double"), study.scene, divergence, progress, LONGER, EXPERIMENT_SECONDS)
+    by_double = align(study.reference, double, span=study.span).divergence
+    evidence = f"{still}{said}; double {_told(by_double, 'differs', 'agrees')}"
+    return Cause(CauseName.MODEL if by_double is None else CauseName.ARITHMETIC, evidence)
+
+
+def _told(divergence: Divergence | None, differs: str, agrees: str) -> str:
+    """What became of an experiment."""
+    return agrees if divergence is None else f"{differs} at event {divergence.event}"
 
 
 def _rounded(scene: Scene) -> Scene | Cause:

@@ -15,7 +15,8 @@ if TYPE_CHECKING:
     from ..scenarios.scene import Scene
 
 SCENE_HELP = (
-    "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), or a .toml or .json file."
+    "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), "
+    "or a .toml or .json file."
 )
 
 EXAMPLES = """
@@ -223,9 +224,12 @@ def bench(arguments: tuple[str, ...]) -> int:
     return bench_main(list(arguments)) or DONE
 
 
-def changed(scene: str, reverse_after: int | None, tie_policy: str | None) -> Scene:
-    """The scene of the command line, with a reversal or a tie policy of the command line in place of its
-    own."""
+def changed(scene: str, reverse_after: int | None, tie_policy: str | None, *, limited: bool) -> Scene:
+    """The scene of the command line, with a reversal or a tie policy of the command line in place of its own.
+
+    A reversal of the command line takes the place of the scene's default horizon too, unless the command line
+    sets one: the run then ends at the return.
+    """
     from .scene_argument import scene_from
 
     changes: dict[str, Any] = {}

@@ -23,7 +23,8 @@ class Target:
     value: float
 
     def __str__(self) -> str:
-        return f"{self.of} {self.bound} {self.value:,g}"
+        unit = " s" if self.of == "seconds" else ""
+        return f"{'<=' if self.bound == 'at most' else '>='} {self.value:,g}{unit}"
 
 
 @dataclass(frozen=True)

@@ -55,7 +55,7 @@ class Tradeoff:
 
 
 def tradeoffs(scene: Scene, events: int, settings: Iterable[str] = SETTINGS) -> Iterator[Tradeoff]:
-    """The exact engine's own row, then one for each setting, all to the same time just after an exact event."""
+    """The exact engine's own row, then one for each setting, all to one time just after an exact event."""
     end = between_events(scene, events)
     reference, exact_seconds = _timed("exact", scene, end)
     yield Tradeoff("exact", exact_seconds, 1.0, len(reference.events), len(reference.events), 1.0, 0.0)
@@ -74,7 +74,7 @@ def tradeoffs(scene: Scene, events: int, settings: Iterable[str] = SETTINGS) -> 
 
 
 def between_events(scene: Scene, events: int) -> float:
-    """A time half-way between an exact event and the next, so that rounding does not decide what is counted."""
+    """A time half-way between an exact event and the next, so that rounding decides nothing there."""
     before, after = engine("exact").run(scene, events=events + 1).events[-2:]
     return (float(before.time) + float(after.time)) / 2
 

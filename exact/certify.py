@@ -19,7 +19,7 @@ from .event_loop import Candidate, EventLoop, Limits
 from .live import LiveMachine
 from .machine import Body, Link, Number, Step
 from .numbers import ball
-from .numbers.field import field_sign
+from .numbers.field import LeavesField, field_sign
 from .questions import Approach, Discriminant, Gap, Question, Sooner
 from .undecided import Undecided
 
@@ -55,6 +55,7 @@ class CertifiedLoop(EventLoop):
         self.max_bits = max_bits
         self.prover = prover
         self.evidence: Evidence | None = None
+        self.live.projections = prover.projections()
         self._reaches = self._quick_reaches()
         self._quick_lines: dict[tuple[int, int], tuple[arb, ...]] = {}
 
@@ -175,7 +176,10 @@ class CertifiedLoop(EventLoop):
             return None
         machine = self.live.field
         assert machine is not None
-        parts = question.root_sum(machine)
+        try:
+            parts = question.root_sum(machine)
+        except LeavesField:
+            return None
         if parts[2] == 0 and parts[4] == 0:
             return field_sign(parts[0])
         return sign_of_root_sum(*(self.live.numbers.element(part) for part in parts))
@@ -192,12 +196,13 @@ class CertifiedLoop(EventLoop):
             sign = self._ball_sign(question)
             if sign is not None:
                 self.plan["full ball"] += 1
+                if sign == 0 and self.live.all_exact(question.bodies(self.n)):
+                    self.evidence = Evidence(self._kind_of_field(question))
                 return sign
             sign = self._field_sign(question)
             if sign is not None:
                 self.plan["field"] += 1
-                rational = all(isinstance(self.live.state(i)[1], fmpq) for i in question.bodies(self.n))
-                self.evidence = Evidence(TieProof.RATIONAL if rational else TieProof.FIELD)
+                self.evidence = Evidence(self._kind_of_field(question))
                 return sign
             if isinstance(question, Sooner) and self.prover.symmetric(question.first, question.second):
                 self.plan["symmetry"] += 1
@@ -215,6 +220,11 @@ class CertifiedLoop(EventLoop):
             if 2 * self.live.bits > self.max_bits:
                 raise Undecided(self._undecided_message(question))
             self._rise("undecided")
+
+    def _kind_of_field(self, question: Question) -> TieProof:
+        numbers = [number for i in question.bodies(self.n) for number in self.live.state(i)]
+        rational = all(isinstance(number, fmpq) for number in numbers)
+        return TieProof.RATIONAL if rational else TieProof.FIELD
 
     def _proved(self, question: Question) -> int | None:
         """Zero proved in nested roots, or made probable by residues and accepted as such."""
@@ -257,12 +267,26 @@ class CertifiedLoop(EventLoop):
             elif sign > 0:
                 rest.append(c)
             else:
-                evidence = self.evidence or Evidence(TieProof.CONSTRUCTION)
-                ids = self.scene.ids
-                pairs = tuple(contact_of(ids, link) for link in (first.link, c.link))
-                ties.append(Tie(pairs, evidence.proof, evidence.bound))
+                ties.append(self.tie_of((first.link, c.link)))
                 chosen.append(c)
         return chosen, rest, ties
+
+    def tie_of(self, links: tuple[Link, ...]) -> Tie:
+        """The tie that the last question found, and how it is known."""
+        evidence = self.evidence or Evidence(TieProof.CONSTRUCTION)
+        contacts = tuple(contact_of(self.scene.ids, link) for link in links)
+        return Tie(contacts, evidence.proof, evidence.bound)
+
+    def ask_cheaply(self, question: Question) -> int | None:
+        """The sign if the first rungs tell it, else None."""
+        sign = self._ball_sign(question)
+        return self._field_sign(question) if sign is None else sign
+
+    def order_chosen(self) -> None:
+        """From here on, the symmetries of the scene prove nothing."""
+        self.prover.drop_symmetries()
+        if self.live.projected_until is None:
+            self.live.projected_until = len(self.live.steps)
 
     def _settled(self, candidate: Candidate) -> Candidate | None:
         """The candidate if it is certain to come, or made so; None if it will not come."""
@@ -292,11 +316,7 @@ class CertifiedLoop(EventLoop):
         self.prepare()
         pair = link[1] < self.n
         if self.ask(Gap(link)) == 0:
-            if self.ask(Approach(link)) < 0:
-                raise Undecided(
-                    f"{self.name(link)} touch just as one of them is hit, {self._where()}: "
-                    "the contact belongs to the instant before"
-                )
+            self.found_touching(link, self.tie_of((link,)))
             return
         ctx.prec = self.live.bits
         approach = self._ball_sign(Approach(link))

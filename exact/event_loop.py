@@ -107,6 +107,7 @@ class EventLoop(ABC):
         self.history = History(knots=[[] for _ in self.bodies])
         self.plan = self.history.plan
         self.flipped = False
+        self._found: list[tuple[Link, Tie]] = []
         self._next_report = clock.monotonic() + PROGRESS_EVERY
 
     # -- what a number system supplies
@@ -138,6 +139,13 @@ class EventLoop(ABC):
         Raises:
             Undecided: if the number system cannot tell.
         """
+
+    def ask_cheaply(self, question: Question) -> int | None:
+        """The sign of a question if it is to be had at once, else None."""
+        try:
+            return self.ask(question)
+        except Undecided:
+            return None
 
     @abstractmethod
     def quick_reach(self, a: Body, b: Body) -> Number:
@@ -331,6 +339,9 @@ class EventLoop(ABC):
     def prepare(self) -> None:
         """Called before steps are carried out."""
 
+    def order_chosen(self) -> None:
+        """Called when a tie policy has chosen an order among contacts."""
+
     # -- one instant
 
     def _collide(self, chosen: list[Candidate], ties: list[Tie]) -> None:
@@ -379,6 +390,8 @@ class EventLoop(ABC):
                 coupled = coupled or self._coupled(instant)
                 stands = component.bodies[0]
             parted += self._part(component.links, instant)
+            if self.scene.tie_policy.name == "sequential" and len(instant.impulses) > 1:
+                self.order_chosen()
         if stands is None:
             return
         time = self.now(self.bodies[stands])
@@ -400,15 +413,12 @@ class EventLoop(ABC):
     def _coupled(self, instant: Instant) -> bool:
         """Whether the order of an instant's impulses could matter; where that is not known, it could."""
         links = sorted(instant.taking_part)
-        try:
-            return any(
-                self.ask(Coupling(first, second)) != 0
-                for k, second in enumerate(links)
-                for first in links[:k]
-                if self._share_a_mover(first, second)
-            )
-        except (Undecided, BudgetSpent):
-            return True
+        return any(
+            self.ask_cheaply(Coupling(first, second)) != 0
+            for k, second in enumerate(links)
+            for first in links[:k]
+            if self._share_a_mover(first, second)
+        )
 
     def _share_a_mover(self, first: Link, second: Link) -> bool:
         shared = set(first) & set(second)
@@ -434,6 +444,43 @@ class EventLoop(ABC):
         for body in moved:
             knots[body.index].append(self.knot(body))
         self.predict(moved, parted)
+        if self._found:
+            self._join_instant(parted)
+
+    def found_touching(self, link: Link, tie: Tie) -> None:
+        """Notes a contact that has come to gap zero just as one of its circles was hit: it belongs to that instant."""
+        self._found.append((link, tie))
+
+    def _join_instant(self, parted: frozenset[Link]) -> None:
+        """Carries the rounds of the last instant on through contacts found to touch at it."""
+        found, self._found = self._found, []
+        links = [link for link, _ in found]
+        record = self.history.records[-1]
+        self.touching.add_all(links)
+        self.prepare()
+        changed: set[int] = set()
+        standing: list[Link] = []
+        for component in components(links, self.touching, self.n):
+            self.do(Go(record.source, component.bodies))
+            instant = settle_contacts(
+                component.links,
+                frozenset(),
+                self.policy,
+                self.ask,
+                lambda chosen: self.do(Kick(chosen)),
+                MAX_ROUNDS,
+            )
+            standing += self._part(component.links, instant)
+            if instant.impulses:
+                record.links = tuple(sorted({*record.links, *instant.taking_part}))
+                record.impulses = (*record.impulses, *instant.impulses)
+                record.coupled = True
+                record.step = len(self.history.steps)
+                changed |= {i for link in instant.impulses for i in link if i < self.n}
+        record.ties = (*record.ties, *(tie for _, tie in found))
+        parted = parted | frozenset(standing)
+        self.just_parted = tuple(sorted(parted))
+        self._resume([self.bodies[i] for i in sorted(changed)], parted)
 
     # -- predictions
 

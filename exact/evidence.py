@@ -12,9 +12,11 @@ from ..scenarios.trajectory import TieProof
 from .machine import Link, Machine, Step
 from .program import causal_past, replay
 from .questions import Question
+from .symmetry import Projection, projections, symmetries
 
-MAX_DEPTH = 6
-"""Levels of nested roots that a proof may build: four take milliseconds, five a second, six may not end."""
+MAX_DEPTH = 7
+"""Levels of nested roots that a proof may build: on a chain of collisions of short numbers six take a tenth of a
+second and seven half of one; longer numbers take more, so `SECONDS` bounds them."""
 
 SECONDS = 2.0
 """Time that one proof in nested roots may take."""
@@ -47,12 +49,21 @@ class Prover:
     def __init__(self, scene: Scene, assume_bits: int | None = None) -> None:
         self.scene = scene
         self.assume_bits = assume_bits
+        self._symmetries = symmetries(scene)
         self._hopeless: list[frozenset[int]] = []
         self._tried: list[str] = []
 
+    def projections(self) -> dict[int, Projection]:
+        """Circles that the scene's symmetries hold to a line or a point."""
+        return projections(self.scene, symmetries(self.scene))
+
+    def drop_symmetries(self) -> None:
+        """From here on the history need not respect the scene's symmetries: an order was chosen."""
+        self._symmetries = ()
+
     def symmetric(self, first: Link, second: Link) -> bool:
         """Whether a symmetry of the history maps one contact to the other."""
-        return False
+        return any(symmetry.image(first) == second for symmetry in self._symmetries)
 
     def accepts(self, bits: int) -> bool:
         """Whether agreement to so many bits is to be taken for equality."""

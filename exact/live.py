@@ -7,7 +7,9 @@ so the balls can be computed again with more bits: that is how precision rises.
 
 from __future__ import annotations
 
-from flint import arb, ctx  # type: ignore[attr-defined]
+from contextlib import suppress
+
+from flint import ctx  # type: ignore[attr-defined]
 
 from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
@@ -15,6 +17,7 @@ from .ball_machine import BallMachine
 from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step
 from .numbers import ball
 from .numbers.field import Field, LeavesField, field_ball, height
+from .symmetry import Projection
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
@@ -32,6 +35,8 @@ class LiveMachine:
         field: the state in the scene's field, of the bodies that are exact.
         exact: for each body, whether it is exact.
         steps: the log.
+        projections: circles that symmetries of the scene hold to a line or a point.
+        projected_until: the length of the log up to which the symmetries hold; None: to its end.
         lowest: the worst accuracy in bits of any event time since the last rise.
     """
 
@@ -48,16 +53,28 @@ class LiveMachine:
         self.balls = BallMachine(scene)
         self.bodies = self.balls.bodies
         self.lowest = bits
+        self.projections: dict[int, Projection] = {}
+        self.projected_until: int | None = None
         for body in self.bodies:
             body.acc = bits
         try:
             self.field: Machine | None = Machine(scene, self.numbers.constant, self.numbers.root)
+            self._admit_walls()
             self.numbers.tower.max_depth = self.numbers.tower.depth
             self.exact = [True] * self.n
         except LeavesField:
             self.field = None
             self.exact = [False] * self.n
             self._stale.clear()
+
+    def _admit_walls(self) -> None:
+        """Lets the walls' numbers, with their lengths, into the field before it is closed."""
+        for wall in self.scene.walls:
+            nx, ny = wall.normal
+            for number in (wall.x0, wall.y0, nx, ny):
+                self.numbers.constant(number)
+            with suppress(LeavesField):
+                self.numbers.constant((nx * nx + ny * ny).sqrt())
 
     @property
     def zero(self) -> Number:
@@ -188,8 +205,17 @@ class LiveMachine:
         if accuracy < self.lowest:
             self.lowest = accuracy
 
-    @staticmethod
-    def _step_in_balls(machine: Machine, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
+    def _project(self, machine: Machine, i: int) -> None:
+        """A circle on a mirror line, or at a centre of rotation, stays there: exactly, whatever the balls say."""
+        (a, b, c, d), (cx, cy) = self.projections[i]
+        bits = ctx.prec
+        a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
+        body = machine.bodies[i]
+        x, y = body.x - cx, body.y - cy
+        body.x, body.y = cx + a * x + b * y, cy + c * x + d * y
+        body.vx, body.vy = a * body.vx + b * body.vy, c * body.vx + d * body.vy
+
+    def _step_in_balls(self, machine: Machine, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
         """One step, with no more bits than the bodies' accuracy deserves; gives the accuracy after it."""
         bodies = machine.bodies
         accuracy = bits
@@ -204,7 +230,10 @@ class LiveMachine:
         else:
             machine.do(step)
             if isinstance(step, Kick):
+                until = self.projected_until
                 for i in taking_part:
+                    if i in self.projections and (until is None or machine.steps_done <= until):
+                        self._project(machine, i)
                     body = bodies[i]
                     body.rest = body.vx.is_zero() and body.vy.is_zero()
         return accuracy

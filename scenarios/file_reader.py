@@ -25,8 +25,8 @@ MAX_LINE = 100_000
 MAX_DIGITS = 4_300
 """Longest bare whole number, in digits: Python's own limit. A longer one is put in quotes."""
 
-PART = r"""(?:[A-Za-z_][\w-]*|"[^"\n]*"|'[^'\n]*')"""
-DOTTED = re.compile(rf"{PART}(?:[ \t]*\.[ \t]*{PART}){{8}}")
+PART = r"""(?:(?<![\w-])[\w-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
+DOTTED = re.compile(rf"{PART}(?:[ \t]*+\.[ \t]*+{PART}){{8}}")
 """A dotted key of nine parts or more. No scene has one, and Python's TOML reader takes time and memory that
 grow with the square of their number: 50,000 parts take 5 seconds, 100,000 all the memory there is."""
 

@@ -107,7 +107,8 @@ def _number(label: str, key: str, value: Any) -> Quantity:
         hint = '; a fixed circle says m = "oo"' if key == "m" else ""
         raise SceneError(f"{place} = {value} is not a finite number{hint}")
     if isinstance(value, bool) or not isinstance(value, (str, int)):
-        raise SceneError(f'{place} = {cut(value)} is not a number; write a number as "9/4"')
+        remedy = 'write a whole number or text such as "9/4"'
+        raise SceneError(f"{place} = {cut(value)} is not a number; {remedy}")
     if isinstance(value, int) and value.bit_length() > 4 * MAX_LENGTH:
         raise SceneError(f"{place}: a number of {value.bit_length()} bits is too long; shorten it")
     try:

@@ -26,7 +26,7 @@ MAX_BITS = 1 << 20
 """Largest size of a rational result: a power tower built of allowed powers stops here."""
 
 MAX_TERMS = 200
-"""Most numbers that an expression with roots may hold: its tree is walked by recursion, as deep as it is long."""
+"""Most numbers that an expression with roots may hold: its tree is walked by recursion."""
 
 SHOWN = 60
 """How much of a bad text an error repeats."""

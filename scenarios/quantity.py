@@ -233,7 +233,9 @@ class Quantity:
         from .tower import Tower, TowerLimit
 
         if len(self.radicands) > MAX_ROOTS:
-            raise SceneError(f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots")
+            raise SceneError(
+                f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots"
+            )
         try:
             return self.in_tower(Tower(deadline=time.monotonic() + PATIENCE))
         except TowerLimit:
@@ -386,7 +388,8 @@ class Quantity:
             return f"sqrt({self.args[0].text()})"
         left, right = (argument.text() for argument in self.args)
         if self.op == "+":
-            return f"{left} + ({right})" if self.args[1].op in "+-" or right[0] == "-" else f"{left} + {right}"
+            loose = self.args[1].op in "+-" or right.startswith("-")
+            return f"{left} + ({right})" if loose else f"{left} + {right}"
         if self.op == "-":
             return f"{left} - {self._wrapped(self.args[1], '+-', right)}"
         left = self._wrapped(self.args[0], "+-", left)

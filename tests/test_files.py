@@ -96,7 +96,7 @@ def test_a_file_says_what_its_keys_say() -> None:
     assert scene.pockets[0].id == "hole"
 
 
-@pytest.mark.parametrize("text", ["0.1", "1e-40", "123456789.123456789123456789", "-0.30000000000000004", "5E+3"])
+@pytest.mark.parametrize("text", ["0.1", "1e-40", "123456789.123456789123", "-0.3000000000000004", "5E+3"])
 def test_a_bare_decimal_is_the_decimal_that_it_spells(text: str) -> None:
     value = Quantity.of(text)
     assert loads_toml(BALL + f"vx = {text}").circles[0].vx == value
@@ -175,7 +175,7 @@ def test_a_scene_survives_writing_and_reading(scene: Scene, suffix: str) -> None
 
 @pytest.mark.parametrize("suffix", [".toml", ".json"])
 def test_a_saved_scene_is_loaded_the_same(suffix: str, tmp_path: Path) -> None:
-    scene = Scene([Circle("sqrt(2)", 0, id='"\\\n'.replace("\n", "") + "\u2028x"[1:])], name='a "b"\n\x7f\x00')
+    scene = Scene([Circle("sqrt(2)", 0, id='"\\ #')], name='a "b"\n\x7f\x00\u2028')
     path = tmp_path / f"scene{suffix}"
     save_scene(scene, path)
     assert load_scene(path) == scene
@@ -189,10 +189,10 @@ def test_a_scene_that_cannot_be_written_leaves_the_old_file(tmp_path: Path) -> N
     save_scene(Scene([Circle(0, 0)]), path)
     before = path.read_bytes()
     long = Quantity.of(10) ** 20_000
-    with pytest.raises(SceneError, match=r"circle 'c1': x = .* too long for one number; .*; a file cannot hold it"):
+    with pytest.raises(SceneError, match=r"circle 'c1': x = .* too long for one number; .* cannot hold it"):
         save_scene(Scene([Circle(long, 0)]), path)
     assert path.read_bytes() == before
-    with pytest.raises(SceneError, match="ends in .toml or .json, not in '.txt'"):
+    with pytest.raises(SceneError, match=r"ends in \.toml or \.json, not in '\.txt'"):
         save_scene(Scene([Circle(0, 0)]), tmp_path / "x.txt")
     with pytest.raises(SceneError, match="cannot be written: No such file or directory"):
         save_scene(Scene([Circle(0, 0)]), tmp_path / "none" / "x.toml")
@@ -220,7 +220,7 @@ def test_json_holds_every_number_as_text() -> None:
         (" \n", "x.toml: is empty; write at least one circle"),
         ('name = "x"', "x.toml: the scene has no circle; add at least one [[circle]]"),
         ("x = = 1", "x.toml: not TOML: Invalid value (at line 1, column 5)"),
-        (BALL + "x = 1", "x.toml: not TOML: Cannot overwrite a value (at line 6, column 6)"),
+        (BALL + "x = 1\n", "x.toml: not TOML: Cannot overwrite a value (at line 6, column 6)"),
         (
             BALL.replace("x = 0", 'x = "1/0"'),
             "x.toml: circle 'a': x = '1/0' is not an exact number: division by zero",
@@ -255,15 +255,16 @@ def test_json_holds_every_number_as_text() -> None:
         ),
         (
             BALL + "vx = true",
-            "x.toml: circle 'a': vx = true is not a number; write a number as \"9/4\"",
+            "x.toml: circle 'a': vx = true is not a number; write a whole number or text such as \"9/4\"",
         ),
         (
             BALL + "vx = [1]",
-            "x.toml: circle 'a': vx = [1] is not a number; write a number as \"9/4\"",
+            "x.toml: circle 'a': vx = [1] is not a number; write a whole number or text such as \"9/4\"",
         ),
         (
             BALL + "vx = 1979-05-27",
-            "x.toml: circle 'a': vx = datetime.date(1979, 5, 27) is not a number; write a number as \"9/4\"",
+            "x.toml: circle 'a': vx = datetime.date(1979, 5, 27) is not a number; "
+            "write a whole number or text such as \"9/4\"",
         ),
         (BALL + "point = 1", "x.toml: circle 'a': point = 1 is not true or false"),
         (
@@ -328,7 +329,7 @@ def test_bad_toml_is_refused_with_the_reason(text: str, message: str) -> None:
         ),
         (
             '{"circle": [{"id": "a", "x": null, "y": 0, "r": 1}]}',
-            "x.json: circle 'a': x = null is not a number; write a number as \"9/4\"",
+            "x.json: circle 'a': x = null is not a number; write a whole number or text such as \"9/4\"",
         ),
         ('{"circle": [{"id": null}]}', "x.json: circle 1: id = null is not text; put it in quotes"),
         ('{"circle": [], "walls": []}', "x.json: key 'walls' is not known; did you mean 'wall'?"),
@@ -358,11 +359,17 @@ LONG = 10_000_000
         "x = " + "[" * LONG,
         "x = " + "{a = " * 15_000,
         ".".join(["a"] * 40_000) + " = 1",
+        ".".join(["1"] * 40_000) + " = 1",
+        ".".join(['"\\""'] * 20_000) + " = 1",
+        " . ".join(["'.'"] * 15_000) + " = 1",
+        "'\"" * 45_000,
+        "a " * 45_000,
+        "a . " * 8 + " " * 90_000,
         ("[" + ".".join(["a"] * 40_000) + "]\n") * 20,
         "\x00" * 1000,
         "#" * LONG,
     ],
-    ids=str.__len__,
+    ids=lambda text: f"{text[:12]!a} {len(text)}",
 )
 def test_hostile_toml_is_refused_at_once(text: str) -> None:
     began = time.perf_counter()
@@ -389,7 +396,7 @@ def test_hostile_toml_is_refused_at_once(text: str) -> None:
         json.dumps({"circle": [{"id": "x" * LONG, "x": 0, "y": 0, "r": 1}]}),
         json.dumps({"name": "x", "tie_policy": "x" * LONG}),
     ],
-    ids=str.__len__,
+    ids=lambda text: f"{text[:12]!a} {len(text)}",
 )
 def test_hostile_json_is_refused_at_once(text: str) -> None:
     began = time.perf_counter()

@@ -31,8 +31,14 @@ def console() -> Console:
     """Standard output: colours on a terminal, plain text elsewhere."""
     from rich.console import Console
 
+    class Output(Console):
+        """A console that leaves a closed pipe to the caller, where rich would exit with code 1: diverged."""
+
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
     terminal = sys.stdout.isatty()
-    return Console(width=None if terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
+    return Output(width=None if terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
 
 
 def say(out: Console, text: str, style: str | None = None) -> None:
@@ -94,19 +100,18 @@ def print_catalogue(as_json: bool) -> None:
 
         print_json({"scenes": [plain(catalogue_row(entry)) for entry in entries]})
         return
-    from rich.markup import escape
 
     out = console()
     for entry in entries:
         row = catalogue_row(entry)
-        out.print(f"[bold]{escape(row['name'])}[/]  {escape(row['summary'])}")
+        say(out, f"{row['name']}  {row['summary']}", "bold")
         for parameter in row["parameters"]:
             setting = f"{parameter['name']}={parameter['default']}"
-            out.print(escape(f"    {setting:<14} {parameter['help']}"))
+            say(out, f"    {setting:<14} {parameter['help']}")
         for key in ("known", "source"):
             if row.get(key):
-                out.print(escape(f"    {key}: {row[key]}"))
-    out.print("\nRun one with: truebreak compare NAME, or NAME:key=value,key=value")
+                say(out, f"    {key}: {row[key]}")
+    say(out, "\nRun one with: truebreak compare NAME, or NAME:key=value,key=value")
 
 
 def catalogue_row(entry: Entry) -> dict[str, Any]:
@@ -128,15 +133,15 @@ def print_scene(scene: Scene, as_json: bool) -> None:
     from rich.markup import escape
 
     out = console()
-    out.print(f"[bold]{escape(scene.name)}[/]  {escape(scene.description)}")
+    say(out, f"{scene.name}  {scene.description}", "bold")
     if scene.source:
-        out.print(escape(f"source: {scene.source}"))
+        say(out, f"source: {scene.source}")
     facts = {"tie policy": str(scene.tie_policy), "digest": scene.digest[:16]}
     for key in ("reverse_after", "reverse_at", "until", "events"):
         value = getattr(scene, key)
         if value is not None:
             facts[key.replace("_", " ")] = str(value)
-    out.print(escape(", ".join(f"{key}: {value}" for key, value in facts.items())))
+    say(out, ", ".join(f"{key}: {value}" for key, value in facts.items()))
     data = scene.data()
     for kind, keys in (
         ("circle", ("id", "x", "y", "r", "vx", "vy", "m")),
@@ -163,18 +168,20 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
 
     out = console()
     name, scene = trajectory.engine, trajectory.scene
-    out.print(
-        f"[bold]{escape(scene.name)}[/] in {escape(name)}: {counted(len(trajectory.events), 'event')}, "
-        f"{counted(trajectory.collisions, 'collision')}, to time {number(trajectory.final_time, exact)}"
+    say(
+        out,
+        f"{scene.name} in {name}: {counted(len(trajectory.events), 'event')}, "
+        f"{counted(trajectory.collisions, 'collision')}, to time {number(trajectory.final_time, exact)}",
+        "bold",
     )
-    out.print(escape(f"stopped: {trajectory.stop.message}"))
+    say(out, f"stopped: {trajectory.stop.message}")
     if trajectory.reversal is not None:
         when = number(trajectory.reversal.time, exact)
-        out.print(f"reversed: after {counted(trajectory.reversal.after, 'event')}, at time {when}")
+        say(out, f"reversed: after {counted(trajectory.reversal.after, 'event')}, at time {when}")
     for note in trajectory.notes:
-        out.print(escape(note))
+        say(out, note)
     if not trajectory.certified:
-        out.print("this history rests on ties that are not proved")
+        say(out, "this history rests on ties that are not proved")
     out.print(events_table(trajectory, exact))
     table = grid("circle", "x", "y", "vx", "vy", title="at the end")
     for circle in trajectory.final.circles:
@@ -183,7 +190,7 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
     out.print(table)
     if trajectory.plan:
         told = ", ".join(f"{key}: {value}" for key, value in trajectory.plan.items())
-        out.print(escape(f"plan: {told}"))
+        say(out, f"plan: {told}")
 
 
 def events_table(trajectory: Trajectory, exact: bool) -> Table:

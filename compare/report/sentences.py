@@ -127,7 +127,8 @@ def all_of(number: int) -> str:
     >>> all_of(0), all_of(1), all_of(60)
     ('it, which has no event', 'its one event', 'all 60 events')
     """
-    return "it, which has no event" if number == 0 else "its one event" if number == 1 else f"all {counted(number, 'event')}"
+    few = {0: "it, which has no event", 1: "its one event"}
+    return few.get(number, f"all {counted(number, 'event')}")
 
 
 def counted(number: int, noun: str) -> str:

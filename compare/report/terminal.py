@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .listing import console, grid
+from .listing import console, grid, say
 from .sentences import counted, divergence_phrase, margin_phrase, short, verdict_sentence
 from .side_by_side import side_by_side
 
@@ -18,30 +18,28 @@ COLOURS = {"agree": "green", "diverged": "red", "undecided": "yellow"}
 
 def print_comparison(comparison: Comparison) -> None:
     """Prints the report of a comparison on stdout."""
-    from rich.markup import escape
 
     out = console()
     colour = COLOURS[comparison.verdict]
-    out.print(f"[bold {colour}]{escape(verdict_sentence(comparison))}[/]")
+    say(out, verdict_sentence(comparison), f"bold {colour}")
     reference = comparison.reference
-    out.print(
-        escape(
-            f"{comparison.scene.name}: {counted(len(reference.events), 'event')}, "
-            f"{counted(reference.collisions, 'collision')} in the {reference.engine} run, "
-            f"to time {comparison.span:.9g} ({reference.stop.message}). "
-            f"{'Every decision is proved.' if reference.certified else 'Not every tie in it is proved.'}"
-        )
+    say(
+        out,
+        f"{comparison.scene.name}: {counted(len(reference.events), 'event')}, "
+        f"{counted(reference.collisions, 'collision')} in the {reference.engine} run, "
+        f"to time {comparison.span:.9g} ({reference.stop.message}). "
+        f"{'Every decision is proved.' if reference.certified else 'Not every tie in it is proved.'}",
     )
     for note in reference.notes:
-        out.print(escape(note))
+        say(out, note)
     out.print(engines_table(comparison))
     for candidate in comparison.candidates:
         if candidate.alignment.divergence is not None:
             _print_divergence(comparison, candidate)
         elif candidate.verdict == "undecided":
-            out.print(escape(f"{candidate.engine}: {candidate.trajectory.stop.message}"))
+            say(out, f"{candidate.engine}: {candidate.trajectory.stop.message}")
             if candidate.cause is not None:
-                out.print(escape(f"  cause: {candidate.cause}: {candidate.cause.evidence}"))
+                say(out, f"  cause: {candidate.cause}: {candidate.cause.evidence}")
 
 
 def engines_table(comparison: Comparison) -> Table:
@@ -95,12 +93,12 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
     out = console()
     divergence = candidate.alignment.divergence
     assert divergence is not None
-    out.print(f"[bold]{escape(divergence_phrase(comparison, candidate))}[/]")
+    say(out, divergence_phrase(comparison, candidate), "bold")
     if candidate.cause is not None:
-        out.print(escape(f"  cause: {candidate.cause}: {candidate.cause.evidence}"))
+        say(out, f"  cause: {candidate.cause}: {candidate.cause.evidence}")
     close = margin_phrase(candidate)
     if close is not None:
-        out.print(f"  margin: {close}")
+        say(out, f"  margin: {close}")
     names = comparison.reference.engine, candidate.engine
     table = grid("", f"{names[0]} time", f"{names[0]}: {divergence.body} meets", f"{names[1]} time",
                  f"{names[1]}: {divergence.body} meets")  # fmt: skip

@@ -1,0 +1,79 @@
+"""What the command line prints as JSON is what the schemas say."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import jsonschema
+import pytest
+
+from truebreak.compare import compare, comparison_json, engine, trajectory_json
+from truebreak.compare.schemas import NAMES, schema
+from truebreak.scenarios import Scene, catalogue
+
+
+def check(data: dict[str, Any]) -> None:
+    """Raises unless the object is what its schema says."""
+    name = data["schema"].removeprefix("truebreak/")
+    jsonschema.Draft202012Validator(schema(name)).validate(data)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_schemas_are_schemas(name: str) -> None:
+    jsonschema.Draft202012Validator.check_schema(schema(name))
+    assert schema(name)["$id"] == f"truebreak/{name}"
+
+
+def test_an_unknown_schema_is_an_error() -> None:
+    with pytest.raises(KeyError):
+        schema("../trajectory-1")
+
+
+def short(text: str) -> Scene:
+    return catalogue.build(text).with_changes(events=8, until=None)
+
+
+@pytest.mark.parametrize("name", ["exact", "double", "interval", "pymunk", "sympy"])
+@pytest.mark.parametrize("exact", [False, True])
+def test_every_engine_prints_a_trajectory(name: str, exact: bool) -> None:
+    scene = short("tennis")
+    data = trajectory_json(engine(name).run(scene, events=3), exact=exact)
+    check(data)
+    assert data["scene"] == {"name": scene.name, "digest": scene.digest, "tie_policy": "simultaneous"}
+    assert [event["index"] for event in data["events"]] == list(range(len(data["events"])))
+    assert ("time_exact" in data["final"]) == (exact and name != "interval")
+    assert ("time_interval" in data["final"]) == (name == "interval")
+
+
+def test_exact_text_is_read_back_to_the_same_double() -> None:
+    from truebreak.scenarios import Quantity
+
+    data = trajectory_json(engine("exact").run(short("lorentz"), events=2), exact=True)
+    for event in data["events"]:
+        assert float(Quantity.of(event["time_exact"])) == event["time"]
+    for circle in data["final"]["circles"]:
+        for key in ("x", "y", "vx", "vy"):
+            assert float(Quantity.of(circle[f"{key}_exact"])) == circle[key]
+
+
+def test_ties_and_reversals_are_printed() -> None:
+    tied = trajectory_json(engine("exact").run(catalogue.build("lee")))
+    check(tied)
+    assert tied["events"][0]["ties"]
+    assert tied["events"][0]["coupled"]
+    back = trajectory_json(
+        engine("exact").run(catalogue.build("gas").with_changes(reverse_after=3, events=None))
+    )
+    check(back)
+    assert back["reversal"]["after"] == 3
+    assert back["notes"]
+
+
+@pytest.mark.parametrize("text", ["cradle", "rack:rows=3", "near-tie", "grazing", "galperin"])
+def test_a_comparison_is_printed(text: str) -> None:
+    data = comparison_json(compare(short(text)))
+    check(data)
+    assert [row["engine"] for row in data["candidates"]] == ["double", "interval", "pymunk"]
+    for row in data["candidates"]:
+        assert (row["first_divergence"] is not None) == (row["verdict"] == "diverged")
+        assert len(row["position_error"]["times"]) == len(row["position_error"]["max"]) <= 50
