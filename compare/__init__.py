@@ -12,7 +12,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .align import Alignment, Divergence
+    from .align import Alignment
+    from .divergence import Divergence
     from .comparison import Candidate, Comparison, compare
     from .comparison_document import comparison_json
     from .engines import ENGINES, engine
@@ -41,7 +42,7 @@ _HOMES = {
     "Alignment": "align",
     "Candidate": "comparison",
     "Comparison": "comparison",
-    "Divergence": "align",
+    "Divergence": "divergence",
     "Outcome": "outcomes",
     "compare": "comparison",
     "comparison_json": "comparison_document",

@@ -7,18 +7,17 @@ collisions that merely swap their order change nothing; they are counted, not re
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 from typing import TYPE_CHECKING
 
 from ..scenarios.trajectory import StopReason
-from .impulse_order import impulses_among, order_reproduces
+from .broken_ties import first_broken_tie
+from .divergence import Divergence, Kind
 from .streams import History, history
 from .walk import Mismatch, Walk, walk
 
 if TYPE_CHECKING:
-    from ..scenarios.trajectory import Contact, Trajectory
+    from ..scenarios.trajectory import Trajectory
 
 TIME_SAFETY = 100.0
 """Near the end of the span a partner is called missing or extra only if it is this many times farther from
@@ -29,46 +28,6 @@ TIME_FLOOR = 2.0**-30
 
 CUT_SHORT = (StopReason.UNDECIDED, StopReason.BUDGET, StopReason.INTERRUPTED, StopReason.EVENTS)
 """Stops after which a candidate's missing events say nothing."""
-
-
-class Kind(Enum):
-    """How a candidate's history leaves the reference's."""
-
-    DIFFERENT = "different"
-    """the body meets another partner"""
-    MISSING = "missing"
-    """the body does not meet the expected partner, nor any other"""
-    EXTRA = "extra"
-    """the body meets a partner where the reference has none"""
-    TIE = "tie"
-    """contacts of one instant, whose order matters, taken apart or in another order; or instants taken as
-    one"""
-
-
-@dataclass(frozen=True)
-class Divergence:
-    """The first event at which the histories differ.
-
-    Attributes:
-        event: index in the reference of the expected event; for an extra one, the index that it would have.
-        time: the earlier of the two times.
-        body: the circle whose next partner differs.
-        expected: the partner in the reference; None for an extra meeting; for a tie, `b2 + b3` (at once).
-        got: the candidate's partner; None for a missing meeting; for a tie, `b2 then b3`.
-        kind: how they differ.
-        expected_time, got_time: when each run has its meeting.
-        candidate_event: index in the candidate of the event got, if there is one.
-    """
-
-    event: int
-    time: float
-    body: str
-    expected: str | None
-    got: str | None
-    kind: Kind
-    expected_time: float | None = None
-    got_time: float | None = None
-    candidate_event: int | None = None
 
 
 @dataclass(frozen=True)
@@ -143,7 +102,7 @@ def align(
             found.append(divergence)
     first = min(found, key=lambda d: (d.time, d.event), default=None)
     before = first.time if first else end
-    tie = _first_broken_tie(reference, candidate, walks, mine, before, step)
+    tie = first_broken_tie(reference, candidate, walks, mine, before, step)
     if tie is not None and (first is None or (tie.time, tie.event) <= (first.time, first.event)):
         first = tie
     cut = candidate.stop.reason in CUT_SHORT and float(candidate.final_time) < end
@@ -238,64 +197,3 @@ class _Tail:
             ),
             False,
         )
-
-
-def _first_broken_tie(
-    reference: Trajectory,
-    candidate: Trajectory,
-    walks: dict[str, Walk],
-    mine: History,
-    before: float,
-    step: float,
-) -> Divergence | None:
-    """The first instant of several contacts that only one of the runs has as one, with another outcome."""
-    split: dict[int, set[int]] = {}
-    merged: dict[int, set[int]] = {}
-    for walked in walks.values():
-        taken_apart = [*walked.split.items()]
-        if reference.scene.tie_policy.name == "sequential":
-            taken_apart += walked.reordered.items()
-        for event, others in taken_apart:
-            split.setdefault(event, set()).update(others)
-        for event, others in walked.merged.items():
-            merged.setdefault(event, set()).update(others)
-    found: list[Divergence] = []
-    for event in sorted(split):
-        if mine.times[event] > before:
-            break
-        told, others = reference.events[event], sorted(split[event])
-        groups = impulses_among((candidate.events[c].impulses for c in others), told.impulses)
-        if told.coupled and not order_reproduces(reference, event, groups, step):
-            found.append(_tie(reference, event, [[*told.impulses]], candidate, others[0], groups))
-            break
-    for event in sorted(merged, key=lambda event: min(merged[event])):
-        told, others = candidate.events[event], sorted(merged[event])
-        if mine.times[others[0]] > before:
-            break
-        groups = impulses_among((reference.events[r].impulses for r in others), told.impulses)
-        if told.coupled and not order_reproduces(candidate, event, groups, step):
-            found.append(_tie(reference, others[0], groups, candidate, event, [[*told.impulses]]))
-            break
-    return min(found, key=lambda d: (d.time, d.event), default=None)
-
-
-def _tie(
-    reference: Trajectory,
-    event: int,
-    expected: Sequence[Sequence[Contact]],
-    candidate: Trajectory,
-    other: int,
-    got: Sequence[Sequence[Contact]],
-) -> Divergence:
-    """The divergence, told of the first body with the most partners: the one that the order matters to."""
-    everyone = [pair for groups in (expected, got) for pairs in groups for pair in pairs]
-    movable = [str(c.id) for c in reference.scene.circles if not c.fixed]
-    body = max(movable, key=lambda name: len({frozenset(pair) for pair in everyone if name in pair}))
-
-    def partners(groups: Sequence[Sequence[Contact]]) -> str:
-        """Partners at once joined by +, one instant after the other by `then`."""
-        met = [dict.fromkeys(b if a == body else a for a, b in pairs if body in (a, b)) for pairs in groups]
-        return " then ".join(" + ".join(names) for names in met if names)
-
-    times = float(reference.events[event].time), float(candidate.events[other].time)
-    return Divergence(event, min(times), body, partners(expected), partners(got), Kind.TIE, *times, other)

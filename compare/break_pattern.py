@@ -10,8 +10,9 @@ if TYPE_CHECKING:
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import Trajectory
 
-COLUMNS, ROWS = 4, 2
-"""The cells of a table: eight squares on a pool table, which is twice as long as wide."""
+COLUMNS, ROWS = 5, 3
+"""The cells of a table. Both numbers are odd, so that no mirror line of a table parts two cells: a ball on
+it would be in one or the other by rounding alone."""
 
 
 class Table(NamedTuple):
@@ -26,7 +27,7 @@ class Table(NamedTuple):
         """The cell of a place: a letter from the left and a number from the bottom.
 
         >>> Table(0, 0, 4, 2).cell(0.5, 0.5), Table(0, 0, 4, 2).cell(3.5, 1.5)
-        ('A1', 'D2')
+        ('A1', 'E3')
         """
         column = int((x - self.left) / (self.right - self.left) * COLUMNS)
         row = int((y - self.bottom) / (self.top - self.bottom) * ROWS)
@@ -46,7 +47,7 @@ def table(scene: Scene) -> Table | None:
 def break_pattern(trajectory: Trajectory) -> dict[str, Any] | None:
     """For each circle that can move, the partners that it met and the cell (or pocket) that it ended in.
 
-    Cells are squares of a grid of 4 by 2 on the table, A1 at the lower left. None for a scene without a
+    Cells are those of a grid of 5 by 3 on the table, A1 at the lower left. None for a scene without a
     table, or with a single ball.
     """
     scene = trajectory.scene
@@ -69,5 +70,5 @@ def break_pattern(trajectory: Trajectory) -> dict[str, Any] | None:
         place = bounds.cell(float(circle.x), float(circle.y))
         entry = pockets.get(circle.id)
         partners = [name for name in scene.ids if name in met[circle.id]]
-        pattern[circle.id] = {"met": partners, "ended": f"pocket {entry['pocket']}" if entry else place}
+        pattern[circle.id] = {"met": partners, "ended": entry["pocket"] if entry else place}
     return pattern

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import StopReason
-from .align import Kind, align
+from .align import align
+from .divergence import Kind
 from .deadline import OutOfTime
 from .engines import engine, is_stepped
 from .rounding import rounded
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
     from ..scenarios.engine import Engine
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress, Trajectory
-    from .align import Alignment, Divergence
+    from .align import Alignment
+    from .divergence import Divergence
     from .comparison import Candidate, Study
 
 STEP_DIVISORS = (4, 16)

@@ -10,6 +10,7 @@ from .trajectory_document import scene_json, stop_json
 
 if TYPE_CHECKING:
     from .comparison import Candidate, Comparison
+    from .permitted import PermittedPatterns
     from .separation import Separation
 
 COMPARISON_SCHEMA = "truebreak/comparison-1"
@@ -40,11 +41,14 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
             "notes": list(reference.notes),
             "seconds": comparison.seconds,
         },
-        "candidates": [candidate_json(candidate) for candidate in comparison.candidates],
+        "candidates": [
+            candidate_json(candidate, comparison.permitted) for candidate in comparison.candidates
+        ],
+        "break_patterns": plain(comparison.permitted.patterns) if comparison.permitted else None,
     }
 
 
-def candidate_json(candidate: Candidate) -> dict[str, Any]:
+def candidate_json(candidate: Candidate, permitted: PermittedPatterns | None = None) -> dict[str, Any]:
     """One engine held against the reference."""
     run, alignment = candidate.trajectory, candidate.alignment
     return {
@@ -58,6 +62,7 @@ def candidate_json(candidate: Candidate) -> dict[str, Any]:
         "harmless_splits": alignment.harmless_splits,
         "position_error": _separation_json(candidate.separation),
         "outcomes": plain(candidate.outcomes),
+        "break_pattern": _relation_json(candidate, permitted),
         "changed_outcomes": list(candidate.changed),
         "return_miss": candidate.return_miss,
         "stop": stop_json(run.stop),
@@ -83,6 +88,15 @@ def _divergence_json(candidate: Candidate) -> dict[str, Any] | None:
         "margin_ulps": margin.ulps if margin else None,
         "miss_distance": margin.miss if margin else None,
     }
+
+
+def _relation_json(candidate: Candidate, permitted: PermittedPatterns | None) -> dict[str, str | None] | None:
+    """What the candidate's break pattern is among those that the exact engine has under several policies."""
+    pattern = candidate.outcomes.get("break_pattern")
+    if permitted is None or pattern is None or candidate.verdict == "undecided":
+        return None
+    relation, policy = permitted.relation(pattern)
+    return {"relation": relation.name.lower(), "policy": policy}
 
 
 def _cause_json(candidate: Candidate) -> dict[str, str] | None:

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath
 
-from .align import Kind
+from .divergence import Kind
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import State, Trajectory
-    from .align import Divergence
+    from .divergence import Divergence
 
 DIGITS = 120
 """Decimal digits of the arithmetic here: gaps of 10**-40 come out to 80 digits."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -65,6 +66,26 @@ def outcomes_of(trajectory: Trajectory, more: Mapping[str, Outcome] | None = Non
     return {name: value for name, value in values.items() if value is not None}
 
 
+SAME_NUMBER = 1e-6
+"""Share by which a number of an outcome, such as the time at which a ball was pocketed, may differ and
+still be the same: far above the rounding of a run that agrees, far below any other event."""
+
+
+def same_outcome(a: Any, b: Any) -> bool:
+    """Whether two values are the same outcome: equal, but for rounding of the numbers that are not whole.
+
+    >>> same_outcome({"a": 1.0}, {"a": 1.0 + 1e-12}), same_outcome([1], [2])
+    (True, False)
+    """
+    if isinstance(a, float) and isinstance(b, float):
+        return math.isclose(a, b, rel_tol=SAME_NUMBER)
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(same_outcome(a[key], b[key]) for key in a)
+    if isinstance(a, list) and isinstance(b, list):
+        return len(a) == len(b) and all(map(same_outcome, a, b))
+    return a == b
+
+
 def changed_outcomes(reference: Mapping[str, Any], candidate: Mapping[str, Any]) -> list[str]:
     """Names of the outcomes that differ.
 
@@ -72,4 +93,4 @@ def changed_outcomes(reference: Mapping[str, Any], candidate: Mapping[str, Any])
     ['collisions']
     """
     names = [*reference, *(name for name in candidate if name not in reference)]
-    return [name for name in names if reference.get(name) != candidate.get(name)]
+    return [name for name in names if not same_outcome(reference.get(name), candidate.get(name))]

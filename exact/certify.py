@@ -5,7 +5,7 @@ Every decision climbs only as far as it must. What a rung decides is certain; wh
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable, Sequence
 from math import inf
 from typing import Any
 
@@ -19,7 +19,8 @@ from .event_loop import Candidate, EventLoop, Limits
 from .live import LiveMachine
 from .machine import Body, Link, Number, Step
 from .numbers import ball
-from .numbers.field import LeavesField, field_sign
+from .numbers.field import LeavesField, field_sign, field_text
+from .policies import Policy
 from .questions import Approach, Discriminant, Gap, Question, Sooner
 from .undecided import Undecided
 
@@ -46,10 +47,16 @@ class CertifiedLoop(EventLoop):
     """
 
     def __init__(
-        self, scene: Scene, limits: Limits, progress: OnProgress | None, max_bits: int, prover: Prover
+        self,
+        scene: Scene,
+        limits: Limits,
+        progress: OnProgress | None,
+        max_bits: int,
+        prover: Prover,
+        policy: Policy | None = None,
     ) -> None:
         self.live = LiveMachine(scene, FIRST_BITS)
-        super().__init__(scene, self.live, limits, progress)  # type: ignore[arg-type]
+        super().__init__(scene, self.live, limits, progress, policy)  # type: ignore[arg-type]
         self.bodies = list(self.live.bodies)
         self.steps = self.history.steps = self.live.steps
         self.max_bits = max_bits
@@ -281,6 +288,12 @@ class CertifiedLoop(EventLoop):
         """The sign if the first rungs tell it, else None."""
         sign = self._ball_sign(question)
         return self._field_sign(question) if sign is None else sign
+
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """The bodies' numbers as text, where all are exact."""
+        if not self.live.all_exact(tuple(bodies)):
+            return None
+        return tuple(str(field_text(number)) for i in bodies for number in self.live.state(i))
 
     def order_chosen(self) -> None:
         """From here on, the symmetries of the scene prove nothing."""

@@ -16,6 +16,7 @@ from .certify import CertifiedLoop, contact_of
 from .event_loop import Limits
 from .evidence import Prover
 from .motion import ExactMotion
+from .policies import Policy
 from .value import ExactValue, Program
 
 
@@ -57,11 +58,23 @@ class ExactEngine:
         Raises:
             SceneError: for limits that are not above zero, or an unknown setting.
         """
+        return self.run_with(scene, None, until=until, events=events, progress=progress)
+
+    def run_with(
+        self,
+        scene: Scene,
+        policy: Policy | None,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """As `run`, with a policy of the caller's in place of the scene's."""
         limits = run_limits(scene, until, events)
         prover = Prover(scene, _assumed_bits(self.ties))
         saved = ctx.prec
         try:
-            loop = CertifiedLoop(scene, limits, progress, self.max_bits, prover)
+            loop = CertifiedLoop(scene, limits, progress, self.max_bits, prover, policy)
             stop = loop.run()
         finally:
             ctx.prec = saved

@@ -15,7 +15,7 @@ from __future__ import annotations
 import time as clock
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from math import inf, nextafter
@@ -27,7 +27,7 @@ from ..scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Tie, 
 from .contacts import Instant, Touching, components, settle_contacts
 from .formulas import pair_approach, pair_discriminant, pair_gap, pair_hit_time
 from .machine import Body, Flip, Go, Kick, Link, Machine, Number, Step
-from .policies import policy_for
+from .policies import Policy, policy_for
 from .questions import Approach, BeforeTime, Coupling, Gap, Question, RelativeSpeed
 from .undecided import BudgetSpent, Undecided
 
@@ -91,7 +91,14 @@ class History:
 class EventLoop(ABC):
     """The loop over one scene; `machine` is the live state."""
 
-    def __init__(self, scene: Scene, machine: Machine, limits: Limits, progress: OnProgress | None) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        machine: Machine,
+        limits: Limits,
+        progress: OnProgress | None,
+        policy: Policy | None = None,
+    ) -> None:
         self.scene = scene
         self.machine = machine
         self.limits = limits
@@ -101,7 +108,7 @@ class EventLoop(ABC):
         self.walls = range(len(scene.walls))
         self.queue: list[Candidate] = []
         self.order = 0
-        self.policy = policy_for(scene.tie_policy)
+        self.policy = policy or policy_for(scene.tie_policy)
         self.touching = Touching(self.n)
         self.just_parted: tuple[Link, ...] = ()
         self.history = History(knots=[[] for _ in self.bodies])
@@ -339,6 +346,10 @@ class EventLoop(ABC):
     def prepare(self) -> None:
         """Called before steps are carried out."""
 
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """A key of the bodies' exact states, equal only for equal states; None where none is at hand."""
+        return None
+
     def order_chosen(self) -> None:
         """Called when a tie policy has chosen an order among contacts."""
 
@@ -390,8 +401,11 @@ class EventLoop(ABC):
                 coupled = coupled or self._coupled(instant)
                 stands = component.bodies[0]
             parted += self._part(component.links, instant)
-            if self.scene.tie_policy.name == "sequential" and len(instant.impulses) > 1:
-                self.order_chosen()
+            if len(instant.impulses) > 1:
+                if self.policy.chooses_order:
+                    self.order_chosen()
+                bodies = component.bodies
+                self.policy.instant_done(lambda bodies=bodies: self.exact_state(bodies))
         if stands is None:
             return
         time = self.now(self.bodies[stands])

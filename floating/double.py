@@ -7,6 +7,7 @@ from math import nan, sqrt
 
 from ..exact.engine import run_limits
 from ..exact.machine import Machine
+from ..exact.policies import Policy
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
@@ -56,7 +57,19 @@ class DoubleEngine:
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """The history as doubles see it (see `Engine.run`)."""
+        return self.run_with(scene, None, until=until, events=events, progress=progress)
+
+    def run_with(
+        self,
+        scene: Scene,
+        policy: Policy | None,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """As `run`, with a policy of the caller's in place of the scene's."""
         limits = run_limits(scene, until, events)
-        loop = PlainLoop(scene, Machine(scene, float, root), limits, progress, sign, bounds)
+        loop = PlainLoop(scene, Machine(scene, float, root), limits, progress, sign, bounds, policy)
         stop = loop.run()
         return trajectory(scene, self.name, {}, loop, limits, stop, DoubleMotion)

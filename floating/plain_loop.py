@@ -8,6 +8,7 @@ from typing import Any
 
 from ..exact.event_loop import Candidate, EventLoop, Limits
 from ..exact.machine import Body, Link, Machine, Number
+from ..exact.policies import Policy
 from ..exact.questions import Approach, Discriminant, Gap, Question, Sooner
 from ..exact.undecided import Undecided
 from ..scenarios.scene import Scene
@@ -31,8 +32,9 @@ class PlainLoop(EventLoop):
         progress: OnProgress | None,
         sign: Callable[[Number], int],
         bounds: Callable[[Number], tuple[float, float]],
+        policy: Policy | None = None,
     ) -> None:
-        super().__init__(scene, machine, limits, progress)
+        super().__init__(scene, machine, limits, progress, policy)
         self._sign = sign
         self._bounds = bounds
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from truebreak.compare.align import Kind, align
+from truebreak.compare.align import align
+from truebreak.compare.divergence import Kind
 from truebreak.compare.streams import history
 from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall
 

@@ -78,7 +78,7 @@ def test_the_margin_of_a_miss_is_its_distance() -> None:
     assert divergence is None
     from dataclasses import replace
 
-    from truebreak.compare.align import Divergence, Kind
+    from truebreak.compare.divergence import Divergence, Kind
 
     told = Divergence(0, 8.0, "a", "w", "b", Kind.DIFFERENT)
     close = margin(comparison.reference, told)

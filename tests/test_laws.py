@@ -303,10 +303,12 @@ COSTS = {
     "pair_discriminant": 10,
     "pair_hit_time": 2,
     "pair_impulse": 11,
+    "pair_mix": 21,
     "wall_gap": 6,
     "wall_approach": 3,
     "wall_hit_time": 2,
     "wall_bounce": 9,
+    "wall_mirror": 9,
     "advance": 2,
 }
 

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from .picture import STYLE, divergence_picture, scene_picture
 from .plot import separation_plot
-from .sentences import counted, divergence_phrase, margin_phrase, short, verdict_sentence
+from .sentences import counted, divergence_phrase, margin_phrase, pattern_phrase, short, verdict_sentence
 from .side_by_side import side_by_side
 
 if TYPE_CHECKING:
@@ -97,6 +97,7 @@ def _divergence(comparison: Comparison, candidate: Candidate) -> dict[str, Any]:
         "body": candidate.alignment.divergence.body if candidate.alignment.divergence else "",
         "cause": str(candidate.cause) if candidate.cause else "",
         "evidence": sentence_case(candidate.cause.evidence) if candidate.cause else "",
+        "pattern": pattern_phrase(comparison, candidate),
         "margin": margin_phrase(candidate),
         "rows": side_by_side(comparison, candidate),
         "picture": Markup(divergence_picture(comparison, candidate)) if drawn else "",
@@ -117,7 +118,7 @@ def _outcomes(comparison: Comparison) -> list[dict[str, Any]]:
     rows = []
     for name, value in comparison.outcomes.items():
         cells = [
-            {"text": _short_outcome(c.outcomes.get(name)), "differs": c.outcomes.get(name) != value}
+            {"text": _short_outcome(c.outcomes.get(name)), "differs": name in c.changed}
             for c in comparison.candidates
         ]
         rows.append({"name": name.replace("_", " "), "reference": _short_outcome(value), "cells": cells})

@@ -134,7 +134,7 @@ def divergence_picture(comparison: Comparison, candidate: Candidate) -> str:
     """Both runs at the time of the first divergence: the reference solid, the candidate dashed."""
     divergence = candidate.alignment.divergence
     assert divergence is not None
-    marked = {divergence.body, divergence.expected, divergence.got}
+    marked = _names((divergence.body, divergence.expected, divergence.got))
     reference, run = comparison.reference, candidate.trajectory
     ends = [t for t in (divergence.expected_time, divergence.got_time) if t is not None]
     time = min(max(ends), float(reference.final_time) * (1 - 2**-50), float(run.final_time) * (1 - 2**-50))
@@ -147,14 +147,52 @@ def divergence_picture(comparison: Comparison, candidate: Candidate) -> str:
             x, y, vx, vy = (float(v) for v in row)
             discs.append(Disc(str(circle.id), x, y, float(circle.r), vx, vy, classes, label=kind == "circle"))
     title = f"{reference.engine} (solid) and {candidate.engine} (dashed) at time {time:.9g}"
-    return draw(comparison.scene, discs, title, marked={name for name in marked if name})
+    whole = view_of(discs, comparison.scene)
+    close = view_near([d for d in discs if "marked" in d.classes], whole)
+    if close is not None:
+        near = draw(comparison.scene, discs, f"{title}, close up", marked=marked, view=close)
+        return draw(comparison.scene, discs, title, marked=marked) + near
+    return draw(comparison.scene, discs, title, marked=marked)
+
+
+CLOSE_UP_FROM = 20.0
+"""Radius in pixels below which the circles that matter are drawn once more, close up."""
+
+CLOSE_UP_REACH = 6.0
+"""Size of a close-up, in radii beyond the circles that matter."""
+
+
+def view_near(discs: Sequence[Disc], whole: View) -> View | None:
+    """A view of a few discs alone; None if the whole shows them as large, or nearly so."""
+    radius = max((d.r for d in discs), default=0.0)
+    if radius <= 0 or radius * whole.scale >= CLOSE_UP_FROM:
+        return None
+    room = CLOSE_UP_REACH * radius
+    left, right = min(d.x for d in discs) - room, max(d.x for d in discs) + room
+    bottom, top = min(d.y for d in discs) - room, max(d.y for d in discs) + room
+    size = max((right - left) / WIDTH, (top - bottom) / HEIGHT)
+    if 1 / size < 1.5 * whole.scale:
+        return None
+    width, height = size * WIDTH, size * HEIGHT
+    return View((left + right - width) / 2, (bottom + top - height) / 2, width, height)
+
+
+def _names(marked: Iterable[str | None]) -> set[str]:
+    """The ids among the partners of a divergence; those of a tie are joined by + or then."""
+    return {name for text in marked if text for name in text.replace(" then ", " + ").split(" + ")}
 
 
 def draw(
-    scene: Scene, discs: Sequence[Disc], title: str, *, marked: Iterable[str] = (), standalone: bool = False
+    scene: Scene,
+    discs: Sequence[Disc],
+    title: str,
+    *,
+    marked: Iterable[str] = (),
+    standalone: bool = False,
+    view: View | None = None,
 ) -> str:
-    """Discs and walls as one SVG element."""
-    view = view_of(discs, scene)
+    """Discs and walls as one SVG element, all of them or what a view shows."""
+    view = view or view_of(discs, scene)
     width, height = view.width * view.scale, view.height * view.scale
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.2f} {height:.2f}" '
@@ -175,7 +213,7 @@ def draw(
             kind = "othervelocity" if "other" in disc.classes else "velocity"
             start = view.x(disc.x), view.y(disc.y)
             parts.append(_arrow(kind, start, (disc.vx * arrow * view.scale, -disc.vy * arrow * view.scale)))
-        if disc.label and disc.r * view.scale >= 6:
+        if disc.label and disc.r * view.scale >= 3 * len(disc.id) + 2:
             parts.append(f'<text x="{view.x(disc.x):.2f}" y="{view.y(disc.y):.2f}">{escape(disc.id)}</text>')
     parts.append("</svg>")
     return "\n".join(parts) + "\n"

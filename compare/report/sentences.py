@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..align import Kind
+from ..divergence import Kind
 from ..engines import is_stepped
 
 if TYPE_CHECKING:
@@ -158,6 +158,26 @@ def short(value: float | None) -> str:
     ('1.23e-09', '-', '0')
     """
     return "-" if value is None else f"{value:.3g}"
+
+
+def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
+    """What the engine's break pattern is among those that the physics permits."""
+    from ..permitted import Relation
+
+    permitted, pattern = comparison.permitted, candidate.outcomes.get("break_pattern")
+    if permitted is None or pattern is None or candidate.verdict == "undecided":
+        return None
+    relation, policy = permitted.relation(pattern)
+    match relation:
+        case Relation.EXACT:
+            return "the exact one"
+        case Relation.PERMITTED:
+            return f"not the exact one, but permitted: the exact engine has it under {policy}"
+        case Relation.IMPOSSIBLE:
+            return "impossible: no instant here has contacts whose order matters, so only one pattern is permitted"
+        case Relation.UNSEEN:
+            tried = counted(len(permitted.patterns), "policy").replace("policys", "policies")
+            return f"not the exact one, and not seen under any of {tried} tried"
 
 
 def margin_phrase(candidate: Candidate) -> str | None:

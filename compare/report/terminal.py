@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .listing import console, grid, say
-from .sentences import counted, divergence_phrase, margin_phrase, short, verdict_sentence
+from .sentences import counted, divergence_phrase, margin_phrase, pattern_phrase, short, verdict_sentence
 from .side_by_side import side_by_side
 
 if TYPE_CHECKING:
@@ -96,6 +96,9 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
     say(out, divergence_phrase(comparison, candidate), "bold")
     if candidate.cause is not None:
         say(out, f"  cause: {candidate.cause}: {candidate.cause.evidence}")
+    pattern = pattern_phrase(comparison, candidate)
+    if pattern is not None:
+        say(out, f"  break pattern: {pattern}")
     close = margin_phrase(candidate)
     if close is not None:
         say(out, f"  margin: {close}")

@@ -89,3 +89,8 @@ def field_ball(value: FieldNumber, bits: int) -> Any:
 def height(value: FieldNumber) -> int:
     """Bits of the longest whole number in it."""
     return value.height_bits()
+
+
+def field_text(value: FieldNumber) -> str:
+    """The number's normal form as text: equal for equal numbers, and for no others, within one field."""
+    return str(value) if isinstance(value, fmpq) else value.text()

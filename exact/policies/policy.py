@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from typing import Protocol
 
 from ..complementarity import Ask
@@ -12,11 +12,24 @@ from ..machine import Link
 class Policy(Protocol):
     """Chooses, round by round, which approaching contacts are kicked together."""
 
+    @property
+    def chooses_order(self) -> bool:
+        """Whether it picks some contacts before others, so that symmetric scenes need not stay symmetric."""
+        ...
+
     def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
         """The contacts, at least one, that get their impulses now.
 
         Args:
             approaching: the contacts at this instant that approach, in scene order; at least one.
             ask: decides the sign of a question about the state.
+        """
+        ...
+
+    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
+        """Called when an instant of several impulses is done.
+
+        Args:
+            state: gives the exact state of the circles that took part, or None where it is not at hand.
         """
         ...

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 
 from ..complementarity import Ask
 from ..machine import Link
@@ -17,6 +17,8 @@ class Sequential:
             Python's Mersenne Twister started with it. Nothing is drawn where only one approaches.
     """
 
+    chooses_order = True
+
     def __init__(self, seed: int | None = None) -> None:
         self._random = None if seed is None else random.Random(seed)
 
@@ -25,3 +27,6 @@ class Sequential:
         if self._random is None or len(approaching) == 1:
             return (approaching[0],)
         return (approaching[self._random.randrange(len(approaching))],)
+
+    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
+        """Nothing to note."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 
 from ..complementarity import Ask, pushing_contacts
 from ..machine import Link
@@ -15,6 +15,11 @@ class Simultaneous:
     (`complementarity`). Symmetric scenes stay symmetric, and no order is chosen.
     """
 
+    chooses_order = False
+
     def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
         """Those of the approaching contacts that push."""
         return pushing_contacts(approaching, ask)
+
+    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
+        """Nothing to note."""

@@ -12,7 +12,7 @@ from .reading import number, one_of, tie_policy
 
 EVENTS = 20
 
-DIRECTIONS = ("0", "30", "45", "60", "90")
+DIRECTIONS = ("0", "30", "36", "45", "60", "72", "90")
 
 FAR = 16
 """Distance of the closing wall from the corner: beyond the start of every ball."""
@@ -61,7 +61,7 @@ SCENES = {
         summary="A ball that exactly touches another in passing: no collision, with nothing to spare.",
         parameters=(
             Parameter("miss", "0", "distance by which it misses, such as 10**-20; negative hits", number()),
-            Parameter("angle", "60", "direction in degrees: 0, 30, 45, 60 or 90", one_of(*DIRECTIONS)),
+            Parameter("angle", "36", f"direction in degrees: {', '.join(DIRECTIONS)}", one_of(*DIRECTIONS)),
         ),
         known=(
             "The discriminant is exactly zero for miss=0, and a graze is no collision: the mover goes to and "

@@ -1,0 +1,54 @@
+"""One engine held against a reference: its run, how far it agrees, why it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+if TYPE_CHECKING:
+    from ..scenarios.trajectory import Trajectory
+    from .align import Alignment
+    from .causes import Cause
+    from .margin import Margin
+    from .separation import Separation
+
+Verdict: TypeAlias = Literal["agree", "diverged", "undecided"]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One engine held against the reference.
+
+    Attributes:
+        engine: the engine as it was asked for, with its parameters.
+        trajectory: its run, which goes on a little past the span compared.
+        alignment: the causal comparison.
+        separation: how far its circles are from the reference's, over time.
+        outcomes: its outcomes over the span compared.
+        changed: names of the outcomes that differ from the reference's.
+        cause: why it diverged, or could not decide; None if it agrees, or if causes were not asked for.
+        margin: how close the competing events were, at a divergence.
+        return_miss: after a reversal, the largest distance from the start at the return.
+        seconds: wall time of the run.
+        unable: whether the engine cannot take the scene at all.
+    """
+
+    engine: str
+    trajectory: Trajectory = field(repr=False)
+    alignment: Alignment
+    separation: Separation = field(repr=False)
+    outcomes: Mapping[str, Any] = field(repr=False)
+    changed: tuple[str, ...]
+    cause: Cause | None = None
+    margin: Margin | None = None
+    return_miss: float | None = None
+    seconds: float = 0.0
+    unable: bool = False
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether this engine tells the reference's history."""
+        if self.alignment.divergence is not None:
+            return "diverged"
+        return "undecided" if self.alignment.undecided else "agree"

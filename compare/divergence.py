@@ -1,0 +1,46 @@
+"""The first event at which two histories differ, and how they do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Kind(Enum):
+    """How a candidate's history leaves the reference's."""
+
+    DIFFERENT = "different"
+    """the body meets another partner"""
+    MISSING = "missing"
+    """the body does not meet the expected partner, nor any other"""
+    EXTRA = "extra"
+    """the body meets a partner where the reference has none"""
+    TIE = "tie"
+    """contacts of one instant, whose order matters, taken apart or in another order; or instants taken as
+    one"""
+
+
+@dataclass(frozen=True)
+class Divergence:
+    """The first event at which the histories differ.
+
+    Attributes:
+        event: index in the reference of the expected event; for an extra one, the index that it would have.
+        time: the earlier of the two times.
+        body: the circle whose next partner differs.
+        expected: the partner in the reference; None for an extra meeting; for a tie, `b2 + b3` (at once).
+        got: the candidate's partner; None for a missing meeting; for a tie, `b2 then b3`.
+        kind: how they differ.
+        expected_time, got_time: when each run has its meeting.
+        candidate_event: index in the candidate of the event got, if there is one.
+    """
+
+    event: int
+    time: float
+    body: str
+    expected: str | None
+    got: str | None
+    kind: Kind
+    expected_time: float | None = None
+    got_time: float | None = None
+    candidate_event: int | None = None
