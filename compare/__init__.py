@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .align import Alignment
-    from .divergence import Divergence
-    from .comparison import Candidate, Comparison, compare
+    from .candidate import Candidate
+    from .comparison import Comparison, compare
     from .comparison_document import comparison_json
+    from .divergence import Divergence
     from .engines import ENGINES, engine
     from .outcomes import OUTCOMES, Outcome
     from .report.html import html_report
@@ -40,7 +41,7 @@ _HOMES = {
     "ENGINES": "engines",
     "OUTCOMES": "outcomes",
     "Alignment": "align",
-    "Candidate": "comparison",
+    "Candidate": "candidate",
     "Comparison": "comparison",
     "Divergence": "divergence",
     "Outcome": "outcomes",

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import StopReason
 from .align import align
-from .divergence import Kind
 from .deadline import OutOfTime
+from .divergence import Kind
 from .engines import engine, is_stepped
 from .rounding import rounded
 
@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress, Trajectory
     from .align import Alignment
+    from .candidate import Candidate
     from .divergence import Divergence
-    from .comparison import Candidate, Study
+    from .study import Study
 
 STEP_DIVISORS = (4, 16)
 """A divergence that comes of the time step moves or goes when the step is a quarter, or a sixteenth."""
@@ -70,7 +71,8 @@ def cause_of(study: Study, candidate: Candidate, played: Engine, progress: OnPro
 
     1. For an engine with a time step: does the divergence move when the step is smaller?
     2. Does the reference have several contacts at one instant there, whose order matters?
-    3. Input rounding: does the reference engine, on the scene rounded to doubles, diverge as early?
+    3. Input rounding: does the reference engine, on the scene rounded to doubles, leave the reference's
+       history too, and does the candidate still follow it at the divergence?
     4. Arithmetic rounding: does the candidate differ from the reference engine on that same rounded scene?
        With a time step: does the double engine, which has none, diverge too?
     Otherwise the difference is one of model.
@@ -181,9 +183,9 @@ def _rounding(
             f"the reference engine on the scene rounded to doubles {_told(by_input, 'differs', 'agrees')}; "
             f"{name} {_told(rest, 'leaves that run', 'does not leave that run')}"
         )
-        if by_input is not None and (stepped or rest is None or by_input.event <= divergence.event):
+        if by_input is not None and (rest is None or rest.event > divergence.event):
             return Cause(CauseName.INPUT, still + said)
-        if rest is None:
+        if rest is None and not stepped:
             return Cause(CauseName.UNKNOWN, said)
     if not stepped:
         return Cause(CauseName.ARITHMETIC, said)

@@ -5,29 +5,23 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
-from ..scenarios.trajectory import Progress, Stop, StopReason, Trajectory
-from .align import Alignment, align
-from .causes import Cause, cause_of, cause_of_stop
-from .deadline import OutOfTime, limited
+from ..scenarios.trajectory import Progress, StopReason, Trajectory
+from .candidate import Candidate, Verdict
 from .engines import engine as engine_named
-from .engines import is_stepped
-from .margin import Margin, margin
-from .outcomes import changed_outcomes, outcomes_of
+from .outcomes import outcomes_of
 from .permitted import PermittedPatterns, permitted_patterns
-from .separation import Separation, return_miss, separation
+from .separation import return_miss
+from .study import Study
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
     from ..scenarios.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
-    from .divergence import Divergence
     from .outcomes import Outcome
-
-Verdict: TypeAlias = Literal["agree", "diverged", "undecided"]
 
 DEFAULT_ENGINES = ("double", "interval", "pymunk")
 
@@ -128,14 +122,9 @@ def compare(
         results.append(
             study.explained(result, engine, _noted(progress, f"why {label}")) if causes else result
         )
-    wanted = [
-        c.outcomes["break_pattern"]
-        for c in results
-        if "break_pattern" in c.changed and c.verdict != "undecided"
-    ]
-    permitted = (
-        permitted_patterns(truth, told, wanted, _noted(progress, "orders")) if causes and wanted else None
-    )
+    other = any("break_pattern" in c.changed and c.verdict != "undecided" for c in results)
+    search = causes and other and told.stop.reason not in UNDONE
+    permitted = permitted_patterns(truth, told, seconds, _noted(progress, "orders")) if search else None
     miss = return_miss(told, told)
     return Comparison(scene, told, tuple(results), found, study.span, miss, permitted, seconds)
 

@@ -9,7 +9,8 @@ from .amounts import plain
 from .trajectory_document import scene_json, stop_json
 
 if TYPE_CHECKING:
-    from .comparison import Candidate, Comparison
+    from .candidate import Candidate
+    from .comparison import Comparison
     from .permitted import PermittedPatterns
     from .separation import Separation
 
@@ -44,7 +45,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "candidates": [
             candidate_json(candidate, comparison.permitted) for candidate in comparison.candidates
         ],
-        "break_patterns": plain(comparison.permitted.patterns) if comparison.permitted else None,
+        "break_patterns": _patterns_json(comparison.permitted),
     }
 
 
@@ -95,8 +96,18 @@ def _relation_json(candidate: Candidate, permitted: PermittedPatterns | None) ->
     pattern = candidate.outcomes.get("break_pattern")
     if permitted is None or pattern is None or candidate.verdict == "undecided":
         return None
-    relation, policy = permitted.relation(pattern)
-    return {"relation": relation.name.lower(), "policy": policy}
+    return {"relation": permitted.relation(pattern).name.lower(), "policy": permitted.policy(pattern)}
+
+
+def _patterns_json(permitted: PermittedPatterns | None) -> dict[str, Any] | None:
+    """The break patterns that the reference engine has under other orders of simultaneous impulses."""
+    if permitted is None:
+        return None
+    return {
+        "by_policy": plain(permitted.by_policy),
+        "all_orders": plain(permitted.orders),
+        "complete": permitted.complete,
+    }
 
 
 def _cause_json(candidate: Candidate) -> dict[str, str] | None:

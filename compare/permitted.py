@@ -1,16 +1,16 @@
 """Whether a break pattern is the exact one, another that the physics permits, or neither.
 
-Where several contacts fall on one instant and their order matters, the physics permits several histories, one for
-each order. A float engine's pattern outside of that set was changed by its error; one inside was only chosen by it.
+Where several contacts fall on one instant and their order matters, the physics permits several histories,
+one for each order. A float engine's pattern outside of that set was changed by its error; one inside was only
+chosen by it.
 """
 
 from __future__ import annotations
 
-import time as clock
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..scenarios.trajectory import StopReason
 from .break_pattern import break_pattern
@@ -20,14 +20,20 @@ if TYPE_CHECKING:
     from ..scenarios.engine import Engine
     from ..scenarios.trajectory import OnProgress, Trajectory
 
+Pattern: TypeAlias = "Mapping[str, Any]"
+
 POLICIES = ("simultaneous", "sequential:order=scene")
 """Policies whose patterns are always told."""
 
-SEEDS = 32
-"""Orders drawn at random, after those, in search of a pattern."""
+SEARCH_SECONDS = 10.0
+"""Time that following the orders may take; from the reference's own run follows how many can be followed in
+it."""
 
-SEARCH_SECONDS = 20.0
-"""Longest that the search may take."""
+LEAST_CAP, GREATEST_CAP = 8, 256
+"""Least and greatest number of outcomes that are followed."""
+
+SAMPLE_SHARE = 4
+"""Beyond the cap, one order is drawn at random for this many outcomes followed."""
 
 DECIDED = (StopReason.HORIZON, StopReason.EVENTS, StopReason.QUIET)
 
@@ -38,66 +44,82 @@ class Relation(Enum):
     EXACT = "the exact one"
     PERMITTED = "permitted"
     IMPOSSIBLE = "impossible"
-    UNSEEN = "not seen under any order tried"
+    UNSEEN = "not seen"
 
 
 @dataclass(frozen=True)
 class PermittedPatterns:
-    """Break patterns that the exact engine has under several orders of simultaneous impulses.
+    """Break patterns that the reference engine has under several orders of simultaneous impulses.
 
     Attributes:
         exact: the pattern under the scene's own policy.
-        coupled: whether the order of impulses matters at any event: if not, `exact` is the only one permitted.
-        patterns: by policy, the patterns found.
+        by_policy: the pattern under each named policy.
+        orders: the distinct patterns over all sequential orders.
+        complete: whether `orders` are all that there are; if not, there are more orders than could be
+            followed.
     """
 
-    exact: Mapping[str, Any]
-    coupled: bool
-    patterns: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    exact: Pattern
+    by_policy: Mapping[str, Pattern] = field(default_factory=dict)
+    orders: tuple[Pattern, ...] = ()
+    complete: bool = True
 
-    def relation(self, pattern: Mapping[str, Any]) -> tuple[Relation, str | None]:
-        """What a pattern is, and the policy that leads to it if it is another than the scene's."""
+    def relation(self, pattern: Pattern) -> Relation:
+        """What a pattern is."""
         if pattern == self.exact:
-            return Relation.EXACT, None
-        for policy, other in self.patterns.items():
-            if other == pattern:
-                return Relation.PERMITTED, policy
-        return (Relation.UNSEEN if self.coupled else Relation.IMPOSSIBLE), None
+            return Relation.EXACT
+        if pattern in self.orders or pattern in self.by_policy.values():
+            return Relation.PERMITTED
+        return Relation.IMPOSSIBLE if self.complete else Relation.UNSEEN
 
-    @property
-    def distinct(self) -> int:
-        """Number of different patterns found."""
-        return len({repr(pattern) for pattern in (self.exact, *self.patterns.values())})
+    def policy(self, pattern: Pattern) -> str | None:
+        """The named policy that leads to a pattern, if one does."""
+        return next((policy for policy, other in self.by_policy.items() if other == pattern), None)
 
 
 def permitted_patterns(
-    truth: Engine, reference: Trajectory, wanted: list[Mapping[str, Any]], progress: OnProgress | None = None
+    truth: Engine, reference: Trajectory, seconds: float, progress: OnProgress | None = None
 ) -> PermittedPatterns | None:
-    """The patterns under each policy, and under orders drawn at random until every wanted one is found.
+    """The patterns under each policy and over all sequential orders.
 
     None for a scene without a break pattern.
+
+    Args:
+        seconds: how long the reference's run took.
     """
     exact = break_pattern(reference)
     if exact is None:
         return None
-    scene, end = reference.scene, reference.final_time
-    coupled = any(event.coupled for event in reference.events)
-    patterns: dict[str, Mapping[str, Any]] = {str(scene.tie_policy): exact}
-    missing = [pattern for pattern in wanted if pattern != exact]
-    deadline = clock.monotonic() + SEARCH_SECONDS
-    for policy in (*POLICIES, *(f"sequential:seed={seed}" for seed in range(SEEDS))):
-        if not coupled or (policy not in POLICIES and not missing):
-            break
-        if policy in patterns:
-            continue
-        try:
-            left = deadline - clock.monotonic()
-            other = scene.with_changes(tie_policy=policy)
-            run = truth.run(other, until=float(end), progress=limited(progress, left))
-        except OutOfTime:
-            break
-        pattern = break_pattern(run)
-        if pattern is not None and run.stop.reason in DECIDED:
-            patterns[policy] = pattern
-            missing = [other for other in missing if other != pattern]
-    return PermittedPatterns(exact, coupled, patterns)
+    scene, end = reference.scene, float(reference.final_time)
+    by_policy: dict[str, Pattern] = {str(scene.tie_policy): exact}
+    if not any(event.coupled for event in reference.events):
+        return PermittedPatterns(exact, by_policy, (exact,))
+    watched = limited(progress, SEARCH_SECONDS)
+    patterns: list[Pattern] = []
+    complete = False
+    try:
+        for policy in POLICIES:
+            if policy not in by_policy:
+                pattern = _pattern(
+                    truth.run(scene.with_changes(tie_policy=policy), until=end, progress=watched)
+                )
+                if pattern is not None:
+                    by_policy[policy] = pattern
+        if hasattr(truth, "run_with"):
+            from ..exact.all_orders import all_orders
+
+            cap = max(LEAST_CAP, min(GREATEST_CAP, int(SEARCH_SECONDS / 2 / max(seconds, 1e-3))))
+            tree = all_orders(truth, scene, until=end, cap=cap, samples=cap // SAMPLE_SHARE, progress=watched)  # type: ignore[arg-type]
+            found = [_pattern(outcome.trajectory) for outcome in tree.outcomes]
+            complete = tree.complete and None not in found
+            for pattern in found:
+                if pattern is not None and pattern not in patterns:
+                    patterns.append(pattern)
+    except OutOfTime:
+        complete = False
+    return PermittedPatterns(exact, by_policy, tuple(patterns), complete)
+
+
+def _pattern(run: Trajectory) -> Pattern | None:
+    """The break pattern of a run that went to its end."""
+    return break_pattern(run) if run.stop.reason in DECIDED else None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -20,21 +21,22 @@ def pocketed(trajectory: Trajectory) -> dict[str, Any] | None:
     if not scene.pockets:
         return None
     end = float(trajectory.final_time)
-    knots = sorted({0.0, *(t for e in trajectory.events if (t := float(e.time)) < end)})
-    states = trajectory.sample(knots)
+    knots = sorted({0.0, end, *(t for e in trajectory.events if (t := float(e.time)) < end)})
+    flights = [(a, b, (a + b) / 2) for a, b in pairwise(knots) if a < (a + b) / 2 < b]
+    states = trajectory.sample([middle for _, _, middle in flights])  # an instant itself may be hard to place
     found: dict[str, Any] = {}
     for number, circle in enumerate(scene.circles):
         if circle.fixed:
             continue
-        for place, start in enumerate(knots):
-            length = (knots[place + 1] if place + 1 < len(knots) else end) - start
-            x, y, vx, vy = (float(value) for value in states[place, number])
+        for (start, stop, middle), state in zip(flights, states, strict=True):
+            x, y, vx, vy = (float(value) for value in state[number])
+            x, y = x - vx * (middle - start), y - vy * (middle - start)
             entries = [
                 (start + after, str(pocket.id))
                 for pocket in scene.pockets
                 if (after := _entry(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r)))
                 is not None
-                and after <= length
+                and after <= stop - start
             ]
             if entries:
                 time, name = min(entries)

@@ -16,6 +16,7 @@ from ..scenarios.tower import sign_of_root_sum
 from ..scenarios.trajectory import OnProgress, Tie, TieProof
 from .evidence import Evidence, Prover
 from .event_loop import Candidate, EventLoop, Limits
+from .float_filter import MISS, UNCLEAR, FloatFilter, FloatLine, float_line
 from .live import LiveMachine
 from .machine import Body, Link, Number, Step
 from .numbers import ball
@@ -34,8 +35,17 @@ SAFE_BITS = 96
 """When the times' accuracy falls below this, precision rises at once: predictions would soon be undecided, and
 results should round to doubles without another look."""
 
+FORESIGHT = 1.1
+"""Share by which the bits foreseen for a whole run exceed the extrapolation, so that one rise mostly suffices."""
+
+MOST_FORESIGHT = 16
+"""Most by which one rise multiplies the precision: an extrapolation from a short past may be far off."""
+
 TRY_BITS = 1024
 """Below this precision, more bits are cheaper than any attempt to prove a zero."""
+
+LATER = object()
+"""The time of a candidate whose doubles suffice so far: computed when they do not."""
 
 
 class CertifiedLoop(EventLoop):
@@ -65,6 +75,11 @@ class CertifiedLoop(EventLoop):
         self.live.projections = prover.projections()
         self._reaches = self._quick_reaches()
         self._quick_lines: dict[tuple[int, int], tuple[arb, ...]] = {}
+        self.quick_zero = ball.ZERO
+        self.quick_root = arb.sqrt
+        self.filter = FloatFilter()
+        self._float_reaches = [[float(reach) for reach in row] for row in self._reaches]
+        self._float_lines: dict[tuple[int, int], FloatLine] = {}
 
     # -- numbers for predictions
 
@@ -108,21 +123,53 @@ class CertifiedLoop(EventLoop):
         for body in bodies:
             t = clocks.setdefault(id(body.t), +body.t)
             body.q = (+body.x, +body.y, +body.vx, +body.vy, t)
+            self.filter.admit(body)
 
     def do(self, step: Step) -> None:
         """Carries out a step; the live machine logs it."""
         self.live.do(step)
 
-    def to_predict(self) -> tuple[arb, Any]:
+    def to_predict(self) -> None:
         """Short precision."""
         ctx.prec = QUICK_BITS
-        return ball.ZERO, arb.sqrt
+
+    def predict_pair(self, a: Body, b: Body, parted: frozenset[Link]) -> None:
+        """In doubles where their error bound leaves no doubt, else in short balls."""
+        found = self.filter.pair(a, b, self._float_reaches[a.kind][b.kind])
+        if found is MISS:
+            return
+        if found is UNCLEAR:
+            self.plan["unclear in doubles"] += 1
+            super().predict_pair(a, b, parted)
+            return
+        link = (a.index, b.index) if a.index < b.index else (b.index, a.index)
+        if link not in parted:
+            self._queue(*found, LATER, link)
+
+    def predict_wall(self, a: Body, wall: int, parted: frozenset[Link]) -> None:
+        """In doubles where their error bound leaves no doubt, else in short balls."""
+        line = self._float_lines.get((a.index, wall)) or self._float_line(a, wall)
+        found = self.filter.wall(a, line)
+        if found is MISS:
+            return
+        if found is UNCLEAR:
+            self.plan["unclear in doubles"] += 1
+            super().predict_wall(a, wall, parted)
+            return
+        link = (a.index, self.n + wall)
+        if link not in parted:
+            self._queue(*found, LATER, link)
+
+    def _float_line(self, a: Body, wall: int) -> FloatLine:
+        line = float_line(*self.quick_line(a, wall))
+        self._float_lines[a.index, wall] = line
+        return line
 
     def prepare(self) -> None:
         """Full precision, raised first if accuracy has run low."""
         live = self.live
         if live.lowest < SAFE_BITS:
-            self._rise("accuracy had run low")
+            self._rise("accuracy had run low", self._foreseen_bits())
         ctx.prec = live.bits
 
     def bounds(self, time: arb) -> tuple[float, float]:
@@ -150,8 +197,23 @@ class CertifiedLoop(EventLoop):
 
     # -- the ladder
 
-    def _rise(self, why: str) -> None:
-        bits = 2 * self.live.bits
+    def _foreseen_bits(self) -> int:
+        """The bits that the whole run will need if it goes on losing them as it has."""
+        done = len(self.history.records)
+        wholes = []
+        if self.limits.events is not None:
+            wholes.append(self.limits.events)
+        if self.limits.until is not None and done:
+            reached = float(self.history.records[-1].time)
+            if reached > 0.0:
+                wholes.append(done * float(self.limits.until) / reached)
+        if not wholes or not done:
+            return 0
+        lost = self.live.bits - self.live.lowest
+        return int(min(min(wholes) / done * lost * FORESIGHT + 2 * SAFE_BITS, MOST_FORESIGHT * self.live.bits))
+
+    def _rise(self, why: str, foreseen: int = 0) -> None:
+        bits = max(2 * self.live.bits, min(foreseen, self.max_bits))
         if bits > self.max_bits:
             raise Undecided(
                 f"{why} at {self.live.bits} bits, and max_bits is {self.max_bits}; "
@@ -303,9 +365,11 @@ class CertifiedLoop(EventLoop):
 
     def _settled(self, candidate: Candidate) -> Candidate | None:
         """The candidate if it is certain to come, or made so; None if it will not come."""
+        link = candidate.link
+        if candidate.time is LATER:
+            return candidate._replace(time=self._hit_time(link))
         if candidate.time is not None:
             return candidate
-        link = candidate.link
         self.plan["doubtful settled"] += 1
         if link[1] < self.n and self.ask(Discriminant(link)) <= 0:
             return None

@@ -15,7 +15,7 @@ from __future__ import annotations
 import time as clock
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
 from math import inf, nextafter
@@ -25,7 +25,16 @@ from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Tie, TieProof
 from .contacts import Instant, Touching, components, settle_contacts
-from .formulas import pair_approach, pair_discriminant, pair_gap, pair_hit_time
+from .formulas import (
+    advance,
+    pair_approach,
+    pair_discriminant,
+    pair_gap,
+    pair_hit_time,
+    wall_approach,
+    wall_gap,
+    wall_hit_time,
+)
 from .machine import Body, Flip, Go, Kick, Link, Machine, Number, Step
 from .policies import Policy, policy_for
 from .questions import Approach, BeforeTime, Coupling, Gap, Question, RelativeSpeed
@@ -119,13 +128,16 @@ class EventLoop(ABC):
 
     # -- what a number system supplies
 
+    quick_zero: Number
+    quick_root: Callable[[Number], Number]
+
     @abstractmethod
     def refresh(self, bodies: Iterable[Body]) -> None:
         """Sets each body's `q`: the numbers (x, y, vx, vy, t) that predictions use."""
 
     @abstractmethod
-    def to_predict(self) -> tuple[Number, Any]:
-        """Prepares for predictions; gives the zero to compare with and the square root."""
+    def to_predict(self) -> None:
+        """Prepares for predictions, in numbers of which `quick_zero` and `quick_root` are."""
 
     @abstractmethod
     def bounds(self, time: Number) -> tuple[float, float]:
@@ -504,72 +516,74 @@ class EventLoop(ABC):
         `parted` are contacts at gap zero that do not approach: nothing to predict there until a velocity changes.
         """
         if parted is None:
-            parted = frozenset(self.touching.all()) | frozenset(self._touching_at_start())
-        zero, root = self.to_predict()
-        bodies, queue, plan = self.bodies, self.queue, self.plan
+            parted = self.touching.all() | frozenset(self._touching_at_start())
+        bodies, plan = self.bodies, self.plan
+        self.to_predict()
         done: set[int] = set()
         for a in moved:
-            ai = a.index
-            ax, ay, avx, avy, at = a.q
-            a_rest = a.rest
             skipped = 0
             for b in bodies:
-                bi = b.index
-                if bi == ai or bi in done:
+                if b is a or b.index in done:
                     continue
-                if b.rest:
-                    if a_rest:
-                        skipped += 1
-                        continue
-                    bx, by, bvx, bvy, bt = b.q
-                    dx, dy, vx, vy = bx - ax, by - ay, -avx, -avy
+                if b.rest and a.rest:
+                    skipped += 1
                 else:
-                    bx, by, bvx, bvy, bt = b.q
-                    if bt is at:
-                        dx, dy = bx - ax, by - ay
-                    else:
-                        lag = at - bt
-                        dx, dy = bx + bvx * lag - ax, by + bvy * lag - ay
-                    vx, vy = bvx - avx, bvy - avy
-                approach = pair_approach(dx, dy, vx, vy)
-                if approach >= zero:
-                    continue
-                link = (ai, bi) if ai < bi else (bi, ai)
-                if link in parted:
-                    continue
-                reach = self.quick_reach(a, b)
-                disc = pair_discriminant(dx, dy, vx, vy, reach)
-                if disc < zero:
-                    continue
-                gap = pair_gap(dx, dy, reach)
-                if disc > zero and approach < zero and gap > zero:
-                    self.push(at + pair_hit_time(gap, approach, root(disc)), link)
-                else:
-                    self.unsure(link)
-                    zero, root = self.to_predict()
-            done.add(ai)
+                    self.predict_pair(a, b, parted)
+            done.add(a.index)
             plan["pairs predicted"] += len(bodies) - len(done) - skipped
             plan["pairs at rest skipped"] += skipped
-            if not a_rest:
+            if not a.rest:
+                plan["walls predicted"] += len(self.walls)
                 for wall in self.walls:
-                    self._predict_wall(a, wall, zero, parted)
-                    zero, root = self.to_predict()
+                    self.predict_wall(a, wall, parted)
 
-    def _predict_wall(self, a: Body, wall: int, zero: Number, parted: frozenset[Link]) -> None:
+    def predict_pair(self, a: Body, b: Body, parted: frozenset[Link]) -> None:
+        """Queues the next hit of a, which has just moved, with b."""
+        ax, ay, avx, avy, at = a.q
+        bx, by, bvx, bvy, bt = b.q
+        if b.rest:
+            dx, dy, vx, vy = bx - ax, by - ay, -avx, -avy
+        else:
+            if bt is at:
+                dx, dy = bx - ax, by - ay
+            else:
+                lag = at - bt
+                dx, dy = advance(bx, bvx, lag) - ax, advance(by, bvy, lag) - ay
+            vx, vy = bvx - avx, bvy - avy
+        zero = self.quick_zero
+        approach = pair_approach(dx, dy, vx, vy)
+        if approach >= zero:
+            return
+        link = (a.index, b.index) if a.index < b.index else (b.index, a.index)
+        if link in parted:
+            return
+        reach = self.quick_reach(a, b)
+        disc = pair_discriminant(dx, dy, vx, vy, reach)
+        if disc < zero:
+            return
+        gap = pair_gap(dx, dy, reach)
+        if disc > zero and approach < zero and gap > zero:
+            self.push(at + pair_hit_time(gap, approach, self.quick_root(disc)), link)
+        else:
+            self.unsure(link)
+            self.to_predict()
+
+    def predict_wall(self, a: Body, wall: int, parted: frozenset[Link]) -> None:
+        """Queues the next hit of a, which has just moved, with a wall."""
         x0, y0, nx, ny, offset = self.quick_line(a, wall)
         ax, ay, avx, avy, at = a.q
-        approach = nx * avx + ny * avy
-        self.plan["walls predicted"] += 1
-        if approach >= zero:
+        approach = wall_approach(avx, avy, nx, ny)
+        if approach >= self.quick_zero:
             return
         link = (a.index, self.n + wall)
         if link in parted:
             return
-        gap = nx * (ax - x0) + ny * (ay - y0) - offset
-        if approach < zero and gap > zero:
-            self.push(at - gap / approach, link)
+        gap = wall_gap(ax, ay, x0, y0, nx, ny, offset)
+        if approach < self.quick_zero and gap > self.quick_zero:
+            self.push(at + wall_hit_time(gap, approach), link)
         else:
             self.unsure(link)
+            self.to_predict()
 
     def earliest_possible(self, link: Link) -> float:
         """A double before which a doubtful hit cannot come: the gap over the greatest closing speed; inf: never."""

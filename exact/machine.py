@@ -67,11 +67,12 @@ class Body:
         last: number of log steps done when it was last touched; tells the later of two clocks.
         serial: how often its velocity has changed; tells stale predictions.
         q: its state as predictions use it.
+        f: that state as doubles, where their error is bounded; None where not.
         kind, acc: for the exact engine: which radius it has, how many bits of it are known.
     """
 
     __slots__ = (
-        "acc", "index", "instant", "kind", "last", "late", "q", "r", "rest", "serial",
+        "acc", "f", "index", "instant", "kind", "last", "late", "q", "r", "rest", "serial",
         "t", "vx", "vy", "w", "x", "y",
     )  # fmt: skip
 
@@ -84,6 +85,7 @@ class Body:
         self.r = r
         self.w = w
         self.q: tuple[Number, ...] = ()
+        self.f: tuple[float, ...] | None = None
         self.rest = False
         self.last = 0
         self.serial = 0

@@ -35,6 +35,8 @@ class PlainLoop(EventLoop):
         policy: Policy | None = None,
     ) -> None:
         super().__init__(scene, machine, limits, progress, policy)
+        self.quick_zero = machine.zero
+        self.quick_root = machine.root
         self._sign = sign
         self._bounds = bounds
 
@@ -45,9 +47,8 @@ class PlainLoop(EventLoop):
             body.rest = bool(body.vx == zero) and bool(body.vy == zero)
             body.q = (body.x, body.y, body.vx, body.vy, body.t)
 
-    def to_predict(self) -> tuple[Number, Any]:
-        """The system's own zero and root."""
-        return self.machine.zero, self.machine.root
+    def to_predict(self) -> None:
+        """Nothing to prepare: predictions are made in the state's own numbers."""
 
     def bounds(self, time: Number) -> tuple[float, float]:
         """Doubles around a time."""

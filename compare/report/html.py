@@ -13,7 +13,8 @@ from .sentences import counted, divergence_phrase, margin_phrase, pattern_phrase
 from .side_by_side import side_by_side
 
 if TYPE_CHECKING:
-    from ..comparison import Candidate, Comparison
+    from ..candidate import Candidate
+    from ..comparison import Comparison
 
 PICTURED_CIRCLES = 500
 """A scene of more circles is not drawn at a divergence: the picture would say nothing."""

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..comparison import Candidate, Comparison
+    from ..candidate import Candidate
+    from ..comparison import Comparison
 
 WIDTH, HEIGHT = 720.0, 480.0
 """Largest size of a picture in pixels."""

@@ -9,7 +9,8 @@ from ..engines import is_stepped
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..comparison import Candidate, Comparison
+    from ..candidate import Candidate
+    from ..comparison import Comparison
 
 
 def verdict_sentence(comparison: Comparison) -> str:
@@ -161,23 +162,28 @@ def short(value: float | None) -> str:
 
 
 def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
-    """What the engine's break pattern is among those that the physics permits."""
+    """What the engine's break pattern is among those that the physics permits, if those are several."""
     from ..permitted import Relation
 
     permitted, pattern = comparison.permitted, candidate.outcomes.get("break_pattern")
     if permitted is None or pattern is None or candidate.verdict == "undecided":
         return None
-    relation, policy = permitted.relation(pattern)
-    match relation:
+    if permitted.orders == (permitted.exact,):  # no order matters, so that there is nothing to choose from
+        return None
+    policy, found = permitted.policy(pattern), counted(len(permitted.orders), "pattern")
+    match permitted.relation(pattern):
         case Relation.EXACT:
             return "the exact one"
-        case Relation.PERMITTED:
+        case Relation.PERMITTED if policy is not None:
             return f"not the exact one, but permitted: the exact engine has it under {policy}"
+        case Relation.PERMITTED:
+            return (
+                f"not the exact one, but permitted: one of {found} over all orders of simultaneous impulses"
+            )
         case Relation.IMPOSSIBLE:
-            return "impossible: no instant here has contacts whose order matters, so only one pattern is permitted"
+            return f"impossible: not among {found} over all orders of simultaneous impulses"
         case Relation.UNSEEN:
-            tried = counted(len(permitted.patterns), "policy").replace("policys", "policies")
-            return f"not the exact one, and not seen under any of {tried} tried"
+            return f"not the exact one, and not among {found} over the orders followed; there are more"
 
 
 def margin_phrase(candidate: Candidate) -> str | None:

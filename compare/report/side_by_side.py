@@ -10,7 +10,8 @@ from ..streams import history
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
-    from ..comparison import Candidate, Comparison
+    from ..candidate import Candidate
+    from ..comparison import Comparison
 
 BEFORE, AFTER = 2, 3
 """Meetings shown before and from the divergence on."""

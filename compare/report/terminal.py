@@ -11,7 +11,8 @@ from .side_by_side import side_by_side
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..comparison import Candidate, Comparison
+    from ..candidate import Candidate
+    from ..comparison import Comparison
 
 COLOURS = {"agree": "green", "diverged": "red", "undecided": "yellow"}
 
