@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import math
-import time as clock
 from collections.abc import Mapping
-from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
@@ -41,41 +39,6 @@ def exact_text(value: Any) -> str | None:
         numerator, denominator = value.as_integer_ratio()
         return str(numerator) if denominator == 1 else f"{numerator}/{denominator}"
     return None
-
-
-EXACT_SECONDS = 30.0
-"""Time that one document may spend on writing values out; what is left then is given in digits."""
-
-EXACT_DIGITS = 50
-"""Decimal digits given where a value is too deep to be written out."""
-
-
-@dataclass
-class ExactTexts:
-    """Writes values out as exact text, for as long as its time lasts.
-
-    Attributes:
-        seconds: time left.
-    """
-
-    seconds: float = EXACT_SECONDS
-
-    def of(self, key: str, value: Any) -> dict[str, Any]:
-        """`KEY_exact`, and `KEY_digits` where the exact text is null because the value is too deep to be
-        written out.
-
-        >>> ExactTexts().of("x", 0.375)
-        {'x_exact': '3/8'}
-        """
-        text = None
-        if self.seconds > 0:
-            began = clock.perf_counter()
-            text = exact_text(value)
-            self.seconds -= clock.perf_counter() - began
-        data: dict[str, Any] = {f"{key}_exact": text}
-        if text is None and hasattr(value, "digits"):
-            data[f"{key}_digits"] = value.digits(EXACT_DIGITS)
-        return data
 
 
 def bounds(value: Any) -> tuple[float, float] | None:

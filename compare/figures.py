@@ -76,7 +76,7 @@ class Size:
     """How much work each figure does.
 
     Attributes:
-        repeats: interleaved repeats of which the median counts.
+        repeats: interleaved repeats of which the median counts; three times as many of what is short.
         gas: collisions of the short gas.
         long_gas: collisions of the long gas.
         digits: Galperin's n for the engines of this project.
@@ -143,7 +143,7 @@ def gas_against_billiards(size: Size) -> Figure:
     """Certified, against plain double precision in another project's engine, in Python both."""
     scene = scene_of(GAS)
     pair = interleaved(
-        running("exact", scene, size.gas), lambda: run_billiards(scene, size.gas), size.repeats
+        running("exact", scene, size.gas), lambda: run_billiards(scene, size.gas), 3 * size.repeats
     )
     what = f"10 discs, {size.gas:,} collisions: exact / billiards (float64)"
     return Figure("gas-billiards", what, *pair, Target("ratio", "at most", 2))
@@ -202,7 +202,7 @@ def pymunk_overhead(size: Size) -> Figure:
         for _ in range(size.steps):
             step(dt)
 
-    pair = interleaved(lambda: runner.run(scene, until=until), bare, size.repeats)
+    pair = interleaved(lambda: runner.run(scene, until=until), bare, 3 * size.repeats)
     what = f"10 discs, {size.steps:,} time steps: pymunk engine / bare space.step"
     return Figure("pymunk-overhead", what, *pair, Target("ratio", "at most", 1.2))
 

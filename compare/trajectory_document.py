@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .amounts import ExactTexts, bounds, double, plain
+from .amounts import bounds, double, plain
+from .exact_texts import ExactTexts
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Event, State, Stop, Trajectory
@@ -19,10 +20,11 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
     intervals adds the bounds as `..._interval`.
 
     Args:
-        exact: add each time and coordinate as exact text, under `..._exact`. It is null, with decimals under
-            `..._digits`, for a value of too many nested roots to be written out.
+        exact: add each time and coordinate as exact text, under `..._exact`. Values of too many nested roots
+            refer to `definitions`, each a text of numbers and of the definitions before it.
     """
     texts = ExactTexts() if exact else None
+    final = state_json(trajectory.final, texts)
     data: dict[str, Any] = {
         "schema": TRAJECTORY_SCHEMA,
         "scene": scene_json(trajectory),
@@ -31,7 +33,7 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
         "certified": trajectory.certified,
         "collisions": trajectory.collisions,
         "events": [event_json(event, texts) for event in trajectory.events],
-        "final": state_json(trajectory.final, texts),
+        "final": final,
         "plan": plain(trajectory.plan),
     }
     if trajectory.reversal is not None:
@@ -41,9 +43,14 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
         }
     if trajectory.notes:
         data["notes"] = list(trajectory.notes)
-    definitions = getattr(trajectory.motion, "definitions", None)
-    if exact and callable(definitions):
-        data["definitions"] = plain(definitions())
+    if trajectory.scene.pockets:
+        data["pocketed"] = [
+            {"circle": entry.circle, "pocket": entry.pocket, **amount("time", entry.time, texts)}
+            for entry in trajectory.pocketings
+        ]
+    definitions = texts.finish() if texts is not None else {}
+    if definitions:
+        data["definitions"] = definitions
     return data
 
 
@@ -103,5 +110,5 @@ def amount(key: str, value: Any, texts: ExactTexts | None) -> dict[str, Any]:
     if interval is not None:
         data[f"{key}_interval"] = list(interval)
     elif texts is not None:
-        data |= texts.of(key, value)
+        texts.put(data, key, value)
     return data

@@ -67,7 +67,6 @@ class CertifiedLoop(EventLoop):
     ) -> None:
         self.live = LiveMachine(scene, FIRST_BITS)
         super().__init__(scene, self.live, limits, progress, policy)  # type: ignore[arg-type]
-        self.bodies = list(self.live.bodies)
         self.steps = self.history.steps = self.live.steps
         self.max_bits = max_bits
         self.prover = prover
@@ -88,8 +87,14 @@ class CertifiedLoop(EventLoop):
         radii: dict[Any, int] = {}
         for body, circle in zip(self.bodies, self.scene.circles, strict=True):
             body.kind = radii.setdefault(circle.r, len(radii))
+        kinds = len(radii)
         with ball.precision(QUICK_BITS):
-            return [[ball.constant(r + s) for s in radii] for r in radii]
+            reaches = [[ball.constant(r + s) for s in radii] for r in radii]
+            for k, pocket in enumerate(self.scene.pockets):
+                self.live.bodies[-1 - k].kind = kinds + k
+                for row in reaches:
+                    row.append(ball.constant(pocket.r))
+        return reaches
 
     def quick_reach(self, a: Body, b: Body) -> arb:
         """The sum of two radii as a short ball."""
@@ -117,7 +122,7 @@ class CertifiedLoop(EventLoop):
         live = self.live
         if live._stale:
             ctx.prec = live.bits
-            live.sync(tuple(body.index for body in bodies))
+            live.sync(tuple(body.index for body in bodies if body.index >= 0))
         ctx.prec = QUICK_BITS
         clocks: dict[int, arb] = {}
         for body in bodies:
@@ -142,7 +147,7 @@ class CertifiedLoop(EventLoop):
             self.plan["unclear in doubles"] += 1
             super().predict_pair(a, b, parted)
             return
-        link = (a.index, b.index) if a.index < b.index else (b.index, a.index)
+        link = (b.index, a.index) if 0 <= b.index < a.index else (a.index, b.index)
         if link not in parted:
             self._queue(*found, LATER, link)
 
@@ -191,6 +196,12 @@ class CertifiedLoop(EventLoop):
         with ball.precision(QUICK_BITS):
             return +body.instant
 
+    def entry_time(self, link: Link) -> Number:
+        """The time of an entry as a short ball."""
+        time = self._hit_time(link)
+        with ball.precision(QUICK_BITS):
+            return +time
+
     def note(self) -> str:
         """The precision at work."""
         return f"{self.live.bits} bits"
@@ -228,7 +239,8 @@ class CertifiedLoop(EventLoop):
     def name(self, link: Link) -> str:
         """A contact as a person reads it."""
         ids = self.scene.ids
-        return f"{ids[link[0]]} and {ids[link[1]]}"
+        other = ids[link[1]] if link[1] >= 0 else f"pocket {self.scene.pockets[-1 - link[1]].id}"
+        return f"{ids[link[0]]} and {other}"
 
     def _ball_sign(self, question: Question) -> int | None:
         bodies = question.bodies(self.n)
@@ -392,7 +404,12 @@ class CertifiedLoop(EventLoop):
         self.plan["full predictions"] += 1
         self.prepare()
         pair = link[1] < self.n
-        if self.ask(Gap(link)) == 0:
+        gap = self.ask(Gap(link))
+        if link[1] < 0 and gap <= 0:
+            if gap == 0 and self.ask(Approach(link)) < 0:
+                self.push(self.live.bodies[link[0]].t, link)
+            return
+        if gap == 0:
             self.found_touching(link, self.tie_of((link,)))
             return
         ctx.prec = self.live.bits
@@ -415,4 +432,4 @@ def contact_of(ids: tuple[str, ...], link: Link) -> Any:
     """A contact by id."""
     from ..scenarios.trajectory import Contact
 
-    return Contact(ids[link[0]], ids[link[1]])
+    return Contact(ids[link[0]], ids[link[1]] if link[1] >= 0 else "pocket")

@@ -11,7 +11,7 @@ from ..scenarios.engine import horizon
 from ..scenarios.errors import SceneError
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Event, OnProgress, Reversal, StopReason, Trajectory
+from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, StopReason, Trajectory
 from .certify import CertifiedLoop, contact_of
 from .event_loop import Limits
 from .evidence import Prover
@@ -118,9 +118,23 @@ class ExactEngine:
             final_time=end,
             motion=motion,
             reversal=reversal,
+            pocketings=tuple(
+                Pocketing(str(ids[p.circle]), str(scene.pockets[p.pocket].id), _entry(program, p))
+                for p in history.pocketings
+            ),
             plan=plan,
             notes=notes,
         )
+
+
+def _entry(program: Program, pocketing: Any) -> ExactValue:
+    link = (pocketing.circle, -1 - pocketing.pocket)
+
+    def time(machine: Any) -> Any:
+        clock, wait = machine.hit(link)
+        return clock + wait
+
+    return ExactValue(program, pocketing.step, (pocketing.circle,), time, pocketing.time)
 
 
 def _clock(body: int) -> Any:

@@ -35,7 +35,7 @@ from .formulas import (
     wall_gap,
     wall_hit_time,
 )
-from .machine import Body, Flip, Go, Kick, Link, Machine, Number, Step
+from .machine import Body, Flip, Go, Kick, Link, Machine, Number, Step, Take
 from .policies import Policy, policy_for
 from .questions import Approach, BeforeTime, Coupling, Gap, Question, RelativeSpeed
 from .undecided import BudgetSpent, Undecided
@@ -86,6 +86,15 @@ class Limits:
     to_return: bool = False
 
 
+class Pocketing(NamedTuple):
+    """The centre of a circle enters a pocket, at a time, after so many steps of the log."""
+
+    circle: int
+    pocket: int
+    time: Number
+    step: int
+
+
 @dataclass
 class History:
     """What a loop has gathered."""
@@ -94,6 +103,7 @@ class History:
     knots: list[list[tuple[Any, ...]]] = field(default_factory=list)
     reversal: tuple[int, Number, int] | None = None
     steps: list[Step] = field(default_factory=list)
+    pocketings: list[Pocketing] = field(default_factory=list)
     plan: Counter[str] = field(default_factory=Counter)
 
 
@@ -113,7 +123,8 @@ class EventLoop(ABC):
         self.limits = limits
         self.progress = progress
         self.n = machine.n
-        self.bodies: list[Body] = list(machine.bodies)  # type: ignore[arg-type]
+        self.bodies: list[Body] = list(machine.bodies)[: self.n]  # type: ignore[arg-type]
+        self.pockets = range(len(scene.pockets))
         self.walls = range(len(scene.walls))
         self.queue: list[Candidate] = []
         self.order = 0
@@ -123,6 +134,7 @@ class EventLoop(ABC):
         self.history = History(knots=[[] for _ in self.bodies])
         self.plan = self.history.plan
         self.flipped = False
+        self.gone: set[int] = set()
         self._found: list[tuple[Link, Tie]] = []
         self._next_report = clock.monotonic() + PROGRESS_EVERY
 
@@ -177,6 +189,14 @@ class EventLoop(ABC):
     def now(self, body: Body) -> Number:
         """The instant of a body's last contact, as the history keeps it."""
         return body.instant
+
+    def pocket(self, k: int) -> Body:
+        """A pocket as a body at rest, ready for predictions."""
+        body = self.machine.bodies[-1 - k]
+        if not body.q:
+            self.refresh((body,))
+            self.to_predict()
+        return body
 
     def quick_line(self, body: Body, wall: int) -> tuple[Number, Number, Number, Number, Number]:
         """(x0, y0, nx, ny, r*|n|) of a wall as seen from a body, as predictions use them."""
@@ -246,7 +266,7 @@ class EventLoop(ABC):
         i, j = candidate.link
         if self.bodies[i].serial != candidate.serials[0]:
             return False
-        return j >= self.n or self.bodies[j].serial == candidate.serials[1]
+        return not 0 <= j < self.n or self.bodies[j].serial == candidate.serials[1]
 
     def _next(self) -> tuple[list[Candidate], list[Tie]] | Stop | None:
         """The next instant's candidates, a reason to stop, or None after a flip at a set time."""
@@ -268,7 +288,7 @@ class EventLoop(ABC):
             if len(rivals) == 1 and first.time is not None:
                 chosen = rivals
             else:
-                chosen, rest, ties = self.earliest(rivals)
+                chosen, rest, ties = self._first_of(rivals)
                 for candidate in rest:
                     heappush(queue, candidate)
                 if not chosen:
@@ -284,6 +304,23 @@ class EventLoop(ABC):
         if not chosen:
             return Stop(StopReason.QUIET, StopReason.QUIET.value)
         return chosen, ties
+
+    def _first_of(self, rivals: list[Candidate]) -> tuple[list[Candidate], list[Candidate], list[Tie]]:
+        """As `earliest`; an entry into a pocket need only be compared with what its own circle does.
+
+        For it changes nothing for others. If it coincides with a contact of its circle, the contact comes first.
+        """
+        contacts = [c for c in rivals if c.link[1] >= 0]
+        for entry in (c for c in rivals if c.link[1] < 0):
+            circle = entry.link[0]
+            own = [c for c in rivals if circle in c.link]
+            chosen, _, _ = self.earliest(own)
+            if [c.link for c in chosen] == [entry.link]:
+                return chosen, [c for c in rivals if c.link != entry.link], []
+            if not chosen:
+                return [], [c for c in rivals if c not in own], []
+        chosen, rest, ties = self.earliest(contacts)
+        return chosen, rest + [c for c in rivals if c.link[1] < 0], ties
 
     def _horizon_stop(self) -> Stop:
         if self.limits.to_return:
@@ -369,10 +406,36 @@ class EventLoop(ABC):
 
     def _collide(self, chosen: list[Candidate], ties: list[Tie]) -> None:
         self.prepare()
+        if chosen[0].link[1] < 0:
+            self._enter(chosen[0].link)
+            return
         if len(chosen) == 1 and not self.touching:
             self._bounce(chosen[0].link)
         else:
             self._instant([c.link for c in chosen], ties, chosen[0].link)
+
+    def _enter(self, link: Link) -> None:
+        """A centre enters a pocket: noted, and the circle taken out of play if the scene says so."""
+        i, j = link
+        body = self.bodies[i]
+        pocketing = Pocketing(i, -1 - j, self.entry_time(link), len(self.history.steps))
+        self.history.pocketings.append(pocketing)
+        if not self.scene.capture:
+            return
+        self.do(Go(link, (i,)))
+        self.do(Take(i))
+        self.gone.add(i)
+        for contact in self.touching.all():
+            if i in contact:
+                self.touching.discard(contact)
+        body.serial += 1
+        self.refresh((body,))
+        self.history.knots[i].append(self.knot(body))
+
+    def entry_time(self, link: Link) -> Number:
+        """The time of an entry, as the history keeps times."""
+        clock_then, wait = self.machine.hit(link)
+        return clock_then + wait
 
     def _bounce(self, link: Link) -> None:
         """The common case: one contact, no other touching."""
@@ -517,13 +580,15 @@ class EventLoop(ABC):
         """
         if parted is None:
             parted = self.touching.all() | frozenset(self._touching_at_start())
-        bodies, plan = self.bodies, self.plan
+        bodies, plan, gone = self.bodies, self.plan, self.gone
         self.to_predict()
         done: set[int] = set()
         for a in moved:
             skipped = 0
+            if a.index in gone:
+                continue
             for b in bodies:
-                if b is a or b.index in done:
+                if b is a or b.index in done or b.index in gone:
                     continue
                 if b.rest and a.rest:
                     skipped += 1
@@ -536,6 +601,8 @@ class EventLoop(ABC):
                 plan["walls predicted"] += len(self.walls)
                 for wall in self.walls:
                     self.predict_wall(a, wall, parted)
+                for k in self.pockets:
+                    self.predict_pair(a, self.pocket(k), parted)
 
     def predict_pair(self, a: Body, b: Body, parted: frozenset[Link]) -> None:
         """Queues the next hit of a, which has just moved, with b."""
@@ -554,7 +621,7 @@ class EventLoop(ABC):
         approach = pair_approach(dx, dy, vx, vy)
         if approach >= zero:
             return
-        link = (a.index, b.index) if a.index < b.index else (b.index, a.index)
+        link = (b.index, a.index) if 0 <= b.index < a.index else (a.index, b.index)
         if link in parted:
             return
         reach = self.quick_reach(a, b)
@@ -614,6 +681,6 @@ class EventLoop(ABC):
 
     def _queue(self, low: float, high: float, time: Number, link: Link) -> None:
         i, j = link
-        serials = (self.bodies[i].serial, self.bodies[j].serial if j < self.n else 0)
+        serials = (self.bodies[i].serial, self.bodies[j].serial if 0 <= j < self.n else 0)
         self.order += 1
         heappush(self.queue, Candidate(low, self.order, high, time, link, serials))

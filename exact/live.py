@@ -14,7 +14,7 @@ from flint import ctx  # type: ignore[attr-defined]
 from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
 from .ball_machine import BallMachine
-from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step
+from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step, Take
 from .numbers import ball
 from .numbers.field import Field, LeavesField, field_ball, height
 from .symmetry import Projection
@@ -166,11 +166,13 @@ class LiveMachine:
             source = step.source
             if type(source) is tuple:
                 n = self.n
-                extra = [i for i in source if i < n and i not in step.bodies]
+                extra = [i for i in source if 0 <= i < n and i not in step.bodies]
                 return (*step.bodies, *extra) if extra else step.bodies
             return step.bodies if isinstance(step.source, Quantity) else (*step.bodies, step.source)
         if isinstance(step, Kick):
             return tuple({i for link in step.links for i in link if i < self.n})
+        if isinstance(step, Take):
+            return (step.body,)
         return tuple(range(self.n))
 
     def _try_field(self, step: Step, taking_part: tuple[int, ...]) -> bool:

@@ -29,7 +29,9 @@ Number: TypeAlias = Any
 """A number of the machine's system: it has + - * / and unary minus."""
 
 Link: TypeAlias = tuple[int, int]
-"""A contact by index: two circles (i < j < n), or circle i and wall j - n (j >= n)."""
+"""A contact by index: two circles (0 <= i < j < n), or circle i and wall j - n (j >= n).
+
+With j < 0 it stands for the centre of circle i entering pocket -1 - j: no contact, but reckoned like one."""
 
 
 class Go(NamedTuple):
@@ -53,7 +55,13 @@ class Flip(NamedTuple):
     """Negate every velocity; all bodies stand at one instant."""
 
 
-Step: TypeAlias = Go | Kick | Flip
+class Take(NamedTuple):
+    """Take a body out of play: it rests where it is, and nothing meets it."""
+
+    body: int
+
+
+Step: TypeAlias = Go | Kick | Flip | Take
 
 
 class Body:
@@ -149,7 +157,8 @@ class Machine:
         chosen = range(self.n) if only is None else sorted(only)
         self.bodies: dict[int, Body] | list[Body]
         made = {i: self._body(i) for i in chosen}
-        self.bodies = list(made.values()) if only is None else made
+        pockets = {-1 - k: self._pocket(k) for k in range(len(scene.pockets))}
+        self.bodies = [*made.values(), *reversed(pockets.values())] if only is None else {**made, **pockets}
         self._lines: dict[int, tuple[Line, Line]] = {}
         self._sides = Sides(scene)
 
@@ -158,6 +167,14 @@ class Machine:
         state = [self.constant(value) for value in (circle.x, circle.y, circle.vx, circle.vy)]
         body = Body(i, state, self.zero, self.constant(circle.r), self.constant(circle.inverse_mass))
         body.rest = circle.at_rest
+        return body
+
+    def _pocket(self, k: int) -> Body:
+        """A pocket as a body at rest, at index -1 - k."""
+        pocket = self.scene.pockets[k]
+        state = [self.constant(pocket.x), self.constant(pocket.y), self.zero, self.zero]
+        body = Body(-1 - k, state, self.zero, self.constant(pocket.r), self.zero)
+        body.rest = True
         return body
 
     # -- what the steps need
@@ -191,8 +208,8 @@ class Machine:
         return Relation(t, bx - ax, by - ay, b.vx - a.vx, b.vy - a.vy, self.reach(a, b))
 
     def reach(self, a: Body, b: Body) -> Number:
-        """The sum of two radii."""
-        return a.r + b.r
+        """The sum of two radii; for a pocket its own, as a centre enters it."""
+        return b.r if b.index < 0 else a.r + b.r
 
     def gap(self, link: Link) -> Number:
         """|d|^2 - R^2 at the later clock; for a wall, its distance less the radius, times |n|."""
@@ -247,6 +264,8 @@ class Machine:
             self.go(step.source, step.bodies)
         elif type(step) is Kick:
             self.kick(step.links)
+        elif type(step) is Take:
+            self.take(step.body)
         else:
             self.flip()
 
@@ -383,6 +402,13 @@ class Machine:
                 row.append(entry)
             matrix.append(row)
         return matrix, [self.closing(link) for link in links]
+
+    def take(self, index: int) -> None:
+        """Takes a body out of play, where it is at the instant."""
+        body = self.bodies[index]
+        body.x, body.y = self.place(body)
+        body.vx = body.vy = self.zero
+        body.rest = True
 
     def flip(self) -> None:
         """Negates every velocity, and keeps the moment."""

@@ -91,7 +91,7 @@ class ExactMotion:
 
     def _knot_after(self, i: int, k: int, time: Any) -> bool:
         """Whether a knot is later than a time, to full accuracy; equal counts as not later."""
-        if isinstance(time, ExactValue) and time._upto >= self.knots[i][k][5]:
+        if isinstance(time, ExactValue) and time.upto >= self.knots[i][k][5]:
             return False
         if isinstance(time, ExactValue):
             return True
@@ -124,9 +124,9 @@ class ExactMotion:
         k = self._knot(i, time)
         t, x, y, vx, vy, upto = self.knots[i][k]
         if isinstance(time, ExactValue):
-            bodies = (i, *time._bodies)
-            upto = max(upto, time._upto)
-            when: Callable[[Machine], Number] = time._formula
+            bodies = (i, *time.bodies)
+            upto = max(upto, time.upto)
+            when: Callable[[Machine], Number] = time.formula
             near_time = time.near
         else:
             bodies = (i,)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ..scenarios.quantity import Quantity
-from .machine import Go, Kick, Machine, Step
+from .machine import Go, Kick, Machine, Step, Take
 
 
 def causal_past(steps: Sequence[Step], bodies: Iterable[int], n: int) -> tuple[list[int], list[int]]:
@@ -25,7 +25,7 @@ def causal_past(steps: Sequence[Step], bodies: Iterable[int], n: int) -> tuple[l
             if wanted & touched:
                 needed.append(k)
                 if isinstance(step.source, tuple):
-                    wanted.update(i for i in step.source if i < n)
+                    wanted.update(i for i in step.source if 0 <= i < n)
                 elif isinstance(step.source, int) and not isinstance(step.source, Quantity):
                     wanted.add(step.source)
         elif isinstance(step, Kick):
@@ -34,6 +34,9 @@ def causal_past(steps: Sequence[Step], bodies: Iterable[int], n: int) -> tuple[l
             if wanted & touched:
                 needed.append(k)
                 wanted |= touched
+        elif isinstance(step, Take):
+            if step.body in wanted:
+                needed.append(k)
         else:
             needed.append(k)
     needed.reverse()

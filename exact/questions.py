@@ -38,7 +38,7 @@ class Question(Protocol):
 
 
 def _circles(link: Link, n: int) -> tuple[int, ...]:
-    return link if link[1] < n else link[:1]
+    return link if 0 <= link[1] < n else link[:1]
 
 
 @dataclass(frozen=True)

@@ -34,6 +34,7 @@ class Symmetry:
         centre: a point that it leaves in place, the mean of the circles' centres.
         circles: for each circle, the index of its image.
         walls: for each wall, the index of its image.
+        pockets: for each pocket, the index -1 - k of its image, or the number of circles if it has none.
         mirror: whether it is a reflection (else a rotation).
     """
 
@@ -41,12 +42,15 @@ class Symmetry:
     centre: tuple[FieldNumber, FieldNumber]
     circles: tuple[int, ...]
     walls: tuple[int, ...]
+    pockets: tuple[int, ...]
     mirror: bool
 
     def image(self, link: Link) -> Link:
         """The image of a contact."""
         n = len(self.circles)
         i, j = link
+        if j < 0:
+            return self.circles[i], self.pockets[-1 - j]
         if j >= n:
             return self.circles[i], n + self.walls[j - n]
         a, b = self.circles[i], self.circles[j]
@@ -177,9 +181,10 @@ class _Exact:
             matrix = (c, -s, s, c)
         circles = self._map_circles(matrix)
         walls = self._map_walls(matrix) if circles is not None else None
-        if circles is None or walls is None or not self._keeps_pockets(matrix):
+        pockets = self._map_pockets(matrix)
+        if circles is None or walls is None or (self.scene.capture and len(circles) in pockets):
             return None
-        return Symmetry(matrix, self.centre, circles, walls, mirror)
+        return Symmetry(matrix, self.centre, circles, walls, pockets, mirror)
 
     def _turn(self, m: Matrix, x: FieldNumber, y: FieldNumber) -> tuple[FieldNumber, FieldNumber]:
         return m[0] * x + m[1] * y, m[2] * x + m[3] * y
@@ -211,16 +216,16 @@ class _Exact:
         x0, y0, _, _, nx, ny = wall
         return all(field_sign(nx * (x - x0) + ny * (y - y0)) == 0 for x, y in points)
 
-    def _keeps_pockets(self, m: Matrix) -> bool:
-        if not self.scene.capture:
-            return True
+    def _map_pockets(self, m: Matrix) -> tuple[int, ...]:
         cx, cy = self.centre
+        images = []
         for x, y, r in self.pockets:
             gx, gy = self._turn(m, x - cx, y - cy)
             target = (gx + cx, gy + cy, r)
-            if not any(all(map(_equal, pocket, target)) for pocket in self.pockets):
-                return False
-        return True
+            match = (k for k, pocket in enumerate(self.pockets) if all(map(_equal, pocket, target)))
+            k = next(match, None)
+            images.append(len(self.rows) if k is None else -1 - k)
+        return tuple(images)
 
 
 def _total(numbers: Iterator[Any]) -> Any:

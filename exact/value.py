@@ -44,6 +44,7 @@ class Program:
         self.bits = bits
         self._key: tuple[int, int] | None = None
         self._machine: Machine | None = None
+        self._too_deep: list[frozenset[int]] = []
 
     def in_balls(self, bits: int, upto: int) -> Machine:
         """The state after the first `upto` steps, in balls computed with `bits` bits."""
@@ -55,17 +56,24 @@ class Program:
         assert self._machine is not None
         return self._machine
 
-    def in_tower(self, tower: Tower, upto: int, bodies: Sequence[int]) -> Machine:
-        """The states of some bodies after the first `upto` steps, in nested roots.
+    def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
+        """A number after the first `upto` steps in nested roots, or None if it is too deep.
 
-        Raises:
-            TowerLimit: if the tower may not grow that far.
+        A value whose causal past contains one that was too deep is not tried.
         """
         steps = self.steps[:upto]
         needed, held = causal_past(steps, bodies, len(self.scene.circles))
-        machine = Machine(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=held)
-        replay(machine, steps, needed)
-        return machine
+        past = frozenset(needed)
+        if any(deep <= past for deep in self._too_deep):
+            return None
+        tower = Tower(max_depth=TEXT_DEPTH, deadline=time.monotonic() + TEXT_SECONDS)
+        try:
+            machine = Machine(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=held)
+            replay(machine, steps, needed)
+            return formula(machine)
+        except TowerLimit:
+            self._too_deep.append(past)
+            return None
 
 
 class ExactValue:
@@ -74,16 +82,20 @@ class ExactValue:
     float() gives the nearest double, certified; `digits`, `sympy` and `text` give the value itself.
 
     Attributes:
+        program: the run that it belongs to.
+        upto: how many steps of the log it needs.
+        bodies: the circles that it depends on.
+        formula: computes it from the state after those steps, in any machine.
         near: a short enclosure, or the exact number where it is at hand.
     """
 
     def __init__(
         self, program: Program, upto: int, bodies: Sequence[int], formula: Formula, near: Number
     ) -> None:
-        self._program = program
-        self._upto = upto
-        self._bodies = tuple(bodies)
-        self._formula = formula
+        self.program = program
+        self.upto = upto
+        self.bodies = tuple(bodies)
+        self.formula = formula
         self.near = near
 
     def __repr__(self) -> str:
@@ -100,11 +112,11 @@ class ExactValue:
             return self.near
         saved = ctx.prec
         try:
-            working = max(self._program.bits, bits + GUARD_BITS)
+            working = max(self.program.bits, bits + GUARD_BITS)
             while True:
-                machine = self._program.in_balls(working, self._upto)
+                machine = self.program.in_balls(working, self.upto)
                 ctx.prec = working
-                value = self._formula(machine)
+                value = self.formula(machine)
                 if value.rel_accuracy_bits() >= bits or value.is_zero():
                     return value
                 if value.contains(0) and value.abs_upper() < arb(2) ** -(bits + LOWEST_DOUBLE):
@@ -151,14 +163,9 @@ class ExactValue:
         """The value in nested square roots in normal form, or None if it is too deep for that."""
         if isinstance(self.near, Element):
             return self.near
-        tower = Tower(max_depth=TEXT_DEPTH, deadline=time.monotonic() + TEXT_SECONDS)
         if isinstance(self.near, fmpq):
-            return tower.rational(self.near)
-        try:
-            machine = self._program.in_tower(tower, self._upto, self._bodies)
-            return self._formula(machine)
-        except TowerLimit:
-            return None
+            return Tower().rational(self.near)
+        return self.program.exact(self.upto, self.bodies, self.formula)
 
     def sympy(self) -> Any:
         """The value as a SymPy expression.
@@ -171,8 +178,8 @@ class ExactValue:
             return exact.sympy()
         from .export import sympy_machine
 
-        machine = sympy_machine(self._program, self._upto, self._bodies)
-        return self._formula(machine).expression
+        machine = sympy_machine(self.program, self.upto, self.bodies)
+        return self.formula(machine).expression
 
     def text(self) -> str | None:
         """The value in the grammar of scene files, or None if it is too deep to be written out.

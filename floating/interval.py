@@ -11,6 +11,7 @@ from typing import Any
 
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
+from mpmath.libmp import to_float  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from ..exact.engine import run_limits
@@ -33,7 +34,8 @@ class IntervalNumber:
         self.value = value
 
     def __float__(self) -> float:
-        return float(mpmath.mpf(self.value.mid))
+        low, high = _ends(self.value)
+        return low + (high - low) / 2
 
     @property
     def low(self) -> float:
@@ -56,10 +58,16 @@ class IntervalNumber:
 
 def bounds(value: Any) -> tuple[float, float]:
     """Doubles at or below, and at or above, every number in an interval."""
-    low, high = (float(mpmath.mpf(end)) for end in (value.a, value.b))
+    low, high = _ends(value)
     if math.isnan(low) or math.isnan(high):
         return -inf, inf
     return nextafter(low, -inf), nextafter(high, inf)
+
+
+def _ends(value: Any) -> tuple[float, float]:
+    """The ends of an interval, each as a double nearest to it."""
+    low, high = value._mpi_
+    return to_float(low), to_float(high)
 
 
 def sign(value: Any) -> int:

@@ -72,7 +72,8 @@ class PlainLoop(EventLoop):
             ) from None
 
     def _name(self, link: Link) -> str:
-        return f"{self.scene.ids[link[0]]} and {self.scene.ids[link[1]]}"
+        other = self.scene.ids[link[1]] if link[1] >= 0 else f"pocket {self.scene.pockets[-1 - link[1]].id}"
+        return f"{self.scene.ids[link[0]]} and {other}"
 
     def unsure(self, link: Link) -> None:
         """A prediction with a sign that is not certain, or with no gap left: by rounding, or touching."""
@@ -97,6 +98,8 @@ class PlainLoop(EventLoop):
         if self.ask(Approach(link)) >= 0:
             return None
         if self.ask(Gap(link)) <= 0:
+            if link[1] < 0:
+                return None
             later = max((i for i in link if i < self.n), key=lambda i: self.bodies[i].last)
             return self.bodies[later].t
         clock, wait = self.machine.hit(link)
@@ -134,5 +137,6 @@ class PlainLoop(EventLoop):
         if len(chosen) < 2:
             return []
         ids = self.scene.ids
+        chosen = [c for c in chosen if c.link[1] >= 0]
         contacts = tuple(Contact(ids[c.link[0]], ids[c.link[1]]) for c in sorted(chosen, key=lambda c: c.link))
         return [Tie(contacts, TieProof.FLOAT)]

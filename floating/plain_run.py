@@ -7,7 +7,7 @@ from typing import Any
 
 from ..exact.event_loop import Limits
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, Event, Motion, Reversal, Stop, StopReason, Trajectory
+from ..scenarios.trajectory import Contact, Event, Motion, Pocketing, Reversal, Stop, StopReason, Trajectory
 from .plain_loop import PlainLoop
 
 
@@ -50,5 +50,8 @@ def trajectory(
         final_time=end,
         motion=motion(history.knots),
         reversal=reversal,
+        pocketings=tuple(
+            Pocketing(str(ids[p.circle]), str(scene.pockets[p.pocket].id), p.time) for p in history.pocketings
+        ),
         plan=dict(sorted(history.plan.items())),
     )

@@ -96,6 +96,21 @@ class Reversal:
 
 
 @dataclass(frozen=True)
+class Pocketing:
+    """The centre of a circle enters a pocket.
+
+    Attributes:
+        circle: the circle's id.
+        pocket: the pocket's id.
+        time: the instant.
+    """
+
+    circle: str
+    pocket: str
+    time: Real
+
+
+@dataclass(frozen=True)
 class CircleState:
     """Where a circle is and how fast it goes, in the engine's own numbers."""
 
@@ -180,6 +195,7 @@ class Trajectory:
         final_time: the time of the final state.
         motion: positions and velocities between events; ask through `at` and `sample`.
         reversal: where velocities were negated, if they were.
+        pocketings: entries into pockets, in order.
         plan: what each rung of the decision ladder decided and what was skipped, as counts.
         notes: what the run says of itself, one sentence each (such as an exact return to the start).
     """
@@ -192,6 +208,7 @@ class Trajectory:
     final_time: Real
     motion: Motion = field(repr=False)
     reversal: Reversal | None = None
+    pocketings: tuple[Pocketing, ...] = ()
     plan: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 

@@ -1,44 +1,52 @@
 """Numbers that are only measured: a bound on the height of each, and its exact value while that is short.
 
-The height of an algebraic number x is the absolute logarithmic Weil height, here to base 2: for a rational p/q in
-lowest terms, log2 max(|p|, |q|); for any x != 0 of a field of degree d, d times the height of x bounds log2 of the
-numerator of the norm of x, and so tells how many primes can divide it.
+The height of an algebraic number x is the absolute logarithmic Weil height, here to base 2: for a rational
+p/q in lowest terms, log2 max(|p|, |q|); for any x != 0 of a field of degree d, d times the height of x
+bounds log2 of the numerator of the norm of x, and so tells how many primes can divide it.
 
 Rules used (M. Waldschmidt, *Diophantine Approximation on Linear Algebraic Groups*, 2000, section 3.2):
-h(x + y) <= h(x) + h(y) + 1, h(x y) <= h(x) + h(y), h(1 / x) = h(x), and h(x**2) = 2 h(x), so h(sqrt(x)) = h(x) / 2.
+h(x + y) <= h(x) + h(y) + 1, h(x y) <= h(x) + h(y), h(1 / x) = h(x), and h(x**2) = 2 h(x), so h(sqrt(x)) =
+h(x) / 2.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
-from flint import fmpq, fmpz  # type: ignore[attr-defined]
+from flint import fmpz  # type: ignore[attr-defined]
 
 from ...scenarios.tower import Element, Nested
 from .field import FieldNumber
 
 EXACT_BITS = 1024
-"""Longest coefficients of an exact value that is kept. Squares among longer numbers are told by residues alone."""
+"""Longest coefficients of an exact value that is kept; squares among longer numbers are not recognised."""
 
 EXACT_TERMS = 8
 """Most terms of an exact value that is kept: products of longer sums would cost more than they tell."""
 
 
 class Measured:
-    """A number known by a bound on its height and, while that is short, by its exact value.
+    """A number known by a bound on its height, the roots in it and, while that is short, its exact value.
+
+    Attributes:
+        height: a bound on its height.
+        exact: its exact value, or None.
+        roots: the numbered roots that it was computed from, as bits; an exact value has none.
 
     >>> x = Measured.of(fmpq(3, 4)) + Measured.of(fmpq(5))
     >>> x.exact, x.height
     (23/4, 5)
-    >>> (x * Measured(100)).height, Measured(100).root().height
-    (105, 50)
+    >>> y = Measured(100, roots=0b10)
+    >>> (x * y).height, (x * y).roots
+    (105, 2)
     """
 
-    __slots__ = ("exact", "height")
+    __slots__ = ("exact", "height", "roots")
 
-    def __init__(self, height: int, exact: FieldNumber | None = None) -> None:
+    def __init__(self, height: int, exact: FieldNumber | None = None, roots: int = 0) -> None:
         self.height = height
         self.exact = exact
+        self.roots = roots
 
     @staticmethod
     def of(value: FieldNumber, height: int | None = None) -> Measured:
@@ -61,34 +69,40 @@ class Measured:
     def __add__(self, other: Measured) -> Measured:
         height = self.height + other.height + 1
         if self.exact is None or other.exact is None:
-            return Measured(height)
+            return Measured(height, None, self.roots | other.roots)
         return Measured.of(self.exact + other.exact, height)
 
     def __sub__(self, other: Measured) -> Measured:
         height = self.height + other.height + 1
         if self.exact is None or other.exact is None:
-            return Measured(height)
+            return Measured(height, None, self.roots | other.roots)
         return Measured.of(self.exact - other.exact, height)
 
     def __mul__(self, other: Measured) -> Measured:
+        height = self.height + other.height
         if self.exact is None or other.exact is None:
             for factor in (self, other):
                 if factor.exact is not None and factor.exact == 0:
                     return factor
-            return Measured(self.height + other.height)
-        return Measured.of(self.exact * other.exact, self.height + other.height)
+            return Measured(height, None, self.roots | other.roots)
+        return Measured.of(self.exact * other.exact, height)
 
     def __truediv__(self, other: Measured) -> Measured:
+        height = self.height + other.height
         if self.exact is None or other.exact is None:
-            return Measured(self.height + other.height)
-        return Measured.of(self.exact / other.exact, self.height + other.height)
+            return Measured(height, None, self.roots | other.roots)
+        return Measured.of(self.exact / other.exact, height)
 
     def __neg__(self) -> Measured:
-        return Measured(self.height, None if self.exact is None else -self.exact)
+        return Measured(self.height, None if self.exact is None else -self.exact, self.roots)
 
-    def root(self) -> Measured:
-        """The square root, without its exact value."""
-        return Measured((self.height + 1) // 2)
+    def root(self, index: int) -> Measured:
+        """The square root that has this number, without its exact value.
+
+        >>> Measured(100, roots=0b1).root(2).height, Measured(100, roots=0b1).root(2).roots
+        (50, 5)
+        """
+        return Measured((self.height + 1) // 2, None, self.roots | 1 << index)
 
 
 def _terms(element: Element) -> int:

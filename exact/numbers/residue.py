@@ -1,8 +1,9 @@
 """Residues: a scene's numbers modulo a large random prime, through `flint.fmpz_mod`.
 
-A field of real numbers K has a homomorphism to the integers modulo a prime p wherever the roots that generate it
-can be chosen modulo p (its domain are the numbers whose denominators p does not divide). Zero goes to zero. So a
-number that is not zero modulo p is not zero; and one that is not zero is zero modulo few primes (see `heights`).
+A field of real numbers K has a homomorphism to the integers modulo a prime p wherever the roots that
+generate it can be chosen modulo p (its domain are the numbers whose denominators p does not divide). Zero
+goes to zero. So a number that is not zero modulo p is not zero; and one that is not zero is zero modulo few
+primes (see `heights`).
 """
 
 from __future__ import annotations
@@ -16,12 +17,11 @@ from flint.utils.flint_exceptions import DomainError
 
 from ...scenarios.tower import Element, Nested, Place, Tower
 from .field import FieldNumber
-from .heights import masks_of
 
 Residue: TypeAlias = Any
 """`flint.fmpz_mod`."""
 
-SMALL_PRIMES = fmpz.primorial_ui(2000)
+SMALL_PRIMES = fmpz.primorial_ui(2000)  # type: ignore[arg-type]
 """Product of the primes up to 2,000: one gcd spares nine of ten tests for primality."""
 
 BATCH = 64
@@ -34,12 +34,13 @@ WITNESSES = 80
 class Candidates:
     """Random odd numbers; if one is a prime, then modulo it the given whole numbers are squares.
 
-    A candidate is r + M t. M is 8 times the product of the odd coprime factors c of the whole numbers, r is 1
-    modulo 8 and a random square class unit modulo each c (Jacobi symbol +1), t is uniform in [2**k, 2**(k + 1)). By
-    quadratic reciprocity, with n = 1 modulo 8, (2/n) = 1 and (c/n) = (n/c) = 1. Every number of the set
-    {r + M t} is as likely as any other, and it has at least 2**log2_size elements: 2**k for t, and for each c
-    phi(c) / 2 for r, where phi(c) >= c / L with L the bit length of c (an odd c has fewer than L distinct prime
-    factors, the i-th is at least i + 1, and the product of 1 - 1/(i + 1) telescopes).
+    A candidate n is r + M t. M is 8 times the product of the odd coprime factors c of the whole numbers; r
+    is 7 modulo 8, and random modulo each c with Jacobi symbol (r/c) = 1 if c is 1 modulo 4, else -1; t is
+    uniform in [2**k, 2**(k + 1)). By reciprocity (2/n) = 1 and (c/n) = 1; and as n is 3 modulo 4, a root
+    modulo n is one power. Every number of the set {r + M t} is as likely as any other, and it has at least
+    2**log2_size elements: 2**k for t, and for each c phi(c) / 2 for r, where phi(c) >= c / L with L the bit
+    length of c (an odd c has fewer than L distinct prime factors, the i-th is at least i + 1, and the
+    product of 1 - 1/(i + 1) telescopes).
 
     Args:
         squares: positive whole numbers that shall be squares.
@@ -64,15 +65,16 @@ class Candidates:
         self.log2_size = self._spread + size
         self.bits = self._modulus.bit_length() + self._spread + 1
         self.drawn = 0
-        self._start = fmpz(1)
+        self._start = fmpz(7)
 
     def _choose(self) -> None:
         """A random r, put together by the Chinese remainder theorem."""
-        start, modulus = fmpz(1), fmpz(8)
+        start, modulus = fmpz(7), fmpz(8)
         for c in self._parts:
+            wanted = 1 if c % 4 == 1 else -1
             while True:
                 r = fmpz(self._rng.randrange(1, int(c)))
-                if r.jacobi(c) == 1:
+                if r.jacobi(c) == wanted:
                     break
             start += modulus * ((r - start) * pow(modulus, -1, c) % c)
             modulus *= c
@@ -92,7 +94,7 @@ class Candidates:
 
 
 def coprime_parts(numbers: Iterable[fmpz]) -> list[fmpz]:
-    """Pairwise coprime odd numbers > 1, none a square: each given number is a product of them, squares and twos.
+    """Pairwise coprime odd non-squares > 1; the given numbers are products of them, of twos and squares.
 
     >>> sorted(coprime_parts([fmpz(15), fmpz(21), fmpz(8), fmpz(49)]))
     [3, 5, 7]
@@ -215,9 +217,10 @@ def products(tower: Tower, masks: Iterable[int]) -> list[fmpz]:
     """
     base: dict[int, fmpz] = {}
     for generator in tower.generators:
-        if isinstance(generator.num, dict):
+        square = (generator * generator).num
+        if isinstance(generator.num, dict) and isinstance(square, fmpz):
             (mask,) = generator.num
-            base[mask] = (generator * generator).num
+            base[mask] = square
     whole = []
     for mask in masks:
         product = fmpz(1)
@@ -250,7 +253,7 @@ def residues_of(tower: Tower, masks: Sequence[int], modulus: fmpz) -> Residues |
 
 
 def small_ratio(value: Residue, modulus: fmpz, bits: int) -> fmpq | None:
-    """The fraction p / q > 0 with p, q < 2**bits that a residue is, if there is one (then it is the only one).
+    """The fraction p / q > 0 with p, q < 2**bits that a residue is, if there is one; it is the only one.
 
     By the half-way remainders of Euclid's algorithm, for a modulus over 2**(2 * bits + 1).
     Source: P. S. Wang, *A p-adic algorithm for univariate partial fractions* (SYMSAC 1981).
@@ -269,4 +272,3 @@ def small_ratio(value: Residue, modulus: fmpz, bits: int) -> fmpq | None:
     if not 0 < t < bound or low == 0:
         return None
     return fmpq(low, t)
-
