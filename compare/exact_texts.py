@@ -9,8 +9,8 @@ from typing import Any
 from .amounts import exact_text
 
 NORMAL_SECONDS = 5.0
-"""Time that one document may spend on normal forms. Values get deeper with every collision, and soon none has one that
-could be written; those left are given by definitions, which costs little."""
+"""Time that one document may spend on normal forms. Values get deeper with every collision, and soon none
+has one that could be written; those left are given by definitions, which costs little."""
 
 NORMAL_LENGTH = 4_000
 """Characters beyond which a normal form is longer than anyone would read."""

@@ -6,6 +6,8 @@ import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from .engines import is_stepped
+
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
 
@@ -14,13 +16,18 @@ def pocketed(trajectory: Trajectory) -> dict[str, Any] | None:
     """For each circle whose centre enters a pocket, the first pocket and the instant, to a double's
     precision.
 
-    Between two events a centre flies straight; it enters a pocket (X, Y, R) when the quadratic
-    |p + v t - (X, Y)|^2 = R^2 has its smaller root within the flight. None for a scene without pockets.
+    An event-driven engine notes the entries itself. For one by time steps they follow from its motion:
+    between two events a centre flies straight, and enters a pocket (X, Y, R) when |p + v t - (X, Y)|^2 =
+    R^2 has its smaller root within the flight. None for a scene without pockets.
     """
     scene = trajectory.scene
     if not scene.pockets:
         return None
     end = float(trajectory.final_time)
+    if not is_stepped(trajectory.engine):
+        entered = [(p.circle, p.pocket, float(p.time)) for p in trajectory.pocketings]
+        first = {circle: {"pocket": p, "time": t} for circle, p, t in reversed(entered) if t <= end}
+        return {str(c.id): first[str(c.id)] for c in scene.circles if str(c.id) in first}
     knots = sorted({0.0, end, *(t for e in trajectory.events if (t := float(e.time)) < end)})
     flights = [(a, b, (a + b) / 2) for a, b in pairwise(knots) if a < (a + b) / 2 < b]
     states = trajectory.sample([middle for _, _, middle in flights])  # an instant itself may be hard to place

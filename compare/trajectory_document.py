@@ -37,17 +37,16 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
         "plan": plain(trajectory.plan),
     }
     if trajectory.reversal is not None:
-        data["reversal"] = {
-            "after": trajectory.reversal.after,
-            **amount("time", trajectory.reversal.time, texts),
-        }
+        data["reversal"] = {"after": trajectory.reversal.after}
+        put(data["reversal"], "time", trajectory.reversal.time, texts)
     if trajectory.notes:
         data["notes"] = list(trajectory.notes)
     if trajectory.scene.pockets:
         data["pocketed"] = [
-            {"circle": entry.circle, "pocket": entry.pocket, **amount("time", entry.time, texts)}
-            for entry in trajectory.pocketings
+            {"circle": entry.circle, "pocket": entry.pocket} for entry in trajectory.pocketings
         ]
+        for row, entry in zip(data["pocketed"], trajectory.pocketings, strict=True):
+            put(row, "time", entry.time, texts)
     definitions = texts.finish() if texts is not None else {}
     if definitions:
         data["definitions"] = definitions
@@ -67,12 +66,10 @@ def stop_json(stop: Stop) -> dict[str, Any]:
 
 def event_json(event: Event, texts: ExactTexts | None = None) -> dict[str, Any]:
     """One instant; `ties` only where several contacts fell on it."""
-    data: dict[str, Any] = {
-        "index": event.index,
-        **amount("time", event.time, texts),
-        "contacts": [list(pair) for pair in event.contacts],
-        "impulses": [list(pair) for pair in event.impulses],
-    }
+    data: dict[str, Any] = {"index": event.index}
+    put(data, "time", event.time, texts)
+    data["contacts"] = [list(pair) for pair in event.contacts]
+    data["impulses"] = [list(pair) for pair in event.impulses]
     if event.ties:
         data["ties"] = [
             {
@@ -90,25 +87,26 @@ def event_json(event: Event, texts: ExactTexts | None = None) -> dict[str, Any]:
 
 def state_json(state: State, texts: ExactTexts | None = None) -> dict[str, Any]:
     """All circles at one time."""
-    circles = []
-    for circle in state.circles:
-        row: dict[str, Any] = {"id": circle.id}
+    data: dict[str, Any] = {}
+    put(data, "time", state.time, texts)
+    data["circles"] = [{"id": circle.id} for circle in state.circles]
+    for row, circle in zip(data["circles"], state.circles, strict=True):
         for key in ("x", "y", "vx", "vy"):
-            row.update(amount(key, getattr(circle, key), texts))
-        circles.append(row)
-    return {**amount("time", state.time, texts), "circles": circles}
+            put(row, key, getattr(circle, key), texts)
+    return data
 
 
-def amount(key: str, value: Any, texts: ExactTexts | None) -> dict[str, Any]:
-    """One number under its key: the nearest double, bounds if it is an interval, exact text if asked for.
+def put(row: dict[str, Any], key: str, value: Any, texts: ExactTexts | None) -> None:
+    """Puts one number into a row: the nearest double, bounds if it is an interval, exact text if asked for.
 
-    >>> amount("x", 0.5, ExactTexts())
+    >>> row = {}
+    >>> put(row, "x", 0.5, ExactTexts())
+    >>> row
     {'x': 0.5, 'x_exact': '1/2'}
     """
-    data: dict[str, Any] = {key: double(value)}
+    row[key] = double(value)
     interval = bounds(value)
     if interval is not None:
-        data[f"{key}_interval"] = list(interval)
+        row[f"{key}_interval"] = list(interval)
     elif texts is not None:
-        texts.put(data, key, value)
-    return data
+        texts.put(row, key, value)

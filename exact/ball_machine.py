@@ -10,10 +10,13 @@ Interval arithmetic pays for every number that it uses twice. So:
   instant.
 - At contact, d has the d x v of before and d.v = -sqrt(discriminant): no time in it.
 - The velocities after are matrices times those before: v_a' = (I - A) v_a + A v_b.
+- Where two formulas enclose one number, neither always sharper, the number lies in both: their intersection is
+  kept. So it is with the time of a hit, d at contact, and the line after it.
 """
 
 from __future__ import annotations
 
+from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
 from .formulas import pair_mix, wall_mirror
 from .machine import Body, Link, Machine, Number
@@ -25,6 +28,7 @@ class BallMachine(Machine):
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene, ball.constant, ball.root)
+        self._told: tuple[Link, Number, Number] | None = None
         self._mirrors: dict[int, tuple[Number, Number, Number]] = {}
 
     def set_instant(self, base: Number, wait: Number) -> tuple[Number, Number]:
@@ -36,13 +40,28 @@ class BallMachine(Machine):
         return clock, lag
 
     def _hit_from_base(self, source: Link) -> tuple[Number, Number]:
-        """The time of the hit, and for two circles their d at it."""
+        """The time of the hit, and for two circles their d at it, each cut from two enclosures."""
         i, j = source
         if j >= self.n:
             return super().hit(source)
         t, wait, dx, dy = self._encounter(i, j)
-        self.met = (source, dx, dy)
-        return t, wait
+        self._told = (source, dx, dy)
+        return t, wait.intersection(super().hit(source)[1])
+
+    def span(self, i: int, j: int) -> tuple[Number, Number]:
+        """d at the instant: from the bodies' places, cut with what the law of the encounter told of it."""
+        if self.met is not None and self.met[0] == (i, j):
+            return self.met[1], self.met[2]
+        dx, dy = super().span(i, j)
+        if self._told is not None and self._told[0] == (i, j):
+            dx, dy = dx.intersection(self._told[1]), dy.intersection(self._told[2])
+            self.met = ((i, j), dx, dy)
+        return dx, dy
+
+    def go(self, source: Link | int | Quantity, bodies: tuple[int, ...]) -> None:
+        """As `Machine.go`."""
+        self._told = None
+        super().go(source, bodies)
 
     def hit(self, link: Link) -> tuple[Number, Number]:
         """As `Machine.hit`, in the sharper form."""
@@ -108,8 +127,11 @@ class BallMachine(Machine):
         body.vx = origin[2] + (left * vx - xy * vy + xx * wx + xy * wy)
         body.vy = origin[3] + (right * vy - xy * vx + xy * wx + yy * wy)
         if self.late is not None:
-            body.x = origin[0] + (left * x - xy * y + xx * px + xy * py + k * dx)
-            body.y = origin[1] + (right * y - xy * x + xy * px + yy * py + k * dy)
+            ux, uy = vx - wx, vy - wy
+            mixed_x = origin[0] + (left * x - xy * y + xx * px + xy * py + k * dx)
+            mixed_y = origin[1] + (right * y - xy * x + xy * px + yy * py + k * dy)
+            body.x = mixed_x.intersection(body.x + (xx * ux + xy * uy) * self.late)
+            body.y = mixed_y.intersection(body.y + (xy * ux + yy * uy) * self.late)
         body.rest = False
 
     def bounce_wall(self, a: Body, wall: int) -> None:

@@ -255,7 +255,7 @@ class EventLoop(ABC):
         if self.progress is not None and clock.monotonic() >= self._next_report:
             self._next_report = clock.monotonic() + PROGRESS_EVERY
             records = self.history.records
-            reached = float(records[-1].time) if records else 0.0
+            reached = self.bounds(records[-1].time)[0] if records else 0.0
             self.progress(Progress(len(records), reached, self.note()))
 
     def note(self) -> str:
@@ -447,6 +447,7 @@ class EventLoop(ABC):
         self.history.records.append(
             Record(self.now(a), len(self.history.steps), i, (link,), (link,), (), coupled=False)
         )
+        self.policy.note(link)
         self.just_parted = (link,)
         self._resume(moved, frozenset(self.just_parted))
 

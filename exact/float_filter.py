@@ -35,8 +35,8 @@ UNIT = 2.0**-53
 ACCURATE_BITS = 60
 """A ball with this relative accuracy has a radius below 2**-58 of its middle: u/32 at most."""
 
-BIG = 1e100
-"""Beyond this, or its inverse, squares and quotients might overflow: left to balls."""
+BIG = 1e50
+"""Beyond this, or its inverse, fourth powers and quotients of bounds might overflow or vanish: left to balls."""
 
 
 class Answer:
@@ -134,7 +134,7 @@ class FloatFilter:
             return MISS
         square = vx * vx + vy * vy
         loose = 6.0 * slack * wide
-        if approach > -off or square < 100.0 * loose:
+        if not (approach < -off and square > 100.0 * loose):
             return UNCLEAR
         cross = abs(dx * vy - dy * vx)
         if cross > off and (cross - off) * (cross - off) > (square + loose) * (reach * reach) * ROUND_UP:
@@ -169,7 +169,7 @@ class FloatFilter:
         off = 16 * UNIT * norm * self.fastest
         if approach > off:
             return MISS
-        if approach > -8.0 * off:
+        if not approach < -8.0 * off:
             return UNCLEAR
         gap = nx * (x - x0) + ny * (y - y0) - offset
         off_gap = 32 * UNIT * (size + norm * self.largest)

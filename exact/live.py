@@ -270,7 +270,7 @@ class LiveMachine:
             for name in ("x", "y", "vx", "vy", "t", "instant", "late", "acc", "r", "w"):
                 setattr(old, name, getattr(new, name))
         self.balls._lines = machine._lines
-        for name in ("_mirrors", "zero", "one", "instant", "late", "met"):
+        for name in ("_mirrors", "_told", "zero", "one", "instant", "late", "met"):
             setattr(self.balls, name, getattr(machine, name))
         self.balls.flip_time = machine.flip_time
         self._stale = {i for i in range(self.n) if self.exact[i]}

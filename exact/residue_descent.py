@@ -131,8 +131,8 @@ class Descent:
         else:
             if self.scout is not None and not plan.examined:
                 plan.examined = True
-                self.scout.examine(self, index, value, along)
                 plan.needs = needs(self.roots, plan.past)
+                self.scout.examine(self, index, value, along)
             root = self._tied(plan.tie, value, along) if plan.tie is not None else self._free(index, value)
         del self.values[index:]
         self.values.append((value, root))

@@ -130,8 +130,8 @@ class Scout:
             root.tries += root.tries_here <= TRIES_A_PRIME
             if root.tries >= TRIES:
                 raise GaveUp(
-                    f"the radicand of square root {index + 1} of {len(self.survey.roots)} seems to be a square, "
-                    f"of a number that was not recognised"
+                    f"radicand {index + 1} of {len(self.survey.roots)} had a root modulo every prime tried: "
+                    "it seems to be the square of a number that was not recognised"
                 )
 
     def examine(self, descent: Descent, index: int, value: Residue, along: tuple[Residue, ...]) -> None:

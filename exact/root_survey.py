@@ -23,7 +23,7 @@ RATIO_BITS = 24
 """Longest numerator and denominator of the rational factor of a tie."""
 
 
-class GaveUp(Exception):  # noqa: N818 - an outcome, not an error
+class GaveUp(Exception):
     """Residues cannot tell; the message says why."""
 
 
@@ -149,7 +149,7 @@ class Survey:
         return root if exact is None else Measured.of(exact, root.height)
 
     def exact_root(self, value: FieldNumber) -> FieldNumber | None:
-        """The root of a positive number of K_0, which may gain roots of whole numbers; None if it nests deeper."""
+        """The root of a positive number of K_0, which may gain roots of whole numbers; None if it nests."""
         tower = self.tower
         if isinstance(value, fmpq):
             value = tower.rational(value)
@@ -187,8 +187,9 @@ class Survey:
         for root in self.roots:
             if root.tie is not None:
                 source = root.tie.source
-                base = self.roots[source].height if isinstance(source, int) else 2 * max(root.speeds,
-                default=0) total += root.height + base + 2 * RATIO_BITS + 1
+                speed = max(root.speeds, default=0)
+                base = self.roots[source].height if isinstance(source, int) else 2 * speed
+                total += root.height + base + 2 * RATIO_BITS + 1
         return total
 
 

@@ -56,6 +56,33 @@ def test_exact_text_is_read_back_to_the_same_double() -> None:
             assert float(Quantity.of(circle[f"{key}_exact"])) == circle[key]
 
 
+def test_deep_values_are_given_by_definitions() -> None:
+    import re
+
+    import mpmath
+
+    data = trajectory_json(engine("exact").run(catalogue.build("gas"), events=40), exact=True)
+    check(data)
+    with mpmath.workdps(100):
+        known: dict[str, Any] = {"sqrt": mpmath.sqrt, "mpf": mpmath.mpf}
+
+        def value(text: str) -> Any:
+            return eval(re.sub(r"(?<!\w)(\d+)", r"mpf('\1')", text), {"__builtins__": {}}, known)
+
+        for name, text in data["definitions"].items():
+            known[name] = value(text)
+        for event in data["events"]:
+            assert float(value(event["time_exact"])) == event["time"]
+        for circle in data["final"]["circles"]:
+            assert float(value(circle["vx_exact"])) == circle["vx"]
+
+
+def test_entries_into_pockets_are_printed() -> None:
+    data = trajectory_json(engine("exact").run(catalogue.build("rack:rows=2"), events=20), exact=True)
+    check(data)
+    assert {entry["circle"] for entry in data["pocketed"]} == {"b2", "b3"}
+
+
 def test_ties_and_reversals_are_printed() -> None:
     tied = trajectory_json(engine("exact").run(catalogue.build("lee")))
     check(tied)

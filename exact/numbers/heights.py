@@ -33,6 +33,7 @@ class Measured:
         exact: its exact value, or None.
         roots: the numbered roots that it was computed from, as bits; an exact value has none.
 
+    >>> from flint import fmpq
     >>> x = Measured.of(fmpq(3, 4)) + Measured.of(fmpq(5))
     >>> x.exact, x.height
     (23/4, 5)

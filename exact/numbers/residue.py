@@ -212,7 +212,8 @@ def products(tower: Tower, masks: Iterable[int]) -> list[fmpz]:
     """The whole numbers whose roots the masks stand for.
 
     >>> tower = Tower()
-    >>> products(tower, masks_of(tower.sqrt(15)))
+    >>> (mask,) = tower.sqrt(15).num
+    >>> products(tower, [mask])
     [15]
     """
     base: dict[int, fmpz] = {}

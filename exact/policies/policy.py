@@ -26,6 +26,10 @@ class Policy(Protocol):
         """
         ...
 
+    def note(self, link: Link) -> None:
+        """Called when a contact was alone at its instant, so that nothing was to be chosen."""
+        ...
+
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
         """Called when an instant of several impulses is done.
 

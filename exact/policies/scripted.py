@@ -89,6 +89,9 @@ class Scripted:
         self.asleep = self._still_asleep(awake[0])
         return (awake[0],)
 
+    def note(self, link: Link) -> None:
+        """Nothing to note: no choice, no branch."""
+
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
         """Merges the branch into another of the same state; no sleep outlasts its instant.
 

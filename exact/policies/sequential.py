@@ -28,5 +28,8 @@ class Sequential:
             return (approaching[0],)
         return (approaching[self._random.randrange(len(approaching))],)
 
+    def note(self, link: Link) -> None:
+        """Nothing to note."""
+
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
         """Nothing to note."""

@@ -21,5 +21,8 @@ class Simultaneous:
         """Those of the approaching contacts that push."""
         return pushing_contacts(approaching, ask)
 
+    def note(self, link: Link) -> None:
+        """Nothing to note."""
+
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
         """Nothing to note."""

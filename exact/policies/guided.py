@@ -1,0 +1,78 @@
+"""One approaching contact at a time, in the order that another history shows: is that history permitted?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, field
+
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Trajectory
+from ..complementarity import Ask
+from ..machine import Link
+
+
+@dataclass
+class _Line:
+    """What one body does in the history followed: groups of partners, each group in any order."""
+
+    groups: list[list[int]] = field(default_factory=list)
+    place: int = 0
+
+    def next(self) -> list[int]:
+        return self.groups[self.place] if self.place < len(self.groups) else []
+
+    def meets(self, partner: int) -> None:
+        """Crosses a partner off; one that is not next leaves the line where it is."""
+        group = self.next()
+        if partner in group:
+            group.remove(partner)
+            if not group:
+                self.place += 1
+
+
+class Guided:
+    """Among the contacts that approach, takes one that comes next for both its bodies in another history.
+
+    Where none does, the first in scene order is taken: the other history is not one that the physics permits from
+    there on, which a comparison of the two then shows.
+
+    Args:
+        scene: the scene of both.
+        history: the run to follow; impulses of one of its events count as being in any order.
+    """
+
+    chooses_order = True
+
+    def __init__(self, scene: Scene, history: Trajectory) -> None:
+        self.n = len(scene.circles)
+        places = {name: place for place, name in enumerate(scene.ids)}
+        self._lines = [_Line() for _ in range(self.n)]
+        for event in history.events:
+            groups: dict[int, list[int]] = {}
+            for first, second in event.impulses:
+                i, j = places[first], places[second]
+                groups.setdefault(i, []).append(j)
+                if j < self.n:
+                    groups.setdefault(j, []).append(i)
+            for body, group in groups.items():
+                self._lines[body].groups.append(group)
+
+    def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+        """One contact."""
+        chosen = next((link for link in approaching if self._is_next(link)), approaching[0])
+        self.note(chosen)
+        return (chosen,)
+
+    def _is_next(self, link: Link) -> bool:
+        i, j = link
+        return j in self._lines[i].next() and (j >= self.n or i in self._lines[j].next())
+
+    def note(self, link: Link) -> None:
+        """A contact has been kicked."""
+        i, j = link
+        self._lines[i].meets(j)
+        if j < self.n:
+            self._lines[j].meets(i)
+
+    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
+        """Nothing to note."""

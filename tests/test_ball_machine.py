@@ -1,0 +1,72 @@
+"""Laws of the ball machine: its enclosures hold the numbers of the plain machine, and lose few bits."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+from flint import arb, ctx
+
+from truebreak.exact import ExactEngine
+from truebreak.exact.ball_machine import BallMachine
+from truebreak.exact.engine import ExactEngine as Engine
+from truebreak.exact.machine import Machine
+from truebreak.exact.numbers import ball
+from truebreak.exact.program import replay
+from truebreak.scenarios import Circle, Scene, Wall, catalogue
+
+
+def states(machine, when):
+    ctx.prec = 2000
+    rows = []
+    for body in list(machine.bodies)[: machine.n]:
+        lag = arb(when) - body.t
+        rows += [body.x + body.vx * lag, body.y + body.vy * lag, body.vx, body.vy]
+    return rows
+
+
+def slanted(seed: int) -> Scene:
+    draw = random.Random(seed)
+    circles = [
+        Circle(3 * k, f"{draw.randrange(-50, 50)}/100", 1, f"{draw.randrange(-99, 99)}/70", f"{draw.randrange(-99, 99)}/70",
+               m=f"{draw.randrange(1, 50)}/7")
+        for k in range(5)
+    ]  # fmt: skip
+    walls = [Wall(-9, -20, -8, 20), Wall(22, -20, 20, 20), Wall(-9, 9, 20, 11), Wall(-9, -10, 20, -8)]
+    return Scene(circles, walls)
+
+
+@pytest.mark.parametrize("scene", [slanted(1), slanted(2), catalogue.build("gas:n=8,seed=5,mixed=yes")], ids=str)
+def test_the_two_forms_enclose_the_same_numbers(scene):
+    """The matrix and contact forms against the plain formulas, both in balls: the same log, overlapping states."""
+    run = ExactEngine().run(scene, events=60)
+    steps = run.motion.program.steps
+    ctx.prec = 2000
+    ours, plain = BallMachine(scene), Machine(scene, ball.constant, ball.root)
+    replay(ours, steps, range(len(steps)))
+    ctx.prec = 2000
+    replay(plain, steps, range(len(steps)))
+    when = float(run.final_time) + 1
+    for one, other in zip(states(ours, when), states(plain, when), strict=True):
+        assert one.overlaps(other)
+        assert one.rad() < arb(2) ** -1500
+        assert other.rad() < arb(2) ** -1000
+
+
+def test_it_loses_fewer_bits_than_the_plain_form():
+    scene = catalogue.build("gas:n=10,seed=1")
+    run = ExactEngine().run(scene, events=400)
+    steps = run.motion.program.steps
+    widths = []
+    for make in (lambda: BallMachine(scene), lambda: Machine(scene, ball.constant, ball.root)):
+        ctx.prec = 2000
+        machine = make()
+        replay(machine, steps, range(len(steps)))
+        widths.append(max(float(row.rad().log() / arb(2).log()) for row in states(machine, float(run.final_time))))
+    assert widths[0] < widths[1] - 40
+
+
+def test_galperin_loses_next_to_nothing():
+    """In one dimension the contact form is exact, so no bits go: 3,141 collisions fit in the first precision."""
+    run = Engine().run(catalogue.build("galperin:n=3"), events=4000)
+    assert (run.collisions, run.plan["bits"]) == (3141, 256)

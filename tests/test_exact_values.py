@@ -1,0 +1,107 @@
+"""Laws of exact values: whatever way a value is asked for, it is one number."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from flint import arb, ctx
+
+from truebreak.exact import ExactEngine
+from truebreak.exact.export import definitions
+from truebreak.scenarios import Circle, Quantity, Scene, catalogue
+
+SCENE = Scene([Circle(0, 0, 1, 1, 0), Circle(4, 1), Circle("9/2", -3)])
+
+
+@pytest.fixture(scope="module")
+def gas():
+    return ExactEngine().run(catalogue.build("gas:n=6,seed=2"), events=40)
+
+
+def evaluated(found, bits=400):
+    """The texts of `definitions`, carried out in balls by nothing but Python's own arithmetic."""
+    ctx.prec = bits
+    names: dict[str, arb] = {"sqrt": lambda v: arb(v).sqrt()}
+    for name, text in found.names:
+        names[name] = arb_eval(text, names)
+    return [arb_eval(text, names) for text in found.values]
+
+
+def arb_eval(text, names):
+    import ast
+
+    def go(node):
+        if isinstance(node, ast.BinOp):
+            left, right = go(node.left), go(node.right)
+            kind = type(node.op)
+            if kind is ast.Add:
+                return left + right
+            if kind is ast.Sub:
+                return left - right
+            return left * right if kind is ast.Mult else left / right
+        if isinstance(node, ast.UnaryOp):
+            return -go(node.operand)
+        if isinstance(node, ast.Call):
+            return go(node.args[0]).sqrt()
+        return names[node.id] if isinstance(node, ast.Name) else arb(node.value)
+
+    return go(ast.parse(text, mode="eval").body)
+
+
+def test_digits_text_sympy_and_float_agree():
+    for event in ExactEngine().run(SCENE).events:
+        text = event.time.text()
+        assert float(Quantity.of(text)) == float(event.time)
+        assert abs(float(event.time.sympy()) - float(event.time)) < 1e-12
+        assert math.isclose(float(event.time.digits(30)), float(event.time))
+
+
+def test_definitions_give_the_same_numbers_at_any_depth(gas):
+    values = [event.time for event in gas.events] + [c.vx for c in gas.final.circles]
+    for value, told in zip(values, evaluated(definitions(values)), strict=True):
+        assert told.overlaps(value.ball(300))
+        assert told.rad() < arb(2) ** -100
+
+
+def test_definitions_grow_in_proportion_to_the_events(gas):
+    found = definitions([event.time for event in gas.events])
+    assert sum(len(text) for _, text in found.names) < 4_000 * len(gas.events)
+
+
+def test_deep_sympy_expressions_are_the_values(gas):
+    import sympy
+
+    value = gas.events[6].time
+    expression = value.sympy()
+    assert isinstance(expression, sympy.Expr)
+    assert abs(float(sympy.lambdify([], expression, "math", cse=True)()) - float(value)) < 1e-6
+
+
+def test_a_hundred_digits_are_right(gas):
+    value = gas.events[-1].time
+    short, long = value.digits(100), value.digits(140)
+    assert long.startswith(short[:-1])
+
+
+def test_state_at_an_event_is_as_the_event_leaves_it():
+    run = ExactEngine().run(SCENE)
+    first = run.events[0].time
+    before, at = run.at(Quantity.of(first.text()) - Quantity.of("1/1000000")), run.at(first)
+    assert float(before["c2"].vx) == 0.0
+    assert float(at["c2"].vx) != 0.0
+    assert float(run.at(Quantity.of(first.text()))["c2"].vx) == float(at["c2"].vx)
+
+
+@pytest.mark.parametrize("time", [-1, "10**9"])
+def test_times_outside_the_run_are_refused(gas, time):
+    with pytest.raises(ValueError, match="start|end"):
+        gas.at(time)
+
+
+def test_the_caller_keeps_its_precision():
+    ctx.prec = 77
+    run = ExactEngine().run(SCENE)
+    float(run.events[-1].time)
+    run.final["c1"].x.digits(50)
+    assert ctx.prec == 77

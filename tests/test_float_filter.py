@@ -1,0 +1,123 @@
+"""Laws of the filter: what doubles tell is true of the exact numbers, on easy states and on cruel ones."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction as Q
+
+import pytest
+from flint import arb, ctx
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from truebreak.exact.float_filter import MISS, UNCLEAR, FloatFilter, float_line
+from truebreak.exact.machine import Body
+
+wide = st.fractions(min_value=-1000, max_value=1000, max_denominator=10**6)
+slow = st.fractions(min_value=-2, max_value=2, max_denominator=10**6)
+radius = st.fractions(min_value=Q(1, 1000), max_value=5, max_denominator=1000)
+clock = st.fractions(min_value=0, max_value=5000, max_denominator=10**6)
+tiny = st.sampled_from([Q(0), Q(1, 10**9), Q(-1, 10**12), Q(1, 10**15), Q(-1, 10**17), Q(1, 10**25)])
+
+
+def body(index: int, state: list[Q], filter_: FloatFilter) -> Body:
+    made = Body(index, (0, 0, 0, 0), 0, 1, 1)
+    ctx.prec = 128
+    made.q = tuple(arb(q.numerator) / q.denominator for q in state)
+    filter_.admit(made)
+    return made
+
+
+def enclosed_root(value: Q, bits: int = 400) -> tuple[Q, Q]:
+    scale = 1 << bits
+    low = math.isqrt(value.numerator * scale * scale // value.denominator)
+    return Q(low, scale), Q(low + 1, scale)
+
+
+def check_pair(filter_: FloatFilter, a: list[Q], b: list[Q], reach: Q) -> str:
+    bodies = body(0, a, filter_), body(1, b, filter_)
+    found = filter_.pair(*bodies, float(reach))
+    lag = a[4] - b[4]
+    dx, dy = b[0] + b[2] * lag - a[0], b[1] + b[3] * lag - a[1]
+    vx, vy = b[2] - a[2], b[3] - a[3]
+    approach, gap = dx * vx + dy * vy, dx * dx + dy * dy - reach * reach
+    disc = (vx * vx + vy * vy) * reach * reach - (dx * vy - dy * vx) ** 2
+    hits = approach < 0 and disc > 0
+    if found is MISS:
+        assert not hits or gap <= 0
+        return "miss"
+    if found is UNCLEAR:
+        return "unclear"
+    assert hits
+    low_root, high_root = enclosed_root(disc)
+    square = vx * vx + vy * vy
+    early = a[4] + (-approach - high_root) / square
+    late = a[4] + (-approach - low_root) / square
+    assert Q(found[0]) <= early
+    assert late <= Q(found[1])
+    return "hit"
+
+
+@settings(max_examples=600)
+@given(st.lists(wide, min_size=4, max_size=4), st.lists(slow, min_size=4, max_size=4), clock, clock, radius)
+def test_what_is_told_of_a_pair_is_true(places, speeds, first, second, reach):
+    later, earlier = max(first, second), min(first, second)
+    a = [places[0], places[1], speeds[0], speeds[1], later]
+    b = [places[2], places[3], speeds[2], speeds[3], earlier]
+    check_pair(FloatFilter(), a, b, reach)
+
+
+@settings(max_examples=600)
+@given(st.lists(slow, min_size=4, max_size=4), tiny, tiny, radius, clock, st.integers(1, 400))
+def test_what_is_told_of_a_near_graze_is_true(speeds, miss, shift, reach, now, far):
+    """b passes a at a distance of the sum of radii, give or take next to nothing, or next to touching."""
+    vx, vy = speeds[2] - speeds[0], speeds[3] - speeds[1]
+    if vx == 0 and vy == 0:
+        return
+    low, _ = enclosed_root(vx * vx + vy * vy)
+    ux, uy = vx / low, vy / low
+    along = Q(far, 100)
+    dx, dy = -along * ux + (reach + miss) * uy, -along * uy - (reach + miss) * ux
+    a = [Q(3), Q(-7), speeds[0], speeds[1], now]
+    b = [3 + dx + shift, -7 + dy, speeds[2], speeds[3], now]
+    check_pair(FloatFilter(), a, b, reach)
+
+
+def test_the_filter_decides_most_of_a_dilute_gas():
+    """A filter that called everything unclear would be true and of no use."""
+    from truebreak.exact import ExactEngine
+    from truebreak.scenarios import catalogue
+
+    plan = ExactEngine().run(catalogue.build("gas:n=10,seed=3"), events=300).plan
+    assert plan.get("unclear in doubles", 0) < plan["pairs predicted"] / 100
+
+
+@settings(max_examples=400)
+@given(wide, wide, slow, slow, clock, slow, slow, wide, wide, radius)
+def test_what_is_told_of_a_wall_is_true(x, y, vx, vy, now, nx, ny, x0, y0, offset):
+    filter_ = FloatFilter()
+    one = body(0, [x, y, vx, vy, now], filter_)
+    ctx.prec = 128
+    line = float_line(*(arb(q.numerator) / q.denominator for q in (x0, y0, nx, ny, offset)))
+    found = filter_.wall(one, line)
+    approach, gap = nx * vx + ny * vy, nx * (x - x0) + ny * (y - y0) - offset
+    if found is MISS:
+        assert approach >= 0
+    elif found is not UNCLEAR:
+        assert approach < 0 < gap
+        assert Q(found[0]) <= now - gap / approach <= Q(found[1])
+
+
+@pytest.mark.parametrize("scale", [Q(10) ** k for k in (-200, -110, -60, 60, 99, 110, 200)])
+def test_scales_beyond_safe_doubles_are_left_to_balls_or_told_rightly(scale):
+    a = [Q(0), Q(0), scale, Q(0), Q(0)]
+    b = [4 * scale, scale / 3, Q(0), Q(0), Q(0)]
+    check_pair(FloatFilter(), a, b, scale)
+
+
+def test_an_unsharp_ball_is_not_admitted():
+    filter_ = FloatFilter()
+    blurred = Body(0, (0, 0, 0, 0), 0, 1, 1)
+    blurred.q = (arb("1 +/- 1e-10"), arb(0), arb(1), arb(0), arb(0))
+    filter_.admit(blurred)
+    assert blurred.f is None
