@@ -13,8 +13,8 @@ from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 
 from ..scenarios.scene import Scene
 from ..scenarios.tower import sign_of_root_sum
-from ..scenarios.trajectory import OnProgress, Tie, TieProof
-from .evidence import Evidence, Prover
+from ..scenarios.trajectory import Assumption, OnProgress, Tie, TieProof
+from .evidence import Evidence, Found, Prover, Rule
 from .event_loop import Candidate, EventLoop, Limits
 from .float_filter import MISS, UNCLEAR, FloatFilter, FloatLine, float_line
 from .live import LiveMachine
@@ -43,6 +43,8 @@ MOST_FORESIGHT = 16
 
 TRY_BITS = 1024
 """Below this precision, more bits are cheaper than any attempt to prove a zero."""
+DOUBT_FACTOR = 16
+"""By how much precision still rises for a number that neither proof nor residues could tell from zero."""
 
 LATER = object()
 """The time of a candidate whose doubles suffice so far: computed when they do not."""
@@ -71,6 +73,7 @@ class CertifiedLoop(EventLoop):
         self.max_bits = max_bits
         self.prover = prover
         self.evidence: Evidence | None = None
+        self.assumptions: list[Assumption] = []
         self.live.projections = prover.projections()
         self._reaches = self._quick_reaches()
         self._quick_lines: dict[tuple[int, int], tuple[arb, ...]] = {}
@@ -272,7 +275,8 @@ class CertifiedLoop(EventLoop):
             Undecided: naming the question, the rungs tried and the bits.
         """
         self.evidence = None
-        proof_tried = False
+        found: Found | None = None
+        last_bits = self.max_bits
         while True:
             sign = self._ball_sign(question)
             if sign is not None:
@@ -289,39 +293,49 @@ class CertifiedLoop(EventLoop):
                 self.plan["symmetry"] += 1
                 self.evidence = Evidence(TieProof.SYMMETRY)
                 return 0
-            if not proof_tried and self.live.bits >= TRY_BITS:
-                proof_tried = True
-                sign = self._proved(question)
-                if sign is not None:
-                    return sign
-            if self.prover.accepts(self.live.bits):
-                self.plan["assumed"] += 1
-                self.evidence = Evidence(TieProof.ASSUMED, self.live.bits)
-                return 0
-            if 2 * self.live.bits > self.max_bits:
-                raise Undecided(self._undecided_message(question))
+            if self.prover.accepts(self._agreed_bits(question)):
+                return self._taken(question, 0, Evidence(TieProof.ASSUMED, self.prover.bits))
+            if found is None and self.live.bits >= TRY_BITS:
+                found = self.prover.prove(question, self.history.steps)
+                if found.sign is not None and found.evidence is not None:
+                    return self._taken(question, found.sign, found.evidence)
+                if found.evidence is not None and self.prover.rule is not Rule.ASSUME:
+                    raise Undecided(self._undecided_message(question, found.told))
+                if not found.nonzero and self.prover.rule is not Rule.ASSUME:
+                    last_bits = min(self.max_bits, DOUBT_FACTOR * self.live.bits)
+            if 2 * self.live.bits > last_bits:
+                raise Undecided(self._undecided_message(question, found.told if found else ""))
             self._rise("undecided")
+
+    def _taken(self, question: Question, sign: int, evidence: Evidence) -> int:
+        """A sign decided by the prover; what is less than proof is kept as an assumption."""
+        self.evidence = evidence
+        self.plan[evidence.proof.name.lower()] += 1
+        if not evidence.proof.proved:
+            event = len(self.history.records)
+            self.assumptions.append(
+                Assumption(event, question.describe(self.name), evidence.proof, evidence.bound)
+            )
+        return sign
+
+    def _agreed_bits(self, question: Question) -> int:
+        """To how many bits, in absolute value, the number asked about agrees with zero."""
+        if self.prover.rule is not Rule.ASSUME:
+            return 0
+        ctx.prec = self.live.bits
+        size = question.value(self.live.balls).abs_upper()
+        return 0 if not size.is_finite() else max(0, -int(size.log().__truediv__(arb(2).log()).upper().ceil().fmpz()))
+
+    def _undecided_message(self, question: Question, tried: str) -> str:
+        return (
+            f"{question.describe(self.name)} is not proved, after {len(self.history.records)} instants, "
+            f"with {self.live.bits} bits" + (f"; {tried}" if tried else "")
+        )
 
     def _kind_of_field(self, question: Question) -> TieProof:
         numbers = [number for i in question.bodies(self.n) for number in self.live.state(i)]
         rational = all(isinstance(number, fmpq) for number in numbers)
         return TieProof.RATIONAL if rational else TieProof.FIELD
-
-    def _proved(self, question: Question) -> int | None:
-        """Zero proved in nested roots, or made probable by residues and accepted as such."""
-        found = self.prover.prove(question, self.history.steps)
-        if found is None:
-            return None
-        self.evidence = found.evidence
-        self.plan[found.evidence.proof.name.lower()] += 1
-        return found.sign
-
-    def _undecided_message(self, question: Question) -> str:
-        tried = self.prover.tried()
-        return (
-            f"{question.describe(self.name)} is not proved, after {len(self.history.records)} instants, "
-            f"with {self.live.bits} bits{tried}"
-        )
 
     # -- which comes first
 

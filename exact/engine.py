@@ -8,13 +8,12 @@ from typing import Any
 from flint import ctx  # type: ignore[attr-defined]
 
 from ..scenarios.engine import horizon
-from ..scenarios.errors import SceneError
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, StopReason, Trajectory
 from .certify import CertifiedLoop, contact_of
 from .event_loop import Limits
-from .evidence import Prover
+from .evidence import prover_for
 from .motion import ExactMotion
 from .policies import Policy
 from .value import ExactValue, Program
@@ -26,7 +25,8 @@ class ExactEngine:
 
     Attributes:
         max_bits: precision beyond which a sign that is still not known is called undecided.
-        ties: what is taken for a tie: `proved`, or `assume:BITS` for agreement to so many bits.
+        ties: what is taken for a zero that is not proved: `proved` nothing, `probable` evidence by residues,
+            `assume:BITS` agreement to so many bits. What follows from such a zero is marked as resting on it.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> run = ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]))
@@ -71,7 +71,7 @@ class ExactEngine:
     ) -> Trajectory:
         """As `run`, with a policy of the caller's in place of the scene's."""
         limits = run_limits(scene, until, events)
-        prover = Prover(scene, _assumed_bits(self.ties))
+        prover = prover_for(scene, self.ties)
         saved = ctx.prec
         try:
             loop = CertifiedLoop(scene, limits, progress, self.max_bits, prover, policy)
@@ -122,6 +122,7 @@ class ExactEngine:
                 Pocketing(str(ids[p.circle]), str(scene.pockets[p.pocket].id), _entry(program, p))
                 for p in history.pocketings
             ),
+            assumptions=tuple(loop.assumptions),
             plan=plan,
             notes=notes,
         )
@@ -149,15 +150,6 @@ def run_limits(scene: Scene, until: QuantityLike | None, events: int | None) -> 
     if reversing and not own:
         return Limits(None, None, to_return=True)
     return Limits(time, count)
-
-
-def _assumed_bits(ties: str) -> int | None:
-    if ties in ("proved", "probable"):
-        return None
-    head, _, bits = ties.partition("assume:")
-    if head == "" and bits.isascii() and bits.isdigit() and 0 < int(bits[:7]) <= 1_000_000:
-        return int(bits)
-    raise SceneError(f"ties = {ties!r} is not known; choose proved, probable or assume:BITS (such as assume:512)")
 
 
 def _return_note(returned: bool) -> str:

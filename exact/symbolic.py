@@ -6,8 +6,9 @@
 3. Of the pairs that touch, those whose instant speed toward each other is positive collide.
 4. Put the numbers into the derived solutions for the velocities; repeat.
 
-One addition: where two points meet, or a point meets a wall, the article's instant speed is nan. Here it is
-then taken at the positions from which they came, so that points bounce as the smallest of circles do.
+Two additions, for points, where the article's instant speed is nan. At a wall it is taken at the position from
+which the point came, so that points bounce as the smallest of circles do. Two points never collide with each
+other, in any engine here: where they meet, no direction of the impact is defined.
 
 Source: Carl M. Kadie, 'Perfect, Infinite-Precision, Game Physics in Python', parts 1 and 3, 2023.
 It uses no formula, number system or decision of the exact engine.
@@ -111,7 +112,10 @@ class _Run:
         n = len(self.discs)
         pairs = [*combinations(range(n), 2), *((i, n + k) for i in range(n) for k in range(len(self.lines)))]
         self.pairs = sorted(
-            pair for pair in pairs if any(k < n and self.discs[k].m is not None for k in pair)
+            pair
+            for pair in pairs
+            if any(k < n and self.discs[k].m is not None for k in pair)
+            and not all(k < n and self.discs[k].r == 0 for k in pair)
         )
         self.names = self.scene.ids
         self.draw = Random(self.scene.tie_policy.seed)

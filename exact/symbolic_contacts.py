@@ -39,8 +39,8 @@ class Touching:
         discs: all circles of the scene, with the velocities as the instant comes.
         lines: all walls of the scene.
         pairs: the touching pairs, in scene order.
-        came: for a pair of points, or a point and a wall: the circles as they were before they touched,
-            which alone tell the direction of the impact.
+        came: for a point and a wall: the circles as they were before the two touched, which alone tell on
+            which side of the wall the point is.
     """
 
     discs: tuple[Disc, ...]
@@ -49,22 +49,14 @@ class Touching:
     came: Mapping[Pair, tuple[Disc, ...]]
 
     def things(self, pair: Pair) -> tuple[Disc, Disc | Line]:
-        """The two things of a pair, points placed where they came from, with velocities of now.
-
-        Raises:
-            SymbolicUndecided: for points that have touched since time 0.
-        """
+        """The two things of a pair; a point at a wall placed where it came from, with its velocity of now."""
         i, j = pair
-        a = self.discs[i]
-        wall = j >= len(self.discs)
-        b = self.lines[j - len(self.discs)] if wall else self.discs[j]
-        if sign(a.r if isinstance(b, Line) else a.r + b.r) > 0:
-            return a, b
-        if pair not in self.came:
-            raise SymbolicUndecided("a point touches from time 0: the direction of the impact is not known")
-        before = self.came[pair]
-        a = replace(a, x=before[i].x, y=before[i].y)
-        return a, b if isinstance(b, Line) else replace(b, x=before[j].x, y=before[j].y)
+        a, n = self.discs[i], len(self.discs)
+        if j < n:
+            return a, self.discs[j]
+        if sign(a.r) == 0:
+            a = replace(a, x=self.came[pair][i].x, y=self.came[pair][i].y)
+        return a, self.lines[j - n]
 
     def approaching(self, pairs: Sequence[Pair]) -> list[Pair]:
         """Those of the pairs with a positive instant speed, in scene order."""

@@ -60,6 +60,29 @@ class Tie:
 
 
 @dataclass(frozen=True)
+class Assumption:
+    """A decision that rests on less than proof; everything from its event on rests on it.
+
+    Attributes:
+        event: index of the first event that follows from it.
+        question: what was decided, in words.
+        proof: the kind of evidence.
+        bound: as in `Tie`.
+    """
+
+    event: int
+    question: str
+    proof: TieProof
+    bound: int | None = None
+
+    def __str__(self) -> str:
+        how = f"a chance of at most 2**{self.bound} that it is wrong" if self.proof is TieProof.PROBABLE else (
+            f"agreement to {self.bound} bits"
+        )
+        return f"from event {self.event} on, this rests on a tie that is not proved ({self.question}): {how}"
+
+
+@dataclass(frozen=True)
 class Event:
     """One instant at which contacts collide.
 
@@ -196,6 +219,7 @@ class Trajectory:
         motion: positions and velocities between events; ask through `at` and `sample`.
         reversal: where velocities were negated, if they were.
         pocketings: entries into pockets, in order.
+        assumptions: decisions that rest on less than proof, in order.
         plan: what each rung of the decision ladder decided and what was skipped, as counts.
         notes: what the run says of itself, one sentence each (such as an exact return to the start).
     """
@@ -209,6 +233,7 @@ class Trajectory:
     motion: Motion = field(repr=False)
     reversal: Reversal | None = None
     pocketings: tuple[Pocketing, ...] = ()
+    assumptions: tuple[Assumption, ...] = ()
     plan: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
@@ -233,6 +258,10 @@ class Trajectory:
         """Shape (times, circles, 4): x, y, vx, vy as doubles, at ascending times within the run."""
         return self.motion.sample(times)
 
+    def rests_on(self, event: int) -> Assumption | None:
+        """The first assumption on which an event rests; None if all before it is proved."""
+        return next((assumption for assumption in self.assumptions if assumption.event <= event), None)
+
     @property
     def collisions(self) -> int:
         """Number of pairwise impulses."""
@@ -241,4 +270,4 @@ class Trajectory:
     @property
     def certified(self) -> bool:
         """Whether every decision rests on proof."""
-        return all(tie.proof.proved for event in self.events for tie in event.ties)
+        return not self.assumptions and all(tie.proof.proved for event in self.events for tie in event.ties)
