@@ -1,4 +1,4 @@
-"""The command line: `truebreak scenes | show | run | compare | bench`. Data on stdout, progress on stderr."""
+"""The command line: `truebreak scenes | show | run | compare | orders | bench`. Data on stdout, progress on stderr."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ Examples:
   truebreak compare gas:n=10,seed=1 --events 200 --html report.html
   truebreak run galperin:n=2 --engine exact --json
   truebreak run tennis --engine exact --exact     every number as an exact expression
+  truebreak orders lee                            every outcome that some order of impulses leads to
   truebreak show rack:rows=3 --plot rack.svg
 
 \b
@@ -72,6 +73,11 @@ TIES = click.option(
     "--ties",
     metavar="RULE",
     help="What the exact engine accepts as a tie: proved (default), probable or assume:BITS.",
+)
+SYMMETRIC = click.option(
+    "--symmetric",
+    is_flag=True,
+    help="Refuse a scene that no mirror and no rotation maps to itself: its ties could not be proved by symmetry.",
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 
@@ -122,6 +128,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 @TIES
 @REVERSE
 @POLICY
+@SYMMETRIC
 def run(
     scene: str,
     engine_text: str,
@@ -132,6 +139,7 @@ def run(
     ties: str | None,
     reverse_after: int | None,
     tie_policy: str | None,
+    symmetric: bool,
 ) -> int:
     """Run a scene in one engine and print its history."""
     from .engines import engine
@@ -139,7 +147,7 @@ def run(
     from .report.listing import print_json, print_trajectory
     from .trajectory_document import trajectory_json
 
-    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events))
+    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     chosen = engine(with_ties(engine_text, ties))
     with showing_progress(f"{loaded.name} in {chosen.name}") as progress:
         trajectory = chosen.run(loaded, until=until, events=events, progress=progress)
@@ -167,8 +175,10 @@ def run(
 @REVERSE
 @POLICY
 @TIES
+@SYMMETRIC
 @JSON
 @click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
+@click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
 def compare(
     scene: str,
     engines: str,
@@ -178,8 +188,10 @@ def compare(
     reverse_after: int | None,
     tie_policy: str | None,
     ties: str | None,
+    symmetric: bool,
     as_json: bool,
     html: str | None,
+    exit_zero: bool,
 ) -> int:
     """Run a scene in several engines and say whether they tell the same history."""
     from .comparison import compare as compare_engines
@@ -190,7 +202,7 @@ def compare(
     from .report.terminal import print_comparison
     from .writing import check_writable, write_whole
 
-    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events))
+    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     if html is not None:
         check_writable(html)
     with showing_progress(loaded.name) as progress:
@@ -210,7 +222,60 @@ def compare(
         print_json(comparison_json(comparison))
     else:
         print_comparison(comparison)
-    return of_comparison(comparison)
+    return DONE if exit_zero else of_comparison(comparison)
+
+
+@cli.command(epilog=SCENE_HELP)
+@SCENE
+@click.option("--engine", "engine_text", default="exact", show_default=True, metavar="E", help="exact or double.")
+@UNTIL
+@EVENTS
+@click.option("--cap", type=int, metavar="N", help="The most outcomes to enumerate (256).")
+@click.option("--samples", type=int, metavar="N", help="Orders to draw at random if the cap is hit (64).")
+@click.option("--seed", type=int, default=0, show_default=True, metavar="S", help="The first seed of the sample.")
+@JSON
+def orders(
+    scene: str,
+    engine_text: str,
+    until: str | None,
+    events: int | None,
+    cap: int | None,
+    samples: int | None,
+    seed: int,
+    as_json: bool,
+) -> int:
+    """List every outcome that some order of simultaneous impulses leads to.
+
+    Where several contacts fall on one instant, each may get its impulse first. All orders are followed; those that
+    swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
+    """
+    from ..exact.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, all_orders
+    from ..scenarios.errors import SceneError
+    from .engines import engine
+    from .orders_document import orders_json, print_orders
+    from .progress import showing_progress
+    from .report.listing import print_json
+    from .scene_argument import scene_from
+
+    loaded, chosen = scene_from(scene), engine(engine_text)
+    if not hasattr(chosen, "run_with"):
+        raise SceneError(f"engine {engine_text!r} takes no tie policy from its caller; choose exact or double")
+    with showing_progress(f"{loaded.name}: all orders") as progress:
+        tree = all_orders(
+            chosen,  # type: ignore[arg-type]
+            loaded,
+            until=until,
+            events=events,
+            cap=DEFAULT_CAP if cap is None else cap,
+            samples=DEFAULT_SAMPLES if samples is None else samples,
+            seed=seed,
+            progress=progress,
+        )
+    if as_json:
+        print_json(orders_json(loaded, tree))
+    else:
+        print_orders(loaded, tree)
+    return DONE
 
 
 @cli.command(
@@ -224,7 +289,9 @@ def bench(arguments: tuple[str, ...]) -> int:
     return bench_main(list(arguments)) or DONE
 
 
-def changed(scene: str, reverse_after: int | None, tie_policy: str | None, *, limited: bool) -> Scene:
+def changed(
+    scene: str, reverse_after: int | None, tie_policy: str | None, *, limited: bool, symmetric: bool = False
+) -> Scene:
     """The scene of the command line, with a reversal or a tie policy of the command line in place of its own.
 
     A reversal of the command line takes the place of the scene's default horizon too, unless the command line
@@ -240,7 +307,13 @@ def changed(scene: str, reverse_after: int | None, tie_policy: str | None, *, li
     if tie_policy is not None:
         changes["tie_policy"] = tie_policy
     loaded = scene_from(scene)
-    return loaded.with_changes(**changes) if changes else loaded
+    if changes:
+        loaded = loaded.with_changes(**changes)
+    if symmetric:
+        from ..exact.symmetry import require_symmetry
+
+        require_symmetry(loaded)
+    return loaded
 
 
 def with_ties(engine_text: str, ties: str | None) -> str:

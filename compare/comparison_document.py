@@ -6,9 +6,10 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from .amounts import plain
-from .trajectory_document import scene_json, stop_json
+from .trajectory_document import assumptions_json, scene_json, stop_json
 
 if TYPE_CHECKING:
+    from ..scenarios.trajectory import Trajectory
     from .candidate import Candidate
     from .comparison import Comparison
     from .permitted import PermittedPatterns
@@ -37,16 +38,29 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
             "events": len(reference.events),
             "stop": stop_json(reference.stop),
             "certified": reference.certified,
+            "assumptions": assumptions_json(reference),
             "outcomes": plain(comparison.outcomes),
             "return_miss": comparison.return_miss,
             "notes": list(reference.notes),
             "seconds": comparison.seconds,
         },
         "candidates": [
-            candidate_json(candidate, comparison.permitted) for candidate in comparison.candidates
+            _marked(candidate_json(candidate, comparison.permitted), reference)
+            for candidate in comparison.candidates
         ],
         "break_patterns": _patterns_json(comparison.permitted),
     }
+
+
+def _marked(data: dict[str, Any], reference: Trajectory) -> dict[str, Any]:
+    """The candidate, marked if what is said of it rests on less than proof in the reference."""
+    divergence = data["first_divergence"]
+    event = data["events_agreed"] if divergence is None else divergence["event"]
+    assumption = reference.rests_on(event)
+    data["rests_on"] = (
+        None if assumption is None else {"event": assumption.event, "proof": assumption.proof.name.lower()}
+    )
+    return data
 
 
 def candidate_json(candidate: Candidate, permitted: PermittedPatterns | None = None) -> dict[str, Any]:

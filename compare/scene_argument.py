@@ -18,10 +18,12 @@ def scene_from(text: str) -> Scene:
     Raises:
         SceneError: if there is no such scene or file, or it is not a valid scene.
     """
-    if text.lower().endswith(FILE_SUFFIXES) or os.sep in text or Path(text).is_file():
+    from ..scenarios import catalogue
+
+    name = text.partition(":")[0]
+    looks_like_file = text.lower().endswith(FILE_SUFFIXES) or os.sep in text or Path(text).is_file()
+    if looks_like_file and name not in catalogue.names():
         from ..scenarios.files import load_scene
 
         return load_scene(text)
-    from ..scenarios import catalogue
-
     return catalogue.build(text)

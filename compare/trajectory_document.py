@@ -8,7 +8,7 @@ from .amounts import bounds, double, plain
 from .exact_texts import ExactTexts
 
 if TYPE_CHECKING:
-    from ..scenarios.trajectory import Event, State, Stop, Trajectory
+    from ..scenarios.trajectory import Assumption, Event, State, Stop, Trajectory
 
 TRAJECTORY_SCHEMA = "truebreak/trajectory-1"
 
@@ -32,13 +32,15 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
         "stop": stop_json(trajectory.stop),
         "certified": trajectory.certified,
         "collisions": trajectory.collisions,
-        "events": [event_json(event, texts) for event in trajectory.events],
+        "events": [event_json(event, texts, trajectory.rests_on(event.index)) for event in trajectory.events],
         "final": final,
         "plan": plain(trajectory.plan),
     }
     if trajectory.reversal is not None:
         data["reversal"] = {"after": trajectory.reversal.after}
         put(data["reversal"], "time", trajectory.reversal.time, texts)
+    if trajectory.assumptions:
+        data["assumptions"] = assumptions_json(trajectory)
     if trajectory.notes:
         data["notes"] = list(trajectory.notes)
     if trajectory.scene.pockets:
@@ -64,8 +66,18 @@ def stop_json(stop: Stop) -> dict[str, Any]:
     return {"reason": stop.reason.name.lower(), "message": stop.message}
 
 
-def event_json(event: Event, texts: ExactTexts | None = None) -> dict[str, Any]:
-    """One instant; `ties` only where several contacts fell on it."""
+def assumptions_json(trajectory: Trajectory) -> list[dict[str, Any]]:
+    """What a history rests on beyond proof, in order."""
+    return [
+        {"event": a.event, "question": a.question, "proof": a.proof.name.lower(), "bound": a.bound}
+        for a in trajectory.assumptions
+    ]
+
+
+def event_json(
+    event: Event, texts: ExactTexts | None = None, rests_on: Assumption | None = None
+) -> dict[str, Any]:
+    """One instant; `ties` only where several contacts fell on it, `rests_on` only after less than proof."""
     data: dict[str, Any] = {"index": event.index}
     put(data, "time", event.time, texts)
     data["contacts"] = [list(pair) for pair in event.contacts]
@@ -82,6 +94,8 @@ def event_json(event: Event, texts: ExactTexts | None = None) -> dict[str, Any]:
         ]
     if event.coupled:
         data["coupled"] = True
+    if rests_on is not None:
+        data["rests_on"] = {"event": rests_on.event, "proof": rests_on.proof.name.lower()}
     return data
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
+from ..scenarios.errors import SceneError
 from ..scenarios.scene import Scene
 from .machine import Link
 from .numbers.field import Field, FieldNumber, LeavesField, field_sign
@@ -65,6 +66,19 @@ def symmetries(scene: Scene) -> tuple[Symmetry, ...]:
     [(1, 0, 2)]
     """
     return _symmetries(scene)
+
+
+def require_symmetry(scene: Scene) -> None:
+    """Refuses a scene without symmetry.
+
+    Raises:
+        SceneError: if no mirror and no rotation maps the scene to itself.
+    """
+    if not symmetries(scene):
+        raise SceneError(
+            f"scene {scene.name!r}: no mirror and no rotation maps it to itself exactly; "
+            "make it symmetric, or leave out --symmetric"
+        )
 
 
 @lru_cache(maxsize=8)

@@ -42,6 +42,10 @@ class TiePolicy:
             return TiePolicy()
         if text in ("sequential", "sequential:order=scene"):
             return TiePolicy("sequential")
+        if text == "all-orders":
+            raise SceneError(
+                "tie_policy 'all-orders' stands for many histories, not one; list them with `truebreak orders SCENE`"
+            )
         head, _, seed = str(text).partition("seed=")
         if head == "sequential:" and seed.isascii() and seed.isdigit() and len(seed) <= 18:
             return TiePolicy("sequential", int(seed))

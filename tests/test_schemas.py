@@ -104,3 +104,28 @@ def test_a_comparison_is_printed(text: str) -> None:
     for row in data["candidates"]:
         assert (row["first_divergence"] is not None) == (row["verdict"] == "diverged")
         assert len(row["position_error"]["times"]) == len(row["position_error"]["max"]) <= 50
+
+
+@pytest.mark.parametrize("scene", ["lee", "rack:rows=3"])
+def test_orders_are_what_their_schema_says(scene: str) -> None:
+    from truebreak.compare.orders_document import orders_json
+    from truebreak.exact import ExactEngine
+    from truebreak.exact.all_orders import all_orders
+
+    tree = all_orders(ExactEngine(), catalogue.build(scene), events=1, cap=3, samples=2)
+    data = orders_json(catalogue.build(scene), tree)
+    check(data)
+    assert data["complete"] == (scene == "lee")
+    assert data["sampled"] == (0 if scene == "lee" else 2)
+
+
+def test_what_rests_on_less_than_proof_says_so() -> None:
+    from truebreak.exact import ExactEngine
+
+    scene = catalogue.build("inscribed:n=4")
+    data = trajectory_json(ExactEngine(ties="assume:100").run(scene, events=40))
+    check(data)
+    if data.get("assumptions"):
+        first = data["assumptions"][0]["event"]
+        assert all(("rests_on" in event) == (event["index"] >= first) for event in data["events"])
+        assert data["certified"] is False

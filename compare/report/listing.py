@@ -180,8 +180,9 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
         say(out, f"reversed: after {counted(trajectory.reversal.after, 'event')}, at time {when}")
     for note in trajectory.notes:
         say(out, note)
-    if not trajectory.certified:
-        say(out, "this history rests on ties that are not proved")
+    if trajectory.assumptions:
+        for assumption in trajectory.assumptions[:1]:
+            say(out, str(assumption), "bold yellow")
     out.print(events_table(trajectory, exact))
     table = grid("circle", "x", "y", "vx", "vy", title="at the end")
     for circle in trajectory.final.circles:
