@@ -65,9 +65,7 @@ class Alignment:
         return "undecided" if self.undecided else "agree"
 
 
-def align(
-    reference: Trajectory, candidate: Trajectory, *, span: float | None = None, step: float = 0.0
-) -> Alignment:
+def align(reference: Trajectory, candidate: Trajectory, *, span: float | None = None, step: float = 0.0) -> Alignment:
     """Compares two runs of one scene by cause, in time linear in the number of events.
 
     Contacts that the reference has at one instant may come one after the other in the candidate if that
@@ -88,9 +86,7 @@ def align(
     }
     matches = _matches(walks)
     error = max((abs(mine.times[r] - theirs.times[c]) for c, r in matches.items()), default=0.0)
-    tail = _Tail(
-        reference, candidate, mine, theirs, end, TIME_SAFETY * max(error, 2 * step, TIME_FLOOR * end)
-    )
+    tail = _Tail(reference, candidate, mine, theirs, end, TIME_SAFETY * max(error, 2 * step, TIME_FLOOR * end))
     found: list[Divergence] = []
     unsettled = False
     for body, walked in walks.items():
@@ -107,11 +103,7 @@ def align(
         first = tie
     cut = candidate.stop.reason in CUT_SHORT and float(candidate.final_time) < end
     stop_at = (first.time, first.event) if first else (end, len(mine.times))
-    kept = {
-        c: r
-        for c, r in matches.items()
-        if (mine.times[r], r) < stop_at or (not first and mine.times[r] <= end)
-    }
+    kept = {c: r for c, r in matches.items() if (mine.times[r], r) < stop_at or (not first and mine.times[r] <= end)}
     return Alignment(
         divergence=first,
         undecided=cut and first is None,
@@ -192,8 +184,6 @@ class _Tail:
         time = min(t for t in (mine, theirs) if t is not None)
         event = mismatch.mine if mismatch.mine is not None else bisect_left(self.mine.times, time)
         return (
-            Divergence(
-                event, time, body, mismatch.expected, mismatch.got, kind, mine, theirs, mismatch.theirs
-            ),
+            Divergence(event, time, body, mismatch.expected, mismatch.got, kind, mine, theirs, mismatch.theirs),
             False,
         )

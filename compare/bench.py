@@ -62,9 +62,7 @@ def chosen(only: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for name in known if name in only) if only else known
 
 
-def measure(
-    size: Size = SHORT, only: Sequence[str] = (), progress: Callable[[str], None] | None = None
-) -> Report:
+def measure(size: Size = SHORT, only: Sequence[str] = (), progress: Callable[[str], None] | None = None) -> Report:
     """Measures all figures, or those named, one after the other.
 
     Args:
@@ -91,9 +89,7 @@ def measure(
     return Report(tuple(figures), tuple(rows), skipped)
 
 
-def run(
-    *, full: bool = False, as_json: bool = False, only: Sequence[str] = (), size: Size | None = None
-) -> Report:
+def run(*, full: bool = False, as_json: bool = False, only: Sequence[str] = (), size: Size | None = None) -> Report:
     """Measures, and prints the report on stdout: tables, or one JSON object. Progress goes to stderr.
 
     With `full`, perfect-physics gets the scene of 314 collisions, which takes it about a minute.
@@ -149,9 +145,7 @@ def _tables(report: Report) -> Iterator[Any]:
     from rich.table import Table
 
     if report.figures:
-        table = Table(
-            "first / second", title="Ratios, each of two things timed in one run", title_justify="left"
-        )
+        table = Table("first / second", title="Ratios, each of two things timed in one run", title_justify="left")
         for heading in ("first (s)", "second (s)", "ratio"):
             table.add_column(heading, justify="right", no_wrap=True)
         table.add_column("target")

@@ -155,9 +155,7 @@ def _smaller_step(
         if _later(alignment, divergence):
             then = alignment.divergence
             what = f"first differs at event {then.event}" if then else "agrees up to there"
-            return Cause(
-                CauseName.STEP, f"with a step {divisor} times smaller, {dt / divisor:.3g}, it {what}"
-            )
+            return Cause(CauseName.STEP, f"with a step {divisor} times smaller, {dt / divisor:.3g}, it {what}")
     return None
 
 

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from ..scenarios.scene import Scene
 
 SCENE_HELP = (
-    "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), "
-    "or a .toml or .json file."
+    "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), or a .toml or .json file."
 )
 
 EXAMPLES = """
@@ -37,9 +36,7 @@ Exit codes:
 """
 
 
-@click.group(
-    epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110}
-)
+@click.group(epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.option("--debug", is_flag=True, help="Show the traceback of an internal error.")
 @click.version_option(package_name="truebreak", message="%(prog)s %(version)s")
 def cli(debug: bool) -> None:
@@ -52,12 +49,8 @@ def cli(debug: bool) -> None:
 
 
 SCENE = click.argument("scene", metavar="SCENE")
-UNTIL = click.option(
-    "--until", metavar="T", help='Stop at this time: exact text such as 12, 9/4 or "10*sqrt(2)".'
-)
-EVENTS = click.option(
-    "--events", type=click.IntRange(min=1), metavar="N", help="Stop after N instants of collision."
-)
+UNTIL = click.option("--until", metavar="T", help='Stop at this time: exact text such as 12, 9/4 or "10*sqrt(2)".')
+EVENTS = click.option("--events", type=click.IntRange(min=1), metavar="N", help="Stop after N instants of collision.")
 REVERSE = click.option(
     "--reverse-after",
     type=click.IntRange(min=1),
@@ -167,9 +160,7 @@ def run(
     metavar="A,B,...",
     help="The engines to hold against the reference.",
 )
-@click.option(
-    "--reference", default="exact", show_default=True, metavar="E", help="The engine taken as the truth."
-)
+@click.option("--reference", default="exact", show_default=True, metavar="E", help="The engine taken as the truth.")
 @UNTIL
 @EVENTS
 @REVERSE
@@ -278,9 +269,7 @@ def orders(
     return DONE
 
 
-@cli.command(
-    context_settings={"ignore_unknown_options": True, "help_option_names": []}, add_help_option=False
-)
+@cli.command(context_settings={"ignore_unknown_options": True, "help_option_names": []}, add_help_option=False)
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def bench(arguments: tuple[str, ...]) -> int:
     """Measure speed and print the figures (`truebreak bench --help` lists its options)."""

@@ -119,9 +119,7 @@ def compare(
     results = []
     for label, engine in chosen:
         result = study.candidate(label, engine, found, outcomes, _noted(progress, label))
-        results.append(
-            study.explained(result, engine, _noted(progress, f"why {label}")) if causes else result
-        )
+        results.append(study.explained(result, engine, _noted(progress, f"why {label}")) if causes else result)
     other = any("break_pattern" in c.changed and c.verdict != "undecided" for c in results)
     search = causes and other and told.stop.reason not in UNDONE
     permitted = permitted_patterns(truth, told, seconds, _noted(progress, "orders")) if search else None

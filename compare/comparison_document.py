@@ -45,8 +45,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
             "seconds": comparison.seconds,
         },
         "candidates": [
-            _marked(candidate_json(candidate, comparison.permitted), reference)
-            for candidate in comparison.candidates
+            _marked(candidate_json(candidate, comparison.permitted), reference) for candidate in comparison.candidates
         ],
         "break_patterns": _patterns_json(comparison.permitted),
     }

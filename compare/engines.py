@@ -44,18 +44,14 @@ ROOT = __name__.rpartition(".compare")[0]
 ENGINES: dict[str, EngineEntry] = {
     entry.name: entry
     for entry in (
-        EngineEntry(
-            "exact", f"{ROOT}.exact.engine", "ExactEngine", "certified: every decision proved, or it says so"
-        ),
+        EngineEntry("exact", f"{ROOT}.exact.engine", "ExactEngine", "certified: every decision proved, or it says so"),
         EngineEntry(
             "sympy",
             f"{ROOT}.exact.symbolic",
             "SymbolicEngine",
             "SymPy alone, taken literally: slow, an oracle",
         ),
-        EngineEntry(
-            "double", f"{ROOT}.floating.double", "DoubleEngine", "event-driven in 53-bit floating point"
-        ),
+        EngineEntry("double", f"{ROOT}.floating.double", "DoubleEngine", "event-driven in 53-bit floating point"),
         EngineEntry(
             "interval",
             f"{ROOT}.floating.interval",
@@ -107,9 +103,7 @@ def build(entry: EngineEntry, settings: Mapping[str, str]) -> Engine:
     values: dict[str, Any] = {}
     for key, value in settings.items():
         if key not in known:
-            raise SceneError(
-                f"engine {entry.name!r} has no parameter {key!r}; {suggestion(key, list(known))}"
-            )
+            raise SceneError(f"engine {entry.name!r} has no parameter {key!r}; {suggestion(key, list(known))}")
         values[key] = converted(f"engine {entry.name!r}: {key}", value, known[key])
     return kind(**values)
 

@@ -142,9 +142,7 @@ def running(name: str, scene: Any, events: int) -> Callable[[], object]:
 def gas_against_billiards(size: Size) -> Figure:
     """Certified, against plain double precision in another project's engine, in Python both."""
     scene = scene_of(GAS)
-    pair = interleaved(
-        running("exact", scene, size.gas), lambda: run_billiards(scene, size.gas), 3 * size.repeats
-    )
+    pair = interleaved(running("exact", scene, size.gas), lambda: run_billiards(scene, size.gas), 3 * size.repeats)
     what = f"10 discs, {size.gas:,} collisions: exact / billiards (float64)"
     return Figure("gas-billiards", what, *pair, Target("ratio", "at most", 2))
 

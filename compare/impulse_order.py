@@ -90,12 +90,7 @@ class _Impact:
         left = list(group)
         while left:
             count = 1 if at_once else 0
-            while (
-                at_once
-                and count < len(left)
-                and left[count] not in left[:count]
-                and self._closing(left[count]) > 0
-            ):
+            while at_once and count < len(left) and left[count] not in left[:count] and self._closing(left[count]) > 0:
                 count += 1
             together, left = left[: max(count, 1)], left[max(count, 1) :]
             if not self._kick(together):
@@ -134,10 +129,7 @@ class _Impact:
             for pair, n in zip(pairs, normals, strict=True)
         ]  # fmt: skip
         matrix = np.array(
-            [
-                [_opening(pair, normal, push) for push in pushes]
-                for pair, normal in zip(pairs, normals, strict=True)
-            ]
+            [[_opening(pair, normal, push) for push in pushes] for pair, normal in zip(pairs, normals, strict=True)]
         )
         sizes = np.linalg.lstsq(matrix, 2 * closing, rcond=None)[0]
         if not (sizes > -SAME_VELOCITY * np.abs(sizes).max()).all():

@@ -8,7 +8,7 @@ from .amounts import double
 from .trajectory_document import stop_json
 
 if TYPE_CHECKING:
-    from ..exact.all_orders import Outcome, OrderTree
+    from ..exact.all_orders import OrderTree, Outcome
     from ..scenarios.scene import Scene
 
 ORDERS_SCHEMA = "truebreak/orders-1"
@@ -77,8 +77,6 @@ def print_orders(scene: Scene, tree: OrderTree) -> None:
         choices = " ".join(f"{first}-{second}" for first, second in (d.chosen for d in outcome.decisions))
         if outcome.seed is not None:
             choices = f"sequential:seed={outcome.seed}"
-        ends = " ".join(
-            f"{c.id} ({float(c.vx):.6g}, {float(c.vy):.6g})" for c in outcome.trajectory.final.circles
-        )
+        ends = " ".join(f"{c.id} ({float(c.vx):.6g}, {float(c.vy):.6g})" for c in outcome.trajectory.final.circles)
         table.add_row(str(number), escape(choices), str(outcome.trajectory.collisions), escape(ends))
     out.print(table)

@@ -41,9 +41,7 @@ def who_hit_whom(trajectory: Trajectory) -> dict[str, int]:
 def moved(trajectory: Trajectory) -> list[str]:
     """Ids of the circles that moved: those that did at the start, and those that were hit."""
     hit = {name for event in trajectory.events for pair in event.impulses for name in pair}
-    return [
-        str(c.id) for c in trajectory.scene.circles if not c.at_rest or (str(c.id) in hit and not c.fixed)
-    ]
+    return [str(c.id) for c in trajectory.scene.circles if not c.at_rest or (str(c.id) in hit and not c.fixed)]
 
 
 OUTCOMES: dict[str, Outcome] = {

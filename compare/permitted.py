@@ -100,9 +100,7 @@ def permitted_patterns(
     try:
         for policy in POLICIES:
             if policy not in by_policy:
-                pattern = _pattern(
-                    truth.run(scene.with_changes(tie_policy=policy), until=end, progress=watched)
-                )
+                pattern = _pattern(truth.run(scene.with_changes(tie_policy=policy), until=end, progress=watched))
                 if pattern is not None:
                     by_policy[policy] = pattern
         if hasattr(truth, "run_with"):

@@ -41,8 +41,7 @@ def pocketed(trajectory: Trajectory) -> dict[str, Any] | None:
             entries = [
                 (start + after, str(pocket.id))
                 for pocket in scene.pockets
-                if (after := _entry(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r)))
-                is not None
+                if (after := _entry(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))) is not None
                 and after <= stop - start
             ]
             if entries:

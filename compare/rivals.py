@@ -15,9 +15,7 @@ class MissingPackage(Exception):
     """A package that only benchmarks need is not installed; the message says how to get it."""
 
     def __init__(self, package: str) -> None:
-        super().__init__(
-            f"needs {package}: pip install 'truebreak[bench]' (in a checkout: pip install -e '.[bench]')"
-        )
+        super().__init__(f"needs {package}: pip install 'truebreak[bench]' (in a checkout: pip install -e '.[bench]')")
 
 
 def optional(module: str, package: str) -> Any:
@@ -83,9 +81,6 @@ def run_perfect_physics(scene: Scene, collisions: int) -> list[tuple[Any, Any]]:
         theirs.Circle(*(getattr(c, key).sympy() for key in ("x", "y", "r", "vx", "vy", "m")), id=c.id)
         for c in scene.circles
     ]
-    walls = [
-        theirs.Wall(*(getattr(w, key).sympy() for key in ("x0", "y0", "x1", "y1")), id=w.id)
-        for w in scene.walls
-    ]
+    walls = [theirs.Wall(*(getattr(w, key).sympy() for key in ("x0", "y0", "x1", "y1")), id=w.id) for w in scene.walls]
     theirs.World(circles, walls).run_in_place(collisions, show=False)
     return [(circle.vx, circle.vy) for circle in circles]

@@ -54,9 +54,7 @@ class Separation:
         )
 
 
-def separation(
-    reference: Trajectory, candidate: Trajectory, end: float, samples: int = SAMPLES
-) -> Separation:
+def separation(reference: Trajectory, candidate: Trajectory, end: float, samples: int = SAMPLES) -> Separation:
     """The distance between two runs at evenly spaced times, up to `end` or the end of the shorter."""
     last = WITHIN * min(end, float(reference.final_time), float(candidate.final_time))
     times = [last * k / (samples - 1) for k in range(samples)] if last > 0 else [0.0]

@@ -97,9 +97,7 @@ class Study:
         """
         length = longer * divergence.time or self.span or self.limit or 1.0
         count = EVENTS_FACTOR * divergence.event + EVENTS_MORE
-        return engine.run(
-            scene, until=length, events=min(count, self.cap), progress=limited(progress, seconds)
-        )
+        return engine.run(scene, until=length, events=min(count, self.cap), progress=limited(progress, seconds))
 
     @property
     def cap(self) -> int:
@@ -115,9 +113,7 @@ class Study:
                 done = len(self.reference.events)
                 more = done + max(len(self.scene.circles), int(done * MORE_REFERENCE))
                 try:
-                    self.longer = self.truth.run(
-                        self.scene, events=more, progress=limited(progress, self.patience)
-                    )
+                    self.longer = self.truth.run(self.scene, events=more, progress=limited(progress, self.patience))
                 except OutOfTime:
                     self.longer = self.reference
             alignment = align(self.longer, trajectory, span=self.span, step=step)

@@ -83,8 +83,7 @@ def _map_circles(scene: Scene, axis: Axis, line: Quantity, image: dict[str, str]
 def _map_walls(scene: Scene, axis: Axis, line: Quantity, image: dict[str, str]) -> bool:
     for wall in scene.walls:
         ends = [
-            (x, 2 * line - y) if axis == "y" else (2 * line - x, y)
-            for x, y in ((wall.x0, wall.y0), (wall.x1, wall.y1))
+            (x, 2 * line - y) if axis == "y" else (2 * line - x, y) for x, y in ((wall.x0, wall.y0), (wall.x1, wall.y1))
         ]
         twin = next((w for w in scene.walls if _holds(w, ends)), None)
         if twin is None:

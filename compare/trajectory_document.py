@@ -44,9 +44,7 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
     if trajectory.notes:
         data["notes"] = list(trajectory.notes)
     if trajectory.scene.pockets:
-        data["pocketed"] = [
-            {"circle": entry.circle, "pocket": entry.pocket} for entry in trajectory.pocketings
-        ]
+        data["pocketed"] = [{"circle": entry.circle, "pocket": entry.pocket} for entry in trajectory.pocketings]
         for row, entry in zip(data["pocketed"], trajectory.pocketings, strict=True):
             put(row, "time", entry.time, texts)
     definitions = texts.finish() if texts is not None else {}
@@ -74,9 +72,7 @@ def assumptions_json(trajectory: Trajectory) -> list[dict[str, Any]]:
     ]
 
 
-def event_json(
-    event: Event, texts: ExactTexts | None = None, rests_on: Assumption | None = None
-) -> dict[str, Any]:
+def event_json(event: Event, texts: ExactTexts | None = None, rests_on: Assumption | None = None) -> dict[str, Any]:
     """One instant; `ties` only where several contacts fell on it, `rests_on` only after less than proof."""
     data: dict[str, Any] = {"index": event.index}
     put(data, "time", event.time, texts)

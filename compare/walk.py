@@ -119,9 +119,7 @@ def _shares(waiting: Sequence[tuple[str, int]], partners: Sequence[str]) -> bool
     return any(name in partners for name, _ in waiting)
 
 
-def _next_has(
-    coming: Sequence[tuple[str, int]], theirs: Sequence[Meeting], j: int, partners: Sequence[str]
-) -> bool:
+def _next_has(coming: Sequence[tuple[str, int]], theirs: Sequence[Meeting], j: int, partners: Sequence[str]) -> bool:
     """Whether the candidate's next meeting has one of the partners."""
     if coming:
         return _shares(coming, partners)

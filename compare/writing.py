@@ -22,9 +22,7 @@ def check_writable(path: str | Path) -> None:
     if not target.parent.is_dir():
         raise SceneError(f"file {str(path)!r}: there is no folder {str(target.parent)!r}; create it first")
     if not os.access(target if target.exists() else target.parent, os.W_OK):
-        raise SceneError(
-            f"file {str(path)!r}: writing there is not permitted; choose another place to write to"
-        )
+        raise SceneError(f"file {str(path)!r}: writing there is not permitted; choose another place to write to")
 
 
 def write_whole(path: str | Path, text: str) -> None:
@@ -43,9 +41,7 @@ def write_whole(path: str | Path, text: str) -> None:
             return
         descriptor, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
     except OSError as error:
-        raise SceneError(
-            f"file {str(path)!r}: {error.strerror or error}; choose another place to write to"
-        ) from None
+        raise SceneError(f"file {str(path)!r}: {error.strerror or error}; choose another place to write to") from None
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8") as file:
             file.write(text)
@@ -54,9 +50,7 @@ def write_whole(path: str | Path, text: str) -> None:
         Path(name).chmod(0o666 & ~umask)
         Path(name).replace(target)
     except OSError as error:
-        raise SceneError(
-            f"file {str(path)!r}: {error.strerror or error}; choose another place to write to"
-        ) from None
+        raise SceneError(f"file {str(path)!r}: {error.strerror or error}; choose another place to write to") from None
     finally:
         with contextlib.suppress(FileNotFoundError):
             Path(name).unlink()

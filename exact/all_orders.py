@@ -146,9 +146,7 @@ def all_orders(
     return OrderTree(tuple(outcomes), not stack, cap, merged, swapped, sampled)
 
 
-def _alternatives(
-    choices: list[Choice], followed: int
-) -> list[tuple[tuple[Link, ...], frozenset[Link]]]:
+def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Link, ...], frozenset[Link]]]:
     """The branches not taken at the choices after the script, each with the contacts asleep at it.
 
     The last choice comes last, so that the stack goes depth first; at one choice, contacts in scene order.

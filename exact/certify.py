@@ -14,9 +14,9 @@ from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 from ..scenarios.scene import Scene
 from ..scenarios.tower import sign_of_root_sum
 from ..scenarios.trajectory import Assumption, OnProgress, Tie, TieProof
-from .evidence import Evidence, Found, Prover, Rule
 from .event_loop import Candidate, EventLoop, Limits
-from .float_filter import MISS, UNCLEAR, FloatFilter, FloatLine, float_line
+from .evidence import Evidence, Found, Prover, Rule
+from .float_filter import MISS, Answer, FloatFilter, FloatLine, float_line
 from .live import LiveMachine
 from .machine import Body, Link, Number, Step
 from .numbers import ball
@@ -146,7 +146,7 @@ class CertifiedLoop(EventLoop):
         found = self.filter.pair(a, b, self._float_reaches[a.kind][b.kind])
         if found is MISS:
             return
-        if found is UNCLEAR:
+        if isinstance(found, Answer):
             self.plan["unclear in doubles"] += 1
             super().predict_pair(a, b, parted)
             return
@@ -160,7 +160,7 @@ class CertifiedLoop(EventLoop):
         found = self.filter.wall(a, line)
         if found is MISS:
             return
-        if found is UNCLEAR:
+        if isinstance(found, Answer):
             self.plan["unclear in doubles"] += 1
             super().predict_wall(a, wall, parted)
             return
@@ -313,9 +313,7 @@ class CertifiedLoop(EventLoop):
         self.plan[evidence.proof.name.lower()] += 1
         if not evidence.proof.proved:
             event = len(self.history.records)
-            self.assumptions.append(
-                Assumption(event, question.describe(self.name), evidence.proof, evidence.bound)
-            )
+            self.assumptions.append(Assumption(event, question.describe(self.name), evidence.proof, evidence.bound))
         return sign
 
     def _agreed_bits(self, question: Question) -> int:

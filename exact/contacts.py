@@ -126,6 +126,4 @@ def settle_contacts(
         impulses += chosen
         hit = {i for link in chosen for i in link}
         together = set(coming) if len(chosen) > 1 or chosen == tuple(coming) else set(chosen)
-        signs = {
-            link: 1 if link in together else (None if hit & set(link) else known[link]) for link in links
-        }
+        signs = {link: 1 if link in together else (None if hit & set(link) else known[link]) for link in links}

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Tie, TieProof
+from ..scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Tie
 from .contacts import Instant, Touching, components, settle_contacts
 from .formulas import (
     advance,
@@ -37,7 +37,7 @@ from .formulas import (
 )
 from .machine import Body, Flip, Go, Kick, Link, Machine, Number, Step, Take
 from .policies import Policy, policy_for
-from .questions import Approach, BeforeTime, Coupling, Gap, Question, RelativeSpeed
+from .questions import BeforeTime, Coupling, Question, RelativeSpeed
 from .undecided import BudgetSpent, Undecided
 
 PROGRESS_EVERY = 0.2
@@ -123,7 +123,7 @@ class EventLoop(ABC):
         self.limits = limits
         self.progress = progress
         self.n = machine.n
-        self.bodies: list[Body] = list(machine.bodies)[: self.n]  # type: ignore[arg-type]
+        self.bodies: list[Body] = list(machine.bodies)[: self.n]
         self.pockets = range(len(scene.pockets))
         self.walls = range(len(scene.walls))
         self.queue: list[Candidate] = []
@@ -394,6 +394,7 @@ class EventLoop(ABC):
 
     def prepare(self) -> None:
         """Called before steps are carried out."""
+        return
 
     def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
         """A key of the bodies' exact states, equal only for equal states; None where none is at hand."""
@@ -401,6 +402,7 @@ class EventLoop(ABC):
 
     def order_chosen(self) -> None:
         """Called when a tie policy has chosen an order among contacts."""
+        return
 
     # -- one instant
 

@@ -106,7 +106,7 @@ class _Text:
         return self.book.put(f"{self.text}*{other.text}")
 
     def __truediv__(self, other: _Text) -> _Text:
-        return self if "0" == self.text or other.text == "1" else self.book.put(f"{self.text}/({other.text})")
+        return self if self.text == "0" or other.text == "1" else self.book.put(f"{self.text}/({other.text})")
 
     def __neg__(self) -> _Text:
         return self if self.text == "0" else self.book.put(f"(-{self.text})")

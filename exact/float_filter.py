@@ -62,13 +62,13 @@ class FloatLine(NamedTuple):
 
 def float_line(x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
     """The doubles of a wall's short balls; a wall that they cannot tell is given infinite size, so never clear."""
-    numbers = [float(value) for value in (x0, y0, nx, ny, offset)]
-    norm = abs(numbers[2]) + abs(numbers[3])
-    size = norm * (abs(numbers[0]) + abs(numbers[1])) + abs(numbers[4])
+    fx0, fy0, fnx, fny, fixed = (float(value) for value in (x0, y0, nx, ny, offset))
+    norm = abs(fnx) + abs(fny)
+    size = norm * (abs(fx0) + abs(fy0)) + abs(fixed)
     sharp = all(value.rel_accuracy_bits() > ACCURATE_BITS for value in (x0, y0, nx, ny, offset))
     if not (sharp and size < BIG and 1 / BIG < norm < BIG):
         size = inf
-    return FloatLine(*numbers, norm, size)
+    return FloatLine(fx0, fy0, fnx, fny, fixed, norm, size)
 
 
 class FloatFilter:

@@ -15,7 +15,6 @@ from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
 from .ball_machine import BallMachine
 from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step, Take
-from .numbers import ball
 from .numbers.field import Field, LeavesField, field_ball, height
 from .symmetry import Projection
 
@@ -168,7 +167,7 @@ class LiveMachine:
                 n = self.n
                 extra = [i for i in source if 0 <= i < n and i not in step.bodies]
                 return (*step.bodies, *extra) if extra else step.bodies
-            return step.bodies if isinstance(step.source, Quantity) else (*step.bodies, step.source)
+            return (*step.bodies, source) if isinstance(source, int) else step.bodies
         if isinstance(step, Kick):
             return tuple({i for link in step.links for i in link if i < self.n})
         if isinstance(step, Take):
@@ -204,8 +203,7 @@ class LiveMachine:
         machine = self.balls
         machine.steps_done = len(self.steps)
         accuracy = self._step_in_balls(machine, step, taking_part, self.bits)
-        if accuracy < self.lowest:
-            self.lowest = accuracy
+        self.lowest = min(self.lowest, accuracy)
 
     def _project(self, machine: Machine, i: int) -> None:
         """A circle on a mirror line, or at a centre of rotation, stays there: exactly, whatever the balls say."""

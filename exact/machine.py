@@ -155,7 +155,7 @@ class Machine:
         self.late: Number | None = None
         self.met: tuple[Link, Number, Number] | None = None
         chosen = range(self.n) if only is None else sorted(only)
-        self.bodies: dict[int, Body] | list[Body]
+        self.bodies: Any
         made = {i: self._body(i) for i in chosen}
         pockets = {-1 - k: self._pocket(k) for k in range(len(scene.pockets))}
         self.bodies = [*made.values(), *reversed(pockets.values())] if only is None else {**made, **pockets}
@@ -336,7 +336,7 @@ class Machine:
         if len(links) > 1:
             self._kick_together(links)
             return
-        i, j = links[0]
+        i, j = next(iter(links))
         a = self.bodies[i]
         if j < self.n:
             self.bounce_pair(a, self.bodies[j])

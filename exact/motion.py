@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -126,15 +126,13 @@ class ExactMotion:
         if isinstance(time, ExactValue):
             bodies = (i, *time.bodies)
             upto = max(upto, time.upto)
-            when: Callable[[Machine], Number] = time.formula
             near_time = time.near
         else:
             bodies = (i,)
-
-            def when(machine: Machine) -> Number:
-                return machine.constant(time)
-
             near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
+
+        def when(machine: Machine) -> Number:
+            return time.formula(machine) if isinstance(time, ExactValue) else machine.constant(time)
 
         def x_at(machine: Machine) -> Number:
             body = machine.bodies[i]

@@ -29,8 +29,7 @@ def causal_past(steps: Sequence[Step], bodies: Iterable[int], n: int) -> tuple[l
                 elif isinstance(step.source, int) and not isinstance(step.source, Quantity):
                     wanted.add(step.source)
         elif isinstance(step, Kick):
-            parts = [link for link in step.links]
-            touched = {i for link in parts for i in link if i < n}
+            touched = {i for link in step.links for i in link if i < n}
             if wanted & touched:
                 needed.append(k)
                 wanted |= touched

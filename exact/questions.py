@@ -285,5 +285,3 @@ class Coupling:
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether the order of {name(self.first)} and {name(self.second)} matters"
-
-

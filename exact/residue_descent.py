@@ -53,9 +53,7 @@ class Descent:
         scout: what is told of each radicand on the way (see `Scout`); None if nothing is to be learned.
     """
 
-    def __init__(
-        self, survey: Survey, residues: Residues, deadline: float, scout: Watch | None = None
-    ) -> None:
+    def __init__(self, survey: Survey, residues: Residues, deadline: float, scout: Watch | None = None) -> None:
         self.survey = survey
         self.deadline = deadline
         self.roots = survey.roots
@@ -76,9 +74,7 @@ class Descent:
             GaveUp: if time is up.
         """
         past, residues = self.survey.past, self.residues
-        machine = RootMachine(
-            past.scene, lambda q: residues.number(self.survey.constant(q)), self._root, past.bodies
-        )
+        machine = RootMachine(past.scene, lambda q: residues.number(self.survey.constant(q)), self._root, past.bodies)
         branching = {root.place for root in self.roots if root.exact is None}
         end = len(past.steps)
         place = 0

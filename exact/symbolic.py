@@ -80,9 +80,7 @@ class SymbolicEngine:
             SceneError: for a limit that is not above zero, or a scene in which pockets capture circles.
         """
         if scene.capture:
-            raise SceneError(
-                f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false"
-            )
+            raise SceneError(f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false")
         until_, events_ = horizon(scene, until, events)
         return _Run(scene, until_, events_, progress).trajectory()
 
@@ -206,9 +204,7 @@ class _Run:
         duration = normal(time - self.now)
         before = self.discs
         self.plan["moves"] += 1
-        self.discs = tuple(
-            replace(d, x=normal(d.x + d.vx * duration), y=normal(d.y + d.vy * duration)) for d in before
-        )
+        self.discs = tuple(replace(d, x=normal(d.x + d.vx * duration), y=normal(d.y + d.vy * duration)) for d in before)
         for pair, hit in self.hits.items():
             if hit is not None and sign(hit - time) == 0:
                 self.came[pair] = before

@@ -212,10 +212,7 @@ def _complementary(touching: Touching, pairs: Sequence[Pair]) -> tuple[Touching,
         ]
         for one in pushes
     ]
-    rates = [
-        normal(sum((_dot(d, (discs[i].vx, discs[i].vy)) for i, d in push.items()), Integer(0)))
-        for push in pushes
-    ]
+    rates = [normal(sum((_dot(d, (discs[i].vx, discs[i].vy)) for i, d in push.items()), Integer(0))) for push in pushes]
     impulses = _solve(response, rates)
     changed: dict[int, tuple[Any, Any]] = {}
     for i, mass in masses.items():

@@ -56,9 +56,7 @@ class SymbolicMotion:
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the same as doubles, flights computed in doubles."""
         starts = [float(quantity(start)) for start in self.starts]
-        legs = np.array(
-            [[[float(quantity(n)) for n in (d.x, d.y, d.vx, d.vy)] for d in leg] for leg in self.legs]
-        )
+        legs = np.array([[[float(quantity(n)) for n in (d.x, d.y, d.vx, d.vy)] for d in leg] for leg in self.legs])
         places = [max(bisect_right(starts, time) - 1, 0) for time in times]
         found = legs[places].copy()
         since = np.array(times, dtype=float) - np.array(starts)[places]

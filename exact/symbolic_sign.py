@@ -65,10 +65,16 @@ def normal(number: Any) -> Expr:
 def root(radicand: Any) -> Expr:
     """The square root of a number known not to be negative, denested where SymPy can.
 
+    Raises:
+        SymbolicUndecided: for a number so long that SymPy, which looks for its factors, fails.
+
     >>> root(3 + 2*sqrt(2))
     1 + sqrt(2)
     """
-    return sqrtdenest(sqrt(radicand))
+    try:
+        return sqrtdenest(sqrt(radicand))
+    except OverflowError as error:
+        raise SymbolicUndecided(f"SymPy cannot take the root of so long a number: {error}") from error
 
 
 def quantity(number: Any) -> Quantity:
@@ -226,13 +232,9 @@ class Roots:
                 half, odd = divmod(exponents[k], 2)
                 rest = self.ring({(*exponents[:k], odd, *exponents[k + 1 :]): coefficient})
                 by_power[half] = by_power.get(half, self.ring.zero) + rest
-            polynomial = sum(
-                (part * self.radicands[k] ** half for half, part in by_power.items()), self.ring.zero
-            )
+            polynomial = sum((part * self.radicands[k] ** half for half, part in by_power.items()), self.ring.zero)
         if len(polynomial) > MAX_TERMS:
-            raise SymbolicUndecided(
-                f"a number with {len(self.bases)} nested roots needs over {MAX_TERMS} terms"
-            )
+            raise SymbolicUndecided(f"a number with {len(self.bases)} nested roots needs over {MAX_TERMS} terms")
         return polynomial
 
     def _split(self, polynomial: Any) -> tuple[int, Any, Any] | None:

@@ -173,9 +173,7 @@ class _Exact:
         cx, cy = _total(row[0] for row in rows) / n, _total(row[1] for row in rows) / n
         self.centre = (cx, cy)
         self.rows = [(x - cx, y - cy, *rest) for x, y, *rest in rows]
-        self.walls = [
-            tuple(constant(q) for q in (w.x0, w.y0, w.x1, w.y1, *w.normal)) for w in scene.walls
-        ]
+        self.walls = [tuple(constant(q) for q in (w.x0, w.y0, w.x1, w.y1, *w.normal)) for w in scene.walls]
         self.pockets = [tuple(constant(q) for q in (p.x, p.y, p.r)) for p in scene.pockets]
 
     def check(self, reference: tuple[int, bool], image: int, mirror: bool) -> Symmetry | None:
@@ -269,8 +267,6 @@ def projections(scene: Scene, found: tuple[Symmetry, ...]) -> dict[int, Projecti
         if own:
             count = len(own) + 1
             identity = (1, 0, 0, 1)
-            mean = tuple(
-                (_total(iter([s.matrix[k] for s in own])) + identity[k]) / count for k in range(4)
-            )
+            mean = tuple((_total(iter([s.matrix[k] for s in own])) + identity[k]) / count for k in range(4))
             result[i] = (mean, own[0].centre)  # type: ignore[assignment]
     return result

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 
-class Undecided(Exception):  # noqa: N818 - an outcome, not an error
+class Undecided(Exception):
     """A sign that is not known. The message says which, at which event, to how many bits."""
 
 
-class BudgetSpent(Exception):  # noqa: N818 - an outcome, not an error
+class BudgetSpent(Exception):
     """A limit that the user set on effort was reached before an answer was."""

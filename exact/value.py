@@ -89,9 +89,7 @@ class ExactValue:
         near: a short enclosure, or the exact number where it is at hand.
     """
 
-    def __init__(
-        self, program: Program, upto: int, bodies: Sequence[int], formula: Formula, near: Number
-    ) -> None:
+    def __init__(self, program: Program, upto: int, bodies: Sequence[int], formula: Formula, near: Number) -> None:
         self.program = program
         self.upto = upto
         self.bodies = tuple(bodies)

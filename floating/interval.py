@@ -89,7 +89,7 @@ def sign(value: Any) -> int:
 
 def root(value: Any) -> Any:
     """The square root of a number that is known not to be negative; its interval may reach below zero."""
-    iv = mpmath.iv
+    iv: Any = mpmath.iv
     if (value >= 0) is True:
         return iv.sqrt(value)
     if (value < 0) is True:
@@ -99,7 +99,7 @@ def root(value: Any) -> Any:
 
 def enclosure(q: Quantity) -> Any:
     """An exact number as an interval at the working precision."""
-    iv = mpmath.iv
+    iv: Any = mpmath.iv
     if q.rational is not None:
         return iv.mpf(int(q.rational.p)) / iv.mpf(int(q.rational.q))
     if q.op == "sqrt":
@@ -143,7 +143,8 @@ def _interval(time: Any) -> Any:
         return time.value
     if isinstance(time, Quantity):
         return enclosure(time)
-    return mpmath.iv.mpf(float(time))
+    iv: Any = mpmath.iv
+    return iv.mpf(float(time))
 
 
 @dataclass(frozen=True)

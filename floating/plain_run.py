@@ -37,8 +37,10 @@ def trajectory(
     reversal = None
     if history.reversal is not None:
         reversal = Reversal(history.reversal[0], history.reversal[1])
+    end: Any
     if stop.reason is StopReason.HORIZON:
-        end = 2 * reversal.time if limits.to_return and reversal is not None else limits.until  # type: ignore[operator]
+        moment: Any = None if reversal is None else reversal.time
+        end = 2 * moment if limits.to_return else limits.until
     else:
         end = events[-1].time if events else loop.machine.zero
     return Trajectory(

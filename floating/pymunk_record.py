@@ -33,8 +33,7 @@ class Record:
         self.failures: list[BaseException] = []
         self.events: list[Event] = []
         self.knots: list[list[Knot]] = [
-            [(0.0, body.position.x, body.position.y, body.velocity.x, body.velocity.y)]
-            for body in world.bodies
+            [(0.0, body.position.x, body.position.y, body.velocity.x, body.velocity.y)] for body in world.bodies
         ]
         self.contact_steps = self.resting_contacts = 0
         self._pushed: list[tuple[int, int]] = []

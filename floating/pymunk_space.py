@@ -62,9 +62,7 @@ class PymunkSpace:
     speed: float
 
 
-def build_space(
-    scene: Scene, *, dt: float, duration: float, iterations: int, slop: float, bias: float
-) -> PymunkSpace:
+def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, slop: float, bias: float) -> PymunkSpace:
     """The space of a scene, for a run of at most `duration` in steps of `dt`.
 
     Args:

@@ -64,9 +64,7 @@ def loads_json(text: str, where: str = "JSON") -> Scene:
     """
     _check_size(text, where, MAX_JSON, "leave something out")
     try:
-        data = json.loads(
-            text, parse_float=Bare, parse_int=_whole, parse_constant=Bare, object_pairs_hook=_unique_keys
-        )
+        data = json.loads(text, parse_float=Bare, parse_int=_whole, parse_constant=Bare, object_pairs_hook=_unique_keys)
     except json.JSONDecodeError as error:
         place = f"(at line {error.lineno}, column {error.colno})"
         raise SceneError(f"{where}: not JSON: {error.msg} {place}") from None

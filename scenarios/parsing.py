@@ -31,7 +31,11 @@ MAX_TERMS = 200
 SHOWN = 60
 """How much of a bad text an error repeats."""
 
-TOKEN = re.compile(r"\s*(?:(?P<number>\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)|(?P<name>[A-Za-z_]\w*)|(?P<op>\*\*|[-+*/()]))", re.ASCII)
+TOKEN = re.compile(
+    r"\s*(?:(?P<number>\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)"
+    r"|(?P<name>[A-Za-z_]\w*)|(?P<op>\*\*|[-+*/()]))",
+    re.ASCII,
+)
 
 
 class Token(NamedTuple):
@@ -234,7 +238,7 @@ def quantity_from_sympy(value: Any) -> Quantity:
     import sympy
 
     if isinstance(value, sympy.Float):
-        return Quantity.of(sympy.Rational(value).p) / Quantity.of(sympy.Rational(value).q)
+        return quantity_from_sympy(sympy.Rational(value))
     if isinstance(value, sympy.Rational) and value.q != 0:
         return Quantity.of(int(value.p)) / int(value.q)
     if isinstance(value, sympy.Add):

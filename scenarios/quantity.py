@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from fractions import Fraction
 from functools import cached_property
+from math import isfinite
 from numbers import Rational
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
@@ -76,7 +77,7 @@ class Quantity:
         if isinstance(value, Quantity):
             return value
         if isinstance(value, bool):
-            raise SceneError(f"{value!r} is not a number; write a whole number or text such as \"9/4\"")
+            raise SceneError(f'{value!r} is not a number; write a whole number or text such as "9/4"')
         if isinstance(value, int):
             return Quantity("q", (), fmpq(value))
         if isinstance(value, str):
@@ -88,7 +89,7 @@ class Quantity:
         if isinstance(value, fmpz):
             return Quantity("q", (), fmpq(value))
         if isinstance(value, float):
-            if value != value or value in (float("inf"), float("-inf")):
+            if not isfinite(value):
                 raise SceneError(f"{value!r} is not a finite number")
             return Quantity("q", (), fmpq(*value.as_integer_ratio()))
         if isinstance(value, Rational):
@@ -233,9 +234,7 @@ class Quantity:
         from .tower import Tower, TowerLimit
 
         if len(self.radicands) > MAX_ROOTS:
-            raise SceneError(
-                f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots"
-            )
+            raise SceneError(f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots")
         try:
             return self.in_tower(Tower(deadline=time.monotonic() + PATIENCE))
         except TowerLimit:

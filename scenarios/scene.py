@@ -92,7 +92,7 @@ class Circle:
         if sign > 0 and self.point:
             raise SceneError(f"{label}: r = {self.r.brief()}: a point ball has r = 0; leave out point, or set r = 0")
         if isinstance(self.m, Quantity) and self.m.sign() <= 0:
-            raise SceneError(f"{label}: m = {self.m.brief()}: a mass must be positive (or \"oo\" for a fixed circle)")
+            raise SceneError(f'{label}: m = {self.m.brief()}: a mass must be positive (or "oo" for a fixed circle)')
         if self.fixed and (self.vx.sign() or self.vy.sign()):
             raise SceneError(
                 f"{label}: m = oo with velocity ({self.vx.brief()}, {self.vy.brief()}): a fixed circle never moves; "
@@ -150,7 +150,8 @@ class Wall:
             put(self, key, _exact("wall", id, key, value))
         if self.x0 == self.x1 and self.y0 == self.y1:
             raise SceneError(
-                f"{_label('wall', id)}: both points are ({self.x0.brief()}, {self.y0.brief()}); a wall needs two distinct points"
+                f"{_label('wall', id)}: both points are ({self.x0.brief()}, {self.y0.brief()}); "
+                "a wall needs two distinct points"
             )
 
     @property

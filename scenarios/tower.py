@@ -93,12 +93,7 @@ class Nested:
         self.b = b
 
     def __eq__(self, other: object) -> bool:
-        return (
-            isinstance(other, Nested)
-            and self.level == other.level
-            and self.b == other.b
-            and self.a == other.a
-        )
+        return isinstance(other, Nested) and self.level == other.level and self.b == other.b and self.a == other.a
 
     def __hash__(self) -> int:
         return hash((self.level, _key(self.a), _key(self.b)))
@@ -504,9 +499,7 @@ class Tower:
         >>> [g.text() for g in tower.generators]
         ['sqrt(3)', 'sqrt(2*sqrt(3) + 1)']
         """
-        return tuple(
-            self._element(Nested(i + 1, ZERO, ONE) if nested else {1 << i: ONE}) for nested, i in self._made
-        )
+        return tuple(self._element(Nested(i + 1, ZERO, ONE) if nested else {1 << i: ONE}) for nested, i in self._made)
 
     def rational(self, q: Rational) -> Element:
         """q as an element of this field."""

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from .quantity import QuantityLike
     from .scene import Scene
 
 Real: TypeAlias = SupportsFloat
@@ -76,8 +75,10 @@ class Assumption:
     bound: int | None = None
 
     def __str__(self) -> str:
-        how = f"a chance of at most 2**{self.bound} that it is wrong" if self.proof is TieProof.PROBABLE else (
-            f"agreement to {self.bound} bits"
+        how = (
+            f"a chance of at most 2**{self.bound} that it is wrong"
+            if self.proof is TieProof.PROBABLE
+            else (f"agreement to {self.bound} bits")
         )
         return f"from event {self.event} on, this rests on a tie that is not proved ({self.question}): {how}"
 
@@ -237,12 +238,19 @@ class Trajectory:
     plan: Mapping[str, Any] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
-    def at(self, time: QuantityLike | Real) -> State:
+    def at(self, time: Any) -> State:
         """The state at a time from 0 to `final_time`; at an event, as it leaves it.
+
+        Args:
+            time: exact text such as "9/4", a number, or a time of this run.
 
         Raises:
             ValueError: outside of that range.
         """
+        if isinstance(time, str):
+            from .quantity import Quantity
+
+            time = Quantity.of(time)
         rows = self.motion.state(time)
         return State(
             time,

@@ -29,6 +29,7 @@ from typing import Any
 import mpmath
 from flint import arb, fmpz  # type: ignore[attr-defined]
 from mpmath import mpf
+
 from truebreak.scenarios import Circle, Quantity, Scene, Trajectory, Wall
 
 DATA = Path(__file__).parent / "data" / "referee"

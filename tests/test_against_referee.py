@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from referee import compare_to_referee, load, names
+
 from truebreak.exact import ExactEngine
 
 

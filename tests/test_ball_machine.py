@@ -28,10 +28,15 @@ def states(machine, when):
 def slanted(seed: int) -> Scene:
     draw = random.Random(seed)
     circles = [
-        Circle(3 * k, f"{draw.randrange(-50, 50)}/100", 1, f"{draw.randrange(-99, 99)}/70", f"{draw.randrange(-99, 99)}/70",
-               m=f"{draw.randrange(1, 50)}/7")
+        Circle(
+            x=3 * k,
+            y=f"{draw.randrange(-50, 50)}/100",
+            vx=f"{draw.randrange(-99, 99)}/70",
+            vy=f"{draw.randrange(-99, 99)}/70",
+            m=f"{draw.randrange(1, 50)}/7",
+        )
         for k in range(5)
-    ]  # fmt: skip
+    ]
     walls = [Wall(-9, -20, -8, 20), Wall(22, -20, 20, 20), Wall(-9, 9, 20, 11), Wall(-9, -10, 20, -8)]
     return Scene(circles, walls)
 

@@ -95,7 +95,7 @@ def test_state_at_an_event_is_as_the_event_leaves_it():
 
 @pytest.mark.parametrize("time", [-1, "10**9"])
 def test_times_outside_the_run_are_refused(gas, time):
-    with pytest.raises(ValueError, match="start|end"):
+    with pytest.raises(ValueError, match=r"start|end"):
         gas.at(time)
 
 

@@ -10,12 +10,11 @@ from random import Random
 import mpmath
 import numpy as np
 import pytest
-import truebreak.exact.certify as certify
-import truebreak.exact.live as live
 from flint import arb, ctx
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from truebreak.exact import ExactEngine
+
+from truebreak.exact import ExactEngine, certify, live
 from truebreak.floating import DoubleEngine, IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
 

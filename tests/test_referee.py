@@ -11,6 +11,7 @@ import pytest
 import referee
 from mpmath import mpf
 from referee import AGREED_BITS, SCENES, History, Instant, Table, compare_to_referee, load, play, texts
+
 from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall
 
 BITS = 1000

@@ -16,7 +16,7 @@ from truebreak.exact import symbolic_contacts, symbolic_sign
 from truebreak.exact.symbolic import SymbolicEngine
 from truebreak.exact.symbolic_laws import Disc, Line, approach_sign, touch_times, velocities_after
 from truebreak.exact.symbolic_sign import SymbolicUndecided, enclosure, normal, quantity, sign
-from truebreak.scenarios import Circle, Contact, Quantity, Scene, SceneError, StopReason, Wall
+from truebreak.scenarios import Circle, Contact, Quantity, Scene, SceneError, StopReason, Wall, catalogue
 
 Q = Quantity.of
 C = Circle
@@ -160,7 +160,7 @@ def test_one_collision_then_quiet():
 
 
 def test_galperin_counts_the_digits_of_pi():
-    scene = Scene([C(1, 0, 0, m=1, point=True), C(2, 0, 0, vx=-1, m=100, point=True)], [Wall(0, 0, 0, 1)])
+    scene = Scene([C(1, 0, 0, m=1, point=True), C(3, 0, 1, vx=-1, m=100)], [Wall(0, 0, 0, 1)])
     trajectory = run(scene)
     assert trajectory.collisions == 31
     assert trajectory.stop.reason is StopReason.QUIET
@@ -266,12 +266,19 @@ def test_fixed_circles_and_walls_stay():
     assert velocities(trajectory) == exact((1, 0), (0, 0), (0, 0))
 
 
-def test_points_bounce_off_each_other_and_off_walls():
+def test_points_bounce_off_walls_and_not_off_each_other():
+    """They fly to one place at time 2, where no direction of an impact is defined."""
     point = {"r": 0, "point": True}
     scene = Scene([C(0, 1, vx=1, vy=-1, **point), C(4, 1, vx=-1, vy=-1, **point)], [Wall(0, 0, 1, 0)])
     trajectory = run(scene)
-    assert [(e.time, len(e.contacts)) for e in trajectory.events] == [(1, 2), (2, 1)]
-    assert velocities(trajectory) == exact((-1, 1), (1, 1))
+    assert [(e.time, len(e.contacts)) for e in trajectory.events] == [(1, 2)]
+    assert velocities(trajectory) == exact((1, 1), (-1, 1))
+
+
+def test_a_number_too_long_for_sympy_ends_the_run_as_undecided():
+    trajectory = run(catalogue.build("lorentz:rows=2,r=0"), events=6)
+    assert trajectory.stop.reason is StopReason.UNDECIDED
+    assert "so long a number" in trajectory.stop.message
 
 
 # -- limits and reversal

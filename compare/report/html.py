@@ -120,8 +120,7 @@ def _outcomes(comparison: Comparison) -> list[dict[str, Any]]:
     rows = []
     for name, value in comparison.outcomes.items():
         cells = [
-            {"text": _short_outcome(c.outcomes.get(name)), "differs": name in c.changed}
-            for c in comparison.candidates
+            {"text": _short_outcome(c.outcomes.get(name)), "differs": name in c.changed} for c in comparison.candidates
         ]
         rows.append({"name": name.replace("_", " "), "reference": _short_outcome(value), "cells": cells})
     return rows

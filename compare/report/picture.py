@@ -79,10 +79,7 @@ def view_of(discs: Sequence[Disc], scene: Scene) -> View:
     size = max(max(xs) - min(xs), max(ys) - min(ys), 1e-9)
     for wall in scene.walls:
         for x, y in _nearest(wall_line(wall), [(d.x, d.y) for d in discs]):
-            if (
-                min(xs) - 3 * size <= x <= max(xs) + 3 * size
-                and min(ys) - 3 * size <= y <= max(ys) + 3 * size
-            ):
+            if min(xs) - 3 * size <= x <= max(xs) + 3 * size and min(ys) - 3 * size <= y <= max(ys) + 3 * size:
                 xs.append(x)
                 ys.append(y)
     width, height = max(xs) - min(xs), max(ys) - min(ys)

@@ -100,15 +100,11 @@ def ticks(end: float) -> list[float]:
 
 
 def _drawn(line: Line, number: int, end: float, low: int, high: int) -> list[str]:
-    points = " ".join(
-        f"{_x(t, end):.1f},{_y(v, low, high):.1f}" for t, v in zip(line.times, line.values, strict=True)
-    )
+    points = " ".join(f"{_x(t, end):.1f},{_y(v, low, high):.1f}" for t, v in zip(line.times, line.values, strict=True))
     dashes = STROKES[number % len(STROKES)]
     dash = f' stroke-dasharray="{dashes}"' if dashes else ""
     kind = f"series s{number % 5}"
-    parts = [
-        f'<polyline class="{kind}"{dash} points="{points}"><title>{escape(line.label)}</title></polyline>'
-    ]
+    parts = [f'<polyline class="{kind}"{dash} points="{points}"><title>{escape(line.label)}</title></polyline>']
     if line.diverged is not None and line.diverged <= end:
         value = _at(line, line.diverged)
         x, y = _x(line.diverged, end), _y(value, low, high)

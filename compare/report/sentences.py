@@ -86,9 +86,7 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
     body = named(scene, divergence.body)
     match divergence.kind:
         case Kind.DIFFERENT:
-            what = (
-                f"{body} meets {named(scene, divergence.got)} instead of {named(scene, divergence.expected)}"
-            )
+            what = f"{body} meets {named(scene, divergence.got)} instead of {named(scene, divergence.expected)}"
         case Kind.MISSING:
             what = f"{body} does not meet {named(scene, divergence.expected)}"
         case Kind.EXTRA:
@@ -147,9 +145,7 @@ def listed(words: list[str]) -> str:
     >>> listed(["a"]), listed(["a", "b", "c"])
     ('a', 'a, b and c')
     """
-    return (
-        words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else "no engine"
-    )
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}" if words else "no engine"
 
 
 def short(value: float | None) -> str:
@@ -177,9 +173,7 @@ def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
         case Relation.PERMITTED if policy is not None:
             return f"not the exact one, but permitted: the exact engine has it under {policy}"
         case Relation.PERMITTED:
-            return (
-                f"not the exact one, but permitted: one of {found} over all orders of simultaneous impulses"
-            )
+            return f"not the exact one, but permitted: one of {found} over all orders of simultaneous impulses"
         case Relation.IMPOSSIBLE:
             return f"impossible: not among {found} over all orders of simultaneous impulses"
         case Relation.UNSEEN:

@@ -49,9 +49,7 @@ def engines_table(comparison: Comparison) -> Table:
     """One row an engine; a column for the return only after a reversal."""
     from rich.markup import escape
 
-    returns = comparison.return_miss is not None or any(
-        c.return_miss is not None for c in comparison.candidates
-    )
+    returns = comparison.return_miss is not None or any(c.return_miss is not None for c in comparison.candidates)
     headings = [
         "engine",
         "verdict",

@@ -16,7 +16,7 @@ MAX_ROOTS = 4
 """Nested levels that a scene's constants may need for its runs to be kept in their field."""
 
 
-class LeavesField(Exception):  # noqa: N818 - an outcome, not an error
+class LeavesField(Exception):
     """A square root that is not in the field."""
 
 

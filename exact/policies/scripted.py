@@ -21,7 +21,7 @@ class Choice(NamedTuple):
     asleep: frozenset[Link]
 
 
-class BranchDone(Exception):  # noqa: N818 - an outcome, not an error
+class BranchDone(Exception):
     """This branch repeats one that has been followed: nothing new comes of it."""
 
 

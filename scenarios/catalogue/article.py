@@ -38,9 +38,7 @@ SCENES = {
     "article": Entry(
         name="article",
         summary="The worked examples of the article, small enough to check by hand.",
-        parameters=(
-            Parameter("figure", "diagonal", f"which example: {', '.join(FIGURES)}", one_of(*FIGURES)),
-        ),
+        parameters=(Parameter("figure", "diagonal", f"which example: {', '.join(FIGURES)}", one_of(*FIGURES)),),
         known=(
             "approach: they just touch at times 1 and 3, and collide at 1. "
             "apart: they just touch at -2 - sqrt(2) and -2 + sqrt(2), both past, and never collide. "

@@ -90,9 +90,7 @@ def _walls(side: int) -> list[Wall]:
     ]
 
 
-SINAI = (
-    "Y. G. Sinai, Dynamical systems with elastic reflections, Russian Mathematical Surveys 25 (1970), 137-189"
-)
+SINAI = "Y. G. Sinai, Dynamical systems with elastic reflections, Russian Mathematical Surveys 25 (1970), 137-189"
 
 PARAMETERS = (
     Parameter("n", "10", "number of discs", whole(1, 500)),

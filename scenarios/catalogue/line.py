@@ -120,9 +120,7 @@ SCENES = {
     "tennis": Entry(
         name="tennis",
         summary="Tennis ball and basketball dropped together, as big balls between two walls.",
-        parameters=(
-            Parameter("big", "10", "radius of the basketball; its mass is the cube", number(least=2)),
-        ),
+        parameters=(Parameter("big", "10", "radius of the basketball; its mass is the cube", number(least=2)),),
         known=(
             "The first bounce leaves the tennis ball at (1 - 3 m)/(1 + m) for a basketball of mass m: "
             "at -2999/1001 for big=10, with the basketball at -997/1001; at -3 for a very heavy one."
