@@ -122,7 +122,8 @@ def compare(
         results.append(study.explained(result, engine, _noted(progress, f"why {label}")) if causes else result)
     other = any("break_pattern" in c.changed and c.verdict != "undecided" for c in results)
     search = causes and other and told.stop.reason not in UNDONE
-    permitted = permitted_patterns(truth, told, seconds, _noted(progress, "orders")) if search else None
+    histories = [c.trajectory for c in results if c.alignment.divergence is not None]
+    permitted = permitted_patterns(truth, told, seconds, histories, _noted(progress, "orders")) if search else None
     miss = return_miss(told, told)
     return Comparison(scene, told, tuple(results), found, study.span, miss, permitted, seconds)
 

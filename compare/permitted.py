@@ -7,7 +7,7 @@ chosen by it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from ..scenarios.trajectory import StopReason
 from .break_pattern import break_pattern
 from .deadline import OutOfTime, limited
+from .engines import is_stepped
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
@@ -78,7 +79,11 @@ class PermittedPatterns:
 
 
 def permitted_patterns(
-    truth: Engine, reference: Trajectory, seconds: float, progress: OnProgress | None = None
+    truth: Engine,
+    reference: Trajectory,
+    seconds: float,
+    histories: Sequence[Trajectory] = (),
+    progress: OnProgress | None = None,
 ) -> PermittedPatterns | None:
     """The patterns under each policy and over all sequential orders.
 
@@ -86,6 +91,8 @@ def permitted_patterns(
 
     Args:
         seconds: how long the reference's run took.
+        histories: runs whose own order of impulses is followed as far as the exact engine allows it, so that a
+            permitted pattern is found even where the orders are too many to enumerate.
     """
     exact = break_pattern(reference)
     if exact is None:
@@ -105,7 +112,16 @@ def permitted_patterns(
                     by_policy[policy] = pattern
         if hasattr(truth, "run_with"):
             from ..exact.all_orders import all_orders
+            from ..exact.policies.guided import Guided
 
+            for history in histories:
+                policy = Guided(scene, history, is_stepped(history.engine))
+                guided = truth.run_with(scene, policy, until=end, progress=watched)  # type: ignore[attr-defined]
+                    scene, Guided(scene, history, is_stepped(history.engine)), until=end, progress=watched
+                )  # type: ignore[attr-defined]
+                pattern = _pattern(guided)
+                if pattern is not None and pattern not in patterns:
+                    patterns.append(pattern)
             cap = max(LEAST_CAP, min(GREATEST_CAP, int(SEARCH_SECONDS / 2 / max(seconds, 1e-3))))
             tree = all_orders(truth, scene, until=end, cap=cap, samples=cap // SAMPLE_SHARE, progress=watched)  # type: ignore[arg-type]
             found = [_pattern(outcome.trajectory) for outcome in tree.outcomes]

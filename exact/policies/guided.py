@@ -38,24 +38,30 @@ class Guided:
 
     Args:
         scene: the scene of both.
-        history: the run to follow; impulses of one of its events count as being in any order.
+        history: the run to follow.
+        any_order: whether the impulses of one of its events are in no order, as in one time step.
     """
 
     chooses_order = True
 
-    def __init__(self, scene: Scene, history: Trajectory) -> None:
+    def __init__(self, scene: Scene, history: Trajectory, any_order: bool = False) -> None:
         self.n = len(scene.circles)
         places = {name: place for place, name in enumerate(scene.ids)}
         self._lines = [_Line() for _ in range(self.n)]
         for event in history.events:
-            groups: dict[int, list[int]] = {}
-            for first, second in event.impulses:
-                i, j = places[first], places[second]
-                groups.setdefault(i, []).append(j)
-                if j < self.n:
-                    groups.setdefault(j, []).append(i)
-            for body, group in groups.items():
-                self._lines[body].groups.append(group)
+            links = [(places[first], places[second]) for first, second in event.impulses]
+            for together in [links] if any_order else [[link] for link in links]:
+                self._add(together)
+
+    def _add(self, links: Sequence[Link]) -> None:
+        """Contacts that come next, in no order among themselves."""
+        groups: dict[int, list[int]] = {}
+        for i, j in links:
+            groups.setdefault(i, []).append(j)
+            if j < self.n:
+                groups.setdefault(j, []).append(i)
+        for body, group in groups.items():
+            self._lines[body].groups.append(group)
 
     def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
         """One contact."""
