@@ -117,8 +117,6 @@ def permitted_patterns(
             for history in histories:
                 policy = Guided(scene, history, is_stepped(history.engine))
                 guided = truth.run_with(scene, policy, until=end, progress=watched)  # type: ignore[attr-defined]
-                    scene, Guided(scene, history, is_stepped(history.engine)), until=end, progress=watched
-                )  # type: ignore[attr-defined]
                 pattern = _pattern(guided)
                 if pattern is not None and pattern not in patterns:
                     patterns.append(pattern)

@@ -16,7 +16,7 @@ from truebreak.exact.machine import Link, Machine
 from truebreak.exact.policies import policy_for
 from truebreak.exact.questions import Question
 from truebreak.floating import DoubleEngine, IntervalEngine
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, TiePolicy, Trajectory, Wall, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, TiePolicy, Trajectory, Wall, catalogue
 
 C = Circle
 ENGINES = {"exact": ExactEngine(), "double": DoubleEngine(), "interval": IntervalEngine(bits=53)}
@@ -60,7 +60,7 @@ ENDS: dict[tuple[str, str], list[str]] = {
     ("lee", "simultaneous"): on_line("-2", "-1", "0"),
     ("lee", SCENE_ORDER): on_line("-11/5", "-8/25", "-3/25"),
     ("two", "simultaneous"): ["-1/5", "0", "3/5", "sqrt(3)/5", "3/5", "-sqrt(3)/5"],
-    ("two", SCENE_ORDER): ["-1/8", "sqrt(3)/8", "3/4", "sqrt(3)/4", "3/8", "-3*sqrt(3)/8"],
+    ("two", SCENE_ORDER): ["-1/8", "-sqrt(3)/8", "3/4", "sqrt(3)/4", "3/8", "-sqrt(3)/8"],
     ("cradle", "simultaneous"): on_line("0", "0", "0", "0", "0", "1"),
     ("cradle", SCENE_ORDER): on_line("0", "0", "0", "0", "0", "1"),
     ("three", "simultaneous"): ["-1/5", "0", "0", "0", "3/5", "sqrt(3)/5", "3/5", "-sqrt(3)/5"],
@@ -74,8 +74,8 @@ SCENES = {"lee": LEE, "two": TWO, "cradle": catalogue.build("cradle:gap=0"), "th
 @pytest.mark.parametrize(("name", "policy"), ENDS)
 def test_the_outcome_is_the_one_derived_by_hand(name: str, policy: str, engine: str) -> None:
     run = play(SCENES[name], policy, engine, events=1)
-    if name == "three" and engine == "interval":
-        assert run.events == ()  # two that touch by sqrt(3) cannot be told from two that part
+    if name == "two" and engine == "interval":
+        assert run.stop.reason is StopReason.UNDECIDED  # intervals of two equal times overlap, and tell no more
         return
     assert_ends(run, ENDS[name, policy])
 
@@ -95,17 +95,19 @@ def test_the_other_order_of_lee_comes_up_by_seed(engine: str) -> None:
     assert seen == set(ends)
 
 
-@every_engine
+@pytest.mark.parametrize("engine", ["exact", "double"])
 def test_one_onto_two_is_symmetric_only_if_simultaneous(engine: str) -> None:
     both = play(TWO, "simultaneous", engine)
     assert both.events[0].impulses == (("cue", "up"), ("cue", "down"))
     assert both.events[0].coupled
     up, down = both.final["up"], both.final["down"]
-    assert (float(up.vx), float(up.vy)) == (float(down.vx), -float(down.vy)) or engine != "exact"
+    assert math.isclose(float(up.vx), float(down.vx))
+    assert math.isclose(float(up.vy), -float(down.vy))
     for policy in (SCENE_ORDER, OTHER_ORDER):
         run = play(TWO, policy, engine)
         first = run.events[0].impulses[0].second
-        assert run.final[first].vx.__float__() > run.final["down" if first == "up" else "up"].vx.__float__()
+        second = {"up": "down", "down": "up"}[first]
+        assert math.isclose(float(run.final[first].vx), 2 * float(run.final[second].vx))
 
 
 @every_engine
@@ -243,7 +245,7 @@ def test_the_impulses_of_a_round_solve_the_complementarity_problem(seed: int) ->
 
     chosen = pushing_contacts(approaching, ask)
     matrix, speeds = machine.contact_system(approaching)
-    wanted = [s for s in every_solution(matrix, speeds)]
+    wanted = every_solution(matrix, speeds)
     assert wanted
     for solution in wanted:
         assert {link for link, s in zip(approaching, solution, strict=True) if s} == set(chosen)
