@@ -437,7 +437,7 @@ def certain_double(value: arb) -> float | None:
         low, high = float(value.lower()), float(value.upper())
     finally:
         ctx.prec = saved
-    return low if low == high else None
+    return low + 0.0 if low == high else None  # + 0.0: zero has no sign
 
 
 def nearest_double(q: fmpq) -> float:

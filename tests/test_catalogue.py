@@ -57,7 +57,7 @@ def test_every_scene_builds_and_survives_writing_and_reading(spec: str) -> None:
     scene = catalogue.build(spec)
     assert scene == catalogue.build(spec)
     assert len(set(scene.ids)) == len(scene.ids)
-    assert scene.events is not None or scene.until is not None
+    assert any(limit is not None for limit in (scene.events, scene.until, scene.reverse_after))
     assert scene.description
     assert scene.source
     for again in (loads_toml(dump_toml(scene)), loads_json(dump_json(scene))):

@@ -45,7 +45,7 @@ def reversal(n: int, seed: int, size: int | None, mixed: bool, after: int) -> Sc
     >>> reversal(5, 1, None, False, 20).events
     40
     """
-    return Scene(*_box(n, seed, size, mixed), reverse_after=after, events=2 * after)
+    return Scene(*_box(n, seed, size, mixed), reverse_after=after)
 
 
 def _box(n: int, seed: int, size: int | None, mixed: bool) -> tuple[list[Circle], list[Wall]]:

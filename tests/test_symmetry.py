@@ -1,0 +1,323 @@
+"""Symmetry: what a mirror or a rotation proves, for how long, and that the least flaw ends it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from flint import arb, ctx  # type: ignore[attr-defined]
+
+from truebreak.exact import ExactEngine
+from truebreak.exact.numbers.field import field_ball
+from truebreak.exact.symmetry import Symmetry, projections, symmetries
+from truebreak.floating import IntervalEngine
+from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
+from truebreak.scenarios.trajectory import TieProof
+
+INSTANTS = 300
+TINY = Quantity.of("10**-30")
+INSCRIBED = (3, 4, 5, 6, 8)
+BITS = 400
+"""Precision at which final states are compared."""
+RACK = "rack:rows=5,gap=0"
+OPEN_RACK = "rack:rows=3,gap=1/50,pockets=no"
+
+
+def run(scene: Scene, events: int = INSTANTS) -> Trajectory:
+    return ExactEngine().run(scene, events=events)
+
+
+def images(scene: Scene, symmetry: Symmetry) -> Callable[[Contact], Contact]:
+    """From a contact to its image."""
+    places = {name: place for place, name in enumerate(scene.ids)}
+
+    def image(contact: Contact) -> Contact:
+        i, j = symmetry.image((places[contact.first], places[contact.second]))
+        return Contact(scene.ids[i], scene.ids[j])
+
+    return image
+
+
+def assert_symmetric_instants(trajectory: Trajectory, symmetry: Symmetry) -> None:
+    """The image of every instant's contacts is the same contacts."""
+    image = images(trajectory.scene, symmetry)
+    for event in trajectory.events:
+        assert set(map(image, event.contacts)) == set(event.contacts), event.index
+
+
+def final_rows(trajectory: Trajectory) -> list[list[arb]]:
+    """x, y, vx, vy of every circle at the end, as balls."""
+    return [[c.x.ball(BITS), c.y.ball(BITS), c.vx.ball(BITS), c.vy.ball(BITS)] for c in trajectory.final.circles]
+
+
+def assert_symmetric_state(trajectory: Trajectory, *found: Symmetry) -> None:
+    """Every circle's final place and velocity are those of its image, mapped, to a hundred digits."""
+    rows = final_rows(trajectory)
+    for symmetry in found:
+        a, b, c, d = (field_ball(entry, BITS) for entry in symmetry.matrix)
+        cx, cy = (field_ball(part, BITS) for part in symmetry.centre)
+        for (x, y, vx, vy), place in zip(rows, symmetry.circles, strict=True):
+            x, y = x - cx, y - cy
+            image = (a * x + b * y + cx, c * x + d * y + cy, a * vx + b * vy, c * vx + d * vy)
+            for number, expected in zip(rows[place], image, strict=True):
+                assert (number - expected).abs_upper() < arb(10) ** -100
+
+
+@pytest.fixture(autouse=True)
+def _precision() -> Iterator[None]:
+    saved = ctx.prec
+    ctx.prec = BITS
+    yield
+    ctx.prec = saved
+
+
+# -- what symmetry proves
+
+
+def test_a_touching_rack_is_mirror_symmetric_to_the_last() -> None:
+    scene = catalogue.build(RACK)
+    trajectory = run(scene)
+    assert trajectory.certified
+    assert (len(trajectory.events), trajectory.stop.reason) == (INSTANTS, StopReason.EVENTS)
+    (mirror,) = symmetries(scene)
+    assert mirror.mirror
+    assert_symmetric_instants(trajectory, mirror)
+    assert_symmetric_state(trajectory, mirror)
+    for circle, place in zip(trajectory.final.circles, mirror.circles, strict=True):
+        other = trajectory.final.circles[place]
+        assert (float(circle.x), float(circle.vx)) == (float(other.x), float(other.vx))
+        assert float(circle.vy) == -float(other.vy)
+    assert any(tie.proof is TieProof.SYMMETRY for event in trajectory.events[-20:] for tie in event.ties)
+
+
+def test_a_ball_on_the_mirror_line_stays_there() -> None:
+    """The cue and the apex never leave the axis: their transverse velocity is exactly zero."""
+    trajectory = run(catalogue.build(RACK))
+    for name in ("cue", "b1"):
+        circle = trajectory.final[name]
+        assert (float(circle.y), float(circle.vy)) == (21.0, 0.0)
+        assert circle.vy.ball(BITS) == 0
+
+
+@pytest.mark.parametrize("n", INSCRIBED)
+def test_inscribed_circles_keep_their_rotations(n: int) -> None:
+    scene = catalogue.build(f"inscribed:n={n}")
+    trajectory = run(scene)
+    assert trajectory.certified
+    assert (len(trajectory.events), trajectory.stop.reason) == (INSTANTS, StopReason.EVENTS)
+    found = symmetries(scene)
+    assert len(found) == n - 1
+    assert not any(symmetry.mirror for symmetry in found)
+    for symmetry in found:
+        assert_symmetric_instants(trajectory, symmetry)
+    assert_symmetric_state(trajectory, *found)
+    assert all(len(event.contacts) % n == 0 or 2 * len(event.contacts) == n for event in trajectory.events)
+
+
+@pytest.mark.parametrize("n", INSCRIBED)
+def test_without_spin_there_are_mirrors_too(n: int) -> None:
+    scene = catalogue.build(f"inscribed:n={n},spin=0")
+    found = symmetries(scene)
+    assert [symmetry.mirror for symmetry in found].count(True) == n
+    assert len(found) == 2 * n - 1
+    trajectory = run(scene, 30)
+    assert trajectory.certified
+    for symmetry in found:
+        assert_symmetric_instants(trajectory, symmetry)
+
+
+def test_a_tie_by_symmetry_is_between_a_contact_and_its_image() -> None:
+    scene = catalogue.build(RACK)
+    (mirror,) = symmetries(scene)
+    image = images(scene, mirror)
+    seen = 0
+    for event in run(scene).events:
+        for tie in event.ties:
+            if tie.proof is TieProof.SYMMETRY:
+                first, second = tie.contacts
+                assert image(first) == second
+                seen += 1
+    assert seen > 100
+
+
+def test_a_circle_that_two_mirrors_keep_stands_still() -> None:
+    """Four balls fly at one in the middle."""
+    around = [Circle(x, y, vx=-x // 6, vy=-y // 6) for x, y in ((6, 0), (0, 6), (-6, 0), (0, -6))]
+    scene = Scene([Circle(0, 0, id="middle"), *around])
+    (matrix, _) = projections(scene, symmetries(scene))[0]
+    assert all(entry == 0 for entry in matrix)
+    trajectory = run(scene)
+    assert [float(v) for v in (trajectory.final["middle"].vx, trajectory.final["middle"].vy)] == [0, 0]
+    assert len(trajectory.events[0].contacts) == 4
+
+
+# -- what breaks it
+
+
+def nudged(scene: Scene, name: str, **changes: Quantity) -> Scene:
+    """The scene with some numbers of one circle or wall changed by these amounts."""
+
+    def copy(thing: Circle | Wall, keys: tuple[str, ...]) -> Any:
+        values = {key: getattr(thing, key) for key in keys}
+        if thing.id == name:
+            values |= {key: values[key] + amount for key, amount in changes.items()}
+        return type(thing)(**values, id=thing.id)
+
+    return scene.with_changes(
+        circles=[copy(c, ("x", "y", "r", "vx", "vy", "m")) for c in scene.circles],
+        walls=[copy(w, ("x0", "y0", "x1", "y1")) for w in scene.walls],
+    )
+
+
+FLAWS = {"x": TINY, "y": TINY, "vx": TINY, "vy": -TINY, "m": TINY, "r": -TINY}
+
+
+def assert_flaw_noticed(flawed: Scene, whole: Scene, events: int = 60) -> None:
+    """No proof by symmetry, some instant parted, and the very history that long intervals certify."""
+    assert symmetries(flawed) == ()
+    trajectory, before = run(flawed, events), run(whole, events)
+    assert trajectory.certified
+    assert trajectory.stop.reason is StopReason.EVENTS
+    proofs = {tie.proof for event in trajectory.events for tie in event.ties}
+    assert TieProof.SYMMETRY not in proofs
+    images_of = [images(whole, symmetry) for symmetry in symmetries(whole)]
+    parted = [
+        event
+        for event in trajectory.events
+        if any(set(map(image, event.contacts)) != set(event.contacts) for image in images_of)
+    ]
+    assert parted
+    assert all(set(map(image, event.contacts)) == set(event.contacts) for event in before.events for image in images_of)
+    assert_certified_by_intervals(trajectory)
+
+
+def assert_certified_by_intervals(trajectory: Trajectory) -> None:
+    """Intervals of 600 bits, as far as they get: not past a tie, which they never can tell."""
+    intervals = IntervalEngine(bits=600).run(trajectory.scene, events=len(trajectory.events))
+    for mine, theirs in zip(trajectory.events, intervals.events, strict=False):
+        assert (mine.contacts, mine.impulses) == (theirs.contacts, theirs.impulses)
+        assert theirs.time.low <= float(mine.time) <= theirs.time.high
+    if len(intervals.events) < len(trajectory.events):
+        assert intervals.stop.reason is StopReason.UNDECIDED
+        assert trajectory.events[len(intervals.events)].ties
+
+
+@pytest.mark.parametrize("key", FLAWS)
+@pytest.mark.parametrize(
+    ("spec", "circle"),
+    [(OPEN_RACK, "b2"), (OPEN_RACK, "b4"), ("inscribed:n=4", "c1"), ("inscribed:n=3", "c2")],
+)
+def test_a_flaw_of_a_circle_is_noticed(spec: str, circle: str, key: str) -> None:
+    whole = catalogue.build(spec)
+    assert_flaw_noticed(nudged(whole, circle, **{key: FLAWS[key]}), whole)
+
+
+@pytest.mark.parametrize("key", ["y0", "y1"])
+def test_a_flaw_of_a_wall_is_noticed(key: str) -> None:
+    whole = catalogue.build(OPEN_RACK)
+    assert_flaw_noticed(nudged(whole, "top", **{key: TINY}), whole, events=100)
+
+
+def test_the_two_hits_of_a_flawed_pair_are_as_far_apart_as_they_should_be() -> None:
+    """The cue hits two balls, one of them 10**-30 farther: the times differ by that."""
+    scene = Scene([Circle(0, 0, vx=1), Circle(9, 1), Circle(9 + TINY, -1 - TINY)])
+    assert symmetries(scene) == ()
+    first, second = run(scene).events[:2]
+    assert (first.contacts, second.contacts) == (
+        (Contact("c1", "c2"),),
+        (Contact("c1", "c3"),),
+    ) or second.contacts == (Contact("c1", "c2"),)
+    apart = second.time.ball(BITS) - first.time.ball(BITS)
+    assert 0 < apart < arb(10) ** -29
+
+
+def test_a_flaw_in_a_part_that_takes_no_part_still_ends_the_proof_but_not_the_tie() -> None:
+    """A far ball breaks the scene's symmetry, and the tie is proved by other means."""
+    scene = Scene([Circle(0, 0, vx=1), Circle(9, 1), Circle(9, -1), Circle(50, 7, vx=1, r=3)])
+    assert symmetries(scene) == ()
+    (event,) = run(scene).events[:1]
+    assert [tie.proof.proved and tie.proof is not TieProof.SYMMETRY for tie in event.ties] == [True]
+
+
+def test_some_symmetries_may_go_and_others_stay() -> None:
+    """A heavier ball leaves only the mirror through its own middle."""
+    whole = catalogue.build("inscribed:n=6,spin=0")
+    flawed = nudged(whole, "c2", m=TINY)
+    (mirror,) = symmetries(flawed)
+    assert mirror.mirror
+    assert mirror.circles[1] == 1
+    trajectory = run(flawed, 100)
+    assert trajectory.certified
+    assert_symmetric_instants(trajectory, mirror)
+    assert_symmetric_state(trajectory, mirror)
+
+
+@pytest.mark.parametrize("wall", [Wall(0, 60, 1, 60), Wall(0, "-1/10", 1, 0)])
+def test_walls_that_break_the_symmetry_end_it(wall: Wall) -> None:
+    """A wall that no ball has reached yet, or a slanted one, is none of the mirrored scene's."""
+    scene = catalogue.build(OPEN_RACK)
+    walls = [*scene.walls, wall] if wall.y0 == wall.y1 else [*scene.walls[:2], scene.walls[3], wall]
+    assert len(symmetries(scene)) == 1
+    assert symmetries(scene.with_changes(walls=walls)) == ()
+
+
+def test_pockets_that_capture_must_be_symmetric_too() -> None:
+    scene = catalogue.build("rack:rows=3")
+    assert len(symmetries(scene.with_changes(capture=True))) == 1
+    uneven = scene.with_changes(pockets=scene.pockets[:-1])
+    assert len(symmetries(uneven)) == 1  # they only report
+    assert symmetries(uneven.with_changes(capture=True)) == ()
+
+
+@pytest.mark.parametrize("policy", ["sequential:order=scene", "sequential:seed=4"])
+def test_an_order_once_chosen_ends_the_proof(policy: str) -> None:
+    """Up to there the instants are symmetric; from there on they need not be."""
+    scene = catalogue.build("rack:rows=3").with_changes(tie_policy=policy)
+    assert len(symmetries(scene)) == 1
+    trajectory = run(scene, 40)
+    first = next(event.index for event in trajectory.events if len(event.impulses) > 1)
+    later = [tie.proof for event in trajectory.events[first + 1 :] for tie in event.ties]
+    assert TieProof.SYMMETRY not in later
+    assert trajectory.certified
+    image = images(scene, symmetries(scene)[0])
+    assert any(set(map(image, event.contacts)) != set(event.contacts) for event in trajectory.events)
+
+
+def test_under_a_chosen_order_a_ball_may_leave_the_mirror_line() -> None:
+    scene = catalogue.build("rack:rows=2").with_changes(tie_policy="sequential:order=scene")
+    trajectory = run(scene, 3)
+    assert float(trajectory.final["cue"].vy) != 0 or float(trajectory.final["b1"].vy) != 0
+
+
+# -- finding them
+
+
+def test_turned_mirrors_and_walls_are_found() -> None:
+    """A mirror line along (3, 4), with a wall at right angles to it."""
+
+    def turned(x: int, y: int) -> tuple[Quantity, Quantity]:
+        c, s = Quantity.of("3/5"), Quantity.of("4/5")
+        return c * x - s * y, s * x + c * y
+
+    circles = [Circle(*turned(x, y), 1, *turned(vx, 0)) for x, y, vx in ((0, 0, 1), (9, 2, 0), (9, -2, 0))]
+    wall = Wall(*turned(20, 0), *turned(20, 1))
+    scene = Scene(circles, [wall])
+    (mirror,) = symmetries(scene)
+    assert (mirror.circles, mirror.walls, mirror.mirror) == ((0, 2, 1), (0,), True)
+    trajectory = run(scene, 20)
+    assert_symmetric_instants(trajectory, mirror)
+    assert_symmetric_state(trajectory, mirror)
+
+
+def test_a_lone_circle_among_walls_is_mirrored_by_its_velocity() -> None:
+    scene = Scene([Circle(0, 0, vx=-1)], [Wall(-9, 0, 0, 9), Wall(-9, 0, 0, -9)])
+    (mirror,) = symmetries(scene)
+    assert mirror.walls == (1, 0)
+
+
+def test_a_scene_without_symmetry_has_none() -> None:
+    for spec in ("gas", "rack:jitter=1/1000", "rack:offset=10**-30", "lee", "inscribed:n=3,r=1"):
+        scene = catalogue.build(spec)
+        expected = {"lee": 1, "inscribed:n=3,r=1": 2}.get(spec, 0)
+        assert len(symmetries(scene)) == expected, spec
