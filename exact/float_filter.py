@@ -38,6 +38,8 @@ ACCURATE_BITS = 60
 BIG = 1e50
 """Beyond this, or its inverse, fourth powers and quotients of bounds might overflow or vanish: left to balls."""
 
+TINY = 1 / BIG
+
 
 class Answer:
     """MISS or UNCLEAR; a hit is told as a pair of doubles that enclose its time."""
@@ -96,12 +98,12 @@ class FloatFilter:
             body.f = None
             return
         fx, fy, fvx, fvy, ft = float(x), float(y), float(vx), float(vy), float(t)
-        place = max(abs(fx), abs(fy))
-        speed = max(abs(fvx), abs(fvy))
-        if not (place < BIG and speed < BIG and ft < BIG):
-            body.f = None
-            return
-        if any(0.0 < abs(value) < 1 / BIG for value in (fx, fy, fvx, fvy, ft)):
+        px, py, sx, sy = abs(fx), abs(fy), abs(fvx), abs(fvy)
+        place = px if px > py else py
+        speed = sx if sx > sy else sy
+        if not (place < BIG and speed < BIG and ft < BIG) or (
+            0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY or 0.0 < ft < TINY
+        ):
             body.f = None
             return
         self.largest = max(self.largest, place)

@@ -394,13 +394,11 @@ def compare_to_referee(trajectory: Trajectory, history: History) -> None:
         event = trajectory.events[index]
         contacts = tuple(sorted(map(tuple, event.contacts), key=lambda pair: [rank[name] for name in pair]))
         assert contacts == expected.contacts, (
-            f"{label}: {when}: has {_pairs(contacts)} at {float(event.time)!r}, "
-            f"the referee {_pairs(expected.contacts)}"
+            f"{label}: {when}: has {_pairs(contacts)} at {float(event.time)!r}, the referee {_pairs(expected.contacts)}"
         )
         error = abs(mpf(float(event.time)) - expected.time)
         assert error <= TOLERANCE * abs(expected.time), (
-            f"{label}: {when}, {_pairs(contacts)}: has the time {float(event.time)!r}, "
-            f"off by {mpmath.nstr(error, 3)}"
+            f"{label}: {when}, {_pairs(contacts)}: has the time {float(event.time)!r}, off by {mpmath.nstr(error, 3)}"
         )
     if history.stop == "quiet":
         extra = trajectory.events[len(history.events) :]

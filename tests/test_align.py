@@ -42,9 +42,7 @@ def told(
     rows = []
     for index, (time, text) in enumerate(events):
         pairs = tuple(Contact(*sorted(pair)) for pair in text.split())
-        rows.append(
-            Event(index, time, tuple(dict.fromkeys(pairs)), pairs, coupled=coupled and len(pairs) > 1)
-        )
+        rows.append(Event(index, time, tuple(dict.fromkeys(pairs)), pairs, coupled=coupled and len(pairs) > 1))
     return Trajectory(
         scene=scene(),
         engine="told",
@@ -63,9 +61,7 @@ def test_a_history_agrees_with_itself() -> None:
 
 
 def test_a_swap_of_independent_events_is_harmless_and_counted() -> None:
-    alignment = align(
-        told((1.0, "ab"), (2.0, "cd"), (3.0, "bc")), told((1.9, "cd"), (2.0, "ab"), (3.0, "bc"))
-    )
+    alignment = align(told((1.0, "ab"), (2.0, "cd"), (3.0, "bc")), told((1.9, "cd"), (2.0, "ab"), (3.0, "bc")))
     assert (alignment.verdict, alignment.agreed, alignment.harmless_swaps) == ("agree", 3, 1)
 
 
@@ -165,9 +161,10 @@ def test_the_first_of_several_divergences_is_reported() -> None:
 
 def test_fixed_circles_have_no_history_of_their_own() -> None:
     fixed = Scene([Circle(0, 0, m="oo", id="o"), Circle(5, 0, vx=-1, id="a"), Circle(-5, 0, vx=1, id="b")])
-    assert set(
-        history(Trajectory(fixed, "told", {}, (), Stop(StopReason.QUIET, ""), 0.0, Still())).meetings
-    ) == {"a", "b"}
+    assert set(history(Trajectory(fixed, "told", {}, (), Stop(StopReason.QUIET, ""), 0.0, Still())).meetings) == {
+        "a",
+        "b",
+    }
 
 
 def test_long_histories_are_compared_in_linear_time() -> None:

@@ -93,8 +93,7 @@ def test_settings_are_given_as_text_or_by_name() -> None:
     [
         (
             "craddle",
-            "no scene 'craddle' in the catalogue; did you mean 'cradle'? it has: "
-            + ", ".join(catalogue.names()),
+            "no scene 'craddle' in the catalogue; did you mean 'cradle'? it has: " + ", ".join(catalogue.names()),
         ),
         ("", "no scene '' in the catalogue; it has: " + ", ".join(catalogue.names())),
         (
@@ -129,13 +128,11 @@ def test_settings_are_given_as_text_or_by_name() -> None:
         ("inscribed:n=7", "catalogue scene 'inscribed': n = '7': must be one of: 3, 4, 5, 6, 8, 10, 12"),
         (
             "inscribed:ring=7",
-            "catalogue scene 'inscribed': ring = 7 with r = 1 reaches the walls at 8; "
-            "raise wall, or lower ring",
+            "catalogue scene 'inscribed': ring = 7 with r = 1 reaches the walls at 8; raise wall, or lower ring",
         ),
         (
             "inscribed:r=3",
-            "catalogue scene 'inscribed': circle 'c2': overlaps 'c1' by about 2 at time 0; "
-            "move it, or reduce r",
+            "catalogue scene 'inscribed': circle 'c2': overlaps 'c1' by about 2 at time 0; move it, or reduce r",
         ),
         (
             "rack:offset=21",

@@ -219,9 +219,7 @@ def test_an_internal_error_is_one_line_without_debug(truebreak: Any, monkeypatch
     monkeypatch.setattr(engine_table, "engine", broken)
     said = truebreak("run", "galperin")
     assert said.code == 3
-    assert said.err == (
-        "truebreak: internal error: RuntimeError: a bug in two lines (add --debug for the traceback)\n"
-    )
+    assert said.err == ("truebreak: internal error: RuntimeError: a bug in two lines (add --debug for the traceback)\n")
     assert "Traceback" in truebreak("run", "galperin", "--debug").err
 
 

@@ -80,9 +80,7 @@ def test_docstring_examples_give_what_they_show(module: str) -> None:
 
 
 @pytest.mark.parametrize("page", [path.relative_to(ROOT).as_posix() for path in PAGES])
-def test_python_blocks_of_a_page_run_in_order(
-    page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_python_blocks_of_a_page_run_in_order(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A page's blocks share their names; a block with prompts must also print what it shows."""
     monkeypatch.chdir(tmp_path)
     write_files(page, tmp_path)
@@ -120,12 +118,8 @@ def test_acceptance_runs_the_readme_s_test_command() -> None:
     shell = "\n".join(block.text for block in blocks(*SHELLS) if block.page == "README.md")
     if not shell:
         pytest.skip("the README shows no command")
-    (command,) = re.findall(
-        r"^python3 -m venv .*pytest.*$", (ROOT / ".ci" / "run").read_text("utf-8"), re.MULTILINE
-    )
-    assert command in shell.replace("$ ", ""), (
-        f"the README must show the command that .ci/run runs: {command}"
-    )
+    (command,) = re.findall(r"^python3 -m venv .*pytest.*$", (ROOT / ".ci" / "run").read_text("utf-8"), re.MULTILINE)
+    assert command in shell.replace("$ ", ""), f"the README must show the command that .ci/run runs: {command}"
 
 
 def test_make_and_the_readme_run_the_same_tests() -> None:

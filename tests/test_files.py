@@ -264,7 +264,7 @@ def test_json_holds_every_number_as_text() -> None:
         (
             BALL + "vx = 1979-05-27",
             "x.toml: circle 'a': vx = datetime.date(1979, 5, 27) is not a number; "
-            "write a whole number or text such as \"9/4\"",
+            'write a whole number or text such as "9/4"',
         ),
         (BALL + "point = 1", "x.toml: circle 'a': point = 1 is not true or false"),
         (
@@ -278,8 +278,7 @@ def test_json_holds_every_number_as_text() -> None:
         ("until = -1\n" + BALL, "x.toml: until = -1: must be above zero"),
         (
             "tie_policy = 'fair'\n" + BALL,
-            "x.toml: tie_policy 'fair' is not known; "
-            "choose simultaneous, sequential:order=scene or sequential:seed=N",
+            "x.toml: tie_policy 'fair' is not known; choose simultaneous, sequential:order=scene or sequential:seed=N",
         ),
         (
             BALL + BALL,

@@ -101,13 +101,9 @@ def test_a_layer_imports_only_itself_and_those_below(module: str) -> None:
 def test_siblings_are_imported_relatively(module: str) -> None:
     tree = ast.parse(FILES[module].read_text("utf-8"))
     tops = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
-    tops += [
-        str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 0
-    ]
+    tops += [str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 0]
     wrong = [name for name in tops if name.partition(".")[0] in ("truebreak", *LAYERS)]
-    assert not wrong, (
-        f"{module} imports {wrong}; write it relatively, as in `from ..scenarios.scene import Scene`"
-    )
+    assert not wrong, f"{module} imports {wrong}; write it relatively, as in `from ..scenarios.scene import Scene`"
 
 
 def test_pymunk_engine_is_independent_of_the_exact_layer() -> None:
@@ -148,16 +144,12 @@ TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])
     ],
     ids=["scenarios", "scene", "exact", "exact-run", "floating", "compare", "help", "scenes"],
 )
-def test_heavy_packages_are_not_imported_before_they_are_needed(
-    code: str, absent: str, tmp_path: Path
-) -> None:
+def test_heavy_packages_are_not_imported_before_they_are_needed(code: str, absent: str, tmp_path: Path) -> None:
     script = (
         "import atexit, sys\n"
         "atexit.register(lambda: print('LOADED', *sorted(m for m in sys.modules if '.' not in m)))\n" + code
     )
-    done = subprocess.run(
-        [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=False)
     assert done.returncode == 0, done.stderr
     loaded = set(done.stdout.rpartition("LOADED")[2].split())
     assert "sys" in loaded

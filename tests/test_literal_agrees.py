@@ -65,11 +65,11 @@ SINGLE = {
 """Scenes without such instants, or almost, under their own policy."""
 
 DEEP = {
-    "galperin:n=3": 3_200,
+    "galperin": 160,
     "inscribed:n=3": 20,
     "inscribed:n=5": 2,
     "inscribed:n=6": 6,
-    "inscribed:n=6,spin=0": 16,
+    "inscribed:n=6,spin=0": 6,
     "inscribed:n=8": 4,
     "grazing:angle=72": 40,
     "rack:rows=2": 16,

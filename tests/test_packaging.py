@@ -64,9 +64,7 @@ def site(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_every_folder_with_code_is_a_listed_package() -> None:
     packages = set(SETTINGS["tool"]["setuptools"]["packages"])
-    with_code = {
-        "truebreak." + name.rpartition("/")[0].replace("/", ".") for name in sources() if name.endswith(".py")
-    }
+    with_code = {"truebreak." + name.rpartition("/")[0].replace("/", ".") for name in sources() if name.endswith(".py")}
     assert with_code == packages
 
 

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from itertools import combinations
+from pathlib import Path
 from random import Random
 from typing import Any
 
 import pytest
 
+from truebreak.compare import convergence
 from truebreak.exact import ExactEngine
 from truebreak.exact.complementarity import pushing_contacts
 from truebreak.exact.machine import Link, Machine
@@ -311,6 +313,42 @@ def test_contacts_at_right_angles_are_not_coupled(policy: str, engine: str) -> N
     assert len(event.impulses) == 2
     assert not event.coupled
     assert_ends(run, ["-1", "-1"])
+
+
+# -- pymunk
+
+SUBJECTS = {subject.scene.name: subject for subject in convergence.subjects()}
+OVERLAPPING = ("one onto three that touch", "cradle:r=3/10,gap=0")
+"""Scenes in which rounding to doubles makes circles that touch overlap."""
+
+
+@pytest.mark.parametrize("name", [name for name in SUBJECTS if name not in OVERLAPPING])
+def test_pymunk_tends_to_simultaneous_as_its_step_shrinks(name: str) -> None:
+    steps = (Fraction(1, 64), Fraction(1, 512), Fraction(1, 4096))
+    together, ordered = zip(*(convergence.distances(SUBJECTS[name], step) for step in steps), strict=True)
+    assert [d.policy for d in (together[0], ordered[0])] == ["simultaneous", SCENE_ORDER]
+    assert together[0].position > 4 * together[1].position > 16 * together[2].position
+    assert together[2].velocity < 1e-4
+    assert all(d.velocity > 0.2 for d in ordered)
+
+
+@pytest.mark.parametrize("name", OVERLAPPING)
+def test_pymunk_tends_to_no_policy_where_rounding_makes_an_overlap(name: str) -> None:
+    for step in (Fraction(1, 256), Fraction(1, 4096)):
+        assert all(d.velocity > 0.5 for d in convergence.distances(SUBJECTS[name], step))
+
+
+def test_the_table_in_the_docs_is_what_the_command_prints(root: Path) -> None:
+    """But for the last digits, which may differ from machine to machine."""
+    lines = (root / "docs" / "policies.md").read_text("utf-8").splitlines()
+    shown = [line for line in lines if any(f" | {step} | " in line for step in convergence.STEPS)]
+    assert len(shown) == len(SUBJECTS) * len(convergence.STEPS)
+    steps = convergence.STEPS[:2]
+    for line in list(convergence.rows(list(SUBJECTS.values()), steps))[2:]:
+        cells = line.strip("| ").split(" | ")
+        (row,) = [other for other in shown if other.startswith(f"| {cells[0]} | {cells[1]} |")]
+        for mine, theirs in zip(cells[2:], row.strip("| ").split(" | ")[2:], strict=True):
+            assert math.isclose(float(mine), float(theirs), rel_tol=0.2, abs_tol=1e-6)
 
 
 # -- names

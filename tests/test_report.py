@@ -68,9 +68,7 @@ def test_the_report_escapes_what_scenes_say() -> None:
     Tags().feed(page)
 
 
-@pytest.mark.parametrize(
-    "text", ["cradle", "rack:rows=3", "inscribed", "lorentz", "pinball", "galperin", "point"]
-)
+@pytest.mark.parametrize("text", ["cradle", "rack:rows=3", "inscribed", "lorentz", "pinball", "galperin", "point"])
 def test_every_kind_of_scene_is_drawn(text: str) -> None:
     root = ElementTree.fromstring(scene_picture(catalogue.build(text), standalone=True))
     assert root.tag.endswith("svg")
@@ -93,9 +91,7 @@ def test_ticks_are_round() -> None:
 def test_a_time_step_is_not_called_floating_point() -> None:
     comparison = compare(catalogue.build("gas"), ["double", "pymunk"], events=40)
     assert comparison["double"].verdict == "agree"
-    assert verdict_sentence(comparison).startswith(
-        "The time step changed what happened: double agrees, but pymunk"
-    )
+    assert verdict_sentence(comparison).startswith("The time step changed what happened: double agrees, but pymunk")
 
 
 def test_agreement_is_said_with_the_number_of_events() -> None:

@@ -40,8 +40,7 @@ CIRCLES: list[tuple[dict[str, object], str]] = [
     ),
     (
         {"x": 0, "y": 0, "m": "oo", "vx": 1, "id": "a"},
-        "circle 'a': m = oo with velocity (1, 0): a fixed circle never moves; "
-        "set vx = vy = 0, or give a finite mass",
+        "circle 'a': m = oo with velocity (1, 0): a fixed circle never moves; set vx = vy = 0, or give a finite mass",
     ),
     (
         {"x": True, "y": 0, "id": "a"},

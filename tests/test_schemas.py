@@ -88,9 +88,7 @@ def test_ties_and_reversals_are_printed() -> None:
     check(tied)
     assert tied["events"][0]["ties"]
     assert tied["events"][0]["coupled"]
-    back = trajectory_json(
-        engine("exact").run(catalogue.build("gas").with_changes(reverse_after=3, events=None))
-    )
+    back = trajectory_json(engine("exact").run(catalogue.build("gas").with_changes(reverse_after=3, events=None)))
     check(back)
     assert back["reversal"]["after"] == 3
     assert back["notes"]

@@ -455,9 +455,7 @@ def test_negative_and_foreign_numbers_are_refused() -> None:
 
 @pytest.mark.parametrize("reciprocity", [True, False])
 @settings(law, max_examples=30)
-@given(
-    st.data(), st.lists(st.sampled_from([6, 10, 12, 15, 35, 77, 143, 1001, 30030]), min_size=2, max_size=5)
-)
+@given(st.data(), st.lists(st.sampled_from([6, 10, 12, 15, 35, 77, 143, 1001, 30030]), min_size=2, max_size=5))
 def test_composite_radicands_and_either_source_of_primes(
     reciprocity: bool, data: st.DataObject, radicands: list[int]
 ) -> None:
@@ -570,9 +568,7 @@ def test_text_forms() -> None:
     assert (5 - (2 + r) * nested).text() == "(-sqrt(3) - 2)*sqrt(sqrt(3) + 1) + 5"
 
 
-@pytest.mark.parametrize(
-    "text", ["sqrt(2)*sqrt(3)", "sqrt(2 + sqrt(2))", "sqrt(5) + sqrt(3)", "sqrt(1 + sqrt(3))"]
-)
+@pytest.mark.parametrize("text", ["sqrt(2)*sqrt(3)", "sqrt(2 + sqrt(2))", "sqrt(5) + sqrt(3)", "sqrt(1 + sqrt(3))"])
 def test_minimal_degree_agrees_with_sympy(text: str) -> None:
     t = fresh()
     e = read(t, text)

@@ -42,8 +42,8 @@ def gas(n: int, seed: int, size: int | None, mixed: bool) -> Scene:
 def reversal(n: int, seed: int, size: int | None, mixed: bool, after: int) -> Scene:
     """The scene `gas`, every velocity negated once after `after` instants, run until it is back.
 
-    >>> reversal(5, 1, None, False, 20).events
-    40
+    >>> reversal(5, 1, None, False, 20).reverse_after
+    20
     """
     return Scene(*_box(n, seed, size, mixed), reverse_after=after)
 
