@@ -97,6 +97,7 @@ def settle_contacts(
     ask: Ask,
     kick: Callable[[tuple[Link, ...]], None],
     max_rounds: int,
+    order_chosen: Callable[[], None],
 ) -> Instant:
     """Rounds of impulses among touching contacts until none approaches.
 
@@ -107,6 +108,7 @@ def settle_contacts(
         ask: decides signs on the state as it is.
         kick: applies impulses to the state.
         max_rounds: raises BudgetSpent beyond.
+        order_chosen: called before the policy's choice among several is carried out.
     """
     signs: dict[Link, int | None] = {link: -1 if link in approaching else None for link in links}
     impulses: list[Link] = []
@@ -122,6 +124,8 @@ def settle_contacts(
         rounds += 1
         taking_part.update(coming)
         chosen = policy.choose(coming, ask)
+        if policy.chooses_order and len(coming) > 1:
+            order_chosen()
         kick(chosen)
         impulses += chosen
         hit = {i for link in chosen for i in link}

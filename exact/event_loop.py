@@ -383,6 +383,8 @@ class EventLoop(ABC):
             self.history.knots[body.index].append(self.knot(body))
         touching = sorted({*self.touching.all(), *parted})
         self.predict(self.bodies, frozenset(touching))
+        touching = sorted({*touching, *(link for link, _ in self._found)})
+        self._found = []
         if touching:
             self._instant(touching, [], None)
 
@@ -472,6 +474,7 @@ class EventLoop(ABC):
                 self.ask,
                 lambda chosen: self.do(Kick(chosen)),
                 MAX_ROUNDS,
+                self.order_chosen,
             )
             impulses += instant.impulses
             if instant.impulses:
@@ -549,6 +552,7 @@ class EventLoop(ABC):
         links = [link for link, _ in found]
         record = self.history.records[-1]
         self.touching.add_all(links)
+        self.touching.add_all(parted)
         self.prepare()
         changed: set[int] = set()
         standing: list[Link] = []
@@ -561,6 +565,7 @@ class EventLoop(ABC):
                 self.ask,
                 lambda chosen: self.do(Kick(chosen)),
                 MAX_ROUNDS,
+                self.order_chosen,
             )
             standing += self._part(component.links, instant)
             if instant.impulses:

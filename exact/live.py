@@ -188,6 +188,8 @@ class LiveMachine:
             longest = max(longest, height(body.x), height(body.y), height(body.t), height(body.vx))
             if isinstance(step, Kick):
                 body.rest = body.vx == 0 and body.vy == 0
+        if isinstance(step, Go):
+            self._forget_contact(self.balls)
         self._stale.update(taking_part)
         if isinstance(step, Flip):
             self.sync(taking_part)
@@ -198,6 +200,11 @@ class LiveMachine:
                 self._leave(i)
             self.steps.pop()
         return True
+
+    @staticmethod
+    def _forget_contact(machine: BallMachine) -> None:
+        """After an instant reached in the field, clocks are the instant itself, and no d is known beforehand."""
+        machine.late, machine.met, machine._told = None, None, None
 
     def _do_balls(self, step: Step, taking_part: tuple[int, ...]) -> None:
         machine = self.balls
@@ -256,6 +263,8 @@ class LiveMachine:
                 accuracy = self._step_in_balls(machine, step, self._taking_part(step), bits)
                 self.lowest = min(self.lowest, accuracy)
                 ctx.prec = bits
+            elif isinstance(step, Go):
+                self._forget_contact(machine)
             elif isinstance(step, Flip):
                 machine.flip_time = self.balls.flip_time
         if len(self.steps) in self._left:

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from math import inf
 from typing import Any
 
 from ..scenarios.errors import SceneError
@@ -133,6 +134,8 @@ class _Rough:
         at = 2 if by_velocity else 0
         ux, uy = rows[reference][at : at + 2]
         square = ux * ux + uy * uy
+        if not 0.0 < square < inf:
+            return
         for j, row in enumerate(rows):
             if not self._alike(row, rows[reference]):
                 continue
