@@ -7,16 +7,23 @@ from typing import Any
 
 from flint import ctx  # type: ignore[attr-defined]
 
-from ..scenarios.engine import horizon
+from ..scenarios.errors import SceneError
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, StopReason, Trajectory
-from .certify import CertifiedLoop, contact_of
-from .event_loop import Limits
-from .evidence import prover_for
+from ..scenarios.trajectory import Contact, Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
+from .machine import Link
 from .motion import ExactMotion
 from .policies import Policy
-from .value import ExactValue, Program
+from .predicates.cascade import Cascade
+from .predicates.ties import TieRule
+from .returning import return_note
+from .simulation.history import REVERSAL, History, Mark
+from .simulation.limits import Limits, run_limits
+from .simulation.loop import Loop
+from .value import ExactValue, Formula, Program
+
+DEFAULT_WORK = 3_000_000
+"""Units of work that one question may cost, each about a microsecond: MEASURED."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +32,10 @@ class ExactEngine:
 
     Attributes:
         max_bits: precision beyond which a sign that is still not known is called undecided.
-        ties: what is taken for a zero that is not proved: `proved` nothing, `probable` evidence by residues,
-            `assume:BITS` agreement to so many bits. What follows from such a zero is marked as resting on it.
+        ties: what is taken for a zero once every proof has failed: `proved` nothing, `assume:BITS` agreement to so
+            many bits. What follows from such a zero is marked as resting on it.
+        work: what one question may cost before it is undecided, in units that are counted, not timed: a run stops
+            at the same place on every machine.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> run = ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]))
@@ -36,6 +45,13 @@ class ExactEngine:
 
     max_bits: int = 1 << 20
     ties: str = "proved"
+    work: int = DEFAULT_WORK
+
+    def __post_init__(self) -> None:
+        TieRule.parse(self.ties)
+        for key, value in (("max_bits", self.max_bits), ("work", self.work)):
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise SceneError(f"{key} = {value!r}: must be a whole number from 1")
 
     @property
     def name(self) -> str:
@@ -71,110 +87,104 @@ class ExactEngine:
     ) -> Trajectory:
         """As `run`, with a policy of the caller's in place of the scene's."""
         limits = run_limits(scene, until, events)
-        prover = prover_for(scene, self.ties)
         saved = ctx.prec
         try:
-            loop = CertifiedLoop(scene, limits, progress, self.max_bits, prover, policy)
-            stop = loop.run()
+            cascade = Cascade(scene, limits, self.max_bits, self.work, TieRule.parse(self.ties))
+            stop = Loop(scene, cascade, limits, progress, policy).run()
+            return self._trajectory(scene, cascade, limits, stop)
         finally:
             ctx.prec = saved
-        return self._trajectory(scene, loop, limits, stop)
 
-    def _trajectory(self, scene: Scene, loop: CertifiedLoop, limits: Limits, stop: Any) -> Trajectory:
-        history = loop.history
-        program = Program(scene, history.steps, loop.live.bits)
+    def _trajectory(self, scene: Scene, cascade: Cascade, limits: Limits, stop: Stop) -> Trajectory:
+        history = cascade.history
+        program = Program(scene, history.steps, cascade.live.bits)
         ids = scene.ids
-        events = []
-        for index, record in enumerate(history.records):
-            body = record.source
-            time = ExactValue(program, record.step, (body,), _clock(body), record.time)
-            contacts = tuple(contact_of(ids, link) for link in record.links)
-            impulses = tuple(contact_of(ids, link) for link in record.impulses)
-            events.append(Event(index, time, contacts, impulses, record.ties, record.coupled))
-        reversal = None
+
+        def contacts(links: tuple[Link, ...]) -> tuple[Contact, ...]:
+            return tuple([Contact(ids[i], ids[j]) for i, j in links])
+
+        events = tuple(
+            Event(
+                index,
+                time_of(program, record.mark),
+                contacts(record.links),
+                contacts(record.impulses),
+                record.ties,
+                record.coupled,
+            )
+            for index, record in enumerate(history.records)
+        )
         notes: tuple[str, ...] = ()
-        returned = False
+        home = False
+        end = _end(program, history, limits, stop)
+        motion = ExactMotion(program, history.knots, end)
+        if stop.reason is StopReason.HORIZON and limits.to_return:
+            cascade.catch_up()
+            home = cascade.retrace.home
+            notes = (return_note(cascade, motion),)
+        motion.returned = home
+        reversal = None
         if history.reversal is not None:
-            after, moment, step = history.reversal
-            flip_time = ExactValue(program, step, (0,), lambda m: m.flip_time, moment)
-            reversal = Reversal(after, flip_time)
-        if stop.reason is StopReason.HORIZON and limits.to_return and reversal is not None:
-            _, moment, step = history.reversal  # type: ignore[misc]
-            end: Any = ExactValue(program, step, (0,), lambda m: m.flip_time + m.flip_time, moment + moment)
-            returned = retraced(history.steps, len(scene.circles))
-            notes = (_return_note(returned),)
-        elif stop.reason is StopReason.HORIZON:
-            end = limits.until
-        else:
-            end = events[-1].time if events else ExactValue(program, 0, (0,), _clock(0), history.knots[0][0][0])
-        motion = ExactMotion(program, history.knots, end, returned)
-        plan = {**dict(sorted(history.plan.items())), "bits": loop.live.bits}
+            reversal = Reversal(history.reversal[0], time_of(program, history.reversal[1]))
         return Trajectory(
             scene=scene,
             engine=self.name,
-            parameters={"max_bits": self.max_bits, "ties": self.ties},
-            events=tuple(events),
+            parameters={"max_bits": self.max_bits, "ties": self.ties, "work": self.work},
+            events=events,
             stop=stop,
             final_time=end,
             motion=motion,
             reversal=reversal,
             pocketings=tuple(
-                Pocketing(str(ids[p.circle]), str(scene.pockets[p.pocket].id), _entry(program, p))
-                for p in history.pocketings
+                Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), time_of(program, e.mark))
+                for e in history.entries
             ),
-            assumptions=tuple(loop.assumptions),
-            plan=plan,
+            assumptions=tuple(cascade.assumptions),
+            plan={**dict(sorted(history.plan.items())), "bits": cascade.live.bits},
             notes=notes,
         )
 
 
-def _entry(program: Program, pocketing: Any) -> ExactValue:
-    link = (pocketing.circle, -1 - pocketing.pocket)
+def _end(program: Program, history: History, limits: Limits, stop: Stop) -> Any:
+    """The time of the final state."""
+    if stop.reason is StopReason.HORIZON and limits.to_return and history.reversal is not None:
+        mark = history.reversal[1]
+        last = history.last.number if history.last is not None else mark.number
+        return ExactValue(
+            program, mark.step, (0,), lambda m: m.flip_time + m.flip_time, mark.time + mark.time, instant=last
+        )
+    if stop.reason is StopReason.HORIZON:
+        return limits.until
+    if history.last is None:
+        return ExactValue(program, 0, (0,), lambda m: m.zero, history.knots[0][0][0], instant=0)
+    return time_of(program, history.last)
 
+
+def time_of(program: Program, mark: Mark) -> ExactValue:
+    """The time of an instant, which knows its exact value."""
+    source = mark.source
+    formula: Formula
+    if source == REVERSAL:
+        bodies, formula = (0,), _flip_time
+    elif isinstance(source, int):
+        bodies, formula = (source,), _clock(source)
+    else:
+        assert isinstance(source, tuple)
+        bodies, formula = source[:1], _meeting(source)
+    return ExactValue(program, mark.step, bodies, formula, mark.time, instant=mark.number)
+
+
+def _flip_time(machine: Any) -> Any:
+    return machine.flip_time
+
+
+def _clock(body: int) -> Formula:
+    return lambda machine: machine.bodies[body].instant
+
+
+def _meeting(link: Link) -> Formula:
     def time(machine: Any) -> Any:
         clock, wait = machine.hit(link)
         return clock + wait
 
-    return ExactValue(program, pocketing.step, (pocketing.circle,), time, pocketing.time)
-
-
-def _clock(body: int) -> Any:
-    return lambda machine: machine.bodies[body].instant
-
-
-def run_limits(scene: Scene, until: QuantityLike | None, events: int | None) -> Limits:
-    """The limits of an event-driven run, with the return of a reversed one as its default end."""
-    time, count = horizon(scene, until, events)
-    reversing = scene.reverse_after is not None or scene.reverse_at is not None
-    own = until is not None or events is not None or scene.until is not None or scene.events is not None
-    if reversing and not own:
-        return Limits(None, None, to_return=True)
-    return Limits(time, count)
-
-
-def _return_note(returned: bool) -> str:
-    if returned:
-        return (
-            "came back to the start exactly: after the reversal every circle met the same partners in reverse "
-            "order, and each impulse undoes itself, so every position is the one at time 0 and every velocity "
-            "its negative"
-        )
-    return "did not retrace its way: an instant with several contacts is not undone by its own reversal"
-
-
-def retraced(steps: Any, n: int) -> bool:
-    """Whether, after the one reversal of a log, every body's kicks are those before it in reverse order.
-
-    Each kick is a linear map of velocities that is its own inverse at the same positions, so by induction over
-    the kicks, latest first, every state on the way back is that on the way there with velocities negated.
-    """
-    from .machine import Flip, Kick
-
-    k = next(k for k, step in enumerate(steps) if isinstance(step, Flip))
-    before: list[list[Any]] = [[] for _ in range(n)]
-    after: list[list[Any]] = [[] for _ in range(n)]
-    for place, step in enumerate(steps):
-        if isinstance(step, Kick):
-            for i in {i for link in step.links for i in link if i < n}:
-                (before if place < k else after)[i].append(step.links)
-    return all(there == back[::-1] for there, back in zip(before, after, strict=True))
+    return time

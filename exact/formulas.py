@@ -79,6 +79,18 @@ def pair_hit_time(gap: N, approach: N, root: N) -> N:
     return gap / (root - approach)
 
 
+def pair_nearest_time(approach: N, vx: N, vy: N) -> N:
+    """Time until two circles are nearest, which is when they touch if they graze.
+
+    The mean of the two of `laws.pair_times`, which are equal where the discriminant is 0.
+
+    >>> from fractions import Fraction as Q
+    >>> pair_nearest_time(Q(-8), Q(-2), Q(0))
+    Fraction(2, 1)
+    """
+    return -approach / (vx * vx + vy * vy)
+
+
 def pair_impulse(dx: N, dy: N, vx: N, vy: N, R: N, wa: N, wb: N) -> tuple[N, N]:
     """The impulse on b of an elastic collision; a takes the opposite one.
 

@@ -7,6 +7,7 @@ so the balls can be computed again with more bits: that is how precision rises.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 
 from flint import ctx  # type: ignore[attr-defined]
@@ -16,7 +17,7 @@ from ..scenarios.scene import Scene
 from .ball_machine import BallMachine
 from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step, Take
 from .numbers.field import Field, LeavesField, field_ball, height
-from .symmetry import Projection
+from .predicates.isometry import Projection
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
@@ -34,8 +35,7 @@ class LiveMachine:
         field: the state in the scene's field, of the bodies that are exact.
         exact: for each body, whether it is exact.
         steps: the log.
-        projections: circles that symmetries of the scene hold to a line or a point.
-        projected_until: the length of the log up to which the symmetries hold; None: to its end.
+        held: tells, after a round of impulses, what is known to hold a circle to a line or a point.
         lowest: the worst accuracy in bits of any event time since the last rise.
     """
 
@@ -52,8 +52,8 @@ class LiveMachine:
         self.balls = BallMachine(scene)
         self.bodies = self.balls.bodies
         self.lowest = bits
-        self.projections: dict[int, Projection] = {}
-        self.projected_until: int | None = None
+        self.held: Callable[[int], Projection | None] | None = None
+        self._projected: dict[int, list[tuple[int, Projection]]] = {}
         for body in self.bodies:
             body.acc = bits
         try:
@@ -65,6 +65,7 @@ class LiveMachine:
             self.field = None
             self.exact = [False] * self.n
             self._stale.clear()
+        self._in_play = sum(self.exact)
 
     def _admit_walls(self) -> None:
         """Lets the walls' numbers, with their lengths, into the field before it is closed."""
@@ -111,9 +112,15 @@ class LiveMachine:
 
     def all_exact(self, bodies: tuple[int, ...]) -> bool:
         """Whether all of these bodies are exact."""
-        return self.field is not None and all(self.exact[i] for i in bodies)
+        return self._in_play > 0 and not [i for i in bodies if not self.exact[i]]
 
     # -- copies
+
+    def sync_for(self, bodies: Iterable[Body]) -> None:
+        """Brings the ball copies of some bodies up to date, at full precision."""
+        if self._stale:
+            ctx.prec = self.bits
+            self.sync(tuple(body.index for body in bodies if body.index >= 0))
 
     def sync(self, bodies: tuple[int, ...]) -> None:
         """Brings the ball copies of exact bodies up to date."""
@@ -141,6 +148,7 @@ class LiveMachine:
         """The body's exact life ends here; the log keeps its last exact state."""
         self.sync((i,))
         self.exact[i] = False
+        self._in_play -= 1
         assert self.field is not None
         body = self.field.bodies[i]
         state = (body.t, body.x, body.y, body.vx, body.vy, body.last, body.rest)
@@ -159,6 +167,16 @@ class LiveMachine:
             self._do_balls(step, taking_part)
         self.steps.append(step)
         self._in_field.append(in_field)
+        if self.held is not None and not in_field and isinstance(step, Kick):
+            self._hold(taking_part)
+
+    def _hold(self, bodies: tuple[int, ...]) -> None:
+        """Puts circles that something is known to hold to a line or a point there."""
+        assert self.held is not None
+        found = [(i, projection) for i in bodies if (projection := self.held(i)) is not None]
+        if found:
+            self._projected[len(self.steps)] = found
+            self._project_all(self.balls, found)
 
     def _taking_part(self, step: Step) -> tuple[int, ...]:
         if type(step) is Go:
@@ -212,15 +230,17 @@ class LiveMachine:
         accuracy = self._step_in_balls(machine, step, taking_part, self.bits)
         self.lowest = min(self.lowest, accuracy)
 
-    def _project(self, machine: Machine, i: int) -> None:
+    @staticmethod
+    def _project_all(machine: Machine, held: Iterable[tuple[int, Projection]]) -> None:
         """A circle on a mirror line, or at a centre of rotation, stays there: exactly, whatever the balls say."""
-        (a, b, c, d), (cx, cy) = self.projections[i]
         bits = ctx.prec
-        a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
-        body = machine.bodies[i]
-        x, y = body.x - cx, body.y - cy
-        body.x, body.y = cx + a * x + b * y, cy + c * x + d * y
-        body.vx, body.vy = a * body.vx + b * body.vy, c * body.vx + d * body.vy
+        for i, ((a, b, c, d), (cx, cy)) in held:
+            a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
+            body = machine.bodies[i]
+            x, y = body.x - cx, body.y - cy
+            body.x, body.y = cx + a * x + b * y, cy + c * x + d * y
+            body.vx, body.vy = a * body.vx + b * body.vy, c * body.vx + d * body.vy
+            body.rest = body.vx.is_zero() and body.vy.is_zero()
 
     def _step_in_balls(self, machine: Machine, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
         """One step, with no more bits than the bodies' accuracy deserves; gives the accuracy after it."""
@@ -237,12 +257,10 @@ class LiveMachine:
         else:
             machine.do(step)
             if isinstance(step, Kick):
-                until = self.projected_until
                 for i in taking_part:
-                    if i in self.projections and (until is None or machine.steps_done <= until):
-                        self._project(machine, i)
                     body = bodies[i]
                     body.rest = body.vx.is_zero() and body.vy.is_zero()
+                self._project_all(machine, self._projected.get(machine.steps_done, ()))
         return accuracy
 
     # -- precision

@@ -19,6 +19,7 @@ from .formulas import (
     pair_gap,
     pair_hit_time,
     pair_impulse,
+    pair_nearest_time,
     wall_approach,
     wall_bounce,
     wall_gap,
@@ -46,9 +47,18 @@ class Go(NamedTuple):
 
 
 class Kick(NamedTuple):
-    """Apply, together, the impulses that make each of these contacts separate as fast as it approached."""
+    """Apply, together, the impulses that make each of these contacts separate as fast as it approached.
+
+    Attributes:
+        links: the contacts that push.
+        among: the contacts whose law this is: all that approach in a round of the policy `simultaneous`, of which
+            `links` push; the contact alone where an order was chosen. The velocities that come out depend on the
+            state and on `among` alone, so symmetric instants have symmetric `among`, whatever set of contacts was
+            found to push.
+    """
 
     links: tuple[Link, ...]
+    among: tuple[Link, ...]
 
 
 class Flip(NamedTuple):
@@ -160,7 +170,7 @@ class Machine:
         pockets = {-1 - k: self._pocket(k) for k in range(len(scene.pockets))}
         self.bodies = [*made.values(), *reversed(pockets.values())] if only is None else {**made, **pockets}
         self._lines: dict[int, tuple[Line, Line]] = {}
-        self._sides = Sides(scene)
+        self.sides = Sides(scene)
 
     def _body(self, i: int) -> Body:
         circle = self.scene.circles[i]
@@ -189,7 +199,7 @@ class Machine:
             nn = mx * mx + my * my
             length = self.root(nn)
             self._lines[wall] = (Line(x0, y0, mx, my, nn, length), Line(x0, y0, -mx, -my, nn, length))
-        return self._lines[wall][self._sides.negative(body.index, wall)]
+        return self._lines[wall][self.sides.negative(body.index, wall)]
 
     def relation(self, i: int, j: int) -> Relation:
         """Bodies i and j at the later of their clocks, which the log's order tells without a comparison."""
@@ -244,6 +254,15 @@ class Machine:
             root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
             return t, pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
         return self.bodies[i].t, wall_hit_time(self.gap(link), self.approach(link))
+
+    def graze(self, link: Link) -> tuple[Number, Number]:
+        """As `hit`, for two circles that touch without pushing: the time at which they are nearest."""
+        t, dx, dy, vx, vy, _ = self.relation(*link)
+        return t, pair_nearest_time(pair_approach(dx, dy, vx, vy), vx, vy)
+
+    def rim(self, link: Link) -> Number:
+        """|d|^2 - R^2 of a centre and a pocket, at the instant at which the circle stands."""
+        return pair_gap(*self.span(*link), self.bodies[link[1]].r)
 
     def hit_parts(self, link: Link) -> tuple[Number, Number, Number]:
         """p, q, D with hit time p + q*sqrt(D): the textbook root, for comparisons that add no root."""
@@ -310,10 +329,10 @@ class Machine:
         return body.t
 
     def place(self, body: Body) -> tuple[Number, Number]:
-        """Where a body is at the instant."""
-        if self.late is None:
+        """Where a body is at the instant of its last contact."""
+        if body.late is None:
             return body.x, body.y
-        return advance(body.x, body.vx, self.late), advance(body.y, body.vy, self.late)
+        return advance(body.x, body.vx, body.late), advance(body.y, body.vy, body.late)
 
     def span(self, i: int, j: int) -> tuple[Number, Number]:
         """d of two bodies at the instant."""

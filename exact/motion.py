@@ -11,7 +11,7 @@ from flint import arb, fmpq  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
 from ..scenarios.quantity import Quantity, certain_double
-from ..scenarios.tower import Element
+from ..scenarios.tower import Element, Tower
 from .formulas import advance
 from .machine import Machine, Number
 from .numbers import ball
@@ -26,10 +26,12 @@ class ExactMotion:
 
     Args:
         program: the scene and its log.
-        knots: for each circle, (t, x, y, vx, vy, length of the log) after each change of its velocity.
+        knots: for each circle, (t, x, y, vx, vy, length of the log, number of the instant) at the start and after
+            each instant that changed its velocity.
         end: the last time that may be asked for.
-        flip: the moment of the reversal and the length of the log after it, if there was one.
-        returned: whether the state at twice that moment is known to be the start with velocities negated.
+
+    Attributes:
+        returned: whether the state at the end is known to be the start with velocities negated.
     """
 
     def __init__(
@@ -37,16 +39,15 @@ class ExactMotion:
         program: Program,
         knots: Sequence[Sequence[tuple[Any, ...]]],
         end: ExactValue | Quantity,
-        returned: bool = False,
     ) -> None:
         self.program = program
         self.knots = knots
         self.end = end
-        self.returned = returned
+        self.returned = False
         self._rough = [[float(_ball(knot[0])) for knot in row] for row in knots]
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
-        """(x, y, vx, vy) of every circle; at an event, as it leaves it.
+        """(x, y, vx, vy) of every circle; at an instant, after all that happens at it.
 
         Args:
             time: a number of any kind (see `Quantity.of`), or a time of this run.
@@ -71,58 +72,63 @@ class ExactMotion:
             rows.append(tuple(_known(self.program, value) for value in values))
         return rows
 
+    def _own(self, time: Any) -> bool:
+        """Whether a time is that of an instant of this run."""
+        return isinstance(time, ExactValue) and time.program is self.program and time.instant is not None
+
     def _after(self, time: Any, other: Any) -> bool:
-        """Whether a time is certainly later than another; a knot's own time never is."""
-        with ball.precision(READ_BITS):
-            if isinstance(time, Quantity) and isinstance(other, Quantity):
-                return time > other
-            gap = _ball_of(time, READ_BITS) - _ball_of(other, READ_BITS)
-        return gap > ball.ZERO
+        """Whether a time is later than another; equal times are not.
+
+        Raises:
+            ValueError: if that is not to be had.
+        """
+        if self._own(time) and self._own(other):
+            return time.instant > other.instant
+        if isinstance(time, Quantity) and isinstance(other, Quantity):
+            return time > other
+        near, far = (_exact_near(value) for value in (time, other))
+        if near is not None and far is not None:
+            return near > far
+        bits = 128
+        while True:
+            with ball.precision(bits + 64):
+                sign = ball.sign_of(time.ball(bits) - other.ball(bits))
+            if sign is not None:
+                return sign > 0
+            if bits >= EQUAL_BITS:
+                return self._exactly_after(time, other)
+            bits *= 2
 
     def _knot(self, i: int, time: Any) -> int:
         """The last knot of a circle that is not later than a time."""
+        knots = self.knots[i]
+        if self._own(time):
+            return max(bisect_right(knots, time.instant, key=_instant) - 1, 0)
+        if time is self.end:
+            return len(knots) - 1
         rough = self._rough[i]
         near = float(time)
         room = abs(near) * 2.0**-50
         k = bisect_right(rough, near + room) - 1
-        while k > 0 and rough[k] >= near - room and self._knot_after(i, k, time):
+        while k > 0 and rough[k] >= near - room and self._after(self._time_value(i, k), time):
             k -= 1
         return max(k, 0)
 
-    def _knot_after(self, i: int, k: int, time: Any) -> bool:
-        """Whether a knot is later than a time, to full accuracy; equal counts as not later."""
-        if isinstance(time, ExactValue) and time.upto >= self.knots[i][k][5]:
-            return False
-        if isinstance(time, ExactValue):
-            return True
-        known = self.knots[i][k][0]
-        if isinstance(known, fmpq) and time.rational is not None:
-            return known > time.rational
-        knot_time = self._time_value(i, k)
-        bits = 128
-        while True:
-            with ball.precision(bits + 64):
-                gap = knot_time.ball(bits) - time.ball(bits)
-            sign = ball.sign_of(gap)
-            if sign is not None:
-                return sign > 0
-            if bits >= EQUAL_BITS:
-                return self._exactly_after(knot_time, time)
-            bits *= 2
-
-    def _exactly_after(self, knot_time: ExactValue, time: Quantity) -> bool:
-        exact = knot_time.exact()
-        if exact is None:
-            raise ValueError(f"whether an event falls on time {time} is not known; ask for a time beside it")
-        return (exact - time.in_tower(exact.tower)).sign() > 0
+    def _exactly_after(self, time: Any, other: Any) -> bool:
+        exact = [value.exact() if isinstance(value, ExactValue) else value for value in (time, other)]
+        tower = next((value.tower for value in exact if isinstance(value, Element)), Tower())
+        left, right = (value.in_tower(tower) if isinstance(value, Quantity) else value for value in exact)
+        if left is None or right is None or left.tower is not right.tower:
+            raise ValueError(f"whether an event falls on time {_shown(time)} is not known; ask for a time beside it")
+        return (left - right).sign() > 0
 
     def _time_value(self, i: int, k: int) -> ExactValue:
-        upto = self.knots[i][k][5]
-        return ExactValue(self.program, upto, (i,), lambda m: m.bodies[i].instant, self.knots[i][k][0])
+        t, *_, upto, instant = self.knots[i][k]
+        return ExactValue(self.program, upto, (i,), lambda m: m.bodies[i].instant, t, instant=instant)
 
     def _of_circle(self, i: int, time: Any) -> tuple[Any, Any, Any, Any]:
         k = self._knot(i, time)
-        t, x, y, vx, vy, upto = self.knots[i][k]
+        t, x, y, vx, vy, upto, _ = self.knots[i][k]
         if isinstance(time, ExactValue):
             bodies = (i, *time.bodies)
             upto = max(upto, time.upto)
@@ -157,7 +163,7 @@ class ExactMotion:
         for row, time in enumerate(times):
             exact = Quantity.of(float(time))
             for i in range(len(self.knots)):
-                t, x, y, vx, vy, _ = self.knots[i][self._knot(i, exact)]
+                t, x, y, vx, vy, *_ = self.knots[i][self._knot(i, exact)]
                 values = (
                     _near(x, vx, exact.rational, t),
                     _near(y, vy, exact.rational, t),
@@ -170,6 +176,17 @@ class ExactMotion:
 
 EQUAL_BITS = 1024
 """Accuracy at which a time that still cannot be told from an event's is asked to be proved equal."""
+
+
+def _instant(knot: tuple[Any, ...]) -> int:
+    return knot[-1]
+
+
+def _exact_near(time: Any) -> fmpq | None:
+    """A time as a rational number, where it is at hand as one."""
+    if isinstance(time, Quantity):
+        return time.rational
+    return time.near if isinstance(time.near, fmpq) else None
 
 
 def _exact_kind(*numbers: Any) -> bool:
@@ -193,10 +210,6 @@ def _ball(number: Any) -> arb:
         with ball.precision(READ_BITS):
             return arb(number)
     return number.ball(READ_BITS)
-
-
-def _ball_of(time: Any, bits: int) -> arb:
-    return time.ball(bits)
 
 
 def _double(number: Any) -> float:

@@ -89,6 +89,13 @@ def _pair_times(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     )
 
 
+def _pair_nearest(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """Half-way between the two times of touch, which are one where the circles graze."""
+    earlier, later = pair_times()
+    approach = formulas["pair_approach"](*_d, *_v)
+    return (2 * formulas["pair_nearest_time"](approach, *_v) - earlier - later,)
+
+
 def _touch_equation(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     """At the position a', b' after `advance`, the gap is the fifth equation's difference."""
     *flights, touch = pair_touch().equations
@@ -198,6 +205,7 @@ def _wall_mirrored(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ..
 PROOFS = (
     Proof("straight flight, and two circles touch", pair_touch, _touch_equation),
     Proof("time until two circles touch", pair_times, _pair_times),
+    Proof("time until two circles graze", pair_times, _pair_nearest),
     Proof("two circles approach", pair_instant_speed, _pair_speed),
     Proof("velocities after two circles collide", pair_velocities, _pair_velocities),
     Proof("velocities after two circles collide, by matrices", pair_velocities, _pair_mixed),

@@ -1,7 +1,7 @@
 """The questions that a run asks of its numbers: each the sign of something that any machine can compute.
 
 A question is posed once and can be put to several number systems: to the live balls, to balls of more bits, to
-nested square roots, to residues. `value` may take square roots, so it suits enclosures; `exact_sign` adds none.
+nested square roots. `value` may take square roots, so it suits enclosures; `exact_sign` adds none.
 """
 
 from __future__ import annotations
@@ -115,43 +115,73 @@ class RelativeSpeed(_OfLink):
 
 
 @dataclass(frozen=True)
-class Sooner:
-    """Does `first` hit before (negative), with (zero) or after (positive) `second`?"""
-
-    first: Link
-    second: Link
-
-    def bodies(self, n: int) -> tuple[int, ...]:
-        return tuple(dict.fromkeys(_circles(self.first, n) + _circles(self.second, n)))
+class Rim(_OfLink):
+    """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
 
     def value(self, machine: Machine) -> Number:
-        t1, wait1 = machine.hit(self.first)
-        t2, wait2 = machine.hit(self.second)
+        return machine.rim(self.link)
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether the centre of {name(self.link)} stands on the rim"
+
+
+@dataclass(frozen=True)
+class Moment:
+    """When two touch next: by a hit, or by a graze, which touches without pushing."""
+
+    link: Link
+    graze: bool = False
+
+    def wait(self, machine: Machine) -> tuple[Number, Number]:
+        """The clock from which it is reckoned, and the time from that."""
+        return machine.graze(self.link) if self.graze else machine.hit(self.link)
+
+    def parts(self, machine: Machine) -> tuple[Number, Number, Number]:
+        """p, q, D with time p + q*sqrt(D)."""
+        if not self.graze:
+            return machine.hit_parts(self.link)
+        clock, wait = machine.graze(self.link)
+        return clock + wait, machine.zero, machine.zero
+
+
+@dataclass(frozen=True)
+class Sooner:
+    """Does `first` come before (negative), with (zero) or after (positive) `second`?"""
+
+    first: Moment
+    second: Moment
+
+    def bodies(self, n: int) -> tuple[int, ...]:
+        return tuple(dict.fromkeys(_circles(self.first.link, n) + _circles(self.second.link, n)))
+
+    def value(self, machine: Machine) -> Number:
+        t1, wait1 = self.first.wait(machine)
+        t2, wait2 = self.second.wait(machine)
         if t1 is t2:
             return wait1 - wait2
         return (t1 - t2) + wait1 - wait2
 
     def root_sum(self, machine: Machine) -> RootSum:
-        p1, q1, d1 = machine.hit_parts(self.first)
-        p2, q2, d2 = machine.hit_parts(self.second)
+        p1, q1, d1 = self.first.parts(machine)
+        p2, q2, d2 = self.second.parts(machine)
         return p1 - p2, q1, d1, -q2, d2
 
     def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.first)} collide before, with or after {name(self.second)}"
+        return f"whether {name(self.first.link)} meet before, with or after {name(self.second.link)}"
 
 
 @dataclass(frozen=True)
 class BeforeTime:
-    """Does a contact hit before (negative), at (zero) or after (positive) a given time?
+    """Does a meeting come before (negative), at (zero) or after (positive) a given time?
 
     `time` None stands for the return: twice the moment at which the velocities were negated.
     """
 
-    link: Link
+    moment: Moment
     time: Quantity | None
 
     def bodies(self, n: int) -> tuple[int, ...]:
-        return _circles(self.link, n)
+        return _circles(self.moment.link, n)
 
     def _limit(self, machine: Machine) -> Number:
         if self.time is None:
@@ -159,37 +189,16 @@ class BeforeTime:
         return machine.constant(self.time)
 
     def value(self, machine: Machine) -> Number:
-        t, wait = machine.hit(self.link)
+        t, wait = self.moment.wait(machine)
         return (t - self._limit(machine)) + wait
 
     def root_sum(self, machine: Machine) -> RootSum:
-        p, q, d = machine.hit_parts(self.link)
+        p, q, d = self.moment.parts(machine)
         return p - self._limit(machine), q, d, machine.zero, machine.zero
 
     def describe(self, name: Callable[[Link], str]) -> str:
         when = "the return" if self.time is None else f"time {self.time}"
-        return f"whether {name(self.link)} collide before, at or after {when}"
-
-
-@dataclass(frozen=True)
-class ClockAt:
-    """Does a body's clock stand before (negative), at (zero) or after (positive) a given time?"""
-
-    body: int
-    time: Quantity
-
-    def bodies(self, n: int) -> tuple[int, ...]:
-        return (self.body,)
-
-    def value(self, machine: Machine) -> Number:
-        return machine.bodies[self.body].instant - machine.constant(self.time)
-
-    def root_sum(self, machine: Machine) -> RootSum:
-        zero = machine.zero
-        return self.value(machine), zero, zero, zero, zero
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether the last instant fell on time {self.time}"
+        return f"whether {name(self.moment.link)} meet before, at or after {when}"
 
 
 @dataclass(frozen=True)

@@ -85,6 +85,16 @@ FORMS = (
         ("pair_hit_time(Q(12), Q(-8), Q(4))", "Fraction(1, 1)"),
     ),
     StableForm(
+        "pair_nearest_time",
+        (approach, vx, vy),
+        (),
+        (-approach / (vx**2 + vy**2),),
+        """Time until two circles are nearest, which is when they touch if they graze.
+
+        The mean of the two of `laws.pair_times`, which are equal where the discriminant is 0.""",
+        ("pair_nearest_time(Q(-8), Q(-2), Q(0))", "Fraction(2, 1)"),
+    ),
+    StableForm(
         "pair_impulse",
         (dx, dy, vx, vy, R, wa, wb),
         ((approach, dx * vx + dy * vy), (scale, -2 * approach / (R**2 * (wa + wb)))),

@@ -1,10 +1,7 @@
-"""Mirrors and rotations that map a scene to itself, found exactly: proofs of simultaneity at any depth.
+"""Mirrors and rotations that map a scene to itself, found exactly.
 
-The motion is determined by the scene, and the laws know no direction: if an isometry maps a scene to itself
-(circles to circles of the same radius, mass and velocity image, walls to walls), it maps the whole history to
-itself, as long as every instant is resolved alike for image and original. So a contact and its image happen at
-one instant, however deep their numbers, and a circle that an isometry maps to itself moves along its mirror line
-(or stands still at its centre) for ever.
+They are candidates for isometries that map the past of a circle to itself (`predicates.held`), and what `--symmetric`
+asks for. That a history keeps a symmetry is proved on its log (`predicates.log_symmetry`).
 """
 
 from __future__ import annotations
@@ -17,14 +14,12 @@ from typing import Any
 
 from ..scenarios.errors import SceneError
 from ..scenarios.scene import Scene
-from .machine import Link
-from .numbers.field import Field, FieldNumber, LeavesField, field_sign
+from .numbers.field import FieldNumber, LeavesField, field_sign
+from .predicates.isometry import Matrix, scene_data
 
 NEAR = 1e-6
 """How far, relatively, an image may be from its target in doubles and still be looked at exactly; it only spares
 exact work on candidates that are plainly none."""
-
-Matrix = tuple[FieldNumber, FieldNumber, FieldNumber, FieldNumber]
 
 
 @dataclass(frozen=True)
@@ -36,7 +31,6 @@ class Symmetry:
         centre: a point that it leaves in place, the mean of the circles' centres.
         circles: for each circle, the index of its image.
         walls: for each wall, the index of its image.
-        pockets: for each pocket, the index -1 - k of its image, or the number of circles if it has none.
         mirror: whether it is a reflection (else a rotation).
     """
 
@@ -44,19 +38,7 @@ class Symmetry:
     centre: tuple[FieldNumber, FieldNumber]
     circles: tuple[int, ...]
     walls: tuple[int, ...]
-    pockets: tuple[int, ...]
     mirror: bool
-
-    def image(self, link: Link) -> Link:
-        """The image of a contact."""
-        n = len(self.circles)
-        i, j = link
-        if j < 0:
-            return self.circles[i], self.pockets[-1 - j]
-        if j >= n:
-            return self.circles[i], n + self.walls[j - n]
-        a, b = self.circles[i], self.circles[j]
-        return (a, b) if a < b else (b, a)
 
 
 def symmetries(scene: Scene) -> tuple[Symmetry, ...]:
@@ -169,15 +151,14 @@ class _Exact:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        constant = Field().constant
-        circles = scene.circles
-        rows = [[constant(q) for q in (c.x, c.y, c.vx, c.vy, c.r, c.inverse_mass)] for c in circles]
-        n = len(rows)
+        data = scene_data(scene)
+        n = data.n
+        rows = [[*data.places[i], *data.speeds[i], *data.kinds[i]] for i in range(n)]
         cx, cy = _total(row[0] for row in rows) / n, _total(row[1] for row in rows) / n
         self.centre = (cx, cy)
         self.rows = [(x - cx, y - cy, *rest) for x, y, *rest in rows]
-        self.walls = [tuple(constant(q) for q in (w.x0, w.y0, w.x1, w.y1, *w.normal)) for w in scene.walls]
-        self.pockets = [tuple(constant(q) for q in (p.x, p.y, p.r)) for p in scene.pockets]
+        self.walls = [(*point, point[0] + normal[1], point[1] - normal[0], *normal) for point, normal in data.walls]
+        self.pockets = [(*place, r) for place, r in data.pockets]
 
     def check(self, reference: tuple[int, bool], image: int, mirror: bool) -> Symmetry | None:
         """The isometry that maps one circle's place (or velocity) to another's, if it is a symmetry."""
@@ -196,10 +177,9 @@ class _Exact:
             matrix = (c, -s, s, c)
         circles = self._map_circles(matrix)
         walls = self._map_walls(matrix) if circles is not None else None
-        pockets = self._map_pockets(matrix)
-        if circles is None or walls is None or (self.scene.capture and len(circles) in pockets):
+        if circles is None or walls is None or (self.scene.capture and not self._maps_pockets(matrix)):
             return None
-        return Symmetry(matrix, self.centre, circles, walls, pockets, mirror)
+        return Symmetry(matrix, self.centre, circles, walls, mirror)
 
     def _turn(self, m: Matrix, x: FieldNumber, y: FieldNumber) -> tuple[FieldNumber, FieldNumber]:
         return m[0] * x + m[1] * y, m[2] * x + m[3] * y
@@ -231,16 +211,15 @@ class _Exact:
         x0, y0, _, _, nx, ny = wall
         return all(field_sign(nx * (x - x0) + ny * (y - y0)) == 0 for x, y in points)
 
-    def _map_pockets(self, m: Matrix) -> tuple[int, ...]:
+    def _maps_pockets(self, m: Matrix) -> bool:
+        """Whether every pocket has an image among them."""
         cx, cy = self.centre
-        images = []
         for x, y, r in self.pockets:
             gx, gy = self._turn(m, x - cx, y - cy)
             target = (gx + cx, gy + cy, r)
-            match = (k for k, pocket in enumerate(self.pockets) if all(map(_equal, pocket, target)))
-            k = next(match, None)
-            images.append(len(self.rows) if k is None else -1 - k)
-        return tuple(images)
+            if not any(all(map(_equal, pocket, target)) for pocket in self.pockets):
+                return False
+        return True
 
 
 def _total(numbers: Iterator[Any]) -> Any:
@@ -253,23 +232,3 @@ def _total(numbers: Iterator[Any]) -> Any:
 
 def _equal(a: FieldNumber, b: FieldNumber) -> bool:
     return field_sign(a - b) == 0
-
-
-Projection = tuple[Matrix, tuple[FieldNumber, FieldNumber]]
-
-
-def projections(scene: Scene, found: tuple[Symmetry, ...]) -> dict[int, Projection]:
-    """For each circle that some symmetry maps to itself: the projection on what all of them leave in place.
-
-    Such a circle's position (from the centre) and velocity lie in the image of the projection at all times: on a
-    mirror line, or at the centre itself. It is the mean of the linear parts of the circle's own symmetries.
-    """
-    result: dict[int, Projection] = {}
-    for i in range(len(scene.circles)):
-        own = [s for s in found if s.circles[i] == i]
-        if own:
-            count = len(own) + 1
-            identity = (1, 0, 0, 1)
-            mean = tuple((_total(iter([s.matrix[k] for s in own])) + identity[k]) / count for k in range(4))
-            result[i] = (mean, own[0].centre)  # type: ignore[assignment]
-    return result

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
@@ -12,6 +11,7 @@ from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 from ..scenarios.quantity import certain_double, nearest_double
 from ..scenarios.scene import Scene
 from ..scenarios.tower import Element, Tower, TowerLimit
+from ..scenarios.work import Work
 from .ball_machine import BallMachine
 from .machine import Machine, Number, Step
 from .numbers import ball
@@ -20,8 +20,8 @@ from .program import causal_past, replay
 TEXT_DEPTH = 5
 """Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
 
-TEXT_SECONDS = 1.0
-"""Time that writing out one value may take."""
+TEXT_WORK = 1_000_000
+"""Units of work that writing out one value may take: about a second."""
 
 GUARD_BITS = 32
 """Bits asked for beyond the digits wanted."""
@@ -66,7 +66,7 @@ class Program:
         past = frozenset(needed)
         if any(deep <= past for deep in self._too_deep):
             return None
-        tower = Tower(max_depth=TEXT_DEPTH, deadline=time.monotonic() + TEXT_SECONDS)
+        tower = Tower(max_depth=TEXT_DEPTH, work=Work(TEXT_WORK))
         try:
             machine = Machine(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=held)
             replay(machine, steps, needed)
@@ -87,14 +87,24 @@ class ExactValue:
         bodies: the circles that it depends on.
         formula: computes it from the state after those steps, in any machine.
         near: a short enclosure, or the exact number where it is at hand.
+        instant: for the time of something that happened in the run, the number of its instant.
     """
 
-    def __init__(self, program: Program, upto: int, bodies: Sequence[int], formula: Formula, near: Number) -> None:
+    def __init__(
+        self,
+        program: Program,
+        upto: int,
+        bodies: Sequence[int],
+        formula: Formula,
+        near: Number,
+        instant: int | None = None,
+    ) -> None:
         self.program = program
         self.upto = upto
         self.bodies = tuple(bodies)
         self.formula = formula
         self.near = near
+        self.instant = instant
 
     def __repr__(self) -> str:
         return f"ExactValue({self.digits(17)})"

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import nan, sqrt
 
-from ..exact.engine import run_limits
 from ..exact.machine import Machine
 from ..exact.policies import Policy
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
 from .knots import DoubleMotion
-from .plain_loop import PlainLoop
-from .plain_run import trajectory
+from .plain_decider import PlainDecider
+from .plain_run import run_plain
 
 
 def sign(x: float) -> int:
@@ -69,7 +68,15 @@ class DoubleEngine:
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """As `run`, with a policy of the caller's in place of the scene's."""
-        limits = run_limits(scene, until, events)
-        loop = PlainLoop(scene, Machine(scene, float, root), limits, progress, sign, bounds, policy)
-        stop = loop.run()
-        return trajectory(scene, self.name, {}, loop, limits, stop, DoubleMotion)
+        return run_plain(
+            scene,
+            self.name,
+            {},
+            PlainDecider(scene, Machine(scene, float, root), sign, bounds),
+            DoubleMotion,
+            float,
+            until=until,
+            events=events,
+            progress=progress,
+            policy=policy,
+        )

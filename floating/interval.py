@@ -14,15 +14,14 @@ import numpy as np
 from mpmath.libmp import to_float  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from ..exact.engine import run_limits
 from ..exact.machine import Machine
 from ..exact.undecided import Undecided
 from ..scenarios.errors import SceneError
 from ..scenarios.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain_loop import PlainLoop
-from .plain_run import trajectory
+from .plain_decider import PlainDecider
+from .plain_run import run_plain
 
 MIN_BITS, MAX_BITS = 24, 100_000
 
@@ -183,24 +182,18 @@ class IntervalEngine:
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """The history as far as intervals certify it (see `Engine.run`)."""
-        limits = run_limits(scene, until, events)
         saved, mpmath.iv.prec = mpmath.iv.prec, self.bits
         try:
-            loop = PlainLoop(scene, Machine(scene, enclosure, root), limits, progress, sign, bounds)
-            stop = loop.run()
-            for record in loop.history.records:
-                record.time = IntervalNumber(record.time)
-            if loop.history.reversal is not None:
-                after, moment, step = loop.history.reversal
-                loop.history.reversal = (after, IntervalNumber(moment), step)
+            return run_plain(
+                scene,
+                self.name,
+                {"bits": self.bits},
+                PlainDecider(scene, Machine(scene, enclosure, root), sign, bounds),
+                lambda knots: IntervalMotion(knots, self.bits),
+                IntervalNumber,
+                until=until,
+                events=events,
+                progress=progress,
+            )
         finally:
             mpmath.iv.prec = saved
-        return trajectory(
-            scene,
-            self.name,
-            {"bits": self.bits},
-            loop,
-            limits,
-            stop,
-            lambda knots: IntervalMotion(knots, self.bits),
-        )

@@ -12,3 +12,8 @@ class SceneError(ValueError):
     >>> str(SceneError("circle 'b3': r is 0; a radius must be positive"))
     "circle 'b3': r is 0; a radius must be positive"
     """
+
+
+class TimeIsUp(BaseException):
+    """The seconds that the user allowed a whole run are over. Like an interruption, it may come anywhere; engines
+    end their runs at what is whole by then."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from fractions import Fraction
 from functools import cached_property
 from math import isfinite
@@ -29,8 +28,10 @@ TOWER_FROM_BITS = 512
 MAX_ROOTS = 16
 """Most distinct roots of a number that is asked in the tower: products of n of them have up to 2**n terms."""
 
-PATIENCE = 5
-"""Seconds that the tower may take over one number."""
+PATIENCE = 5_000_000
+"""Units of work that the tower may spend on one number: about five seconds (see `work`). An identity such as
+sqrt(5 + 2*sqrt(6)) = sqrt(2) + sqrt(3) takes 1,500, seven roots in one another 96,000. The inverse of a sum of 13 roots
+takes 390,000, and three times as much for each further root, so that 15 are within reach and 16 are not."""
 
 SHOWN = 60
 """How much of a number an error repeats, in characters."""
@@ -232,15 +233,19 @@ class Quantity:
     @cached_property
     def _element(self) -> Element:
         from .tower import Tower, TowerLimit
+        from .work import Work
 
         if len(self.radicands) > MAX_ROOTS:
             raise SceneError(f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots")
         try:
-            return self.in_tower(Tower(deadline=time.monotonic() + PATIENCE))
+            element = self.in_tower(Tower(work=Work(PATIENCE)))
+            element.sign()
         except TowerLimit:
             raise SceneError(
-                f"{self.brief()}: too close to zero to be told from it within {PATIENCE} seconds"
+                f"{self.brief()}: too close to zero to be told from it within {PATIENCE:,} units of work"
             ) from None
+        element.tower.work = None
+        return element
 
     def __eq__(self, other: object) -> bool:
         try:

@@ -30,13 +30,25 @@ True
 from __future__ import annotations
 
 import random
-import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from fractions import Fraction
 from typing import TYPE_CHECKING, Final, TypeAlias
 
 from flint import arb, ctx, fmpq, fmpz
 from flint.utils.flint_exceptions import DomainError
+
+from .work import (
+    Work,
+    WorkSpent,
+    factor_units,
+    gcd_units,
+    inverse_units,
+    jacobi_units,
+    primality_units,
+    product_units,
+    root_units,
+    sqrtmod_units,
+)
 
 if TYPE_CHECKING:
     import sympy
@@ -64,6 +76,19 @@ FIRST_BITS: Final = 64
 
 FILTER_BITS: Final = (64, 128, 256)
 """Ball precisions that `sign_of_root_sum` tries before it computes in the field."""
+
+SHORT_BITS: Final = 256
+"""Up to this length of numbers the interpreter's part outweighs flint's, so that work is counted by numbers alone."""
+
+WORD_BITS: Final = 64
+"""Modulo a number up to this length everything takes under 2 us, which what finds the number is charged for."""
+
+LONG: Final = fmpz(1) << SHORT_BITS
+LONG_NEGATIVE: Final = -LONG
+"""Whole numbers that are not between these are long."""
+
+SPENT: Final = "the work allowed is spent; allow more (--work)"
+"""What `TowerLimit` says where a limit of work is met."""
 
 ZERO: Final = fmpz(0)
 ONE: Final = fmpz(1)
@@ -179,11 +204,37 @@ def _coefficients(x: Integral) -> Iterator[fmpz]:
 
 def _content(x: Integral, known: fmpz = ZERO) -> fmpz:
     """The greatest common divisor of `known` and all coefficients of x."""
-    for c in _coefficients(x):
-        known = known.gcd(c)
-        if known == 1:
-            break
-    return known
+    if isinstance(x, fmpz):
+        return known.gcd(x)
+    if isinstance(x, dict):
+        for c in x.values():
+            known = known.gcd(c)
+            if known == 1:
+                break
+        return known
+    known = _content(x.a, known)
+    return known if known == 1 else _content(x.b, known)
+
+
+def _count(x: Integral) -> int:
+    """How many coefficients x has."""
+    if isinstance(x, dict):
+        return len(x)
+    return _count(x.a) + _count(x.b) if isinstance(x, Nested) else 1
+
+
+def _extent(x: Integral) -> tuple[int, int]:
+    """How many coefficients x has, and how many bits they have together."""
+    if isinstance(x, fmpz):
+        return 1, x.bit_length()
+    if isinstance(x, dict):
+        return len(x), sum(map(_bit_length, x.values()))
+    count, bits = _extent(x.a)
+    more, further = _extent(x.b)
+    return count + more, bits + further
+
+
+_bit_length: Final = fmpz.bit_length
 
 
 def _divide(x: Integral, c: fmpz) -> Integral:
@@ -241,6 +292,14 @@ def _span(masks: Iterable[int]) -> list[int]:
 # --------------------------------------------------------------------------------------
 
 
+Spend: TypeAlias = Callable[[int], None]
+"""Counts work about to be done (see `Work.spend`)."""
+
+
+def _free(units: int) -> None:
+    """Counts nothing."""
+
+
 def _factor(n: fmpz) -> list[tuple[fmpz, int]]:
     """Pairwise coprime factors of n > 0 with exponents; long ones may be composite."""
     if n.bit_length() <= FULL_FACTOR_BITS:
@@ -254,11 +313,14 @@ def _factor(n: fmpz) -> list[tuple[fmpz, int]]:
     return factors
 
 
-def _split_square(n: fmpz) -> tuple[fmpz, list[fmpz]]:
+def _split_square(n: fmpz, spend: Spend | None = None) -> tuple[fmpz, list[fmpz]]:
     """(f, parts) with n = f**2 * product of parts; n > 0.
 
     The parts are square-free as far as the factorisation went.
     """
+    if spend is not None:
+        bits = n.bit_length()
+        spend(2 + factor_units(bits, complete=bits <= FULL_FACTOR_BITS) + root_units(bits))
     root = ONE
     parts: list[fmpz] = []
     for f, e in _factor(n):
@@ -268,7 +330,7 @@ def _split_square(n: fmpz) -> tuple[fmpz, list[fmpz]]:
     return root, parts
 
 
-def _coprime_base(numbers: list[fmpz]) -> list[fmpz]:
+def _coprime_base(numbers: list[fmpz], spend: Spend = _free) -> list[fmpz]:
     """Pairwise coprime numbers > 1 of which every given number is a product.
 
     By gcds alone (Bernstein, *Factoring into coprimes in essentially linear time*, 2005,
@@ -278,7 +340,9 @@ def _coprime_base(numbers: list[fmpz]) -> list[fmpz]:
     todo = [n for n in numbers if n > 1]
     while todo:
         n = todo.pop()
+        bits = n.bit_length()
         for i, b in enumerate(base):
+            spend(1 + gcd_units(bits, b.bit_length()))
             g = n.gcd(b)
             if g == 1:
                 continue
@@ -291,7 +355,7 @@ def _coprime_base(numbers: list[fmpz]) -> list[fmpz]:
     return base
 
 
-def _square_subset(n: fmpz, radicands: list[fmpz]) -> int | None:
+def _square_subset(n: fmpz, radicands: list[fmpz], spend: Spend = _free) -> int | None:
     """The bits of a set of radicands whose product with n > 0 is a square, or None: there is none.
 
     Over a coprime base, a product is a square exactly if each base number that is not itself a
@@ -304,9 +368,11 @@ def _square_subset(n: fmpz, radicands: list[fmpz]) -> int | None:
     """
     if n.is_square():
         return 0
-    base = [b for b in _coprime_base([n, *radicands]) if not b.is_square()]
+    base = [b for b in _coprime_base([n, *radicands], spend) if not b.is_square()]
+    base_bits = sum(map(_bit_length, base))
 
     def parities(k: fmpz) -> int:
+        spend(len(base) + 2 * product_units(k.bit_length(), base_bits))
         row = 0
         for i, b in enumerate(base):
             while k % b == 0:
@@ -355,11 +421,12 @@ class Place:
     so a pseudoprime could do no harm.
     """
 
-    __slots__ = ("_products", "_rows", "_tower", "modulus", "nested", "roots")
+    __slots__ = ("_products", "_rows", "_tower", "bits", "modulus", "nested", "roots")
 
     def __init__(self, tower: Tower, modulus: int) -> None:
         self._tower = tower
         self.modulus = modulus
+        self.bits = modulus.bit_length()
         self.roots: dict[int, tuple[int, int]] = {}  # leading bit -> (mask, root of its product)
         self.nested: list[int] = []
         self._products: dict[int, int] = {0: 1}
@@ -368,8 +435,12 @@ class Place:
     def root(self, value: int) -> int | None:
         """A root of value modulo n, prime to n, of random sign; None if there is none to be had."""
         n = fmpz(self.modulus)
+        if self.bits > WORD_BITS:
+            self._tower._spend(1 + jacobi_units(self.bits))
         if fmpz(value).jacobi(n) != 1:
             return None
+        if self.bits > WORD_BITS:
+            self._tower._spend(sqrtmod_units(self.bits))
         try:
             r = fmpz(value).sqrtmod(n)
         except DomainError:  # n is not prime after all
@@ -397,7 +468,10 @@ class Place:
         """Get roots of D_1, D_2, ..., trying both signs of each; False if there are none."""
         if len(self.nested) == len(radicands):
             return True
-        root = self.root(self.value(radicands[len(self.nested)]))
+        radicand = radicands[len(self.nested)]
+        if self._tower.work is not None:
+            self._tower._spend(self.units(*_extent(radicand)))
+        root = self.root(self.value(radicand))
         if root is not None:
             for choice in (root, self.modulus - root):
                 self.nested.append(choice)
@@ -411,6 +485,8 @@ class Place:
         known = self._products.get(mask)
         if known is None:
             lead, root = self.roots[mask.bit_length()]
+            if self.bits > WORD_BITS:
+                self._tower._spend(inverse_units(self.bits))
             rest = mask ^ lead
             shared = int(self._tower._product(rest & lead) % self.modulus)
             known = self._product(rest) * root * pow(shared, -1, self.modulus) % self.modulus
@@ -426,12 +502,21 @@ class Place:
             return sum(int(c % n) * self._product(mask) for mask, c in x.items()) % n
         return (self.value(x.a) + self.value(x.b) * self.nested[x.level - 1]) % n
 
+    def units(self, count: int, bits: int) -> int:
+        """The work of `value` for so many coefficients of so many bits together."""
+        units = 2 + (count >> 1)
+        if self.bits <= WORD_BITS:
+            return units + (bits >> 12)
+        return units + 2 * count * (product_units(bits // count, self.bits) + product_units(self.bits, self.bits))
+
     def row(self, x: Integral) -> int | None:
         """Jacobi symbols, -1 as bit 1: of each m_i as bit i + 1, of x as bit 0. None if x becomes 0."""
         symbol = fmpz(self.value(x)).jacobi(self.modulus)
         if symbol == 0:
             return None
         for m in self._tower._base[len(self._rows) :]:
+            if self.bits > WORD_BITS:
+                self._tower._spend(1 + jacobi_units(self.bits))
             self._rows.append(m.jacobi(self.modulus))
         row = int(symbol == -1)
         for i, of_m in enumerate(self._rows):
@@ -459,16 +544,18 @@ def _by_reciprocity(count: int, bits: int) -> bool:
 class Tower:
     """A field of real numbers that grows by the square roots asked of it. Not thread-safe.
 
-    `max_depth` bounds `depth`; None means no bound. `deadline` is a value of `time.monotonic()`
-    after which work in nested levels raises `TowerLimit`; it may be changed at any time.
+    `max_depth` bounds `depth`; None means no bound. `work` counts what is done here, each step
+    before it is taken; the step that would pass its limit raises `TowerLimit` instead. It may be
+    shared with other towers, and be changed at any time; None means that nothing is counted. The
+    same operations on a new tower spend the same work, in every process and on every machine.
 
     The number of coefficients doubles with every nested generator, and their lengths grow faster:
     4 generators on a chain of collisions are quick, 6 may be hopeless. So set a bound.
     """
 
-    def __init__(self, max_depth: int | None = None, deadline: float | None = None) -> None:
+    def __init__(self, max_depth: int | None = None, work: Work | None = None) -> None:
         self.max_depth = max_depth
-        self.deadline = deadline
+        self.work = work
         self._base: list[fmpz] = []
         self._all = ONE  # the product of the base
         self._coprime = True  # whether its members are pairwise coprime
@@ -504,7 +591,7 @@ class Tower:
     def rational(self, q: Rational) -> Element:
         """q as an element of this field."""
         q = _fmpq(q)
-        return Element(self, q.p, q.q)
+        return _reduced(self, q.p, q.q)
 
     def sqrt(self, e: Element | Rational) -> Element:
         """The square root of e that is not negative; the field grows only if it must.
@@ -527,17 +614,17 @@ class Tower:
         if sign == 0:
             return e
         # sqrt(num / den) = sqrt(num * den) / den, and the squares leave the content.
-        x = _scale(e.num, e.den)
+        x = self._mul(e.num, e.den)
         if isinstance(x, fmpz):
             root = self._sqrt_whole(x)
         else:
-            content = _content(x)
-            factor, parts = _split_square(content)
-            primitive = _divide(x, content)
+            content = self._content(x)
+            factor, parts = _split_square(content, self._spend if self.work is not None else None)
+            primitive = self._quotient(x, content)
             rest = ONE
             for part in parts:
                 rest *= part
-            root = self._sqrt_integral(_scale(primitive, rest)) * factor
+            root = self._sqrt_integral(self._mul(primitive, rest)) * factor
         root = self._checked(root / e.den, e)
         self._roots[e] = root
         return root
@@ -545,7 +632,7 @@ class Tower:
     def root_within(self, e: Element | Rational) -> Element | None:
         """The square root of e that is not negative if it lies in this field as it stands, else None.
 
-        Raises ValueError if e is negative, TowerLimit if the deadline passes.
+        Raises ValueError if e is negative, TowerLimit if the work allowed is spent.
 
         >>> tower = Tower()
         >>> three = tower.sqrt(3)
@@ -558,7 +645,7 @@ class Tower:
             raise ValueError(f"square root of the negative number {_brief(e)}")
         if sign == 0:
             return e
-        root = self._root(_scale(e.num, e.den), len(self._radicands))
+        root = self._root(self._mul(e.num, e.den), len(self._radicands))
         return None if root is None else self._checked(abs(root) / e.den, e)
 
     def _checked(self, root: Element, e: Element) -> Element:
@@ -570,7 +657,7 @@ class Tower:
 
     def _sqrt_whole(self, n: fmpz) -> Element:
         """sqrt(n) for a whole n > 0."""
-        factor, parts = _split_square(n)
+        factor, parts = _split_square(n, self._spend if self.work is not None else None)
         core = ONE
         for part in parts:
             core *= part
@@ -626,6 +713,7 @@ class Tower:
         step of the tower in its new order is still of degree two.
         """
         self._check_depth(len(self._radicands) + 1)
+        self._spend(1 + gcd_units(m.bit_length(), self._all.bit_length()))
         self._base.append(m)
         self._made.append((False, len(self._base) - 1))
         self._coprime = self._coprime and m.gcd(self._all) == 1
@@ -636,9 +724,57 @@ class Tower:
         if self.max_depth is not None and depth > self.max_depth:
             raise TowerLimit(f"depth {depth} is over the bound of {self.max_depth}; raise max_depth")
 
-    def _tick(self) -> None:
-        if self.deadline is not None and time.monotonic() > self.deadline:
-            raise TowerLimit("the deadline has passed; allow more time")
+    # -- counting work -------------------------------------------------------------------
+
+    def _spend(self, units: int) -> None:
+        """Counts work about to be done here; hot places ask first whether it is counted at all."""
+        if self.work is not None:
+            try:
+                self.work.spend(units)
+            except WorkSpent:
+                raise TowerLimit(SPENT) from None
+
+    def _spend_scaling(self, x: Integral, bits: int) -> None:
+        """Counts the product, or half the quotient, of x with a whole number of more than a few words."""
+        count, total = _extent(x)
+        self._spend(count * (1 + product_units(total // count, bits)))
+
+    def _content(self, x: Integral, known: fmpz = ZERO) -> fmpz:
+        """`_content`, counted. Once what is known gets short, it costs little to go on."""
+        if self.work is None:
+            return _content(x, known)
+        if isinstance(x, fmpz):
+            self._spend(gcd_units(known.bit_length(), x.bit_length()))
+            return known.gcd(x)
+        count, total = _extent(x)
+        if (known.bit_length() or total // count) <= SHORT_BITS:
+            self._spend(1 + (count >> 2) + 2 * product_units(total, SHORT_BITS))
+            return _content(x, known)
+        for c in _coefficients(x):
+            self._spend(1 + gcd_units(known.bit_length(), c.bit_length()))
+            known = known.gcd(c)
+            if known == 1:
+                break
+        return known
+
+    def _spend_product(self, x: dict[int, fmpz], y: dict[int, fmpz]) -> None:
+        """Counts the product of two sums: of each term of one with each of the other."""
+        rows, columns = len(x), len(y)
+        units = 1 + (rows * columns >> 1)
+        long, wide = sum(map(_bit_length, x.values())), sum(map(_bit_length, y.values()))
+        if long > SHORT_BITS or wide > SHORT_BITS:
+            long //= rows
+            wide //= columns
+            common = self._all.bit_length()
+            units += rows * columns * (product_units(long, wide) + product_units(long + wide, common) // 2)
+        self._spend(units)
+
+    def _quotient(self, x: Integral, c: fmpz) -> Integral:
+        """`_divide`, counted."""
+        if self.work is not None and (bits := c.bit_length()) > SHORT_BITS:
+            self._spend_scaling(x, bits)
+            self._spend_scaling(x, bits)
+        return _divide(x, c)
 
     # -- is x a square? ------------------------------------------------------------------
 
@@ -651,7 +787,7 @@ class Tower:
         the root. If s does not occur in x, then u v = 0, so x is u**2 or D v**2, that is, x or
         x D is a square below.
         """
-        self._tick()
+        self._spend(2)
         if isinstance(x, fmpz):
             if x < 0:
                 return None
@@ -686,10 +822,15 @@ class Tower:
         As no m is a square, n times a product of distinct m is one exactly if all exponents of the
         m are even in it, and what of n is coprime to the base is a square.
         """
+        bits = n.bit_length()
         if n.is_square():
+            self._spend(root_units(bits))
             return 0
         if not self._coprime:
-            return _square_subset(n, self._base)
+            return _square_subset(n, self._base, self._spend)
+        if self.work is not None:
+            known = self._all.bit_length()
+            self._spend(1 + 2 * gcd_units(bits, known) + 2 * product_units(bits, known))
         common = n.gcd(self._all)
         subset = 0
         for i, m in enumerate(self._base if common > 1 else ()):
@@ -697,8 +838,11 @@ class Tower:
                 n //= m
                 subset ^= 1 << i
         if n.gcd(self._all) != 1:
-            return _square_subset(n * self._product(subset), self._base)
-        return subset if n.is_square() else None
+            return _square_subset(n * self._product(subset), self._base, self._spend)
+        if not n.is_square():
+            return None
+        self._spend(root_units(bits))
+        return subset
 
     def _root_nested(self, x: Nested) -> Element | None:
         below = x.level - 1
@@ -734,7 +878,7 @@ class Tower:
         return None if t is None else t + self._element(y) / (2 * t)
 
     def _root_of(self, e: Element, level: int) -> Element | None:
-        root = self._root(_scale(e.num, e.den), level)
+        root = self._root(self._mul(e.num, e.den), level)
         return None if root is None else root / e.den
 
     def _refuted(self, x: Integral, level: int) -> bool:
@@ -745,7 +889,12 @@ class Tower:
         """
         pivots: dict[int, int] = {}
         idle = 0
+        counted = self.work is not None
+        count, total = _extent(x) if counted else (1, 0)
+        units = 2 + (count >> 1) + (total >> 12)
         for place in self._places_for(x, level):
+            if counted:
+                self._spend(units if place.bits <= WORD_BITS else place.units(count, total))
             row = place.row(x)
             while row is not None and row > 1 and row.bit_length() in pivots:
                 row ^= pivots[row.bit_length()]
@@ -763,7 +912,9 @@ class Tower:
 
     def _places_for(self, x: Integral, level: int) -> Iterator[Place]:
         """Homomorphisms that x and s_1 .. s_level have images under, made as they are needed."""
-        basis = tuple(_span([*self._support(level), *_leaf_masks(x)]))
+        masks = [*self._support(level), *_leaf_masks(x)]
+        self._spend(1 + (len(masks) * (1 + len(self._base)) >> 3))
+        basis = tuple(_span(masks))
         pool = self._places.setdefault(level, [])
         for place in pool:
             if place.split(basis):
@@ -780,12 +931,13 @@ class Tower:
         """A basis of the base products in D_1 .. D_level."""
         while len(self._supports) <= level:
             radicand = self._radicands[len(self._supports) - 1]
-            self._supports.append(tuple(_span([*self._supports[-1], *_leaf_masks(radicand)])))
+            masks = [*self._supports[-1], *_leaf_masks(radicand)]
+            self._spend(1 + (len(masks) * (1 + len(self._base)) >> 3))
+            self._supports.append(tuple(_span(masks)))
         return self._supports[level]
 
     def _new_place(self, basis: tuple[int, ...], level: int) -> Place | None:
         for modulus in self._moduli(basis):
-            self._tick()
             place = Place(self, modulus)
             if place.split(basis) and place.lift(self._radicands[:level]):
                 return place
@@ -811,7 +963,11 @@ class Tower:
             tries = PRIME_TRIES << len(basis)
         step = int(8 * odd)
         span = max(1 << 16, (1 << 61) // step)
+        bits = (step * span).bit_length()
+        # About one odd number in bits / 3 is prime; 10 for what is then computed modulo it (see WORD_BITS).
+        units = bits * primality_units(bits) // 3 + 10
         for _ in range(tries):
+            self._spend(units)
             r = self._random.randrange(step) | 1
             while odd.gcd(r) != 1:
                 r = self._random.randrange(step) | 1
@@ -823,7 +979,7 @@ class Tower:
     # -- arithmetic of integral values ---------------------------------------------------
 
     def _element(self, x: Integral) -> Element:
-        return Element(self, x, ONE)
+        return _reduced(self, x, ONE)
 
     def _own(self, e: Element | Rational) -> Element:
         if isinstance(e, Element):
@@ -838,13 +994,19 @@ class Tower:
         if known is None:
             low = mask & -mask
             known = self._product(mask ^ low) * self._base[low.bit_length() - 1]
+            if self.work is not None and known > LONG:
+                self._spend(1 + product_units(known.bit_length(), SHORT_BITS))
             self._products[mask] = known
         return known
 
     def _mul(self, x: Integral, y: Integral) -> Integral:
         if isinstance(x, fmpz):
+            if (x > LONG or x < LONG_NEGATIVE) and self.work is not None:
+                self._spend_scaling(y, x.bit_length())
             return _scale(y, x)
         if isinstance(y, fmpz):
+            if (y > LONG or y < LONG_NEGATIVE) and self.work is not None:
+                self._spend_scaling(x, y.bit_length())
             return _scale(x, y)
         if isinstance(x, dict):
             if isinstance(y, dict):
@@ -854,7 +1016,8 @@ class Tower:
             return Nested(x.level, self._mul(x.a, y), self._mul(x.b, y))
         if x.level < y.level:
             return Nested(y.level, self._mul(y.a, x), self._mul(y.b, x))
-        self._tick()
+        if self.work is not None:
+            self._spend(4)
         mul = self._mul
         radicand = self._radicands[x.level - 1]
         a, b, c, d = x.a, x.b, y.a, y.b
@@ -871,9 +1034,10 @@ class Tower:
         return _nested(x.level, _add(low, mul(high, radicand)), cross)
 
     def _mul_surds(self, x: dict[int, fmpz], y: dict[int, fmpz]) -> Integral:
+        if self.work is not None:
+            self._spend_product(x, y)
         terms: dict[int, fmpz] = {}
         for p, c in x.items():
-            self._tick()
             for q, d in y.items():
                 term = c * d
                 if p & q:
@@ -886,9 +1050,9 @@ class Tower:
         """(y, d) with 1 / x = y / d, for x != 0; d > 0 has no factor common to all of y."""
         if isinstance(x, fmpz):
             return (ONE, x) if x > 0 else (fmpz(-1), -x)
-        common = _content(x)
+        common = self._content(x)
         if common != 1:
-            x = _divide(x, common)
+            x = self._quotient(x, common)
         assert not isinstance(x, fmpz)
         if isinstance(x, dict):
             a, y = _split_bit(x, max(x).bit_length() - 1)
@@ -901,8 +1065,8 @@ class Tower:
         inverse, d = self._inverse(norm)
         product = self._mul(conjugate, inverse)
         d *= common
-        g = _content(product, d)
-        return _divide(product, g), d // g
+        g = self._content(product, d)
+        return self._quotient(product, g), d // g
 
     # -- enclosures ------------------------------------------------------------------------
 
@@ -917,7 +1081,6 @@ class Tower:
                 return 1
             if value < 0:
                 return -1
-            self._tick()
             bits *= 2
 
     def _ball(self, x: Integral, precision: int) -> arb:
@@ -937,7 +1100,6 @@ class Tower:
             value = self._ball(x, precision)
             if value.rel_accuracy_bits() >= bits:
                 return value
-            self._tick()
             precision *= 2
 
     def _radicand(self, k: int) -> Element:
@@ -947,11 +1109,12 @@ class Tower:
 class _Frame:
     """The generators of a tower as balls of one precision."""
 
-    __slots__ = ("_nested", "_precision", "_roots", "_tower")
+    __slots__ = ("_nested", "_precision", "_roots", "_tower", "_units")
 
     def __init__(self, tower: Tower, precision: int) -> None:
         self._tower = tower
         self._precision = precision
+        self._units = 1 + 2 * product_units(precision, precision)  # of two terms
         self._roots: dict[int, arb] = {0: arb(1)}
         self._nested: dict[int, arb] = {}
 
@@ -959,15 +1122,20 @@ class _Frame:
         if isinstance(x, fmpz):
             return arb(x)
         if isinstance(x, dict):
+            if self._tower.work is not None:
+                self._tower._spend(len(x) * self._units >> 1)
             total = arb(0)
             for mask, c in x.items():
                 total += self._root(mask) * c
             return total
+        if self._tower.work is not None:
+            self._tower._spend(self._units)
         return self.value(x.a) + self.value(x.b) * self._generator(x.level)
 
     def _root(self, mask: int) -> arb:
         known = self._roots.get(mask)
         if known is None:
+            self._tower._spend(2 * self._units)
             known = self._roots[mask] = arb(self._tower._product(mask)).sqrt()
         return known
 
@@ -976,6 +1144,7 @@ class _Frame:
         known = self._nested.get(level)
         if known is None:
             radicand = self._tower._radicands[level - 1]
+            self._tower._spend(2 * self._units)
             known = self._tower._accurate_ball(radicand, self._precision).sqrt()
             self._nested[level] = known
         return known
@@ -1013,9 +1182,12 @@ class Element:
     den: fmpz
 
     def __init__(self, tower: Tower, num: Integral, den: fmpz) -> None:
+        if tower.work is not None:
+            tower._spend(1 if isinstance(num, fmpz) else 1 + (_count(num) >> 1))
         if den != 1:
-            g = _content(num, den)
-            num, den = _divide(num, g), den // g
+            g = _content(num, den) if den < LONG else tower._content(num, den)
+            if g != 1:
+                num, den = tower._quotient(num, g), den // g
         self.tower = tower
         self.num = num
         self.den = den
@@ -1058,9 +1230,13 @@ class Element:
             return NotImplemented
         if self.den == e.den:
             return Element(self.tower, _add(self.num, e.num), self.den)
+        scale = _scale
+        if self.den > LONG or e.den > LONG:
+            self.tower._spend(gcd_units(self.den.bit_length(), e.den.bit_length()))
+            scale = self.tower._mul
         g = self.den.gcd(e.den)
         left, right = e.den // g, self.den // g
-        return Element(self.tower, _add(_scale(self.num, left), _scale(e.num, right)), self.den * left)
+        return Element(self.tower, _add(scale(self.num, left), scale(e.num, right)), self.den * left)
 
     __radd__ = __add__
 
@@ -1102,7 +1278,7 @@ class Element:
         if not self.num:
             raise ZeroDivisionError("division by zero in a tower")
         inverse, d = self.tower._inverse(self.num)
-        return Element(self.tower, _scale(inverse, self.den), d)
+        return Element(self.tower, self.tower._mul(inverse, self.den), d)
 
     def is_zero(self) -> bool:
         """Whether this is exactly 0: read off the normal form."""

@@ -31,16 +31,16 @@ class TieProof(Enum):
     CONSTRUCTION = "the same instant by construction"
     RATIONAL = "computed in rational numbers"
     FIELD = "signs of coefficients in the field of the state"
-    SYMMETRY = "a symmetry of the scene maps one to the other"
+    SYMMETRY = "an isometry maps the causal past of the one to that of the other"
+    WAY_BACK = "the way back retraces a tie of the way out"
     TOWER = "replayed in nested square roots in normal form"
-    PROBABLE = "zero modulo a random prime: evidence, not proof"
     ASSUMED = "agreement to as many bits as the user asked for: an assumption"
     FLOAT = "equal in the engine's own finite precision"
 
     @property
     def proved(self) -> bool:
         """Whether this is a proof."""
-        return self not in (TieProof.PROBABLE, TieProof.ASSUMED, TieProof.FLOAT)
+        return self not in (TieProof.ASSUMED, TieProof.FLOAT)
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Tie:
     Attributes:
         contacts: the contacts shown to be simultaneous.
         proof: the kind of evidence.
-        bound: for PROBABLE, the chance (as log2) that it is wrong; for ASSUMED, the bits of agreement.
+        bound: for ASSUMED, the bits of agreement.
     """
 
     contacts: tuple[Contact, ...]
@@ -75,12 +75,10 @@ class Assumption:
     bound: int | None = None
 
     def __str__(self) -> str:
-        how = (
-            f"a chance of at most 2**{self.bound} that it is wrong"
-            if self.proof is TieProof.PROBABLE
-            else (f"agreement to {self.bound} bits")
+        return (
+            f"from event {self.event} on, this rests on a zero that is not proved ({self.question}): "
+            f"agreement to {self.bound} bits"
         )
-        return f"from event {self.event} on, this rests on a tie that is not proved ({self.question}): {how}"
 
 
 @dataclass(frozen=True)

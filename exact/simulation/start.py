@@ -1,12 +1,12 @@
-"""Which circles and walls of a scene touch at time 0, decided exactly."""
+"""Which circles, walls and rims of a scene touch at time 0, decided exactly."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 
-from ..scenarios.scene import Scene
-from ..scenarios.validation import rough_circle, surely_apart
-from .machine import Link
+from ...scenarios.scene import Scene
+from ...scenarios.validation import rough_circle, surely_apart
+from ..machine import Link
 
 
 @lru_cache(maxsize=8)
@@ -22,9 +22,9 @@ def touching_at_start(scene: Scene) -> list[Link]:
     links: list[Link] = []
     for i, a in enumerate(circles):
         for j in range(i + 1, len(circles)):
-            if surely_apart(rough[i], rough[j]):
-                continue
             b = circles[j]
+            if (a.fixed and b.fixed) or surely_apart(rough[i], rough[j]):
+                continue
             dx, dy, reach = b.x - a.x, b.y - a.y, a.r + b.r
             if (dx * dx + dy * dy - reach * reach).sign() == 0:
                 links.append((i, j))
@@ -34,3 +34,19 @@ def touching_at_start(scene: Scene) -> list[Link]:
             if (height * height - a.r * a.r * (nx * nx + ny * ny)).sign() == 0:
                 links.append((i, len(circles) + k))
     return links
+
+
+def rims_at_start(scene: Scene) -> list[Link]:
+    """The centres of movable circles on the rim of a pocket at time 0, as (circle, -1 - pocket).
+
+    >>> from truebreak.scenarios import Circle, Pocket, Scene
+    >>> rims_at_start(Scene([Circle(0, 0, vx=1)], pockets=[Pocket(2, 0, 2)]))
+    [(0, -1)]
+    """
+    found: list[Link] = []
+    for i, circle in enumerate(scene.circles):
+        for k, pocket in enumerate(scene.pockets):
+            dx, dy = pocket.x - circle.x, pocket.y - circle.y
+            if not circle.fixed and (dx * dx + dy * dy - pocket.r * pocket.r).sign() == 0:
+                found.append((i, -1 - k))
+    return found

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from .complementarity import Ask
-from .machine import Link
-from .policies.policy import Policy
-from .questions import Closing
-from .undecided import BudgetSpent
+from ..complementarity import Ask
+from ..machine import Kick, Link
+from ..policies.policy import Policy
+from ..questions import Closing
+from ..undecided import BudgetSpent
 
 
 class Touching:
@@ -17,26 +17,22 @@ class Touching:
 
     def __init__(self, n: int) -> None:
         self.n = n
-        self._links: set[Link] = set()
+        self._links: frozenset[Link] = frozenset()
 
     def __bool__(self) -> bool:
         return bool(self._links)
 
     def add(self, link: Link) -> None:
         """A contact that lasts."""
-        self._links.add(link)
-
-    def add_all(self, links: Iterable[Link]) -> None:
-        """Contacts that last until the instant at hand is done."""
-        self._links.update(links)
+        self._links |= {link}
 
     def discard(self, link: Link) -> None:
         """A contact that ends."""
-        self._links.discard(link)
+        self._links -= {link}
 
     def all(self) -> frozenset[Link]:
         """Every lasting contact."""
-        return frozenset(self._links)
+        return self._links
 
 
 @dataclass(frozen=True)
@@ -74,60 +70,55 @@ def components(links: Sequence[Link], touching: Touching, n: int) -> list[Compon
 
 
 @dataclass(frozen=True)
-class Instant:
+class Rounds:
     """The outcome of the rounds in one component.
 
     Attributes:
         impulses: the contacts kicked, in the order applied.
         taking_part: the contacts that approached, as the instant came or in its rounds.
         signs: for each contact, 0 if it neither approaches nor parts at the end, else +1.
-        rounds: how many rounds it took.
     """
 
     impulses: tuple[Link, ...]
     taking_part: frozenset[Link]
     signs: dict[Link, int]
-    rounds: int
 
 
-def settle_contacts(
+def settle(
     links: Sequence[Link],
-    approaching: frozenset[Link],
+    known: Mapping[Link, int],
     policy: Policy,
     ask: Ask,
-    kick: Callable[[tuple[Link, ...]], None],
+    do: Callable[[Kick], None],
     max_rounds: int,
-    order_chosen: Callable[[], None],
-) -> Instant:
+) -> Rounds:
     """Rounds of impulses among touching contacts until none approaches.
 
     Args:
         links: the contacts, all at gap zero, in scene order.
-        approaching: those known to approach already.
+        known: signs of closing speeds that are known as the instant comes: -1 where the two approach.
         policy: chooses the contacts of each round.
         ask: decides signs on the state as it is.
-        kick: applies impulses to the state.
+        do: applies impulses to the state.
         max_rounds: raises BudgetSpent beyond.
-        order_chosen: called before the policy's choice among several is carried out.
     """
-    signs: dict[Link, int | None] = {link: -1 if link in approaching else None for link in links}
+    signs: dict[Link, int | None] = {link: known.get(link) for link in links}
     impulses: list[Link] = []
     taking_part: set[Link] = set()
     rounds = 0
     while True:
-        known = {link: ask(Closing(link)) if sign is None else sign for link, sign in signs.items()}
-        coming = [link for link in links if known[link] < 0]
+        told = {link: ask(Closing(link)) if sign is None else sign for link, sign in signs.items()}
+        coming = [link for link in links if told[link] < 0]
         if not coming:
-            return Instant(tuple(impulses), frozenset(taking_part), known, rounds)
+            return Rounds(tuple(impulses), frozenset(taking_part), told)
         if rounds == max_rounds:
             raise BudgetSpent(f"{max_rounds} rounds of impulses at one instant")
         rounds += 1
         taking_part.update(coming)
         chosen = policy.choose(coming, ask)
-        if policy.chooses_order and len(coming) > 1:
-            order_chosen()
-        kick(chosen)
+        among = chosen if policy.chooses_order else tuple(coming)
+        do(Kick(chosen, among))
         impulses += chosen
         hit = {i for link in chosen for i in link}
-        together = set(coming) if len(chosen) > 1 or chosen == tuple(coming) else set(chosen)
-        signs = {link: 1 if link in together else (None if hit & set(link) else known[link]) for link in links}
+        parted = set(among)
+        signs = {link: 1 if link in parted else (None if hit & set(link) else told[link]) for link in links}

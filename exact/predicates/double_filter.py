@@ -1,0 +1,213 @@
+"""The first rung: predictions in doubles, with a bound on every rounding, that answer only where sure.
+
+As the filters of exact geometry do (Bronnimann, Burnikel, Pion, *Interval arithmetic yields efficient dynamic
+filters*, 2001; Shewchuk, *Adaptive precision floating-point arithmetic*, 1997), a quantity is computed in doubles
+with a bound on its distance from the true value. A sign is told only beyond the bound; a time is told as two
+doubles that enclose it. Everything else is UNCLEAR, and goes to balls.
+
+Bounds. u = 2**-53 is the rounding unit. A state's doubles are off by at most 2u relatively: u by rounding the ball's
+middle, and less than u/50 by its radius (`admit` sees to that). With S the largest coordinate and V the largest
+speed component that the run has seen, and T the present:
+
+- a coordinate of d is off by less than E = 64 u (S + V T): 2u S twice from the positions, 2u T twice and a rounding
+  from the clocks, times V, 2u and a rounding from the product, three roundings of sums, together under
+  2u (4 S + 6 V T);
+- a component of v is off by less than F = 8 u V;
+- d.v and d x v are off by less than 2 E W + 5 F D, with W and D the 1-norms of v and d: E W + F D + E F from the
+  factors, and three roundings of at most 3 u D W <= 1.5 F D, as W <= 4 V;
+- |v|^2 is off by less than 3 F W.
+
+All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
+themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from math import inf, isfinite, nan, sqrt
+from typing import NamedTuple
+
+from flint import arb  # type: ignore[attr-defined]
+
+from ..machine import Body
+
+UNIT = 2.0**-53
+
+ACCURATE_BITS = 60
+"""A ball with this relative accuracy has a radius below 2**-58 of its middle: u/32 at most."""
+
+BIG = 1e50
+"""Beyond this, or its inverse, fourth powers and quotients of bounds might overflow or vanish: left to balls."""
+
+TINY = 1 / BIG
+
+
+class FloatLine(NamedTuple):
+    """A wall as seen from a circle, in doubles: a point, a normal, r*|n|, the normal's 1-norm, and the size of
+    the fixed terms of the gap."""
+
+    x0: float
+    y0: float
+    nx: float
+    ny: float
+    offset: float
+    norm: float
+    size: float
+
+
+def float_line(x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
+    """The doubles of a wall's short balls; a wall that they cannot tell is given infinite size, so never clear."""
+    fx0, fy0, fnx, fny, fixed = (float(value) for value in (x0, y0, nx, ny, offset))
+    norm = abs(fnx) + abs(fny)
+    size = norm * (abs(fx0) + abs(fy0)) + abs(fixed)
+    sharp = all(value.rel_accuracy_bits() > ACCURATE_BITS for value in (x0, y0, nx, ny, offset))
+    if not (sharp and size < BIG and 1 / BIG < norm < BIG):
+        size = inf
+    return FloatLine(fx0, fy0, fnx, fny, fixed, norm, size)
+
+
+class DoubleFilter:
+    """Predictions in doubles.
+
+    Attributes:
+        largest: the largest coordinate seen (S).
+        fastest: the largest speed component seen (V).
+    """
+
+    def __init__(self) -> None:
+        self.largest = 0.0
+        self.fastest = 0.0
+
+    def admit(self, body: Body) -> None:
+        """Sets a body's doubles from its short balls, or None if they are not accurate enough."""
+        x, y, vx, vy, t = body.q
+        if not (
+            x.rel_accuracy_bits() > ACCURATE_BITS
+            and y.rel_accuracy_bits() > ACCURATE_BITS
+            and vx.rel_accuracy_bits() > ACCURATE_BITS
+            and vy.rel_accuracy_bits() > ACCURATE_BITS
+            and t.rel_accuracy_bits() > ACCURATE_BITS
+        ):
+            body.f = None
+            return
+        fx, fy, fvx, fvy, ft = float(x), float(y), float(vx), float(vy), float(t)
+        px, py, sx, sy = abs(fx), abs(fy), abs(fvx), abs(fvy)
+        place = px if px > py else py
+        speed = sx if sx > sy else sy
+        if not (place < BIG and speed < BIG and ft < BIG) or (
+            0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY or 0.0 < ft < TINY
+        ):
+            body.f = None
+            return
+        self.largest = max(self.largest, place)
+        self.fastest = max(self.fastest, speed)
+        body.f = (fx, fy, fvx, fvy, ft)
+
+    def pairs(self, a: Body, others: Iterable[Body], reaches: Sequence[float]) -> Iterator[tuple[Body, float, float]]:
+        """Which of several bodies a hits, which has just moved, and when; all keep their velocities.
+
+        A body that a surely misses is left out; one that doubles cannot tell comes with nan for its times.
+
+        Args:
+            reaches: the sum of radii with a for each kind of body, to within 2u relatively.
+        """
+        fa = a.f
+        if fa is None:
+            for b in others:
+                yield b, nan, nan
+            return
+        ax, ay, avx, avy, at = fa
+        fastest = self.fastest
+        near = 4.0 * 64 * UNIT * (self.largest + fastest * at)
+        slack = 8 * UNIT * fastest
+        for b in others:
+            fb = b.f
+            if fb is None:
+                yield b, nan, nan
+                continue
+            bx, by, bvx, bvy, bt = fb
+            lag = at - bt
+            dx = bx + bvx * lag - ax
+            dy = by + bvy * lag - ay
+            vx = bvx - avx
+            vy = bvy - avy
+            wide = abs(vx) + abs(vy)
+            off = near * wide + 10.0 * slack * (abs(dx) + abs(dy))
+            approach = dx * vx + dy * vy
+            if approach > off:
+                continue
+            square = vx * vx + vy * vy
+            loose = 6.0 * slack * wide
+            if not (approach < -off and square > 100.0 * loose):
+                yield b, nan, nan
+                continue
+            cross = abs(dx * vy - dy * vx)
+            reach = reaches[b.kind]
+            if cross > off and (cross - off) * (cross - off) > (square + loose) * (reach * reach) * ROUND_UP:
+                continue
+            room = (square - loose) * (reach * reach) * ROUND_DOWN
+            if (cross + off) * (cross + off) > room or reach == 0.0:
+                yield b, nan, nan
+                continue
+            speed = sqrt(square)
+            doubt = loose / square + 8 * UNIT
+            passing = cross / speed
+            depth = sqrt(reach * reach - passing * passing)
+            ahead = -approach / speed
+            off /= speed
+            off_passing = off + passing * doubt
+            off_depth = (2.0 * passing * off_passing + off_passing * off_passing + 8 * UNIT * reach * reach) / depth
+            wait = (ahead - depth) / speed
+            off_wait = (off + off_depth + (ahead + depth) * (doubt + 4 * UNIT)) / speed + abs(wait) * doubt
+            time = at + wait
+            off_time = 2.0 * off_wait + 8 * UNIT * (at + abs(wait))
+            if not (wait > off_time) or not isfinite(time):
+                yield b, nan, nan
+            else:
+                yield b, time - off_time, time + off_time
+
+    def apart(self, a: Body, pocket: Body, r: float) -> bool:
+        """Whether a centre, at its clock, is surely not on the rim of a pocket of radius r.
+
+        The clock is off the instant by less than 2**-90 of the time (`SAFE_BITS` of the cascade), which E covers.
+        """
+        fa, fb = a.f, pocket.f
+        if fa is None or fb is None:
+            return False
+        dx, dy = fb[0] - fa[0], fb[1] - fa[1]
+        near = 64 * UNIT * (self.largest + self.fastest * fa[4])
+        off = 8.0 * near * (abs(dx) + abs(dy) + near) + 32 * UNIT * r * r
+        return abs(dx * dx + dy * dy - r * r) > off
+
+    def walls(self, a: Body, lines: Iterable[FloatLine]) -> Iterator[tuple[int, float, float]]:
+        """Which of several walls a circle hits, which has just moved, and when; as `pairs`."""
+        fa = a.f
+        for k, (x0, y0, nx, ny, offset, norm, size) in enumerate(lines):
+            if fa is None:
+                yield k, nan, nan
+                continue
+            x, y, vx, vy, t = fa
+            approach = nx * vx + ny * vy
+            off = 16 * UNIT * norm * self.fastest
+            if approach > off:
+                continue
+            gap = nx * (x - x0) + ny * (y - y0) - offset
+            off_gap = 32 * UNIT * (size + norm * self.largest)
+            if not (approach < -8.0 * off and gap > off_gap):
+                yield k, nan, nan
+                continue
+            wait = -gap / approach
+            off_wait = (off_gap + wait * off) / -approach + 8 * UNIT * wait
+            time = t + wait
+            off_time = 2.0 * off_wait + 8 * UNIT * (t + wait)
+            if not (wait > off_time) or not isfinite(time):
+                yield k, nan, nan
+            else:
+                yield k, time - off_time, time + off_time
+
+
+ROUND_UP = 1 + 64 * UNIT
+"""Covers the roundings of a comparison of squares: under ten units on each side."""
+
+ROUND_DOWN = 1 - 64 * UNIT
+"""As `ROUND_UP`, from the other side."""

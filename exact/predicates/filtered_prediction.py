@@ -1,0 +1,137 @@
+"""Predictions of the exact engine: in doubles where their error bound leaves no doubt, else in short balls."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable
+from math import isnan
+from typing import Any
+
+from flint import arb, ctx  # type: ignore[attr-defined]
+
+from ...scenarios.scene import Scene
+from ..live import LiveMachine
+from ..machine import Body, Link
+from ..numbers import ball
+from ..simulation.prediction import Predictor
+from ..simulation.queue import ArrivalQueue
+from .double_filter import DoubleFilter, FloatLine, float_line
+
+QUICK_BITS = 128
+"""Precision of predictions: two machine words, the most that flint keeps without a call for memory."""
+
+LATER = object()
+"""The time of an arrival whose doubles suffice so far: computed when they do not."""
+
+
+class FilteredPredictor(Predictor):
+    """Predictions in doubles, then in short balls.
+
+    Args:
+        scene: what runs.
+        live: its state.
+        queue: where arrivals go.
+        plan: counts what is predicted, what is skipped, and what doubles left open.
+        unsure: deals with a prediction that short balls leave open.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        live: LiveMachine,
+        queue: ArrivalQueue,
+        plan: Counter[str],
+        unsure: Callable[[Link], None],
+    ) -> None:
+        super().__init__(scene, live.balls, queue, plan, ball.double_bounds, unsure)
+        self.live = live
+        self.zero = ball.ZERO
+        self.root = arb.sqrt
+        self.filter = DoubleFilter()
+        self._reaches = self._quick_reaches()
+        self._lines: dict[tuple[int, int], tuple[arb, ...]] = {}
+        self._float_reaches = [[float(reach) for reach in row] for row in self._reaches]
+        self._float_lines: dict[int, list[FloatLine]] = {}
+
+    def prepare(self) -> None:
+        """Short precision."""
+        ctx.prec = QUICK_BITS
+
+    def _quick_reaches(self) -> list[list[arb]]:
+        """Sums of radii by kind of radius, and a pocket's own; each body's `kind` indexes them."""
+        radii: dict[Any, int] = {}
+        for body, circle in zip(self.live.bodies, self.scene.circles, strict=False):
+            body.kind = radii.setdefault(circle.r, len(radii))
+        kinds = len(radii)
+        with ball.precision(QUICK_BITS):
+            reaches = [[ball.constant(r + s) for s in radii] for r in radii]
+            for k, pocket in enumerate(self.scene.pockets):
+                self.live.bodies[-1 - k].kind = kinds + k
+                for row in reaches:
+                    row.append(ball.constant(pocket.r))
+        return reaches
+
+    def reach(self, a: Body, b: Body) -> arb:
+        """The sum of two radii, or a pocket's own, as a short ball."""
+        return self._reaches[a.kind][b.kind]
+
+    def line(self, body: Body, wall: int) -> tuple[arb, ...]:
+        """A wall in short balls."""
+        key = (body.index, wall)
+        found = self._lines.get(key)
+        if found is None:
+            with ball.precision(2 * QUICK_BITS):
+                exact = self.scene.walls[wall]
+                nx, ny = exact.normal
+                length = (nx * nx + ny * ny).sqrt()
+                if self.live.balls.sides.negative(body.index, wall):
+                    nx, ny = -nx, -ny
+                offset = self.scene.circles[body.index].r * length
+                numbers = [ball.constant(q) for q in (exact.x0, exact.y0, nx, ny, offset)]
+            with ball.precision(QUICK_BITS):
+                found = self._lines[key] = tuple(+number for number in numbers)
+        return found
+
+    def refresh(self, bodies: Iterable[Body]) -> None:
+        """Short copies of the states."""
+        live = self.live
+        live.sync_for(bodies)
+        ctx.prec = QUICK_BITS
+        clocks: dict[int, arb] = {}
+        for body in bodies:
+            t = clocks.setdefault(id(body.t), +body.t)
+            body.q = (+body.x, +body.y, +body.vx, +body.vy, t)
+            self.filter.admit(body)
+
+    def pairs(self, a: Body, others: list[Body], standing: Collection[Link]) -> None:
+        """See `Predictor.pairs`."""
+        i, queue = a.index, self.queue
+        for b, low, high in self.filter.pairs(a, others, self._float_reaches[a.kind]):
+            if isnan(low):
+                self.plan["unclear in doubles"] += 1
+                self.pair(a, b, standing)
+                continue
+            j = b.index
+            link = (j, i) if 0 <= j < i else (i, j)
+            if link not in standing:
+                queue.push(low, high, LATER, link)
+
+    def walls(self, a: Body, standing: Collection[Link]) -> None:
+        """See `Predictor.walls`."""
+        i, n, queue = a.index, self.n, self.queue
+        lines = self._float_lines.get(i) or self._as_seen_from(a)
+        for k, low, high in self.filter.walls(a, lines):
+            if isnan(low):
+                self.plan["unclear in doubles"] += 1
+                self.wall(a, k, standing)
+            elif (i, n + k) not in standing:
+                queue.push(low, high, LATER, (i, n + k))
+
+    def _as_seen_from(self, a: Body) -> list[FloatLine]:
+        lines = self._float_lines[a.index] = [float_line(*self.line(a, k)) for k in range(self.wall_count)]
+        return lines
+
+    def off_rim(self, link: Link) -> bool:
+        """Whether doubles tell a centre at its clock from every point of a pocket's rim."""
+        a, pocket = self.machine.bodies[link[0]], self.machine.bodies[link[1]]
+        return self.filter.apart(a, pocket, self._float_reaches[a.kind][pocket.kind])

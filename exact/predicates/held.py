@@ -1,0 +1,51 @@
+"""Circles that an isometry of their own past holds to a line or a point."""
+
+from __future__ import annotations
+
+from ...scenarios.scene import Scene
+from ..symmetry import Symmetry, symmetries
+from .isometry import Isometry, Projection
+from .log_symmetry import LogSymmetry
+
+
+class Held:
+    """Tells, of a circle, the projection on what the symmetries of its past leave in place.
+
+    The mirrors and rotations of the scene at time 0 are the candidates; that one maps a circle's past to itself is
+    proved on the log each time (`LogSymmetry`), so neither an order chosen nor a flaw elsewhere makes it wrong. The
+    circle's place and velocity then lie on the mirror line, or at the centre: in the image of the projection, which
+    is the mean of the linear parts, those of a group.
+    """
+
+    def __init__(self, scene: Scene, log: LogSymmetry) -> None:
+        self._log = log
+        self._own: dict[int, list[tuple[Symmetry, Isometry]]] = {}
+        self._means: dict[tuple[int, ...], Projection] = {}
+        for symmetry in symmetries(scene):
+            isometry = log.isometry_about(symmetry.matrix, symmetry.centre)
+            for i, image in enumerate(symmetry.circles):
+                if image == i and isometry is not None:
+                    self._own.setdefault(i, []).append((symmetry, isometry))
+
+    def __bool__(self) -> bool:
+        """Whether there is any circle that a symmetry of the scene leaves in place."""
+        return bool(self._own)
+
+    def __call__(self, i: int) -> Projection | None:
+        """The projection for a circle, or None if nothing is known to hold it."""
+        own = self._own.get(i)
+        if own is None:
+            return None
+        kept = [symmetry for symmetry, isometry in own if self._log.follows(isometry, i)]
+        if not kept:
+            return None
+        key = tuple(id(symmetry) for symmetry in kept)
+        if key not in self._means:
+            self._means[key] = _mean(kept)
+        return self._means[key]
+
+
+def _mean(kept: list[Symmetry]) -> Projection:
+    """The mean of linear parts and the identity, and the centre."""
+    totals = [sum((s.matrix[k] for s in kept[1:]), start=kept[0].matrix[k] + (k in (0, 3))) for k in range(4)]
+    return tuple(total / (len(kept) + 1) for total in totals), kept[0].centre

@@ -1,0 +1,163 @@
+"""Isometries of the plane that map some data of a scene to other data of it, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Any, TypeAlias
+
+from ...scenarios.scene import Scene
+from ..machine import Link
+from ..numbers.field import Field, FieldNumber, field_sign
+
+Vector: TypeAlias = tuple[FieldNumber, FieldNumber]
+Matrix: TypeAlias = tuple[FieldNumber, FieldNumber, FieldNumber, FieldNumber]
+
+
+class SceneData:
+    """The data of a scene in its field, and tables that find a thing by its data.
+
+    Raises:
+        LeavesField: if the scene's numbers are nested too deeply for a field.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        constant = Field().constant
+        self.n = len(scene.circles)
+        self.places: list[Vector] = [(constant(c.x), constant(c.y)) for c in scene.circles]
+        self.speeds: list[Vector] = [(constant(c.vx), constant(c.vy)) for c in scene.circles]
+        self.kinds = [(constant(c.r), constant(c.inverse_mass)) for c in scene.circles]
+        self.walls = [((constant(w.x0), constant(w.y0)), tuple(map(constant, w.normal))) for w in scene.walls]
+        self.pockets = [((constant(p.x), constant(p.y)), constant(p.r)) for p in scene.pockets]
+        self.circle_of = {(*self.places[i], *self.speeds[i], *self.kinds[i]): i for i in range(self.n)}
+        self.wall_of = {line_key(point, normal): k for k, (point, normal) in enumerate(self.walls)}
+        self.pocket_of = {(*place, r): k for k, (place, r) in enumerate(self.pockets)}
+
+    def foot(self, i: int, wall: int) -> Vector:
+        """The vector from a wall to a circle's centre, at right angles to the wall; never zero."""
+        (x0, y0), (nx, ny) = self.walls[wall]
+        x, y = self.places[i]
+        scale = (nx * (x - x0) + ny * (y - y0)) / (nx * nx + ny * ny)
+        return scale * nx, scale * ny
+
+
+@lru_cache(maxsize=8)
+def scene_data(scene: Scene) -> SceneData:
+    """The data of a scene, read once.
+
+    Raises:
+        LeavesField: as `SceneData`.
+    """
+    return SceneData(scene)
+
+
+def line_key(point: Vector, normal: Vector) -> tuple[FieldNumber, ...]:
+    """A line's normal form: n.p = c with the first component of n that is not zero made 1."""
+    nx, ny = normal
+    offset = nx * point[0] + ny * point[1]
+    if field_sign(nx) != 0:
+        return 1, ny / nx, offset / nx
+    return 0, 1, offset / ny
+
+
+class Isometry:
+    """(x, y) becomes (a x + b y + p, c x + d y + q), orthogonal linear part; knows what it maps to what.
+
+    Attributes:
+        matrix: the linear part (a, b, c, d).
+        shift: (p, q).
+        matched: for blocks of a past, by number: whether the block's own past is mapped to its image's.
+    """
+
+    def __init__(self, data: SceneData, matrix: Matrix, shift: Vector) -> None:
+        self._data = data
+        self.matrix = matrix
+        self.shift = shift
+        self.matched: dict[int, bool] = {}
+        self._circles: dict[int, int | None] = {}
+        self._walls: dict[int, int | None] = {}
+
+    @property
+    def key(self) -> tuple[FieldNumber, ...]:
+        """Equal for equal isometries of one scene."""
+        return (*self.matrix, *self.shift)
+
+    def turn(self, v: Vector) -> Vector:
+        """The image of a direction."""
+        a, b, c, d = self.matrix
+        return a * v[0] + b * v[1], c * v[0] + d * v[1]
+
+    def move(self, point: Vector) -> Vector:
+        """The image of a point."""
+        x, y = self.turn(point)
+        return x + self.shift[0], y + self.shift[1]
+
+    def circle(self, i: int) -> int | None:
+        """The circle whose data at time 0 are the image of circle i's; None if there is none."""
+        if i not in self._circles:
+            data = self._data
+            key = (*self.move(data.places[i]), *self.turn(data.speeds[i]), *data.kinds[i])
+            self._circles[i] = data.circle_of.get(key)
+        return self._circles[i]
+
+    def wall(self, k: int) -> int | None:
+        """The wall on the image of wall k's line."""
+        if k not in self._walls:
+            point, normal = self._data.walls[k]
+            self._walls[k] = self._data.wall_of.get(line_key(self.move(point), self.turn(normal)))
+        return self._walls[k]
+
+    def link(self, link: Link) -> Link | None:
+        """The image of a contact, or of an entry; None if there is none."""
+        i, j = link
+        n = self._data.n
+        a = self.circle(i)
+        if a is None:
+            return None
+        if j < 0:
+            place, r = self._data.pockets[-1 - j]
+            k = self._data.pocket_of.get((*self.move(place), r))
+            return None if k is None else (a, -1 - k)
+        b = self.circle(j) if j < n else self.wall(j - n)
+        if b is None:
+            return None
+        if j >= n:
+            return a, n + b
+        return (a, b) if a < b else (b, a)
+
+
+def from_vectors(sources: Sequence[Vector], images: Sequence[Vector]) -> Iterator[Matrix]:
+    """The orthogonal linear maps, two at most, that take each vector to its image; none where all are zero.
+
+    >>> from flint import fmpq
+    >>> one, zero = fmpq(1), fmpq(0)
+    >>> [tuple(map(int, m)) for m in from_vectors([(one, zero), (one, one)], [(zero, one), (one, one)])]
+    [(0, 1, 1, 0)]
+    """
+    for source, image in zip(sources, images, strict=True):
+        (ux, uy), (wx, wy) = source, image
+        square = ux * ux + uy * uy
+        if field_sign(square - (wx * wx + wy * wy)) != 0:
+            return
+        if field_sign(square) != 0:
+            break
+    else:
+        return
+    along, across = (ux * wx + uy * wy) / square, (ux * wy - uy * wx) / square
+    mirrored, skew = (ux * wx - uy * wy) / square, (ux * wy + uy * wx) / square
+    for matrix in ((along, -across, across, along), (mirrored, skew, skew, -mirrored)):
+        if all(_maps(matrix, u, w) for u, w in zip(sources, images, strict=True)):
+            yield matrix
+
+
+def _maps(m: Matrix, source: Vector, image: Vector) -> bool:
+    x, y = m[0] * source[0] + m[1] * source[1], m[2] * source[0] + m[3] * source[1]
+    return bool(x == image[0]) and bool(y == image[1])
+
+
+def minus(a: Vector, b: Vector) -> Vector:
+    """a - b."""
+    return a[0] - b[0], a[1] - b[1]
+
+
+Projection: TypeAlias = tuple[Any, Vector]

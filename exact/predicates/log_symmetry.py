@@ -1,0 +1,224 @@
+"""Proofs that a number of a run is zero, from the form of its past: isometries of logged histories.
+
+A number of a run is a program, its logged causal past, on data, the circles and walls at time 0. If an isometry g
+of the plane maps the one past to the other, data and blocks, it maps the flights that come of it to each other. The
+argument, by induction over the blocks of the log (`Past`):
+
+1. Data: g maps place, velocity, radius and mass of each circle in the past to those of its image, and each wall
+   and fixed circle to its image. So it maps the first flights.
+2. A block's time follows from the flights before it: each of its contacts approaches at the block's instant, at
+   gap zero. The gap of two straight flights is a convex quadratic in time (of a wall, linear), and has one zero at
+   which it falls. So the times of a block and of its image are equal, whatever the log says of clocks.
+3. The velocities after a block follow from the flights at its time and from `among`, by laws that know no direction.
+   Circles that share no movable circle do not couple, so a block is one connected part of a round; a fixed circle
+   has data and no past, and a stranger that hits it changes nothing.
+4. A reversal's instant is one number, shared by both pasts.
+
+So if g maps the circles and walls of one meeting to those of another, and their pasts, the two fall on one instant:
+at any depth, under any tie policy, whatever the rest of the scene is like. A past that is mapped to itself makes
+zero what g negates: the velocity along a wall's normal, if g is the mirror parallel to the wall through the
+circle's centre; the relative velocity of two circles, if g is the shift from one to the other.
+
+Each isometry remembers which blocks it maps, and the log only grows, so each block is compared once per isometry.
+"""
+
+from __future__ import annotations
+
+from flint import fmpq  # type: ignore[attr-defined]
+
+from ...scenarios.scene import Scene
+from ..machine import Link
+from ..numbers.field import LeavesField, field_sign
+from ..questions import Approach, Closing, Question, RelativeSpeed, Sooner
+from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data
+from .past import TAKE, Block, Past
+
+IDENTITY: Matrix = (fmpq(1), fmpq(0), fmpq(0), fmpq(1))
+
+MOST_ISOMETRIES = 256
+"""Isometries remembered for one scene. A scene of n circles that is symmetric has 2 n at most; pasts of single
+circles among strangers may have more, of which those found first are kept."""
+
+
+class LogSymmetry:
+    """Answers whether the form of the past proves a number zero.
+
+    Args:
+        scene: the scene that runs.
+        past: its blocks, as they are logged.
+    """
+
+    def __init__(self, scene: Scene, past: Past) -> None:
+        self.past = past
+        self._scene = scene
+        self._data: SceneData | None = None
+        self._usable = True
+        self._known: dict[tuple[object, ...], Isometry] = {}
+        self._candidates: dict[tuple[Link, Link], list[Isometry]] = {}
+
+    def proves_zero(self, question: Question) -> bool:
+        """Whether the number asked about is zero because of the form of its past; False says nothing."""
+        if not self._ready():
+            return False
+        if isinstance(question, Sooner):
+            return question.first.graze == question.second.graze and self._together(
+                question.first.link, question.second.link
+            )
+        if isinstance(question, Approach | Closing):
+            i, j = question.link
+            return self._along(i, j - self.past.n) if j >= self.past.n else j >= 0 and self._abreast(i, j)
+        if isinstance(question, RelativeSpeed):
+            return self._abreast(*question.link)
+        return False
+
+    def follows(self, g: Isometry, i: int) -> bool:
+        """Whether g maps all that circle i depends on to all that its image depends on."""
+        k = g.circle(i)
+        if k is None:
+            return False
+        if not self.past.movable[i]:
+            return True
+        mine, theirs = self.past.rows[i], self.past.rows[k]
+        if len(mine) != len(theirs):
+            return False
+        return not mine or self._matches(g, mine[-1], theirs[-1])
+
+    def _ready(self) -> bool:
+        """Whether the scene's data are to be had in its field; they are read when first needed."""
+        if self._data is None and self._usable:
+            try:
+                self._data = scene_data(self._scene)
+            except LeavesField:
+                self._usable = False
+        return self._usable
+
+    def isometry_about(self, matrix: Matrix, centre: Vector) -> Isometry | None:
+        """The isometry of a linear part that leaves a centre in place; None for a scene without a field."""
+        if not self._ready():
+            return None
+        a, b, c, d = matrix
+        x, y = centre
+        return self.isometry(matrix, minus(centre, (a * x + b * y, c * x + d * y)))
+
+    def isometry(self, matrix: Matrix, shift: Vector) -> Isometry:
+        """The isometry, with what is known of it if it has been met."""
+        assert self._data is not None
+        made = Isometry(self._data, matrix, shift)
+        if len(self._known) >= MOST_ISOMETRIES:
+            return self._known.get(made.key, made)
+        return self._known.setdefault(made.key, made)
+
+    # -- the questions
+
+    def _together(self, first: Link, second: Link) -> bool:
+        """Whether some isometry maps one meeting and its past to the other."""
+        known = list(self._known.values())
+        if any(g.link(first) == second and self._all_follow(g, first) for g in known):
+            return True
+        if (first, second) not in self._candidates:
+            self._candidates[first, second] = self._between(first, second)
+        return any(g.link(first) == second and self._all_follow(g, first) for g in self._candidates[first, second])
+
+    def _all_follow(self, g: Isometry, link: Link) -> bool:
+        return all(self.follows(g, i) for i in link if 0 <= i < self.past.n)
+
+    def _along(self, i: int, wall: int) -> bool:
+        """Whether circle i flies parallel to a wall: the mirror through its centre, parallel to it, keeps its past."""
+        assert self._data is not None
+        _, (nx, ny) = self._data.walls[wall]
+        square = nx * nx + ny * ny
+        across = 2 * nx * ny / square
+        matrix = (1 - 2 * nx * nx / square, -across, -across, 1 - 2 * ny * ny / square)
+        return self._fixes(matrix, i, i)
+
+    def _abreast(self, i: int, j: int) -> bool:
+        """Whether two circles have one velocity: the shift from one to the other maps the past of the one."""
+        return self._fixes(IDENTITY, i, j)
+
+    def _fixes(self, matrix: Matrix, i: int, j: int) -> bool:
+        """Whether the isometry of this linear part that takes centre i to centre j maps past i to past j."""
+        assert self._data is not None
+        a, b, c, d = matrix
+        x, y = self._data.places[i]
+        shift = minus(self._data.places[j], (a * x + b * y, c * x + d * y))
+        g = self.isometry(matrix, shift)
+        return g.circle(i) == j and self.follows(g, i)
+
+    # -- isometries between two meetings
+
+    def _between(self, first: Link, second: Link) -> list[Isometry]:
+        """The few isometries that map the data of one meeting to those of another."""
+        n = self.past.n
+        (i, j), (k, m) = first, second
+        if (j < 0) != (m < 0) or (j >= n) != (m >= n):
+            return []
+        found = self._mapping(i, j, k, m)
+        if 0 <= j < n:
+            found += self._mapping(i, j, m, k)
+        return found
+
+    def _mapping(self, i: int, j: int, k: int, m: int) -> list[Isometry]:
+        """Those that take circle i to k, and circle, wall or pocket j to m."""
+        data, n = self._data, self.past.n
+        assert data is not None
+        if data.kinds[i] != data.kinds[k]:
+            return []
+        sources, images = [data.speeds[i]], [data.speeds[k]]
+        if j >= n:
+            sources.append(data.foot(i, j - n))
+            images.append(data.foot(k, m - n))
+        elif j >= 0:
+            if data.kinds[j] != data.kinds[m]:
+                return []
+            sources += [minus(data.places[j], data.places[i]), data.speeds[j]]
+            images += [minus(data.places[m], data.places[k]), data.speeds[m]]
+        else:
+            (place, r), (other, s) = data.pockets[-1 - j], data.pockets[-1 - m]
+            if field_sign(r - s) != 0:
+                return []
+            sources.append(minus(place, data.places[i]))
+            images.append(minus(other, data.places[k]))
+        found = []
+        for matrix in from_vectors(sources, images):
+            a, b, c, d = matrix
+            x, y = data.places[i]
+            found.append(self.isometry(matrix, minus(data.places[k], (a * x + b * y, c * x + d * y))))
+        return found
+
+    # -- blocks
+
+    def _matches(self, g: Isometry, block: Block, image: Block) -> bool:
+        """Whether g maps a block and all that it depends on to another and all that that depends on."""
+        known = g.matched
+        stack = [(block, image)]
+        while stack:
+            a, b = stack[-1]
+            if a.number in known:
+                stack.pop()
+                continue
+            before = self._before(g, a, b)
+            if before is None or any(known.get(p.number) is False for p, _ in before):
+                known[a.number] = False
+                continue
+            unknown = [pair for pair in before if pair[0].number not in known]
+            if unknown:
+                stack += unknown
+            else:
+                known[a.number] = True
+        return known[block.number]
+
+    def _before(self, g: Isometry, a: Block, b: Block) -> list[tuple[Block, Block]] | None:
+        """The blocks just before two blocks, in pairs; None if g does not map the one block to the other."""
+        if a.kind != b.kind or a.kind == TAKE or len(a.places) != len(b.places):
+            return None
+        if {g.link(link) for link in a.among} != b.among:
+            return None
+        rows = self.past.rows
+        found = []
+        for i, place in a.places.items():
+            k = g.circle(i)
+            if k is None or b.places.get(k) != place:
+                return None
+            if place:
+                found.append((rows[i][place - 1], rows[k][place - 1]))
+        return found

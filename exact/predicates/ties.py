@@ -1,0 +1,58 @@
+"""What is taken for a zero: proof alone, or the user's own word where proof fails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...scenarios.errors import SceneError
+
+MAX_ASSUMED = 1_000_000
+"""Most bits that agreement may be asked to."""
+
+
+@dataclass(frozen=True)
+class TieRule:
+    """What is taken for a zero once every proof has failed.
+
+    Attributes:
+        bits: agreement to so many bits; None: nothing.
+    """
+
+    bits: int | None = None
+
+    @property
+    def assumes(self) -> bool:
+        """Whether anything but proof is taken."""
+        return self.bits is not None
+
+    @property
+    def least(self) -> int:
+        """The bits of agreement that count; one more than any number has where nothing does."""
+        return MAX_ASSUMED + 1 if self.bits is None else self.bits
+
+    @staticmethod
+    def parse(text: str) -> TieRule:
+        """The rule of a setting `proved` or `assume:BITS`.
+
+        Raises:
+            SceneError: for any other text.
+
+        >>> TieRule.parse("assume:512")
+        TieRule(bits=512)
+        >>> TieRule.parse("probable")
+        Traceback (most recent call last):
+          ...
+        truebreak.scenarios.errors.SceneError: ties = 'probable' is no longer known: evidence modulo random primes \
+proved nothing that more bits do not; choose proved, or assume:BITS (such as assume:512) for your own word
+        """
+        if text == "proved":
+            return TieRule()
+        head, _, bits = text.partition("assume:")
+        if head == "" and bits.isascii() and bits.isdigit() and 0 < int(bits[:7]) <= MAX_ASSUMED:
+            return TieRule(int(bits))
+        if text == "probable":
+            raise SceneError(
+                "ties = 'probable' is no longer known: evidence modulo random primes proved nothing that more bits "
+                "do not; choose proved, or assume:BITS (such as assume:512) for your own word"
+            )
+        raise SceneError(f"ties = {text!r} is not known; choose proved or assume:BITS (such as assume:512)")

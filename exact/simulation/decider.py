@@ -1,0 +1,129 @@
+"""The contract between the event loop and a number system: how it keeps bodies, and what it can decide."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Hashable, Iterable, Sequence
+from typing import Any, Protocol
+
+from ...scenarios.quantity import Quantity
+from ...scenarios.trajectory import Tie
+from ..machine import Body, Link, Number, Step
+from ..questions import Question
+from .history import History
+from .queue import Arrival, ArrivalQueue
+
+
+class Decider(Protocol):
+    """Keeps the state of one scene in some numbers, and decides what the loop asks.
+
+    Attributes:
+        history: what the run has gathered; its log is the decider's.
+        bodies: the circles.
+        queue: where predictions go.
+    """
+
+    history: History
+    bodies: list[Body]
+    queue: ArrivalQueue
+
+    def begin(self, instant: int) -> None:
+        """Called before the steps of an instant, with its number; raises precision where that has run low."""
+        ...
+
+    def do(self, step: Step) -> None:
+        """Carries out a step and logs it."""
+        ...
+
+    def gathered(self, links: Iterable[Link]) -> None:
+        """Told which contacts stand at gap zero once an instant's impulses are done."""
+        ...
+
+    def ask(self, question: Question) -> int:
+        """The sign of a question.
+
+        Raises:
+            Undecided: if it is not to be had.
+        """
+        ...
+
+    def ask_cheaply(self, question: Question) -> int | None:
+        """The sign of a question if it is to be had at once, else None."""
+        ...
+
+    def tie(self, links: tuple[Link, ...]) -> Tie:
+        """The tie that the last question found, and how it is known."""
+        ...
+
+    def settled(self, arrival: Arrival) -> Arrival | None:
+        """An arrival that may not come, made one that does; None if it does not come.
+
+        Raises:
+            Undecided: if that is not to be had.
+        """
+        ...
+
+    def timed(self, arrival: Arrival) -> Arrival:
+        """The arrival with its time computed."""
+        ...
+
+    def certainly_before(self, first: Arrival, second: Arrival) -> bool:
+        """Whether the one comes before the other, as far as their times at hand tell."""
+        ...
+
+    def order(self, first: Arrival, second: Arrival) -> int:
+        """Whether the one comes before (negative), with (zero) or after (positive) the other.
+
+        Raises:
+            Undecided: if that is not to be had.
+        """
+        ...
+
+    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
+        """Queues the next meetings of circles whose flights are new.
+
+        Args:
+            moved: those circles.
+            standing: contacts and rims at gap zero that do not approach: nothing to predict until a flight changes.
+            gone: circles out of play.
+        """
+        ...
+
+    def refresh(self, bodies: Iterable[Body]) -> None:
+        """Makes the numbers that predictions use current for circles whose flights are new."""
+        ...
+
+    def off_rim(self, link: Link) -> bool:
+        """Whether a centre is plainly not on the rim of a pocket; False says nothing."""
+        ...
+
+    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
+        """Doubles that enclose a set time (None: the return)."""
+        ...
+
+    def rough(self, time: Number) -> float:
+        """About what double a time is."""
+        ...
+
+    def now(self, body: Body) -> Number:
+        """The instant at which a body's clock stands, as the history keeps times."""
+        ...
+
+    def entry_time(self, link: Link) -> Number:
+        """The time of an entry, as the history keeps times."""
+        ...
+
+    def reversal_time(self) -> Number:
+        """The time of the reversal, as the history keeps times."""
+        ...
+
+    def knot(self, body: Body) -> tuple[Any, ...]:
+        """(t, x, y, vx, vy) of a body, as the history keeps them."""
+        ...
+
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """A key of the bodies' exact states, equal only for equal states; None where none is at hand."""
+        ...
+
+    def note(self) -> str:
+        """What progress says beside the counts."""
+        ...
