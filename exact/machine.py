@@ -408,18 +408,21 @@ class Machine:
         With J the arms of the contacts and W the inverse masses: G = J W J^T (symmetric, positive semidefinite)
         and u = J v, both in the scale of the arms. Impulses s change u by G s.
         """
-        arms = [{index: (jx, jy) for index, jx, jy in self.arms(link)} for link in links]
-        matrix = []
-        for mine in arms:
-            row = []
-            for other in arms:
-                entry = self.zero
-                for index, (jx, jy) in mine.items():
-                    if index in other and not self.scene.circles[index].fixed:
-                        kx, ky = other[index]
-                        entry = entry + self.bodies[index].w * (jx * kx + jy * ky)
-                row.append(entry)
-            matrix.append(row)
+        arms = [self.arms(link) for link in links]
+        bodies, circles, zero = self.bodies, self.scene.circles, self.zero
+        pushed = [
+            {i: (bodies[i].w * jx, bodies[i].w * jy) for i, jx, jy in mine if not circles[i].fixed} for mine in arms
+        ]
+        size = range(len(arms))
+        matrix: list[list[Number]] = [[zero] * len(arms) for _ in size]
+        for row in size:
+            for column in range(row + 1):
+                entry = zero
+                for i, jx, jy in arms[row]:
+                    if i in pushed[column]:
+                        kx, ky = pushed[column][i]
+                        entry = entry + (jx * kx + jy * ky)
+                matrix[row][column] = matrix[column][row] = entry
         return matrix, [self.closing(link) for link in links]
 
     def take(self, index: int) -> None:

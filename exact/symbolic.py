@@ -25,7 +25,7 @@ from typing import Any
 from sympy import Expr, Integer
 
 from ..scenarios.engine import horizon
-from ..scenarios.errors import SceneError
+from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Circle, Scene
 from ..scenarios.trajectory import (
@@ -103,6 +103,7 @@ class _Run:
     hits: dict[Pair, Any] = field(default_factory=dict)
     came: dict[Pair, tuple[Disc, ...]] = field(default_factory=dict)
     plan: dict[str, int] = field(default_factory=lambda: {"predictions": 0, "moves": 0})
+    whole: tuple[int, int, Reversal | None, Any] = (0, 1, None, ZERO)
 
     def __post_init__(self) -> None:
         self.discs = tuple(map(_disc, self.scene.circles))
@@ -121,14 +122,7 @@ class _Run:
 
     def trajectory(self) -> Trajectory:
         """Runs to the end."""
-        try:
-            stop = self._run()
-        except SymbolicUndecided as error:
-            stop = self._stop(StopReason.UNDECIDED, str(error))
-        except UnendingCollision as error:
-            stop = self._stop(StopReason.BUDGET, str(error))
-        except KeyboardInterrupt:
-            stop = self._stop(StopReason.INTERRUPTED, f"after {len(self.events)} instants")
+        stop = self._played()
         return Trajectory(
             scene=self.scene,
             engine="sympy",
@@ -140,6 +134,26 @@ class _Run:
             reversal=self.reversal,
             plan=self.plan,
         )
+
+    def _played(self) -> Stop:
+        """Runs, and says why it ended."""
+        try:
+            return self._run()
+        except SymbolicUndecided as error:
+            return self._stop(StopReason.UNDECIDED, str(error))
+        except UnendingCollision as error:
+            return self._stop(StopReason.BUDGET, str(error))
+        except TimeIsUp as error:
+            self._drop_unfinished()
+            return self._stop(StopReason.BUDGET, str(error))
+        except KeyboardInterrupt:
+            self._drop_unfinished()
+            return self._stop(StopReason.INTERRUPTED, f"after {len(self.events)} events")
+
+    def _drop_unfinished(self) -> None:
+        """Goes back to the last instant that was done when the next was looked for."""
+        events, legs, self.reversal, self.now = self.whole
+        del self.events[events:], self.legs[legs:], self.starts[legs:]
 
     def _run(self) -> Stop:
         while True:
@@ -172,6 +186,7 @@ class _Run:
 
     def _advance(self, touching: set[Pair]) -> Stop | None:
         """Moves every circle to the next moment at which something may happen; a Stop if there is none."""
+        self.whole = (len(self.events), len(self.legs), self.reversal, self.now)
         moments = [hit for pair in self.pairs if (hit := self._hit(pair, pair in touching)) is not None]
         if self._reversal_due():
             moments.append(self._reverse_at)

@@ -73,7 +73,7 @@ class DoubleEngine:
             self.name,
             {},
             PlainDecider(scene, Machine(scene, float, root), sign, bounds),
-            DoubleMotion,
+            lambda knots, end: DoubleMotion(knots, float(end)),
             float,
             until=until,
             events=events,

@@ -112,22 +112,42 @@ def enclosure(q: Quantity) -> Any:
 
 
 class IntervalMotion:
-    """Straight flight between knots, in intervals."""
+    """Straight flight between knots, in intervals.
 
-    def __init__(self, knots: Sequence[Sequence[tuple[Any, ...]]], bits: int) -> None:
+    Args:
+        knots: for each circle (t, x, y, vx, vy), in intervals, ascending.
+        bits: the precision.
+        end: the last time that may be asked for.
+    """
+
+    def __init__(self, knots: Sequence[Sequence[tuple[Any, ...]]], bits: int, end: Any) -> None:
         self.knots = knots
         self.bits = bits
+        self.end = end
         self._rough = [[float(IntervalNumber(knot[0])) for knot in row] for row in knots]
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
-        """(x, y, vx, vy) of every circle, as `IntervalNumber`s."""
+        """(x, y, vx, vy) of every circle, as `IntervalNumber`s; at a time of this run, as its event leaves it.
+
+        Another time that may fall on either side of an event gets what encloses both.
+
+        Raises:
+            ValueError: for a time that is certainly before 0 or after the end.
+        """
         saved, mpmath.iv.prec = mpmath.iv.prec, self.bits
         try:
+            at, end = _interval(time), _interval(self.end)
+            if (at < 0) is True or (at > end) is True:
+                raise ValueError(f"time {float(time):.17g} is outside of the run: it lasts from 0 to {self.end}")
             rows = []
             for knots, rough in zip(self.knots, self._rough, strict=True):
-                t, x, y, vx, vy = knots[max(bisect_right(rough, float(time)) - 1, 0)]
-                lag = _interval(time) - t
-                rows.append(tuple(map(IntervalNumber, (x + vx * lag, y + vy * lag, vx, vy))))
+                if isinstance(time, IntervalNumber):
+                    places = [max(bisect_right(rough, float(time)) - 1, 0)]
+                else:
+                    held = [k for k, knot in enumerate(knots) if (knot[0] > at) is not True]
+                    sure = max((k for k in held if (knots[k][0] <= at) is True), default=0)
+                    places = [k for k in held if k >= sure] or [0]
+                rows.append(tuple(map(IntervalNumber, _hull([_flown(knots[k], at) for k in places]))))
             return rows
         finally:
             mpmath.iv.prec = saved
@@ -135,6 +155,20 @@ class IntervalMotion:
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the middles."""
         return np.array([[[float(value) for value in row] for row in self.state(t)] for t in times])
+
+
+def _flown(knot: tuple[Any, ...], time: Any) -> tuple[Any, ...]:
+    t, x, y, vx, vy = knot
+    return x + vx * (time - t), y + vy * (time - t), vx, vy
+
+
+def _hull(states: list[tuple[Any, ...]]) -> list[Any]:
+    """For each number, an interval that holds all of its values."""
+    iv: Any = mpmath.iv
+    return [
+        values[0] if len(values) == 1 else iv.mpf([min(v.a for v in values), max(v.b for v in values)])
+        for values in zip(*states, strict=True)
+    ]
 
 
 def _interval(time: Any) -> Any:
@@ -189,7 +223,7 @@ class IntervalEngine:
                 self.name,
                 {"bits": self.bits},
                 PlainDecider(scene, Machine(scene, enclosure, root), sign, bounds),
-                lambda knots: IntervalMotion(knots, self.bits),
+                lambda knots, end: IntervalMotion(knots, self.bits, end),
                 IntervalNumber,
                 until=until,
                 events=events,

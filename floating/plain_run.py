@@ -19,7 +19,7 @@ def run_plain(
     engine: str,
     parameters: Mapping[str, Any],
     decider: PlainDecider,
-    motion: Callable[[list[list[tuple[Any, ...]]]], Motion],
+    motion: Callable[[list[list[tuple[Any, ...]]], Any], Motion],
     shown: Callable[[Any], Any],
     *,
     until: QuantityLike | None,
@@ -30,8 +30,10 @@ def run_plain(
     """The trajectory of a scene in the numbers of a decider.
 
     Args:
-        engine, parameters: as the trajectory names them.
-        motion: makes the motion from knots (t, x, y, vx, vy).
+        engine: its name.
+        parameters: its settings.
+        decider: keeps the state and decides.
+        motion: makes the motion from knots (t, x, y, vx, vy) and the last time that may be asked for.
         shown: makes a time of the trajectory from a number.
     """
     limits = run_limits(scene, until, events)
@@ -66,7 +68,7 @@ def run_plain(
         ),
         stop=stop,
         final_time=end,
-        motion=motion([[knot[:5] for knot in row] for row in history.knots]),
+        motion=motion([[knot[:5] for knot in row] for row in history.knots], end),
         reversal=reversal,
         pocketings=tuple(
             Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), shown(e.mark.time)) for e in history.entries

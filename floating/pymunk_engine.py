@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import math
+import signal
+import threading
 import time as clock
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -12,7 +15,7 @@ import numpy as np
 import pymunk
 
 from ..scenarios.engine import horizon
-from ..scenarios.errors import SceneError
+from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import (
@@ -148,6 +151,39 @@ class PymunkEngine:
         return _Run(self, scene, until, events, progress).trajectory()
 
 
+class _Interrupts:
+    """Ctrl-C, kept until a run looks for it.
+
+    A KeyboardInterrupt that is raised while pymunk reports a contact never gets out of the C code that asked for the
+    report; one that is raised between a step and its record leaves the two apart.
+
+    Attributes:
+        came: whether it was pressed.
+    """
+
+    def __init__(self) -> None:
+        self.came = False
+
+    def note(self, number: int, frame: Any) -> None:
+        """Keeps the first; whoever presses it again does not want to wait."""
+        if self.came:
+            raise KeyboardInterrupt
+        self.came = True
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keeps it in the body, where it is Python's own to handle."""
+        mine = threading.current_thread() is threading.main_thread()
+        if not mine or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+            yield
+            return
+        signal.signal(signal.SIGINT, self.note)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 class _Run:
     """One run under way."""
 
@@ -174,6 +210,8 @@ class _Run:
         self.steps = self.last_event_step = 0
         self.base, self.base_step = 0.0, 0
         self.told = clock.monotonic()
+        self.interrupts = _Interrupts()
+        self.budget = ""
 
     @property
     def now(self) -> float:
@@ -186,7 +224,8 @@ class _Run:
         return len(self.record.events)
 
     def trajectory(self) -> Trajectory:
-        stop, final = self.play()
+        with self.interrupts.kept():
+            stop, final = self.play()
         self.glide(final)
         self.record.tie_knots(final)
         return Trajectory(
@@ -226,8 +265,10 @@ class _Run:
                 return self.horizon_stop(), self.end
             elif reason is StopReason.QUIET:
                 return Stop(reason, reason.value), self.now
+            elif reason is StopReason.INTERRUPTED:
+                return Stop(reason, f"{reason.value}: after {self.done} events"), self.now
             elif reason is StopReason.BUDGET:
-                limit = f"{self.engine.max_steps} steps of {self.engine.dt!r}; raise max_steps, or dt"
+                limit = self.budget or f"{self.engine.max_steps} steps of {self.engine.dt!r}; raise max_steps, or dt"
                 return Stop(reason, f"{reason.value}: {limit}"), self.now
 
     def horizon_stop(self) -> Stop:
@@ -236,7 +277,7 @@ class _Run:
         return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {self.end!r}")
 
     def advance(self, goal: float, count: int | None) -> StopReason:
-        """Steps on to the last step by `goal` (HORIZON), `count` events, quiet, or the budget's end."""
+        """Steps on to the last step by `goal` (HORIZON), `count` events, quiet, the budget's end, or Ctrl-C."""
         step, dt, base, base_step = self.world.space.step, self.engine.dt, self.base, self.base_step
         record, touched, settling = self.record, self.record.touched, self.record.settling
         wanted = self.last_step(goal)
@@ -251,7 +292,9 @@ class _Run:
                         return StopReason.EVENTS
             self.steps = stretch_end
             record.raise_failure()
-            self.tell()
+            ended = self.tell()
+            if ended is not None:
+                return ended
             if self.may_be_quiet() and self.quiet():
                 return StopReason.QUIET
         return StopReason.HORIZON if self.steps == wanted else StopReason.BUDGET
@@ -282,10 +325,18 @@ class _Run:
         self.reversal = Reversal(self.done, time)
         self.last_event_step = self.steps
 
-    def tell(self) -> None:
-        if self.progress is not None and clock.monotonic() - self.told >= PROGRESS_SECONDS:
-            self.told = clock.monotonic()
-            self.progress(Progress(self.done, self.now))
+    def tell(self) -> StopReason | None:
+        """Tells how far the run is; why it has to end here, if it has."""
+        try:
+            if self.progress is not None and clock.monotonic() - self.told >= PROGRESS_SECONDS:
+                self.told = clock.monotonic()
+                self.progress(Progress(self.done, self.now))
+        except TimeIsUp as outcome:
+            self.budget = str(outcome)
+            return StopReason.BUDGET
+        except KeyboardInterrupt:
+            return StopReason.INTERRUPTED
+        return StopReason.INTERRUPTED if self.interrupts.came else None
 
     def may_be_quiet(self) -> bool:
         """Whether to look: after 1, 2, 4... stretches without an event, unless a reversal is due by time."""
@@ -347,6 +398,7 @@ def bench_overhead(
             step(dt)
         bare.append(clock.perf_counter() - begin)
         begin = clock.perf_counter()
-        engine.run(scene, until=duration)
+        if engine.run(scene, until=duration).stop.reason is StopReason.INTERRUPTED:
+            raise KeyboardInterrupt
         recorded.append(clock.perf_counter() - begin)
     return min(bare), min(recorded)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 from .errors import SceneError
@@ -271,7 +272,7 @@ class Scene:
 
         check_apart(self)
 
-    @property
+    @cached_property
     def ids(self) -> tuple[str, ...]:
         """Ids of the circles, then of the walls: the scene order."""
         return tuple(str(thing.id) for thing in (*self.circles, *self.walls))

@@ -51,7 +51,8 @@ class Retrace:
         """Notes new blocks of the log."""
         for block in blocks:
             if block.kind == FLIP:
-                self.levels = self.levels or [max(len(row) - 1, 0) for row in self.past.rows]
+                self.levels = self.levels or [0] * self.past.n
+                self.levels = [block.places.get(i, level) for i, level in enumerate(self.levels)]
             elif self.levels:
                 self._undo(block)
 

@@ -1,0 +1,92 @@
+"""One case, every check: the referee for all, a map, a cut or the interval engine for some, by the seed."""
+
+from __future__ import annotations
+
+import time as clock
+from dataclasses import dataclass
+from random import Random
+from typing import Any
+
+from fuzz.check import GAVE_UP, Difference, compare
+from fuzz.draft import Case
+from fuzz.generators import case_of
+from fuzz.maps import MAPS, check_cut, check_interval, check_map
+from fuzz.referee import referee
+from fuzz.table import Doubt, TooLong
+from truebreak.exact import ExactEngine
+from truebreak.floating import IntervalEngine
+
+MODES = ("map", "plain", "cut", "plain", "map", "interval", "plain", "plain")
+"""Which further check a seed gets."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What came of one case.
+
+    Attributes:
+        outcome: "ok", "undecided" or "budget" (right as far as it goes), "failure", "interval" (only the interval
+            engine is wrong), "skipped" (the referee has nothing to say), or "hang".
+        endless: whether the impulses of an instant have no end.
+    """
+
+    kind: str
+    seed: int
+    outcome: str
+    events: int
+    seconds: float
+    message: str = ""
+    extra: str = ""
+    endless: bool = False
+
+
+LITTLE_WORK = 200_000
+"""Work allowed where the referee knows that the impulses of an instant have no end: enough for all before it."""
+
+
+def examine(kind: str, seed: int, modes: bool = True) -> Verdict:
+    """Runs one case through the exact engine and holds it against all that is known of it."""
+    start = clock.perf_counter()
+
+    def verdict(outcome: str, events: int, message: str = "", extra: str = "", endless: bool = False) -> Verdict:
+        return Verdict(kind, seed, outcome, events, round(clock.perf_counter() - start, 4), message, extra, endless)
+
+    try:
+        case = case_of(kind, seed)
+        told = referee(case.scene, case.until, case.events)
+    except (Doubt, TooLong) as error:
+        return verdict("skipped", 0, repr(error))
+    extra, endless = "", told.stop == "ENDLESS"
+    engine = ExactEngine(work=LITTLE_WORK) if endless else ExactEngine()
+    try:
+        run = engine.run(case.scene, until=case.until, events=case.events)
+        compare(run, told)
+        if modes:
+            extra = further(kind, seed, run, case, engine)
+    except Difference as difference:
+        wrong = "interval" if str(difference).startswith("interval") else "failure"
+        return verdict(wrong, len(told.events), str(difference), extra, endless)
+    except Exception as error:
+        return verdict("failure", len(told.events), f"{type(error).__name__}: {error}", extra, endless)
+    stop = run.stop.reason.name
+    if stop in GAVE_UP:
+        return verdict(stop.lower(), len(told.events), run.stop.message, extra, endless)
+    return verdict("ok", len(told.events), "", extra, endless)
+
+
+def further(kind: str, seed: int, run: Any, case: Case, engine: Any) -> str:
+    """The check that a seed adds; its name, or nothing where it did not apply.
+
+    Raises:
+        Difference: where it fails.
+    """
+    draw, mode = Random(f"{kind}:{seed}:further"), MODES[seed % len(MODES)]
+    if mode == "map":
+        by = draw.choice([m for m in MAPS if m.fits(case.scene)])
+        return "map" if check_map(run, case, by, engine) else ""
+    if mode == "cut":
+        return "cut" if check_cut(run, case, draw, engine) else ""
+    if mode == "interval" and run.stop.reason.name not in GAVE_UP:
+        check_interval(run, case, IntervalEngine(bits=draw.choice([53, 120, 300])))
+        return "interval"
+    return ""
