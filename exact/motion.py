@@ -123,8 +123,10 @@ class ExactMotion:
         return (left - right).sign() > 0
 
     def _time_value(self, i: int, k: int) -> ExactValue:
+        """The instant of a knot. In balls the knot's own number is only a clock beside it, so nothing is at hand."""
         t, *_, upto, instant = self.knots[i][k]
-        return ExactValue(self.program, upto, (i,), lambda m: m.bodies[i].instant, t, instant=instant)
+        near = arb.nan() if isinstance(t, arb) else t
+        return ExactValue(self.program, upto, (i,), lambda m: m.bodies[i].instant, near, instant=instant)
 
     def _of_circle(self, i: int, time: Any) -> tuple[Any, Any, Any, Any]:
         k = self._knot(i, time)

@@ -130,13 +130,12 @@ def compare_reversal(run: Trajectory, told: Told) -> None:
 def compare_states(run: Trajectory, told: Told) -> None:
     """States asked at events, between them, just before and after them, and outside of the run."""
     knots = [knot[0] for knot in told.knots]
-    own = [*zip(run.events, told.left, strict=False)][:STATES_ASKED]
-    for mine, left in [*own, *zip(run.pocketings[:2], told.entered, strict=False)]:
+    own = [*zip(run.events, told.events, told.left, strict=False)][:STATES_ASKED]
+    for mine, theirs, left in [*own, *zip(run.pocketings[:2], told.entries, told.entered, strict=False)]:
         same_state(run.at(mine.time).circles, list(left), told, f"at({float(mine.time):.17g}) as its own time")
         text = rational(mine.time)
         if text is not None:
-            time = min(knots, key=lambda knot: abs(knot - near(mine.time, told)))
-            same_state(run.at(text).circles, told.at(time), told, f"at({text!r})")
+            same_state(run.at(text).circles, told.at(theirs.time), told, f"at({text!r})")
     if run.reversal is not None and told.reversal is not None:
         same_state(run.at(run.reversal.time).circles, told.at(told.reversal[1]), told, "at the reversal")
     for text in sorted(set(between(knots[: STATES_ASKED + 1], told.bits))):

@@ -55,7 +55,7 @@ class Told:
 
     def at(self, time: fmpz) -> list[Row]:
         """The state at a time; within rounding of an instant, the state after it."""
-        close = fmpz(1) << (self.bits - (450 if self.bits >= FINE else 190))
+        close = fmpz(1) << (self.bits // 5)
         place = bisect_right([when - close for when, _ in self.knots], time) - 1
         when, rows = self.knots[max(place, 0)]
         dt = time - when
