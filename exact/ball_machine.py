@@ -6,6 +6,8 @@ Interval arithmetic pays for every number that it uses twice. So:
   straight line at that clock, and only the change of velocity is carried over the (tiny, uncertain) time between
   clock and instant. The uncertainty of a hit time then enters a position by |change of v|, not by |v|, and lags
   between clocks have none.
+- So a line holds from its instant on, and not from its clock: whether two come nearer and are apart is asked at the
+  later instant (`gap`, `approach`), a little before or after the later clock.
 - A wall mirrors the line itself: x' = H x + c with the Householder matrix H = I - 2 n n^T / |n|^2, whatever the
   instant.
 - At contact, d has the d x v of before and d.v = -sqrt(discriminant): no time in it.
@@ -18,7 +20,7 @@ from __future__ import annotations
 
 from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
-from .formulas import pair_mix, wall_mirror
+from .formulas import advance, pair_approach, pair_gap, pair_mix, wall_gap, wall_mirror
 from .machine import Body, Link, Machine, Number
 from .numbers import ball
 
@@ -62,6 +64,28 @@ class BallMachine(Machine):
         """As `Machine.go`."""
         self._told = None
         super().go(source, bodies)
+
+    def gap(self, link: Link) -> Number:
+        """As `Machine.gap`, at the instant of the later of the two: its clock may stand before or after it."""
+        i, j = link
+        if j >= self.n:
+            body = self.bodies[i]
+            line = self.line(body, j - self.n)
+            return wall_gap(*self.place(body), line.x0, line.y0, line.nx, line.ny, body.r * line.length)
+        state, late = self.relation(i, j), self.later(i, j).late
+        if late is None:
+            return pair_gap(state.dx, state.dy, state.reach)
+        return pair_gap(advance(state.dx, state.vx, late), advance(state.dy, state.vy, late), state.reach)
+
+    def approach(self, link: Link) -> Number:
+        """As `Machine.approach`, at the instant of the later of the two."""
+        i, j = link
+        late = None if j >= self.n else self.later(i, j).late
+        if late is None:
+            return super().approach(link)
+        state = self.relation(i, j)
+        dx, dy = advance(state.dx, state.vx, late), advance(state.dy, state.vy, late)
+        return pair_approach(dx, dy, state.vx, state.vy)
 
     def hit(self, link: Link) -> tuple[Number, Number]:
         """As `Machine.hit`, in the sharper form."""

@@ -120,7 +120,7 @@ class ExactEngine:
         notes: tuple[str, ...] = ()
         home = False
         end = _end(program, history, limits, stop)
-        motion = ExactMotion(program, history.knots, end)
+        motion = ExactMotion(program, history.knots, end, history.set_times)
         if stop.reason is StopReason.HORIZON and limits.to_return:
             cascade.catch_up()
             home = cascade.retrace.home

@@ -217,6 +217,11 @@ class Machine:
                 ax, ay = advance(ax, a.vx, lag), advance(ay, a.vy, lag)
         return Relation(t, bx - ax, by - ay, b.vx - a.vx, b.vy - a.vy, self.reach(a, b))
 
+    def later(self, i: int, j: int) -> Body:
+        """The one of two bodies whose flight is newer."""
+        a, b = self.bodies[i], self.bodies[j]
+        return a if a.last >= b.last else b
+
     def reach(self, a: Body, b: Body) -> Number:
         """The sum of two radii; for a pocket its own, as a centre enters it."""
         return b.r if b.index < 0 else a.r + b.r

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,7 @@ class ExactMotion:
         knots: for each circle, (t, x, y, vx, vy, length of the log, number of the instant) at the start and after
             each instant that changed its velocity.
         end: the last time that may be asked for.
+        set_times: exact times with the number of the last part of the instant that is known to fall on each.
 
     Attributes:
         returned: whether the state at the end is known to be the start with velocities negated.
@@ -39,8 +40,10 @@ class ExactMotion:
         program: Program,
         knots: Sequence[Sequence[tuple[Any, ...]]],
         end: ExactValue | Quantity,
+        set_times: Mapping[Quantity, int],
     ) -> None:
         self.program = program
+        self.set_times = set_times
         self.knots = knots
         self.end = end
         self.returned = False
@@ -61,7 +64,7 @@ class ExactMotion:
             time = Quantity.of(time)
             if time.sign() < 0:
                 raise ValueError(f"time {time} is before the start; ask for 0 or later")
-        if time is not self.end and self._after(time, self.end):
+        if time is not self.end and not self._own(time) and self._after(time, self.end):
             raise ValueError(f"time {_shown(time)} is after the end of the run; run it for longer")
         return [self._of_circle(i, time) for i in range(len(self.knots))]
 
@@ -104,6 +107,8 @@ class ExactMotion:
         knots = self.knots[i]
         if self._own(time):
             return max(bisect_right(knots, time.instant, key=_instant) - 1, 0)
+        if isinstance(time, Quantity) and time in self.set_times:
+            return max(bisect_right(knots, self.set_times[time], key=_instant) - 1, 0)
         if time is self.end:
             return len(knots) - 1
         rough = self._rough[i]

@@ -27,10 +27,15 @@ MIN_BITS, MAX_BITS = 24, 100_000
 
 
 class IntervalNumber:
-    """A value of an interval run: float() is its middle, `low` and `high` its ends."""
+    """A value of an interval run: float() is its middle, `low` and `high` its ends.
 
-    def __init__(self, value: Any) -> None:
+    Attributes:
+        instant: for the time of something that happened in the run, the number of its instant.
+    """
+
+    def __init__(self, value: Any, instant: int | None = None) -> None:
         self.value = value
+        self.instant = instant
 
     def __float__(self) -> float:
         low, high = _ends(self.value)
@@ -115,7 +120,7 @@ class IntervalMotion:
     """Straight flight between knots, in intervals.
 
     Args:
-        knots: for each circle (t, x, y, vx, vy), in intervals, ascending.
+        knots: for each circle (t, x, y, vx, vy, number of the instant), in intervals, ascending.
         bits: the precision.
         end: the last time that may be asked for.
     """
@@ -124,7 +129,6 @@ class IntervalMotion:
         self.knots = knots
         self.bits = bits
         self.end = end
-        self._rough = [[float(IntervalNumber(knot[0])) for knot in row] for row in knots]
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
         """(x, y, vx, vy) of every circle, as `IntervalNumber`s; at a time of this run, as its event leaves it.
@@ -140,9 +144,11 @@ class IntervalMotion:
             if (at < 0) is True or (at > end) is True:
                 raise ValueError(f"time {float(time):.17g} is outside of the run: it lasts from 0 to {self.end}")
             rows = []
-            for knots, rough in zip(self.knots, self._rough, strict=True):
-                if isinstance(time, IntervalNumber):
-                    places = [max(bisect_right(rough, float(time)) - 1, 0)]
+            for knots in self.knots:
+                if time is self.end:
+                    places = [len(knots) - 1]
+                elif isinstance(time, IntervalNumber) and time.instant is not None:
+                    places = [max(bisect_right(knots, time.instant, key=_instant) - 1, 0)]
                 else:
                     held = [k for k, knot in enumerate(knots) if (knot[0] > at) is not True]
                     sure = max((k for k in held if (knots[k][0] <= at) is True), default=0)
@@ -157,8 +163,12 @@ class IntervalMotion:
         return np.array([[[float(value) for value in row] for row in self.state(t)] for t in times])
 
 
+def _instant(knot: tuple[Any, ...]) -> int:
+    return knot[-1]
+
+
 def _flown(knot: tuple[Any, ...], time: Any) -> tuple[Any, ...]:
-    t, x, y, vx, vy = knot
+    t, x, y, vx, vy, _ = knot
     return x + vx * (time - t), y + vy * (time - t), vx, vy
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ..exact.policies import Policy
+from ..exact.simulation.history import Mark
 from ..exact.simulation.limits import run_limits
 from ..exact.simulation.loop import Loop
 from ..scenarios.quantity import QuantityLike
@@ -20,7 +21,7 @@ def run_plain(
     parameters: Mapping[str, Any],
     decider: PlainDecider,
     motion: Callable[[list[list[tuple[Any, ...]]], Any], Motion],
-    shown: Callable[[Any], Any],
+    shown: Callable[[Any, int], Any],
     *,
     until: QuantityLike | None,
     events: int | None,
@@ -33,24 +34,30 @@ def run_plain(
         engine: its name.
         parameters: its settings.
         decider: keeps the state and decides.
-        motion: makes the motion from knots (t, x, y, vx, vy) and the last time that may be asked for.
-        shown: makes a time of the trajectory from a number.
+        motion: makes the motion from knots (t, x, y, vx, vy, number of the instant) and the last time that may be
+            asked for.
+        shown: makes a time of the trajectory from a number and the number of its instant.
     """
     limits = run_limits(scene, until, events)
     stop = Loop(scene, decider, limits, progress, policy).run()
     ids, history = scene.ids, decider.history
+
+    def at(mark: Mark) -> Any:
+        return shown(mark.time, mark.number)
+
     reversal = None
     if history.reversal is not None:
-        reversal = Reversal(history.reversal[0], shown(history.reversal[1].time))
+        reversal = Reversal(history.reversal[0], at(history.reversal[1]))
     end: Any
     if stop.reason is StopReason.HORIZON and limits.to_return:
         assert history.reversal is not None
+        assert history.last is not None
         time = history.reversal[1].time
-        end = shown(time + time)
+        end = shown(time + time, history.last.number)
     elif stop.reason is StopReason.HORIZON:
         end = limits.until
     else:
-        end = shown(decider.machine.zero if history.last is None else history.last.time)
+        end = shown(decider.machine.zero, 0) if history.last is None else at(history.last)
     return Trajectory(
         scene=scene,
         engine=engine,
@@ -58,7 +65,7 @@ def run_plain(
         events=tuple(
             Event(
                 index,
-                shown(record.mark.time),
+                at(record.mark),
                 tuple(Contact(ids[i], ids[j]) for i, j in record.links),
                 tuple(Contact(ids[i], ids[j]) for i, j in record.impulses),
                 record.ties,
@@ -68,10 +75,10 @@ def run_plain(
         ),
         stop=stop,
         final_time=end,
-        motion=motion([[knot[:5] for knot in row] for row in history.knots], end),
+        motion=motion([[(*knot[:5], knot[-1]) for knot in row] for row in history.knots], end),
         reversal=reversal,
         pocketings=tuple(
-            Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), shown(e.mark.time)) for e in history.entries
+            Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), at(e.mark)) for e in history.entries
         ),
         plan=dict(sorted(history.plan.items())),
     )

@@ -61,6 +61,10 @@ STEP_UNITS = 60
 """Work of one step of the log in short balls: about 60 microseconds."""
 
 
+ASK_UNITS = 20
+"""Work of a question that balls answer."""
+
+
 class Cascade:
     """Decides for the exact engine, and keeps its state.
 
@@ -100,12 +104,10 @@ class Cascade:
     # -- the state
 
     def begin(self, instant: int) -> None:
-        """Full precision, raised first if accuracy has run low."""
+        """Full precision."""
         self.past.begin(instant)
         self._instant = instant
         self._instant_work = 0
-        if self.live.lowest < SAFE_BITS:
-            self._rise("accuracy had run low", self._foreseen_bits())
         ctx.prec = self.live.bits
 
     def do(self, step: Step) -> None:
@@ -137,7 +139,9 @@ class Cascade:
         return self._held(i)
 
     def refresh(self, bodies: Iterable[Body]) -> None:
-        """Short copies of the states."""
+        """Short copies of the states, with more bits first if the last instant is not accurate enough."""
+        while self.live.lowest < SAFE_BITS:
+            self._rise("accuracy had run low", self._foreseen_bits())
         self.predictor.refresh(bodies)
 
     def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
@@ -241,6 +245,7 @@ class Cascade:
             Undecided: naming the question, what was tried and the bits.
         """
         sign = self.ask_cheaply(question)
+        self._instant_work += ASK_UNITS
         return self._prove(question) if sign is None else sign
 
     def ask_cheaply(self, question: Question) -> int | None:
@@ -292,7 +297,8 @@ class Cascade:
         share, told = FIRST_SHARE, ""
         while True:
             rising = self._rise_units(2 * self.live.bits)
-            last = 2 * self.live.bits > self.max_bits or work.spent + rising > self.work
+            agreed = self.rule.assumes and self._agreed_bits(question) >= self.rule.least
+            last = agreed or 2 * self.live.bits > self.max_bits or work.spent + rising > self.work
             if last or self.live.bits >= TRY_BITS:
                 left = self.work - work.spent
                 attempt = Work(left if last else min(share, left // 2))
@@ -302,15 +308,14 @@ class Cascade:
                 if sign is not None:
                     return self._taken(question, sign, TieProof.TOWER)
                 share *= SHARE_GROWTH
-            agreed = self._agreed_bits(question)
-            if last or (self.rule.assumes and agreed >= self.rule.least):
+            if last:
                 break
             work.spent += rising
             self._rise("undecided")
             sign = self.ask_cheaply(question)
             if sign is not None:
                 return sign
-        if self.rule.assumes and agreed >= self.rule.least:
+        if agreed:
             return self._taken(question, 0, TieProof.ASSUMED, self.rule.bits)
         raise Undecided(self._undecided_message(question, told, work))
 
@@ -330,8 +335,6 @@ class Cascade:
 
     def _agreed_bits(self, question: Question) -> int:
         """To how many bits, in absolute value, the number asked about agrees with zero."""
-        if not self.rule.assumes:
-            return 0
         ctx.prec = self.live.bits
         self.live.sync(question.bodies(self.n))
         size = question.value(self.live.balls).abs_upper()
@@ -401,11 +404,16 @@ class Cascade:
             self.live.sync(tuple(i for i in moment.link if i < self.n))
             try:
                 t, wait = moment.wait(self.live.balls)
-                if wait > ball.ZERO:
+                if t + wait > self._begun(moment.link):
                     return t + wait
             except ZeroDivisionError:
                 pass
             self._rise(f"the time of {self.name(moment.link)} is unsharp")
+
+    def _begun(self, link: Link) -> arb:
+        """The instant from which on the flights of two hold."""
+        machine = self.live.balls
+        return (machine.later(*link) if link[1] < self.n else machine.bodies[link[0]]).instant
 
     def _unsure(self, link: Link) -> None:
         """A prediction that short balls could not decide: full balls, and proofs where they leave it open.

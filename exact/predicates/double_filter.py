@@ -17,6 +17,9 @@ speed component that the run has seen, and T the present:
   factors, and three roundings of at most 3 u D W <= 1.5 F D, as W <= 4 V;
 - |v|^2 is off by less than 3 F W.
 
+A flight begins at its instant, which its clock may miss by `late`; d.v there differs by at most |v|^2 times that, so a
+pair surely parts only beyond that, and a hit counts only if it comes later than `late` after the clock.
+
 All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
 themselves.
 """
@@ -99,9 +102,13 @@ class DoubleFilter:
         ):
             body.f = None
             return
+        late = 0.0 if body.late is None else float(body.late.abs_upper()) * ROUND_UP
+        if not late < BIG:
+            body.f = None
+            return
         self.largest = max(self.largest, place)
         self.fastest = max(self.fastest, speed)
-        body.f = (fx, fy, fvx, fvy, ft)
+        body.f = (fx, fy, fvx, fvy, ft, late)
 
     def pairs(self, a: Body, others: Iterable[Body], reaches: Sequence[float]) -> Iterator[tuple[Body, float, float]]:
         """Which of several bodies a hits, which has just moved, and when; all keep their velocities.
@@ -116,7 +123,7 @@ class DoubleFilter:
             for b in others:
                 yield b, nan, nan
             return
-        ax, ay, avx, avy, at = fa
+        ax, ay, avx, avy, at, late = fa
         fastest = self.fastest
         near = 4.0 * 64 * UNIT * (self.largest + fastest * at)
         slack = 8 * UNIT * fastest
@@ -125,7 +132,7 @@ class DoubleFilter:
             if fb is None:
                 yield b, nan, nan
                 continue
-            bx, by, bvx, bvy, bt = fb
+            bx, by, bvx, bvy, bt, _ = fb
             lag = at - bt
             dx = bx + bvx * lag - ax
             dy = by + bvy * lag - ay
@@ -134,11 +141,12 @@ class DoubleFilter:
             wide = abs(vx) + abs(vy)
             off = near * wide + 10.0 * slack * (abs(dx) + abs(dy))
             approach = dx * vx + dy * vy
-            if approach > off:
-                continue
             square = vx * vx + vy * vy
             loose = 6.0 * slack * wide
-            if not (approach < -off and square > 100.0 * loose):
+            early = off + 2.0 * (square + loose) * late
+            if approach > early:
+                continue
+            if not (approach < -early and square > 100.0 * loose):
                 yield b, nan, nan
                 continue
             cross = abs(dx * vy - dy * vx)
@@ -161,7 +169,7 @@ class DoubleFilter:
             off_wait = (off + off_depth + (ahead + depth) * (doubt + 4 * UNIT)) / speed + abs(wait) * doubt
             time = at + wait
             off_time = 2.0 * off_wait + 8 * UNIT * (at + abs(wait))
-            if not (wait > off_time) or not isfinite(time):
+            if not (wait > off_time + late) or not isfinite(time):
                 yield b, nan, nan
             else:
                 yield b, time - off_time, time + off_time
@@ -186,7 +194,7 @@ class DoubleFilter:
             if fa is None:
                 yield k, nan, nan
                 continue
-            x, y, vx, vy, t = fa
+            x, y, vx, vy, t, late = fa
             approach = nx * vx + ny * vy
             off = 16 * UNIT * norm * self.fastest
             if approach > off:
@@ -200,7 +208,7 @@ class DoubleFilter:
             off_wait = (off_gap + wait * off) / -approach + 8 * UNIT * wait
             time = t + wait
             off_time = 2.0 * off_wait + 8 * UNIT * (t + wait)
-            if not (wait > off_time) or not isfinite(time):
+            if not (wait > off_time + late) or not isfinite(time):
                 yield k, nan, nan
             else:
                 yield k, time - off_time, time + off_time

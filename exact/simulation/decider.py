@@ -27,7 +27,7 @@ class Decider(Protocol):
     queue: ArrivalQueue
 
     def begin(self, instant: int) -> None:
-        """Called before the steps of an instant, with its number; raises precision where that has run low."""
+        """Called before the steps of an instant, with its number."""
         ...
 
     def do(self, step: Step) -> None:
@@ -89,7 +89,11 @@ class Decider(Protocol):
         ...
 
     def refresh(self, bodies: Iterable[Body]) -> None:
-        """Makes the numbers that predictions use current for circles whose flights are new."""
+        """Makes the numbers that predictions use current for circles whose flights are new.
+
+        Raises:
+            Undecided: if the instant is not known sharply enough, and cannot be.
+        """
         ...
 
     def off_rim(self, link: Link) -> bool:

@@ -6,6 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from ...scenarios.quantity import Quantity
 from ...scenarios.trajectory import Tie
 from ..machine import Link, Number, Step
 
@@ -71,6 +72,7 @@ class History:
         last: the last instant at which anything happened; None before the first.
         steps: the log.
         plan: what each rung decided, and what was skipped.
+        set_times: limits and the reversal's time, with the number of the last part of the instant that falls on it.
     """
 
     records: list[Record] = field(default_factory=list)
@@ -80,6 +82,7 @@ class History:
     last: Mark | None = None
     steps: list[Step] = field(default_factory=list)
     plan: Counter[str] = field(default_factory=Counter)
+    set_times: dict[Quantity, int] = field(default_factory=dict)
 
     def add(self, note: Noted) -> None:
         """Takes up what an instant, or a part of one, did."""

@@ -257,9 +257,9 @@ class Resolver:
         return closing < 0
 
     def _capture(self, i: int, link: Link, done: Resolved) -> None:
-        if i not in done.moved:
+        if i not in done.moved and done.number > 0:
             self.decider.do(Go(link, (i,)))
-            done.moved.add(i)
+        done.moved.add(i)
         self.decider.do(Take(i))
         self.gone.add(i)
         for contact in self.touching.all():

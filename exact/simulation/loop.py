@@ -176,6 +176,8 @@ class Loop:
             return self._instant([], at_it, ties, limit[0])
         if not chosen:
             return Stop(StopReason.QUIET, StopReason.QUIET.value)
+        if limit is not None and limit[0] is not None and place == 0:
+            self.history.set_times[limit[0]] = self._instants + 3
         moment = limit[0] if limit is not None and limit[1] and place == 0 else None
         touches = self._grazes_at(chosen, grazes, ties, moment is not None or self._reverses_after(chosen))
         return self._instant(chosen, touches, ties, moment)

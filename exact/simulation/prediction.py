@@ -106,7 +106,11 @@ class Predictor:
             self.wall(a, k, standing)
 
     def pair(self, a: Body, b: Body, standing: Collection[Link]) -> None:
-        """Queues the next meeting of a, which has a new flight, with the circle or pocket b."""
+        """Queues the next meeting of a, which has a new flight, with the circle or pocket b.
+
+        That they are apart and come nearer is asked at the instant at which the flight begins; the time is reckoned
+        from the clock (see `BallMachine`).
+        """
         ax, ay, avx, avy, at = a.q
         bx, by, bvx, bvy, bt = b.q
         if b.rest:
@@ -118,9 +122,9 @@ class Predictor:
                 lag = at - bt
                 dx, dy = advance(bx, bvx, lag) - ax, advance(by, bvy, lag) - ay
             vx, vy = bvx - avx, bvy - avy
-        zero = self.zero
-        approach = pair_approach(dx, dy, vx, vy)
-        if approach >= zero:
+        zero, late = self.zero, a.late
+        gx, gy = (dx, dy) if late is None else (advance(dx, vx, late), advance(dy, vy, late))
+        if pair_approach(gx, gy, vx, vy) >= zero:
             return
         link = (b.index, a.index) if 0 <= b.index < a.index else (a.index, b.index)
         if link in standing or (a.index in self.points and b.index in self.points):
@@ -129,9 +133,9 @@ class Predictor:
         disc = pair_discriminant(dx, dy, vx, vy, reach)
         if disc < zero:
             return
-        gap = pair_gap(dx, dy, reach)
-        if disc > zero and approach < zero and gap > zero:
-            self.push(at + pair_hit_time(gap, approach, self.root(disc)), link)
+        if disc > zero and pair_approach(gx, gy, vx, vy) < zero and pair_gap(gx, gy, reach) > zero:
+            approach = pair_approach(dx, dy, vx, vy)
+            self.push(at + pair_hit_time(pair_gap(dx, dy, reach), approach, self.root(disc)), link)
         else:
             self.unsure(link)
             self.prepare()
@@ -147,7 +151,11 @@ class Predictor:
         if link in standing:
             return
         gap = wall_gap(ax, ay, x0, y0, nx, ny, offset)
-        if approach < self.zero and gap > self.zero:
+        late = a.late
+        still = (
+            gap if late is None else wall_gap(advance(ax, avx, late), advance(ay, avy, late), x0, y0, nx, ny, offset)
+        )
+        if approach < self.zero and still > self.zero:
             self.push(at + wall_hit_time(gap, approach), link)
         else:
             self.unsure(link)
@@ -168,12 +176,13 @@ class Predictor:
 def earliest_possible(machine: Machine, link: Link, bounds: Bounds) -> float:
     """A double before which a doubtful meeting cannot come: the gap over the greatest closing speed; inf: never."""
     if link[1] < machine.n:
-        t, dx, dy, vx, vy, reach = machine.relation(*link)
+        _, dx, dy, vx, vy, reach = machine.relation(*link)
+        t = machine.later(*link).instant
         distance = machine.root(dx * dx + dy * dy)
         speed = machine.root(vx * vx + vy * vy)
         gap = machine.gap(link) / (distance + reach)
     else:
-        t, gap, speed = machine.bodies[link[0]].t, machine.gap(link), -machine.approach(link)
+        t, gap, speed = machine.bodies[link[0]].instant, machine.gap(link), -machine.approach(link)
     least_gap, top_speed = bounds(gap)[0], bounds(speed)[1]
     if top_speed <= 0.0:
         return inf

@@ -91,6 +91,7 @@ def compare_events(run: Trajectory, told: Told) -> None:
         expect(
             contacts == sorted(theirs.contacts), f"{where}: contacts {[tuple(c) for c in mine.contacts]}, not {names}"
         )
+        expect(mine.coupled or not theirs.coupled, f"{where}: the order of its impulses matters, and is said not to")
         impulses = [(ids.index(a), ids.index(b)) for a, b in mine.impulses]
         if not theirs.unique:
             continue

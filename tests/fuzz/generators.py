@@ -10,6 +10,7 @@ from random import Random
 from flint import fmpz  # type: ignore[attr-defined]
 
 from fuzz import kinds_contacts as contacts
+from fuzz import kinds_cruel as cruel
 from fuzz import kinds_pockets as pockets
 from fuzz import kinds_rooms as rooms
 from fuzz import kinds_symmetry as symmetry
@@ -43,6 +44,7 @@ PLAIN: dict[str, Maker] = {
     "ring": symmetry.ring,
     "onto_pair": symmetry.onto_pair,
 }
+CRUEL: dict[str, Maker] = {"hairs": cruel.hairs, "brinks": cruel.brinks, "apart": cruel.apart}
 
 TWINS = ("instant", "graze_blow", "near_ties", "entry_ties", "on_rim", "points", "onto_pair")
 """The kinds of which twins are made."""
@@ -95,7 +97,7 @@ def simple(value: fmpz, told: Told) -> Fraction | None:
 
 
 COMPOSED: dict[str, Callable[[Random], Case]] = {"ends": ends, "returns": returns}
-KINDS: tuple[str, ...] = (*PLAIN, "twins", *COMPOSED)
+KINDS: tuple[str, ...] = (*PLAIN, "twins", *COMPOSED, *CRUEL)
 
 
 def made(draw: Random, maker: Maker, name: str) -> Case:
@@ -114,4 +116,4 @@ def case_of(kind: str, seed: int) -> Case:
     if kind in COMPOSED:
         found = COMPOSED[kind](draw)
         return replace(found, scene=found.scene.with_changes(name=name))
-    return made(draw, twins if kind == "twins" else PLAIN[kind], name)
+    return made(draw, twins if kind == "twins" else {**PLAIN, **CRUEL}[kind], name)

@@ -158,7 +158,7 @@ def check_cut(run: Trajectory, case: Case, draw: Random, engine: Any) -> bool:
     if taken or first.stop.reason.name in GAVE_UP or (case.events is not None and done >= case.events):
         return False
     texts = [{k: getattr(c, k).text() for k in ("x", "y", "vx", "vy")} for c in first.final.circles]
-    if any(len(text) > LONGEST for row in texts for text in row.values()):
+    if any(text is None or len(text) > LONGEST for row in texts for text in row.values()):
         return False
     turned = first.reversal is not None
     try:

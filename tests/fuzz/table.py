@@ -44,12 +44,14 @@ class Blow:
         contacts: the links that approach at the start or in some round.
         impulses: the links that push, round by round.
         unique: whether the laws leave no choice of who pushes (velocities never have one).
+        coupled: whether pushes at two of the contacts act on a common circle otherwise than at right angles.
     """
 
     time: fmpz
     contacts: frozenset[Link]
     impulses: tuple[Link, ...]
     unique: bool
+    coupled: bool
 
 
 @dataclass(frozen=True)
@@ -234,7 +236,9 @@ class Table:
                 unique = unique and sure
             else:
                 raise Endless(f"over {ROUNDS} rounds at one instant")
-        return Blow(self.now, frozenset(contacts), tuple(impulses), unique)
+        arms = [self.arms(link) for link in contacts]
+        coupled = any(self.sign(self.coupling(a, b)) != 0 for a, b in combinations(arms, 2))
+        return Blow(self.now, frozenset(contacts), tuple(impulses), unique, coupled)
 
     def clusters(self, touching: list[Link]) -> list[list[Link]]:
         """The touching links, those that share circles together, each in scene order."""

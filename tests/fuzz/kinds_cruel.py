@@ -1,0 +1,224 @@
+"""Kinds of scenes aimed at what decides near zero: hairs at the doubles, brinks at the proofs of zero."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from random import Random
+
+from fuzz.draft import (
+    HEX,
+    PYTHAGOREAN,
+    Body,
+    Draft,
+    F,
+    Number,
+    Vector,
+    directions,
+    flaw,
+    mass,
+    reversal,
+    size,
+    span,
+    speed,
+    velocity,
+)
+from fuzz.kinds_contacts import cluster, graze_blow
+from fuzz.kinds_symmetry import mirrored, neighbours, onto_pair, ring
+
+TINY = F(1, 10**100)
+
+
+def hair(draw: Random) -> Fraction:
+    """A relative number about the rounding of doubles, of either sign; sometimes zero."""
+    return draw.choice([1, -1, 1, -1, 0]) * F(
+        draw.randrange(1, 10), 10 ** draw.choice([12, 13, 14, 15, 16, 17, 18, 18])
+    )
+
+
+def hairs(draw: Random) -> Draft:
+    """Meetings a hair from a graze, a rim, or each other's time, at huge and tiny scales, with late clocks."""
+    unit = F(10) ** draw.choice([-7, -3, 0, 0, 0, 4, 9])
+    time = draw.choice([1, F(7, 3), F(1000, 7), F(10**6, 3), F(10**9, 7)])
+    vx, vy = velocity(draw)
+    swift = unit * draw.choice([0, 0, 0, 1, 10**3, 10**6])
+    drift = vx * swift, vy * swift
+    draft = Draft([])
+    for k in range(draw.choice([1, 2, 2, 3])):
+        _meeting(draft, draw, (0, 60 * k * unit), drift, unit, time)
+    draft.capture = draw.random() < 0.5
+    if draw.random() < 0.4:
+        draft.until = time * (1 + draw.choice([0, hair(draw), 1]))
+    if draw.random() < 0.15:
+        draft.reverse_at = time * (1 + draw.choice([0, hair(draw), F(1, 2)]))
+    return draft
+
+
+def _meeting(draft: Draft, draw: Random, at: Vector, drift: Vector, unit: Number, time: Number) -> None:
+    """One meeting near a place, led back."""
+    (nx, ny), r, q = draw.choice(directions(draw)), size(draw) * unit, size(draw) * unit
+    s = speed(draw) * unit * draw.choice([1, 1, 1, F(1, 1000), 10**3])
+    x, y = at
+    t = draw.choice([0, s, -s])
+    kind = draw.choice(["graze", "graze", "tie", "tie", "rim", "rim", "wall"])
+    late = time * hair(draw) if kind in ("tie", "wall") or draw.random() < 0.3 else 0
+    if kind in ("rim", "wall"):
+        drift = 0, 0
+    a = Body(x, y, r, *drift, mass(draw))
+    bodies = [a]
+    if kind == "graze":
+        far, way = (r + q) * (1 + hair(draw)), draw.choice([1, -1])
+        vx, vy = drift[0] - ny * s * way, drift[1] + nx * s * way
+        bodies.append(Body(x + nx * far, y + ny * far, q, vx, vy, mass(draw)))
+    elif kind == "tie":
+        vx, vy = drift[0] - nx * s - ny * t, drift[1] - ny * s + nx * t
+        bodies.append(Body(x + nx * (r + q), y + ny * (r + q), q, vx, vy, mass(draw)))
+    elif kind == "rim":
+        inward = draw.choice([0, 0, s])
+        a.vx, a.vy = nx * inward - ny * s, ny * inward + nx * s
+        hole = q * draw.choice([1, 3])
+        away = hole * (1 + (hair(draw) if inward == 0 else 0))
+        draft.pockets.append((x + nx * away, y + ny * away, hole))
+    else:
+        a.vx, a.vy = s, 0
+        if not draft.walls:
+            draft.walls.append((x + r, y - 10 * time * unit, x + r, y + unit))
+    for body in bodies:
+        _lead_back(draft, draw, body, time + late)
+
+
+def _lead_back(draft: Draft, draw: Random, body: Body, time: Number) -> None:
+    """Straight back, or by way of a fixed circle that it bounces off before."""
+    if draw.random() < 0.6 or (body.vx == 0 and body.vy == 0):
+        draft.bodies.append(body.back(time))
+        return
+    since = time * draw.choice([F(1, 2), F(1, 3), F(1, 1000), F(999, 1000)])
+    ways = [(x, y) for x, y in [*PYTHAGOREAN, *HEX] if float(x * body.vx + y * body.vy) > 0]
+    (mx, my), struck = draw.choice(ways), body.back(since)
+    along = 2 * (mx * body.vx + my * body.vy)
+    r = body.r * draw.choice([1, 1, F(1, 3)])
+    draft.bodies.append(Body(struck.x - mx * (struck.r + r), struck.y - my * (struck.r + r), r, m="oo"))
+    struck.vx, struck.vy = struck.vx - along * mx, struck.vy - along * my
+    draft.bodies.append(struck.back(time - since))
+
+
+def brinks(draw: Random) -> Draft:
+    """Symmetric scenes of many roots, spoilt by 10**-100: what is nearly zero lies beyond the balls at hand."""
+    makers = [couple, couple, couple, _spoilt, _spoilt, again]
+    return draw.choice(makers)(draw)
+
+
+def _spoilt(draw: Random) -> Draft:
+    draft = draw.choice([mirrored, neighbours, neighbours, ring, onto_pair])(draw)
+    return spoil(draft, draw)
+
+
+def spoil(draft: Draft, draw: Random, start: int = 0) -> Draft:
+    """10**-100 in one number of one circle from `start` on, of a pocket, or of a wall."""
+    tiny = draw.choice([1, -1]) * TINY
+    kind = draw.choice(["body", "body", "body", "pocket", "wall"])
+    if kind == "pocket" and draft.pockets:
+        x, y, r = draft.pockets[-1]
+        draft.pockets[-1] = draw.choice([(x + tiny, y, r), (x, y + tiny, r), (x, y, r + tiny)])
+        return draft
+    if kind == "wall" and draft.walls:
+        a, b, p, q = draft.walls[-1]
+        draft.walls[-1] = draw.choice([(a + tiny, b, p + tiny, q), (a, b + tiny, p, q + tiny), (a + tiny, b, p, q)])
+        return draft
+    body = draw.choice([b for b in draft.bodies[start:] if b.m != "oo"] or draft.bodies)
+    if body.m != "oo":
+        key = draw.choice(["x", "y", "vx", "vy", "m", "r"])
+        setattr(body, key, getattr(body, key) + tiny)
+    return draft
+
+
+def couple(draw: Random) -> Draft:
+    """A scene on the left of its own wall, and its image on the right of another, whole or spoilt."""
+    one = draw.choice([graze_blow, cluster, onto_pair, _striker, _striker])(draw)
+    one = Draft([replace(b) for b in one.bodies[:4]], endless=False)
+    vx, vy = draw.choice([(1, 0), (1, F(1, 3)), (2, F(-1, 2)), (0, 0)])
+    one.bodies = [replace(b, x=b.x - 30, vx=b.vx + vx, vy=b.vy + vy) if b.m != "oo" else b for b in one.bodies]
+    if any(b.m == "oo" for b in one.bodies):
+        one.bodies = [replace(b, x=b.x - 30, vx=b.vx - vx, vy=b.vy - vy) if b.m != "oo" else replace(b, x=b.x - 30)
+                      for b in one.bodies]  # fmt: skip
+    if draw.random() < 0.6:
+        b, hole = draw.choice(one.bodies), draw.choice([1, 2, 5])
+        far = draw.choice([1, 2, 3])
+        one.pockets.append((b.x + b.vx * far + hole, b.y + b.vy * far + draw.choice([0, 0, hole]), hole))
+    one.walls = [draw.choice([(-14, 0, -14, 1), (-18, 0, -18, 1), (-10, 0, -12, 40)])]
+    c, mirror = draw.choice([(-1, False), (1, True), (-1, False)])
+    other = one.moved(c, 0, 0, draw.choice([0, 7]), mirror=mirror) if not mirror else _across(one)
+    kind = draw.choice(["none", "spoil", "spoil", "spoil", "stretch", "role"])
+    if kind == "spoil":
+        other = spoil(other, draw)
+    elif kind == "stretch":
+        radii = [b.r for b in other.bodies]
+        other = other.moved(1, 0, 0, 0, stretch=1 + draw.choice([1, -1]) * TINY)
+        other.bodies = [replace(b, r=r) for b, r in zip(other.bodies, radii, strict=True)]
+        other.walls, other.pockets = _across(one).walls if mirror else other.walls, other.pockets
+    elif kind == "role" and len(other.bodies) > 1:
+        other.bodies[-1].m = other.bodies[0].m + 1
+    both = replace(one, bodies=one.bodies + other.bodies, walls=one.walls + other.walls)
+    both.pockets = one.pockets + other.pockets
+    both.capture = draw.random() < 0.5
+    return reversal(both, draw, 0.3)
+
+
+def _across(draft: Draft) -> Draft:
+    """Left and right exchanged."""
+    return replace(
+        draft,
+        bodies=[replace(b, x=-b.x, vx=-b.vx) for b in draft.bodies],
+        walls=[(-a, b, -p, q) for a, b, p, q in draft.walls],
+        pockets=[(-x, y, r) for x, y, r in draft.pockets],
+    )
+
+
+def _striker(draw: Random) -> Draft:
+    """A pair that strikes a third from both sides, so that it moves on along the axis with roots in its speed."""
+    h, m = draw.choice([F(1, 2), 1, F(3, 4)]), mass(draw)
+    slope = draw.choice([F(1, 3), F(1, 5), F(1, 2)])
+    pair = [Body(-5, 1 + h, 1, 1, -slope, m), Body(-5, -1 - h, 1, 1, slope, m)]
+    return Draft([*pair, Body(0, 0, 1, 0, 0, mass(draw))])
+
+
+def again(draw: Random) -> Draft:
+    """Struck onto the axis with roots in its speed, a circle grazes a fixed one, and again after a wall askew."""
+    draft = _striker(draw)
+    q, tiny = draw.choice([1, 2]), draw.choice([0, TINY, -TINY])
+    draft.bodies.append(Body(draw.choice([6, 7]), draw.choice([1, -1]) * (1 + q), q, m="oo"))
+    draft.walls.append((15, 0, 15 + tiny, 1))
+    if draw.random() < 0.5:
+        draft.bodies.append(Body(12, draw.choice([2, -2]) + draw.choice([0, tiny]), 1, m="oo"))
+    if draw.random() < 0.4:
+        draft.pockets.append((10, draw.choice([3, -3]) + draw.choice([0, tiny]), 3))
+    draft.events = draw.randrange(3, 9)
+    draft.until = draw.choice([None, 3 * span(draw) + 40])
+    return reversal(draft, draw, 0.25)
+
+
+def apart(draw: Random) -> Draft:
+    """Two or three clusters far from each other whose contacts come at one instant, some of them touching at time 0."""
+    time = draw.choice([0, 0, span(draw)])
+    draft = Draft([])
+    for k in range(draw.choice([2, 2, 3])):
+        ways, middle = draw.choice([PYTHAGOREAN, PYTHAGOREAN, HEX]), Body(0, 40 * k, 1, *velocity(draw), mass(draw))
+        bodies = [middle]
+        for nx, ny in draw.sample(ways, draw.choice([2, 2, 3])):
+            r, s = (
+                draw.choice([1, F(1, 2), F(1, 3)]),
+                draw.choice([speed(draw), speed(draw), F(1, 10), 0, -speed(draw)]),
+            )
+            x, y = nx * (1 + r), 40 * k + ny * (1 + r)
+            if all((float(x - b.x)) ** 2 + (float(y - b.y)) ** 2 > float(r + b.r) ** 2 - 1e-9 for b in bodies):
+                bodies.append(Body(x, y, r, middle.vx - nx * s, middle.vy - ny * s, mass(draw)))
+        draft.bodies += [b.back(time) for b in bodies]
+    if time == 0 and draw.random() < 0.6:  # a wall that a circle leaves, or comes to, at once
+        body = draw.choice(draft.bodies)
+        side = draw.choice([1, -1])
+        draft.walls.append((body.x + side * body.r, 0, body.x + side * body.r, 1))
+        draft.bodies = [b for b in draft.bodies if float(side * (b.x - body.x)) < float(body.r - b.r) + 1e-9]
+        body.vx = draw.choice([-side * speed(draw), -side * speed(draw), body.vx])
+    if time and draw.random() < 0.3:
+        draft.reverse_at = time + draw.choice([0, flaw(draw)])
+    return reversal(draft, draw, 0.3)
