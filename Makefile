@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow coverage lint format bench docs clean
+.PHONY: demo test slow stress coverage lint format bench docs clean
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -18,6 +18,10 @@ test: .venv/ready
 
 slow: .venv/ready
 	$(BIN)/python -m pytest -n auto -m slow
+
+# Goes on where the last call stopped; SCENES=N for another number, `tests/fuzz/stress.py --replay KIND SEED` for one.
+stress: .venv/ready
+	$(BIN)/python tests/fuzz/stress.py --scenes $(or $(SCENES),100000) --jobs 2 --out fuzz.jsonl
 
 coverage: .venv/ready
 	$(BIN)/python -m pytest -n auto --cov=scenarios --cov=exact --cov=floating --cov=compare --cov-report=term

@@ -161,7 +161,6 @@ class Resolver:
         done.moved.update(link if j < self.n else (i,))
         done.standing[link] = 1
         done.events.append((i, (link,), (link,), ties, False))
-        self.decider.gathered((link,))
 
     def _contacts(self, hits: Iterable[Link], touches: Mapping[Link, int], instant: Instant, done: Resolved) -> None:
         """The rounds of every set of contacts that hang together and holds one that approaches: one event."""

@@ -173,14 +173,19 @@ class Loop:
                 return self._horizon_stop()
             known = [g for g in (*self._passed, *self.queue.grazes()) if g.low <= high and g.high >= low]
             at_it = [g for g in known if self.queue.fresh(g) and self._place(g, limit[0]) == 0]
-            return self._instant([], at_it, ties, limit[0])
+            return self._instant([], at_it, ties, self._set_time(limit[0]))
         if not chosen:
             return Stop(StopReason.QUIET, StopReason.QUIET.value)
-        if limit is not None and limit[0] is not None and place == 0:
-            self.history.set_times[limit[0]] = self._instants + 3
-        moment = limit[0] if limit is not None and limit[1] and place == 0 else None
+        at_limit = None if limit is None or place < 0 else self._set_time(limit[0])
+        moment = at_limit if limit is not None and limit[1] else None
         touches = self._grazes_at(chosen, grazes, ties, moment is not None or self._reverses_after(chosen))
         return self._instant(chosen, touches, ties, moment)
+
+    def _set_time(self, time: Quantity | None) -> Quantity | None:
+        """Notes that the next instant falls on a set time (None: the return)."""
+        if time is not None:
+            self.history.set_times[time] = self._instants + 3
+        return time
 
     def _rivals(self, limit: float) -> list[Arrival]:
         """All arrivals that may be first and not after a limit, each certain to come if nothing else does."""

@@ -56,6 +56,8 @@ def examine(kind: str, seed: int, modes: bool = True) -> Verdict:
         told = referee(case.scene, case.until, case.events)
     except (Doubt, TooLong) as error:
         return verdict("skipped", 0, repr(error))
+    except Exception as error:
+        return verdict("failure", 0, f"generator or referee: {type(error).__name__}: {error}")
     extra, endless = "", told.stop == "ENDLESS"
     engine = ExactEngine(work=LITTLE_WORK) if endless else ExactEngine()
     try:

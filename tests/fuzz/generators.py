@@ -44,7 +44,7 @@ PLAIN: dict[str, Maker] = {
     "ring": symmetry.ring,
     "onto_pair": symmetry.onto_pair,
 }
-CRUEL: dict[str, Maker] = {"hairs": cruel.hairs, "brinks": cruel.brinks, "apart": cruel.apart}
+CRUEL: dict[str, Maker] = {"hairs": cruel.hairs, "brinks": cruel.brinks, "apart": cruel.apart, "pits": cruel.pits}
 
 TWINS = ("instant", "graze_blow", "near_ties", "entry_ties", "on_rim", "points", "onto_pair")
 """The kinds of which twins are made."""

@@ -16,6 +16,7 @@ from fuzz.draft import (
     Vector,
     directions,
     flaw,
+    has_room,
     mass,
     reversal,
     size,
@@ -104,8 +105,12 @@ def _lead_back(draft: Draft, draw: Random, body: Body, time: Number) -> None:
 
 def brinks(draw: Random) -> Draft:
     """Symmetric scenes of many roots, spoilt by 10**-100: what is nearly zero lies beyond the balls at hand."""
-    makers = [couple, couple, couple, _spoilt, _spoilt, again]
-    return draw.choice(makers)(draw)
+    makers = [couple, couple, couple, _spoilt, _spoilt, again, rims, rims]
+    draft = draw.choice(makers)(draw)
+    if draw.random() < 0.3:  # all the way there and back
+        draft.reverse_after, draft.reverse_at = None, draw.choice([5, 10, F(49, 3), 25, 40])
+        draft.until, draft.events, draft.endless = None, None, True
+    return draft
 
 
 def _spoilt(draw: Random) -> Draft:
@@ -182,6 +187,24 @@ def _striker(draw: Random) -> Draft:
     return Draft([*pair, Body(0, 0, 1, 0, 0, mass(draw))])
 
 
+def rims(draw: Random) -> Draft:
+    """A circle is struck onto the axis of a symmetric scene, and comes to rims at it just as it comes to a wall."""
+    draft = _striker(draw)
+    wall, tiny = draw.choice([9, 12, 20]), draw.choice([1, -1, -1]) * TINY
+    draft.walls.append((wall, 0, wall, 1))
+    for side in draw.choice([(1,), (1,), (-1,), (1, -1)]):
+        reach, h, r = draw.choice([(4, 3, 5), (12, 5, 13), (0, 5, 5), (0, 5, 5), (F(3, 5), F(4, 5), 1)])
+        late, lower, far = draw.choice([0, tiny, tiny]), draw.choice([0, 0, tiny]), draw.choice([0, 0, 2])
+        if reach == 0:  # a rim that the axis grazes; perhaps behind the wall
+            lower, far = draw.choice([0, tiny, tiny]), draw.choice([0, 2, 2])
+        draft.pockets.append((wall - 1 + reach + late + far, side * (h + lower), r))
+    if draw.random() < 0.3:
+        draft.bodies.append(Body(-2, 60, 1, 1, 0, mass(draw)))
+    draft.capture = draw.random() < 0.5
+    draft.events = draw.randrange(2, 7)
+    return reversal(draft, draw, 0.15)
+
+
 def again(draw: Random) -> Draft:
     """Struck onto the axis with roots in its speed, a circle grazes a fixed one, and again after a wall askew."""
     draft = _striker(draw)
@@ -199,26 +222,111 @@ def again(draw: Random) -> Draft:
 
 def apart(draw: Random) -> Draft:
     """Two or three clusters far from each other whose contacts come at one instant, some of them touching at time 0."""
+    if draw.random() < 0.2:
+        return sent_back(draw)
     time = draw.choice([0, 0, span(draw)])
     draft = Draft([])
     for k in range(draw.choice([2, 2, 3])):
-        ways, middle = draw.choice([PYTHAGOREAN, PYTHAGOREAN, HEX]), Body(0, 40 * k, 1, *velocity(draw), mass(draw))
-        bodies = [middle]
-        for nx, ny in draw.sample(ways, draw.choice([2, 2, 3])):
-            r, s = (
-                draw.choice([1, F(1, 2), F(1, 3)]),
-                draw.choice([speed(draw), speed(draw), F(1, 10), 0, -speed(draw)]),
-            )
-            x, y = nx * (1 + r), 40 * k + ny * (1 + r)
-            if all((float(x - b.x)) ** 2 + (float(y - b.y)) ** 2 > float(r + b.r) ** 2 - 1e-9 for b in bodies):
-                bodies.append(Body(x, y, r, middle.vx - nx * s, middle.vy - ny * s, mass(draw)))
-        draft.bodies += [b.back(time) for b in bodies]
+        draft.bodies += [b.back(time) for b in _struck(draw, 40 * k)]
     if time == 0 and draw.random() < 0.6:  # a wall that a circle leaves, or comes to, at once
         body = draw.choice(draft.bodies)
         side = draw.choice([1, -1])
         draft.walls.append((body.x + side * body.r, 0, body.x + side * body.r, 1))
         draft.bodies = [b for b in draft.bodies if float(side * (b.x - body.x)) < float(body.r - b.r) + 1e-9]
         body.vx = draw.choice([-side * speed(draw), -side * speed(draw), body.vx])
+        if draw.random() < 0.7:  # and one that sends it back there
+            away = body.x - side * (body.r + 1 + speed(draw))
+            if has_room(draft.bodies, away, body.y, 1):
+                draft.bodies.append(Body(away, body.y, 1, side * speed(draw), 0, draw.choice([1, 2, 5])))
+                body.vy = 0
     if time and draw.random() < 0.3:
         draft.reverse_at = time + draw.choice([0, flaw(draw)])
     return reversal(draft, draw, 0.3)
+
+
+def sent_back(draw: Random) -> Draft:
+    """A blow from two sides on a circle that others touch aside, or graze; all is turned back at its very instant."""
+    m, s, v = mass(draw), speed(draw), speed(draw)
+    (c, h), time = draw.choice([(F(4, 5), F(3, 5)), (F(3, 5), F(4, 5)), (F(12, 13), F(5, 13))]), span(draw)
+    bodies = [Body(0, 0, 1, 0, 0, mass(draw))]
+    for side in (1, -1):
+        bodies.append(Body(-c * F(3, 2), side * h * F(3, 2), F(1, 2), s, 0, m))
+    if not has_room(bodies[1:2], bodies[2].x, bodies[2].y, bodies[2].r):
+        bodies[2:] = []
+    for nx, ny in draw.sample(PYTHAGOREAN, 5):
+        r = draw.choice([F(1, 4), F(1, 8)])
+        if nx < 0 and has_room(bodies, nx * (1 + r), ny * (1 + r), r):
+            bodies.append(Body(nx * (1 + r), ny * (1 + r), r, 0, 0, mass(draw)))
+    for ny in draw.choice([(1,), (-1,), (1, -1)]):
+        if has_room(bodies, 0, ny * F(3, 2), F(1, 2)):
+            bodies.append(Body(0, ny * F(3, 2), F(1, 2), draw.choice([v, -v]), 0, mass(draw)))
+    draft = Draft([b.back(time) for b in bodies])
+    if draw.random() < 0.5:
+        draft.reverse_after = 1
+    else:
+        draft.reverse_at = time
+    return draft
+
+
+def _struck(draw: Random, y: Number) -> list[Body]:
+    """A circle with others around it, hard upon it, slow, lasting or parting; and on these some that graze or last."""
+    ways, middle = draw.choice([PYTHAGOREAN, PYTHAGOREAN, HEX]), Body(0, y, 1, *velocity(draw), mass(draw))
+    bodies = [middle]
+    for nx, ny in draw.sample(ways, draw.choice([2, 2, 3])):
+        r, s = draw.choice([1, F(1, 2), F(1, 3)]), draw.choice([speed(draw), speed(draw), F(1, 10), 0, 0, -speed(draw)])
+        if has_room(bodies, nx * (1 + r), y + ny * (1 + r), r):
+            there = nx * (1 + r), y + ny * (1 + r)
+            bodies.append(Body(*there, r, middle.vx - nx * s, middle.vy - ny * s, mass(draw)))
+    for beside in bodies[1:]:
+        (nx, ny), r, s = draw.choice(ways), draw.choice([1, F(1, 2)]), draw.choice([0, 1, -1]) * speed(draw)
+        x, far = beside.x + nx * (beside.r + r), beside.y + ny * (beside.r + r)
+        if draw.random() < 0.4 and has_room(bodies, x, far, r):
+            bodies.append(Body(x, far, r, beside.vx - ny * s, beside.vy + nx * s, mass(draw)))
+    return bodies
+
+
+def _points(draw: Random) -> Draft:
+    """Points that meet in one place of one or two walls, or at a fixed circle, at one instant."""
+    time, (c, s) = span(draw), draw.choice(PYTHAGOREAN[4:])
+    ways = [v for v in (velocity(draw) for _ in range(6)) if float(v[0]) > 0][: draw.choice([2, 3])]
+    draft = Draft([Body(0, 0, 0, *v, mass(draw), True).back(time + draw.choice([0, 0, 0, flaw(draw)])) for v in ways])
+    draft.walls = draw.choice([[(0, 0, 0, 1)], [(0, 0, 0, 1), (0, 0, s, c)], []])
+    if not draft.walls:
+        draft.bodies.append(Body(1, 0, 1, m=draw.choice([1, 3, "oo"])))
+    draft.policy = draw.choice(["simultaneous", "sequential:order=scene", "sequential:seed=1", "sequential:seed=1"])
+    if draft.policy.endswith("seed=1"):
+        draft.policy = f"sequential:seed={draw.randrange(100)}"
+    draft.events = draw.randrange(1, 5)
+    return reversal(draft, draw, 0.2)
+
+
+def pits(draw: Random) -> Draft:
+    """One or two circles that meet more fixed circles, walls and partners at once than they can move in directions."""
+    if draw.random() < 0.3:
+        return _points(draw)
+    ways = draw.choice([PYTHAGOREAN, PYTHAGOREAN, HEX])
+    time, (vx, vy) = draw.choice([0, span(draw), span(draw)]), draw.choice(PYTHAGOREAN)
+    first = Body(0, 0, 1, vx, vy, mass(draw))
+    movers, rest = [first], []
+    if draw.random() < 0.5:
+        nx, ny = draw.choice(ways)
+        movers.append(Body(2 * nx, 2 * ny, 1, vx, vy, mass(draw)))
+    for _ in range(draw.choice([2, 3, 4, 5])):
+        on, (nx, ny) = draw.choice(movers), draw.choice(ways)
+        r = draw.choice([F(1, 3), F(1, 4), 1])
+        x, y = on.x + nx * (1 + r), on.y + ny * (1 + r)
+        if float(nx * vx + ny * vy) < 0.05 or not has_room([*movers, *rest], x, y, r):
+            continue
+        if draw.random() < 0.25:
+            rest.append(Body(x, y, r, draw.choice([0, -nx]), draw.choice([0, -ny]), mass(draw)))
+        else:
+            rest.append(Body(x, y, r, m="oo"))
+    draft = Draft([b.back(time) for b in [*movers, *rest]])
+    ahead = [b for b in movers if all(float(vx * (b.x - o.x) + vy * (b.y - o.y)) > -1e-9 for o in movers)]
+    if draw.random() < 0.5 and ahead:
+        b = ahead[0]
+        x, y = b.x + vx * b.r, b.y + vy * b.r
+        if all(float((x - o.x) * vx + (y - o.y) * vy) > float(o.r) - 1e-9 for o in rest):
+            draft.walls.append((x, y, x - vy, y + vx))
+    draft.events = draw.randrange(1, 4)
+    return reversal(draft, draw, 0.2)
