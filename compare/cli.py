@@ -36,6 +36,16 @@ Exit codes:
 """
 
 
+class WithDefaultWork(click.Option):
+    """An option whose help ends with the exact engine's default of `work`; the engine is loaded when that is read."""
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        from ..exact.engine import DEFAULT_WORK
+
+        names, text = super().get_help_record(ctx) or ("", "")
+        return names, f"{text} ({DEFAULT_WORK:,})."
+
+
 @click.group(epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.option("--debug", is_flag=True, help="Show the traceback of an internal error.")
 @click.version_option(package_name="truebreak", message="%(prog)s %(version)s")
@@ -65,7 +75,20 @@ POLICY = click.option(
 TIES = click.option(
     "--ties",
     metavar="RULE",
-    help="What the exact engine accepts as a tie: proved (default), probable or assume:BITS.",
+    help="What the exact engine takes for a tie: proved (default), or assume:BITS where proof fails.",
+)
+WORK = click.option(
+    "--work",
+    type=click.IntRange(min=1),
+    metavar="N",
+    cls=WithDefaultWork,
+    help="What one question may cost the exact engine before it is undecided, in counted units of about a microsecond",
+)
+SECONDS = click.option(
+    "--max-seconds",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="S",
+    help="End a run after S seconds, show what it has by then, and exit with 4.",
 )
 SYMMETRIC = click.option(
     "--symmetric",
@@ -119,6 +142,8 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 @click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
 @JSON
 @TIES
+@WORK
+@SECONDS
 @REVERSE
 @POLICY
 @SYMMETRIC
@@ -130,20 +155,23 @@ def run(
     exact: bool,
     as_json: bool,
     ties: str | None,
+    work: int | None,
+    max_seconds: float | None,
     reverse_after: int | None,
     tie_policy: str | None,
     symmetric: bool,
 ) -> int:
     """Run a scene in one engine and print its history."""
+    from .deadline import time_limit
     from .engines import engine
     from .progress import showing_progress
     from .report.listing import print_json, print_trajectory
     from .trajectory_document import trajectory_json
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
-    chosen = engine(with_ties(engine_text, ties))
-    with showing_progress(f"{loaded.name} in {chosen.name}") as progress:
-        trajectory = chosen.run(loaded, until=until, events=events, progress=progress)
+    chosen = engine(with_settings(engine_text, ties=ties, work=work))
+    with showing_progress(f"{loaded.name} in {chosen.name}") as progress, time_limit(max_seconds) as watch:
+        trajectory = chosen.run(loaded, until=until, events=events, progress=watch.watched(progress))
     if as_json:
         print_json(trajectory_json(trajectory, exact=exact))
     else:
@@ -166,6 +194,8 @@ def run(
 @REVERSE
 @POLICY
 @TIES
+@WORK
+@SECONDS
 @SYMMETRIC
 @JSON
 @click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
@@ -179,12 +209,18 @@ def compare(
     reverse_after: int | None,
     tie_policy: str | None,
     ties: str | None,
+    work: int | None,
+    max_seconds: float | None,
     symmetric: bool,
     as_json: bool,
     html: str | None,
     exit_zero: bool,
 ) -> int:
-    """Run a scene in several engines and say whether they tell the same history."""
+    """Run a scene in several engines and say whether they tell the same history.
+
+    With --max-seconds the reference's run ends after S seconds, and what it has by then is compared; each of the
+    other engines gets S seconds too.
+    """
     from .comparison import compare as compare_engines
     from .comparison_document import comparison_json
     from .engines import split_engines
@@ -202,7 +238,8 @@ def compare(
             split_engines(engines),
             until=until,
             events=events,
-            reference=with_ties(reference, ties),
+            reference=with_settings(reference, ties=ties, work=work),
+            max_seconds=max_seconds,
             progress=progress,
         )
     if html is not None:
@@ -224,6 +261,8 @@ def compare(
 @click.option("--cap", type=int, metavar="N", help="The most outcomes to enumerate (256).")
 @click.option("--samples", type=int, metavar="N", help="Orders to draw at random if the cap is hit (64).")
 @click.option("--seed", type=int, default=0, show_default=True, metavar="S", help="The first seed of the sample.")
+@WORK
+@SECONDS
 @JSON
 def orders(
     scene: str,
@@ -233,26 +272,30 @@ def orders(
     cap: int | None,
     samples: int | None,
     seed: int,
+    work: int | None,
+    max_seconds: float | None,
     as_json: bool,
 ) -> int:
     """List every outcome that some order of simultaneous impulses leads to.
 
     Where several contacts fall on one instant, each may get its impulse first. All orders are followed; those that
     swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
+    With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
-    from ..exact.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, all_orders
+    from ..exact.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES
     from ..scenarios.errors import SceneError
     from .engines import engine
+    from .order_search import search_orders
     from .orders_document import orders_json, print_orders
     from .progress import showing_progress
     from .report.listing import print_json
     from .scene_argument import scene_from
 
-    loaded, chosen = scene_from(scene), engine(engine_text)
+    loaded, chosen = scene_from(scene), engine(with_settings(engine_text, work=work))
     if not hasattr(chosen, "run_with"):
         raise SceneError(f"engine {engine_text!r} takes no tie policy from its caller; choose exact or double")
     with showing_progress(f"{loaded.name}: all orders") as progress:
-        tree = all_orders(
+        search = search_orders(
             chosen,  # type: ignore[arg-type]
             loaded,
             until=until,
@@ -260,13 +303,14 @@ def orders(
             cap=DEFAULT_CAP if cap is None else cap,
             samples=DEFAULT_SAMPLES if samples is None else samples,
             seed=seed,
+            max_seconds=max_seconds,
             progress=progress,
         )
     if as_json:
-        print_json(orders_json(loaded, tree))
+        print_json(orders_json(loaded, search.tree, search.stop))
     else:
-        print_orders(loaded, tree)
-    return DONE
+        print_orders(loaded, search.tree, search.stop)
+    return DONE if search.stop is None else of_stop(search.stop)
 
 
 @cli.command(context_settings={"ignore_unknown_options": True, "help_option_names": []}, add_help_option=False)
@@ -305,11 +349,14 @@ def changed(
     return loaded
 
 
-def with_ties(engine_text: str, ties: str | None) -> str:
-    """An engine's text with the rule on ties among its settings."""
-    if ties is None:
-        return engine_text
-    return f"{engine_text}{',' if ':' in engine_text else ':'}ties={ties}"
+def with_settings(engine_text: str, **settings: str | int | None) -> str:
+    """An engine's text with more settings; None leaves one as it is.
+
+    >>> with_settings("exact:max_bits=4096", ties=None, work=10)
+    'exact:max_bits=4096,work=10'
+    """
+    given = ",".join(f"{key}={value}" for key, value in settings.items() if value is not None)
+    return f"{engine_text}{',' if ':' in engine_text else ':'}{given}" if given else engine_text
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -357,9 +404,13 @@ def _run(words: list[str]) -> int:
         command = error.ctx.command_path if error.ctx else Path("truebreak").name
         _say(f"truebreak: error: {' '.join(error.format_message().split())} (see {command} --help)")
         return ExitCode.USAGE
-    except ValueError as error:
+    except Exception as error:
         from ..scenarios.errors import SceneError
+        from .deadline import OutOfTime
 
+        if isinstance(error, OutOfTime):
+            _say(f"truebreak: out of time, with nothing to show yet: {error}")
+            return ExitCode.UNDECIDED
         if not isinstance(error, SceneError):
             raise
         _say(f"truebreak: error: {' '.join(str(error).split())}")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import Progress, StopReason, Trajectory
 from .candidate import Candidate, Verdict
+from .deadline import time_limit, uninterrupted
 from .engines import engine as engine_named
 from .outcomes import outcomes_of
 from .permitted import PermittedPatterns, permitted_patterns
@@ -81,6 +82,7 @@ def compare(
     reference: str | Engine = "exact",
     outcomes: Mapping[str, Outcome] | None = None,
     causes: bool = True,
+    max_seconds: float | None = None,
     progress: OnProgress | None = None,
 ) -> Comparison:
     """Runs `scene` in a reference engine and in others, and says where their histories part.
@@ -95,11 +97,15 @@ def compare(
         reference: the engine taken as the truth.
         outcomes: further outcomes by name.
         causes: whether to find out, by further runs, why an engine diverged.
+        max_seconds: ends the reference's run after so many seconds, and each candidate's; what they have by then is
+            compared. No experiment on causes gets more either.
         progress: called now and then with how far a run is.
 
     Raises:
         SceneError: for an unknown engine or parameter, a limit that is not positive, or a scene that the
             reference cannot run.
+        OutOfTime: if `max_seconds` are over and there is nothing yet to compare.
+        KeyboardInterrupt: if the user interrupts it.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> compare(Scene([Circle(0, 0, vx=1), Circle(4, 0)]), ["double"], until=5).verdict
@@ -112,9 +118,11 @@ def compare(
     chosen = [(_label(e), engine_named(e) if isinstance(e, str) else e) for e in engines]
     truth = engine_named(reference) if isinstance(reference, str) else reference
     began = clock.perf_counter()
-    told = truth.run(scene, until=until, events=events, progress=_noted(progress, truth.name))
+    with time_limit(max_seconds) as watch:
+        noted = watch.watched(_noted(progress, truth.name))
+        told = uninterrupted(truth.run(scene, until=until, events=events, progress=noted))
     seconds = clock.perf_counter() - began
-    study = Study(scene, truth, told, until, events, seconds)
+    study = Study(scene, truth, told, until, events, seconds, max_seconds)
     found = outcomes_of(told, outcomes)
     results = []
     for label, engine in chosen:
@@ -123,7 +131,8 @@ def compare(
     other = any("break_pattern" in c.changed and c.verdict != "undecided" for c in results)
     search = causes and other and told.stop.reason not in UNDONE
     histories = [c.trajectory for c in results if c.alignment.divergence is not None]
-    permitted = permitted_patterns(truth, told, seconds, histories, _noted(progress, "orders")) if search else None
+    orders = _noted(progress, "orders")
+    permitted = permitted_patterns(truth, told, seconds, histories, orders, max_seconds) if search else None
     miss = return_miss(told, told)
     return Comparison(scene, told, tuple(results), found, study.span, miss, permitted, seconds)
 

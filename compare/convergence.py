@@ -13,6 +13,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .deadline import uninterrupted
+
 if TYPE_CHECKING:
     from ..scenarios.scene import Scene
 
@@ -76,9 +78,9 @@ def distances(subject: Subject, step: Fraction) -> Iterator[Distance]:
     from ..exact.engine import ExactEngine
     from ..floating.pymunk_engine import PymunkEngine
 
-    played = PymunkEngine(dt=float(step)).run(subject.scene, until=subject.until).final.array()
+    played = uninterrupted(PymunkEngine(dt=float(step)).run(subject.scene, until=subject.until)).final.array()
     for policy in POLICIES:
-        exact = ExactEngine().run(subject.scene.with_changes(tie_policy=policy), until=subject.until)
+        exact = uninterrupted(ExactEngine().run(subject.scene.with_changes(tie_policy=policy), until=subject.until))
         apart = np.abs(played - exact.final.array())
         yield Distance(policy, float(apart[:, 2:].max()), float(apart[:, :2].max()))
 

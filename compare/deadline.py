@@ -1,25 +1,41 @@
-"""Ends a run that takes too long, through its progress callback."""
+"""Ends runs: experiments that take too long, and runs for which the user allowed no more seconds or pressed Ctrl-C."""
 
 from __future__ import annotations
 
+import signal
+import sys
+import threading
 import time as clock
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
 from typing import TYPE_CHECKING
 
+from ..scenarios.errors import SceneError, TimeIsUp
+
 if TYPE_CHECKING:
-    from ..scenarios.trajectory import OnProgress, Progress
+    from ..scenarios.trajectory import OnProgress, Progress, Trajectory
+
+AGAIN_SECONDS = 0.05
+"""Once the seconds are over, how often a place is looked for at which a run can be ended."""
+
+_ROOT = __name__.rpartition(".compare")[0]
+
+ENGINES = (f"{_ROOT}.exact.", f"{_ROOT}.floating.")
+"""Where engines are: a function there that names `TimeIsUp` is a loop that catches it."""
 
 
 class OutOfTime(Exception):
-    """A run went past its deadline."""
+    """A run went past its deadline, and nothing of it is to be had."""
 
 
-def limited(progress: OnProgress | None, seconds: float) -> OnProgress:
-    """A callback that raises `OutOfTime` once that many seconds have gone by, and hands progress on until
-    then.
+def limited(progress: OnProgress | None, seconds: float, max_seconds: float | None = None) -> OnProgress:
+    """A callback that raises `OutOfTime` once that many seconds have gone by, or `max_seconds` if those are fewer,
+    and hands progress on until then.
 
     Engines call it between events, several times a second, so a run ends soon after its deadline.
     """
-    deadline = clock.monotonic() + seconds
+    deadline = clock.monotonic() + (seconds if max_seconds is None else min(seconds, max_seconds))
 
     def checked(state: Progress) -> None:
         if clock.monotonic() > deadline:
@@ -28,3 +44,125 @@ def limited(progress: OnProgress | None, seconds: float) -> OnProgress:
             progress(state)
 
     return checked
+
+
+def uninterrupted(trajectory: Trajectory) -> Trajectory:
+    """The same, for whoever needs a run's result and not just what there is of it.
+
+    Raises:
+        KeyboardInterrupt: if the user interrupted the run.
+    """
+    from ..scenarios.trajectory import StopReason
+
+    if trajectory.stop.reason is StopReason.INTERRUPTED:
+        raise KeyboardInterrupt
+    return trajectory
+
+
+def checked_seconds(seconds: float | None) -> float | None:
+    """A number of seconds that can be waited for; None means no limit.
+
+    Raises:
+        SceneError: for any other.
+    """
+    if seconds is not None and not 0 < seconds <= threading.TIMEOUT_MAX:
+        raise SceneError(f"max_seconds = {seconds!r}: must be a number of seconds above zero")
+    return seconds
+
+
+class Clock:
+    """The seconds of one `time_limit`.
+
+    Attributes:
+        seconds: how many; None: no limit.
+    """
+
+    def __init__(self, seconds: float | None) -> None:
+        self.seconds = seconds
+        self._deadline = None if seconds is None else clock.monotonic() + seconds
+
+    @property
+    def over(self) -> bool:
+        """Whether they have gone by."""
+        return self._deadline is not None and clock.monotonic() >= self._deadline
+
+    def is_up(self) -> TimeIsUp:
+        """What ends a run then."""
+        return TimeIsUp(f"{self.seconds:g} second{'' if self.seconds == 1 else 's'} (--max-seconds)")
+
+    def watched(self, progress: OnProgress | None) -> OnProgress | None:
+        """A callback that ends a run once they are over, and hands progress on until then."""
+        if self.seconds is None:
+            return progress
+
+        def checked(state: Progress) -> None:
+            if self.over:
+                raise self.is_up()
+            if progress is not None:
+                progress(state)
+
+        return checked
+
+
+@contextmanager
+def time_limit(seconds: float | None) -> Iterator[Clock]:
+    """Ends the runs of engines in its body after so many seconds, all told: they come back with a stop for BUDGET.
+
+    In the main thread, where the platform has timers, a run ends wherever it is. Elsewhere, and in pymunk, it ends
+    when it next tells its progress, for which it must be given `Clock.watched`.
+
+    Raises:
+        OutOfTime: if the seconds are over and there is no partial result, which is unlikely.
+        SceneError: for seconds that are not above zero.
+    """
+    watch = Clock(checked_seconds(seconds))
+    try:
+        with _alarm(watch):
+            yield watch
+    except TimeIsUp as outcome:
+        raise OutOfTime(str(outcome)) from None
+
+
+@contextmanager
+def _alarm(watch: Clock) -> Iterator[None]:
+    """Raises `TimeIsUp` in its body when the seconds are over, at a place where an engine's loop catches it."""
+    timers = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
+    if watch.seconds is None or not timers:
+        yield
+        return
+
+    def ring(number: int, frame: FrameType | None) -> None:
+        if watch.over and _can_end(frame):
+            raise watch.is_up()
+
+    began = clock.monotonic()
+    handler = signal.signal(signal.SIGALRM, ring)
+    left, interval = signal.setitimer(signal.ITIMER_REAL, watch.seconds, AGAIN_SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, handler)
+        if left:  # another timer was at work: pytest's, say
+            signal.setitimer(signal.ITIMER_REAL, max(left - (clock.monotonic() - began), 0.001), interval)
+
+
+def _can_end(frame: FrameType | None) -> bool:
+    """Whether `TimeIsUp`, raised in a frame, reaches the loop of an engine that catches it, and is not caught yet.
+
+    Of what is outside of a loop there is no partial result. What C calls must not raise, for C code goes on, so
+    pymunk's engine is left to tell its progress.
+    """
+    handled = sys.exc_info()[1]
+    while handled is not None:
+        if isinstance(handled, TimeIsUp):
+            return False
+        handled = handled.__context__
+    while frame is not None:
+        module = str(frame.f_globals.get("__name__"))
+        if "pymunk" in module:
+            return False
+        if module.startswith(ENGINES) and "TimeIsUp" in frame.f_code.co_names and frame.f_code.co_name != "<module>":
+            return True
+        frame = frame.f_back
+    return False

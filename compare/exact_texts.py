@@ -2,31 +2,41 @@
 
 from __future__ import annotations
 
-import time as clock
 from dataclasses import dataclass, field
 from typing import Any
 
 from .amounts import exact_text
 
-NORMAL_SECONDS = 5.0
-"""Time that one document may spend on normal forms. Values get deeper with every collision, and soon none
-has one that could be written; those left are given by definitions, which costs little."""
+NORMAL_WORK = 5_000_000
+"""What one document may spend on normal forms, in units of about a microsecond that are counted, not timed, so that
+it is the same on every machine. Values get deeper with every collision, and soon none has a normal form that could be
+written; those left are given by definitions, which costs little."""
 
 NORMAL_LENGTH = 4_000
 """Characters beyond which a normal form is longer than anyone would read."""
 
+VALUE_UNITS, CHARACTER_UNITS = 1_000, 2
+"""What a normal form is taken to cost, for itself and for each character."""
+
+STEP_UNITS = 150
+"""What each step of the log before a value is taken to cost, where the value is not at hand."""
+
+FAILED_UNITS = 200_000
+"""What a value is taken to cost that turns out to have none; the search for it is bounded too."""
+
 
 @dataclass
 class ExactTexts:
-    """Collects the exact values of a document and writes them out.
+    """Collects the exact values of a document and writes them out, those first that come first.
 
     Attributes:
-        seconds: time left for normal forms.
+        work: units left for normal forms.
         deep: rows, keys and values to be given by definitions.
     """
 
-    seconds: float = NORMAL_SECONDS
+    work: int = NORMAL_WORK
     deep: list[tuple[dict[str, Any], str, Any]] = field(default_factory=list)
+    _failed: dict[tuple[int, ...], int] = field(default_factory=dict)
 
     def put(self, row: dict[str, Any], key: str, value: Any) -> None:
         """Puts the text of a value into a row under `KEY_exact`, now or in `finish`.
@@ -36,15 +46,30 @@ class ExactTexts:
         >>> row
         {'x_exact': '3/8'}
         """
-        text = None
-        if self.seconds > 0:
-            began = clock.perf_counter()
-            text = exact_text(value)
-            self.seconds -= clock.perf_counter() - began
-        if hasattr(value, "formula") and (text is None or len(text) > NORMAL_LENGTH):
+        if not hasattr(value, "formula"):
+            row[f"{key}_exact"] = exact_text(value)
+            return
+        row[f"{key}_exact"] = text = self._normal_form(value)
+        if text is None:
             self.deep.append((row, f"{key}_exact", value))
-            text = None
-        row[f"{key}_exact"] = text
+
+    def _normal_form(self, value: Any) -> str | None:
+        """The normal form of a value of an exact run; None if it is too long, or too much work.
+
+        A circle whose state had none earlier has none later.
+        """
+        if self.work <= 0 or any(
+            value.upto >= upto and set(bodies) <= set(value.bodies) for bodies, upto in self._failed.items()
+        ):
+            return None
+        text = exact_text(value)
+        if text is None:
+            self.work -= FAILED_UNITS
+            self._failed[value.bodies] = min(value.upto, self._failed.get(value.bodies, value.upto))
+            return None
+        steps = value.upto if hasattr(value.near, "rel_accuracy_bits") else 0
+        self.work -= VALUE_UNITS + STEP_UNITS * steps + CHARACTER_UNITS * len(text)
+        return text if len(text) <= NORMAL_LENGTH else None
 
     def finish(self) -> dict[str, str]:
         """Fills in the values put off, and gives the definitions that their texts refer to, in order."""

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal, TypeAlias
 
+from .deadline import uninterrupted
 from .engines import engine
 from .rivals import run_billiards, run_perfect_physics
 
@@ -132,7 +133,7 @@ def running(name: str, scene: Any, events: int) -> Callable[[], object]:
     runner = engine(name)
 
     def run() -> None:
-        reached = len(runner.run(scene, events=events).events)
+        reached = len(uninterrupted(runner.run(scene, events=events)).events)
         if reached != events:
             raise RuntimeError(f"{name} reached {reached} of {events} instants of {scene.name}")
 
@@ -200,7 +201,7 @@ def pymunk_overhead(size: Size) -> Figure:
         for _ in range(size.steps):
             step(dt)
 
-    pair = interleaved(lambda: runner.run(scene, until=until), bare, 3 * size.repeats)
+    pair = interleaved(lambda: uninterrupted(runner.run(scene, until=until)), bare, 3 * size.repeats)
     what = f"10 discs, {size.steps:,} time steps: pymunk engine / bare space.step"
     return Figure("pymunk-overhead", what, *pair, Target("ratio", "at most", 1.2))
 

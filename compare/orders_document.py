@@ -10,12 +10,13 @@ from .trajectory_document import stop_json
 if TYPE_CHECKING:
     from ..exact.all_orders import OrderTree, Outcome
     from ..scenarios.scene import Scene
+    from ..scenarios.trajectory import Stop
 
 ORDERS_SCHEMA = "truebreak/orders-1"
 
 
-def orders_json(scene: Scene, tree: OrderTree) -> dict[str, Any]:
-    """The object that `truebreak orders --json` prints."""
+def orders_json(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> dict[str, Any]:
+    """The object that `truebreak orders --json` prints; with a stop if the search was ended before it was done."""
     return {
         "schema": ORDERS_SCHEMA,
         "scene": {"name": scene.name, "digest": scene.digest},
@@ -24,6 +25,7 @@ def orders_json(scene: Scene, tree: OrderTree) -> dict[str, Any]:
         "merged": tree.merged,
         "swapped": tree.swapped,
         "sampled": tree.sampled,
+        **({} if stop is None else {"stop": stop_json(stop)}),
         "outcomes": [_outcome_json(outcome) for outcome in tree.outcomes],
     }
 
@@ -53,7 +55,7 @@ def _outcome_json(outcome: Outcome) -> dict[str, Any]:
     }
 
 
-def print_orders(scene: Scene, tree: OrderTree) -> None:
+def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> None:
     """The outcomes, one a row, with the choices that lead to each and the velocities at the end."""
     from rich.markup import escape
 
@@ -64,6 +66,9 @@ def print_orders(scene: Scene, tree: OrderTree) -> None:
     found = counted(len(tree.outcomes), "outcome")
     if tree.complete:
         say(out, f"{scene.name}: {found}, over all orders of simultaneous impulses.", "bold")
+    elif stop is not None:
+        drawn = f", {counted(tree.sampled, 'order')} drawn at random among them" if tree.sampled else ""
+        say(out, f"{scene.name}: {found} so far{drawn}: {stop.message}. There may be more.", "bold")
     else:
         say(
             out,

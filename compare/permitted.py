@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..scenarios.trajectory import StopReason
 from .break_pattern import break_pattern
-from .deadline import OutOfTime, limited
+from .deadline import OutOfTime, limited, uninterrupted
 from .engines import is_stepped
 
 if TYPE_CHECKING:
@@ -84,6 +84,7 @@ def permitted_patterns(
     seconds: float,
     histories: Sequence[Trajectory] = (),
     progress: OnProgress | None = None,
+    max_seconds: float | None = None,
 ) -> PermittedPatterns | None:
     """The patterns under each policy and over all sequential orders.
 
@@ -93,6 +94,7 @@ def permitted_patterns(
         seconds: how long the reference's run took.
         histories: runs whose own order of impulses is followed as far as the exact engine allows it, so that a
             permitted pattern is found even where the orders are too many to enumerate.
+        max_seconds: what the user allows any one run; the search gets no more.
     """
     exact = break_pattern(reference)
     if exact is None:
@@ -101,27 +103,30 @@ def permitted_patterns(
     by_policy: dict[str, Pattern] = {str(scene.tie_policy): exact}
     if not any(event.coupled for event in reference.events):
         return PermittedPatterns(exact, by_policy, (exact,))
-    watched = limited(progress, SEARCH_SECONDS)
+    watched = limited(progress, SEARCH_SECONDS, max_seconds)
     patterns: list[Pattern] = []
     complete = False
     try:
         for policy in POLICIES:
             if policy not in by_policy:
-                pattern = _pattern(truth.run(scene.with_changes(tie_policy=policy), until=end, progress=watched))
+                run = truth.run(scene.with_changes(tie_policy=policy), until=end, progress=watched)
+                pattern = _pattern(uninterrupted(run))
                 if pattern is not None:
                     by_policy[policy] = pattern
         if hasattr(truth, "run_with"):
             from ..exact.all_orders import all_orders
             from ..exact.policies.guided import Guided
+            from .order_search import Attended
 
             for history in histories:
                 policy = Guided(scene, history, is_stepped(history.engine))
                 guided = truth.run_with(scene, policy, until=end, progress=watched)  # type: ignore[attr-defined]
-                pattern = _pattern(guided)
+                pattern = _pattern(uninterrupted(guided))
                 if pattern is not None and pattern not in patterns:
                     patterns.append(pattern)
             cap = max(LEAST_CAP, min(GREATEST_CAP, int(SEARCH_SECONDS / 2 / max(seconds, 1e-3))))
-            tree = all_orders(truth, scene, until=end, cap=cap, samples=cap // SAMPLE_SHARE, progress=watched)  # type: ignore[arg-type]
+            attended = Attended(truth)  # type: ignore[arg-type]
+            tree = all_orders(attended, scene, until=end, cap=cap, samples=cap // SAMPLE_SHARE, progress=watched)
             found = [_pattern(outcome.trajectory) for outcome in tree.outcomes]
             complete = tree.complete and None not in found
             for pattern in found:

@@ -13,7 +13,7 @@ from ..scenarios.trajectory import Stop, StopReason, Trajectory
 from .align import Alignment, align
 from .candidate import Candidate
 from .causes import cause_of, cause_of_stop
-from .deadline import OutOfTime, limited
+from .deadline import OutOfTime, limited, time_limit, uninterrupted
 from .engines import is_stepped
 from .margin import margin
 from .outcomes import changed_outcomes, outcomes_of
@@ -44,7 +44,12 @@ PATIENCE_LEAST = 5.0
 
 @dataclass
 class Study:
-    """One reference run, with what is needed to hold others against it."""
+    """One reference run, with what is needed to hold others against it.
+
+    Attributes:
+        seconds: how long it took.
+        max_seconds: what the user allows any one run; None: no limit.
+    """
 
     scene: Scene
     truth: Engine
@@ -52,6 +57,7 @@ class Study:
     until: QuantityLike | None
     events: int | None
     seconds: float = 0.0
+    max_seconds: float | None = None
     longer: Trajectory | None = None
 
     @property
@@ -73,13 +79,18 @@ class Study:
     ) -> Trajectory:
         """Another engine's run over the span and a little more.
 
+        Args:
+            seconds: for an experiment, of which a part is of no use.
+
         Raises:
             OutOfTime: if it takes longer than `seconds`.
         """
-        length = self.span or self.limit or 1.0
+        length = (self.span or self.limit or 1.0) * (1 + OVERRUN)
         if seconds is not None:
-            progress = limited(progress, seconds)
-        return engine.run(scene, until=length * (1 + OVERRUN), events=self.cap, progress=progress)
+            watched = limited(progress, seconds, self.max_seconds)
+            return uninterrupted(engine.run(scene, until=length, events=self.cap, progress=watched))
+        with time_limit(self.max_seconds) as watch:
+            return uninterrupted(engine.run(scene, until=length, events=self.cap, progress=watch.watched(progress)))
 
     def experiment(
         self,
@@ -97,7 +108,8 @@ class Study:
         """
         length = longer * divergence.time or self.span or self.limit or 1.0
         count = EVENTS_FACTOR * divergence.event + EVENTS_MORE
-        return engine.run(scene, until=length, events=min(count, self.cap), progress=limited(progress, seconds))
+        watched = limited(progress, seconds, self.max_seconds)
+        return uninterrupted(engine.run(scene, until=length, events=min(count, self.cap), progress=watched))
 
     @property
     def cap(self) -> int:
@@ -113,7 +125,8 @@ class Study:
                 done = len(self.reference.events)
                 more = done + max(len(self.scene.circles), int(done * MORE_REFERENCE))
                 try:
-                    self.longer = self.truth.run(self.scene, events=more, progress=limited(progress, self.patience))
+                    watched = limited(progress, self.patience, self.max_seconds)
+                    self.longer = uninterrupted(self.truth.run(self.scene, events=more, progress=watched))
                 except OutOfTime:
                     self.longer = self.reference
             alignment = align(self.longer, trajectory, span=self.span, step=step)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .align import align
+from .deadline import uninterrupted
 from .engines import engine
 
 if TYPE_CHECKING:
@@ -75,14 +76,14 @@ def tradeoffs(scene: Scene, events: int, settings: Iterable[str] = SETTINGS) -> 
 
 def between_events(scene: Scene, events: int) -> float:
     """A time half-way between an exact event and the next, so that rounding decides nothing there."""
-    before, after = engine("exact").run(scene, events=events + 1).events[-2:]
+    before, after = uninterrupted(engine("exact").run(scene, events=events + 1)).events[-2:]
     return (float(before.time) + float(after.time)) / 2
 
 
 def _timed(text: str, scene: Scene, until: float) -> tuple[Trajectory, float]:
     runner = engine(text)
     start = time.perf_counter()
-    run = runner.run(scene, until=until)
+    run = uninterrupted(runner.run(scene, until=until))
     return run, time.perf_counter() - start
 
 

@@ -24,7 +24,6 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
             refer to `definitions`, each a text of numbers and of the definitions before it.
     """
     texts = ExactTexts() if exact else None
-    final = state_json(trajectory.final, texts)
     data: dict[str, Any] = {
         "schema": TRAJECTORY_SCHEMA,
         "scene": scene_json(trajectory),
@@ -33,7 +32,7 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
         "certified": trajectory.certified,
         "collisions": trajectory.collisions,
         "events": [event_json(event, texts, trajectory.rests_on(event.index)) for event in trajectory.events],
-        "final": final,
+        "final": state_json(trajectory.final, texts),
         "plan": plain(trajectory.plan),
     }
     if trajectory.reversal is not None:

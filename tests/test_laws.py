@@ -302,6 +302,7 @@ COSTS = {
     "pair_gap": 5,
     "pair_discriminant": 10,
     "pair_hit_time": 2,
+    "pair_nearest_time": 5,
     "pair_impulse": 11,
     "pair_mix": 21,
     "wall_gap": 6,

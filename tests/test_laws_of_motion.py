@@ -14,7 +14,8 @@ from flint import arb, ctx
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from truebreak.exact import ExactEngine, certify, live
+from truebreak.exact import ExactEngine, live
+from truebreak.exact.predicates import cascade, filtered_prediction
 from truebreak.floating import DoubleEngine, IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
 
@@ -253,8 +254,9 @@ def fingerprint(run):
 def test_the_precision_that_a_run_starts_with_does_not_matter(seed, monkeypatch):
     scene, seen = gas(seed), []
     for first, quick in ((256, 128), (64, 64), (128, 128), (512, 512), (1000, 96)):
-        monkeypatch.setattr(certify, "FIRST_BITS", first)
-        monkeypatch.setattr(certify, "QUICK_BITS", quick)
+        monkeypatch.setattr(cascade, "FIRST_BITS", first)
+        for module in (cascade, filtered_prediction):
+            monkeypatch.setattr(module, "QUICK_BITS", quick)
         seen.append(fingerprint(ExactEngine().run(scene, events=150)))
     assert all(one == other for one, other in pairwise(seen))
 

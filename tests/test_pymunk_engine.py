@@ -5,6 +5,8 @@ from __future__ import annotations
 import doctest
 import math
 import random
+import signal
+import threading
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 
@@ -15,7 +17,9 @@ import pytest
 from truebreak.floating import pymunk_engine
 from truebreak.floating.knots import DoubleMotion
 from truebreak.floating.pymunk_engine import PymunkEngine, bench_overhead
-from truebreak.scenarios import Circle, Contact, Scene, SceneError, StopReason, Trajectory, Wall
+from truebreak.scenarios import Circle, Contact, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
+from truebreak.scenarios.errors import TimeIsUp
+from truebreak.scenarios.trajectory import Progress, Stop
 
 FINE = PymunkEngine(dt=1 / 16384)
 BOX = [
@@ -423,10 +427,46 @@ def failing(error: BaseException) -> Callable[..., None]:
     return fail
 
 
+def assert_begins_like(part: Trajectory, whole: Trajectory) -> None:
+    """A run that was cut is the beginning of the whole, and its final state is the whole's at that time."""
+    assert part.events == whole.events[: len(part.events)]
+    assert float(part.final_time) < float(whole.final_time)
+    assert len(part.events) == sum(float(event.time) <= float(part.final_time) for event in whole.events)
+    assert np.allclose(part.final.array(), whole.at(part.final_time).array(), rtol=0, atol=1e-9)
+
+
 def test_an_interrupt_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pymunk_engine, "PROGRESS_SECONDS", 0.0)
-    with pytest.raises(KeyboardInterrupt):
-        PymunkEngine().run(gas(), until=100, progress=failing(KeyboardInterrupt()))
+    run = PymunkEngine().run(gas(), until=100, progress=failing(KeyboardInterrupt()))
+    assert run.stop.reason is StopReason.INTERRUPTED
+    assert run.final_time == pymunk_engine.STRETCH / 256
+    assert_begins_like(run, PymunkEngine().run(gas(), until=100))
+
+
+def test_the_end_of_the_users_time_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pymunk_engine, "PROGRESS_SECONDS", 0.0)
+    told: list[Progress] = []
+
+    def progress(state: Progress) -> None:
+        told.append(state)
+        if len(told) == 9:
+            raise TimeIsUp("3 seconds")
+
+    run = PymunkEngine().run(gas(), until=100, progress=progress)
+    assert run.stop == Stop(StopReason.BUDGET, "the budget is spent: 3 seconds")
+    assert (run.final_time, len(run.events)) == (told[-1].time, told[-1].events)
+    assert len(run.events) > 5
+    assert_begins_like(run, PymunkEngine().run(gas(), until=100))
+
+
+def test_control_c_waits_for_the_end_of_a_step() -> None:
+    """The signal mostly comes while C code is at work; raised there it would be printed, and lost."""
+    timer = threading.Timer(0.3, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    run = PymunkEngine(max_steps=10**9).run(catalogue.build("gas"), until=10**6)
+    assert run.stop.reason is StopReason.INTERRUPTED
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert_begins_like(run, PymunkEngine().run(catalogue.build("gas"), until=float(run.final_time) + 1))
 
 
 def test_an_interrupt_while_pymunk_reports_a_contact_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:

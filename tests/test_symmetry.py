@@ -1,4 +1,7 @@
-"""Symmetry: what a mirror or a rotation proves, for how long, and that the least flaw ends it."""
+"""Symmetric scenes: what a mirror or a rotation of a scene leads to, and what the least flaw changes.
+
+What proves ties is the form of causal pasts (`test_log_symmetry`): a scene's own symmetry, and its end, do not.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +10,14 @@ from typing import Any
 
 import pytest
 from flint import arb, ctx  # type: ignore[attr-defined]
+from touch import assert_all_touch, proofs
 
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers.field import field_ball
-from truebreak.exact.symmetry import Symmetry, projections, symmetries
+from truebreak.exact.predicates.held import Held
+from truebreak.exact.predicates.log_symmetry import LogSymmetry
+from truebreak.exact.predicates.past import Past
+from truebreak.exact.symmetry import Symmetry, symmetries
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.trajectory import TieProof
@@ -31,9 +38,10 @@ def run(scene: Scene, events: int = INSTANTS) -> Trajectory:
 def images(scene: Scene, symmetry: Symmetry) -> Callable[[Contact], Contact]:
     """From a contact to its image."""
     places = {name: place for place, name in enumerate(scene.ids)}
+    to = [*symmetry.circles, *(len(scene.circles) + wall for wall in symmetry.walls)]
 
     def image(contact: Contact) -> Contact:
-        i, j = symmetry.image((places[contact.first], places[contact.second]))
+        i, j = sorted(to[places[name]] for name in contact)
         return Contact(scene.ids[i], scene.ids[j])
 
     return image
@@ -145,8 +153,14 @@ def test_a_circle_that_two_mirrors_keep_stands_still() -> None:
     """Four balls fly at one in the middle."""
     around = [Circle(x, y, vx=-x // 6, vy=-y // 6) for x, y in ((6, 0), (0, 6), (-6, 0), (0, -6))]
     scene = Scene([Circle(0, 0, id="middle"), *around])
-    (matrix, _) = projections(scene, symmetries(scene))[0]
+    held = Held(scene, LogSymmetry(scene, Past([True] * 5, [])))
+    assert held
+    projection = held(0)
+    assert projection is not None
+    matrix, centre = projection
     assert all(entry == 0 for entry in matrix)
+    assert centre == (0, 0)
+    assert held(1) is not None  # it flies along its own mirror line
     trajectory = run(scene)
     assert [float(v) for v in (trajectory.final["middle"].vx, trajectory.final["middle"].vy)] == [0, 0]
     assert len(trajectory.events[0].contacts) == 4
@@ -173,14 +187,34 @@ def nudged(scene: Scene, name: str, **changes: Quantity) -> Scene:
 FLAWS = {"x": TINY, "y": TINY, "vx": TINY, "vy": -TINY, "m": TINY, "r": -TINY}
 
 
-def assert_flaw_noticed(flawed: Scene, whole: Scene, events: int = 60) -> None:
-    """No proof by symmetry, some instant parted, and the very history that long intervals certify."""
+def pasts_of_ties(trajectory: Trajectory) -> Iterator[tuple[set[str], set[str]]]:
+    """For each tie by symmetry, the circles and walls on which either contact depends."""
+    movable = {circle.id for circle in trajectory.scene.circles if not circle.fixed}
+    cone = {name: {name} for name in trajectory.scene.ids}
+    for event in trajectory.events:
+        for tie in event.ties:
+            if tie.proof is TieProof.SYMMETRY:
+                first, second = (cone[contact.first] | cone[contact.second] for contact in tie.contacts)
+                yield first, second
+        for _ in event.contacts:  # as often as a round may reach one circle further
+            for contact in event.contacts:
+                met = cone[contact.first] | cone[contact.second]
+                for name in movable & set(contact):
+                    cone[name] = met
+
+
+def assert_flaw_noticed(flawed: Scene, whole: Scene, alone: str | None = None, events: int = 60) -> None:
+    """Some instant parted, the ties left are ties, and the very history that long intervals certify.
+
+    Args:
+        alone: a circle whose kind no other has: what depends on it is no image of what does not.
+    """
     assert symmetries(flawed) == ()
     trajectory, before = run(flawed, events), run(whole, events)
     assert trajectory.certified
     assert trajectory.stop.reason is StopReason.EVENTS
-    proofs = {tie.proof for event in trajectory.events for tie in event.ties}
-    assert TieProof.SYMMETRY not in proofs
+    assert_all_touch(trajectory)
+    assert all((alone in first) == (alone in second) for first, second in pasts_of_ties(trajectory))
     images_of = [images(whole, symmetry) for symmetry in symmetries(whole)]
     parted = [
         event
@@ -210,7 +244,7 @@ def assert_certified_by_intervals(trajectory: Trajectory) -> None:
 )
 def test_a_flaw_of_a_circle_is_noticed(spec: str, circle: str, key: str) -> None:
     whole = catalogue.build(spec)
-    assert_flaw_noticed(nudged(whole, circle, **{key: FLAWS[key]}), whole)
+    assert_flaw_noticed(nudged(whole, circle, **{key: FLAWS[key]}), whole, circle if key in ("m", "r") else None)
 
 
 @pytest.mark.parametrize("key", ["y0", "y1"])
@@ -232,12 +266,31 @@ def test_the_two_hits_of_a_flawed_pair_are_as_far_apart_as_they_should_be() -> N
     assert 0 < apart < arb(10) ** -29
 
 
-def test_a_flaw_in_a_part_that_takes_no_part_still_ends_the_proof_but_not_the_tie() -> None:
-    """A far ball breaks the scene's symmetry, and the tie is proved by other means."""
-    scene = Scene([Circle(0, 0, vx=1), Circle(9, 1), Circle(9, -1), Circle(50, 7, vx=1, r=3)])
+def test_a_part_that_takes_no_part_ends_the_symmetry_of_the_scene_and_no_proof() -> None:
+    """A ball beyond the walls breaks the scene's symmetry; the ties within are proved as before."""
+    whole = catalogue.build(OPEN_RACK)
+    scene = whole.with_changes(circles=[*whole.circles, Circle(50, 100, vy=7, r=3, id="stranger")])
     assert symmetries(scene) == ()
-    (event,) = run(scene).events[:1]
-    assert [tie.proof.proved and tie.proof is not TieProof.SYMMETRY for tie in event.ties] == [True]
+    trajectory, before = run(scene, 60), run(whole, 60)
+    assert trajectory.certified
+    assert [(e.contacts, e.ties) for e in trajectory.events] == [(e.contacts, e.ties) for e in before.events]
+    assert TieProof.SYMMETRY in proofs(trajectory)
+
+
+def test_a_part_that_comes_to_take_part_ends_only_what_depends_on_it() -> None:
+    """The same ball within the walls, until it meets one of the rack's, and after."""
+    whole = catalogue.build(OPEN_RACK)
+    scene = whole.with_changes(circles=[*whole.circles, Circle(40, 30, r="1/2", id="stranger")])
+    trajectory = run(scene, 80)
+    assert trajectory.certified
+    assert_all_touch(trajectory)
+    met = next(event.index for event in trajectory.events if any("stranger" in contact for contact in event.contacts))
+    before = [tie.proof for event in trajectory.events[:met] for tie in event.ties]
+    assert TieProof.SYMMETRY in before
+    assert all(("stranger" in first) == ("stranger" in second) for first, second in pasts_of_ties(trajectory))
+    image = images(whole, symmetries(whole)[0])
+    assert all(set(map(image, event.contacts)) == set(event.contacts) for event in trajectory.events[:met])
+    assert any(set(map(image, event.contacts)) != set(event.contacts) for event in trajectory.events[met + 1 :])
 
 
 def test_some_symmetries_may_go_and_others_stay() -> None:
@@ -254,15 +307,24 @@ def test_some_symmetries_may_go_and_others_stay() -> None:
 
 
 @pytest.mark.parametrize("wall", [Wall(0, 60, 1, 60), Wall(0, "-1/10", 1, 0)])
-def test_walls_that_break_the_symmetry_end_it(wall: Wall) -> None:
-    """A wall that no ball has reached yet, or a slanted one, is none of the mirrored scene's."""
+def test_walls_may_break_the_symmetry_of_a_scene(wall: Wall) -> None:
+    """A wall that no ball can reach ends no proof; a slanted one ends those of what has hit it."""
     scene = catalogue.build(OPEN_RACK)
-    walls = [*scene.walls, wall] if wall.y0 == wall.y1 else [*scene.walls[:2], scene.walls[3], wall]
+    beyond = wall.y0 == wall.y1
+    walls = [*scene.walls, wall] if beyond else [*scene.walls[:2], scene.walls[3], wall]
     assert len(symmetries(scene)) == 1
-    assert symmetries(scene.with_changes(walls=walls)) == ()
+    changed = scene.with_changes(walls=walls)
+    assert symmetries(changed) == ()
+    trajectory, before = run(changed, 60), run(scene, 60)
+    assert trajectory.certified
+    assert_all_touch(trajectory)
+    assert TieProof.SYMMETRY in proofs(trajectory)
+    assert ([e.contacts for e in trajectory.events] == [e.contacts for e in before.events]) == beyond
+    slanted = changed.walls[-1].id
+    assert all((slanted in first) == (slanted in second) for first, second in pasts_of_ties(trajectory))
 
 
-def test_pockets_that_capture_must_be_symmetric_too() -> None:
+def test_pockets_of_a_symmetric_scene_that_capture_are_symmetric_too() -> None:
     scene = catalogue.build("rack:rows=3")
     assert len(symmetries(scene.with_changes(capture=True))) == 1
     uneven = scene.with_changes(pockets=scene.pockets[:-1])
@@ -270,9 +332,22 @@ def test_pockets_that_capture_must_be_symmetric_too() -> None:
     assert symmetries(uneven.with_changes(capture=True)) == ()
 
 
+def test_what_is_captured_elsewhere_ends_no_proof() -> None:
+    """One pocket is missing, so that balls leave the table on one side only."""
+    scene = catalogue.build("rack:rows=3").with_changes(capture=True)
+    entered = run(scene, 150).pocketings[0].pocket
+    uneven = scene.with_changes(pockets=[pocket for pocket in scene.pockets if pocket.id != entered])
+    trajectory = run(uneven, 150)
+    assert trajectory.certified
+    assert_all_touch(trajectory)
+    assert symmetries(uneven) == ()
+    first = float(trajectory.pocketings[0].time)
+    assert TieProof.SYMMETRY in [t.proof for e in trajectory.events if float(e.time) > first for t in e.ties]
+
+
 @pytest.mark.parametrize("policy", ["sequential:order=scene", "sequential:seed=4"])
-def test_an_order_once_chosen_ends_the_proof(policy: str) -> None:
-    """Up to there the instants are symmetric; from there on they need not be."""
+def test_an_order_once_chosen_ends_the_proofs_that_depend_on_it(policy: str) -> None:
+    """Up to there the instants are symmetric; here everything depends on it."""
     scene = catalogue.build("rack:rows=3").with_changes(tie_policy=policy)
     assert len(symmetries(scene)) == 1
     trajectory = run(scene, 40)
@@ -280,6 +355,7 @@ def test_an_order_once_chosen_ends_the_proof(policy: str) -> None:
     later = [tie.proof for event in trajectory.events[first + 1 :] for tie in event.ties]
     assert TieProof.SYMMETRY not in later
     assert trajectory.certified
+    assert_all_touch(trajectory)
     image = images(scene, symmetries(scene)[0])
     assert any(set(map(image, event.contacts)) != set(event.contacts) for event in trajectory.events)
 

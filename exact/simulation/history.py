@@ -85,19 +85,18 @@ class History:
     set_times: dict[Quantity, int] = field(default_factory=dict)
 
     def add(self, note: Noted) -> None:
-        """Takes up what an instant, or a part of one, did."""
+        """Takes up what an instant, or a part of one, did. It is whole once `last` says so."""
         self.records += note.records
         self.entries += note.entries
         for i, knot in note.knots:
             self.knots[i].append(knot)
-        self.last = note.last or self.last
 
     def drop_unfinished(self) -> None:
         """Drops what does not belong to the last instant that was noted whole, or to those before it."""
-        number, step = (0, 0) if self.last is None else (self.last.number, self.last.step)
+        number, step = (-1, 0) if self.last is None else (self.last.number, self.last.step)
         del self.steps[step:]
         self.records = [record for record in self.records if record.mark.number <= number]
         self.entries = [entry for entry in self.entries if entry.mark.number <= number]
         if self.reversal is not None and self.reversal[1].number > number:
             self.reversal = None
-        self.knots = [[knot for knot in row if knot[-1] <= number] for row in self.knots]
+        self.knots = [row[:1] + [knot for knot in row[1:] if knot[-1] <= number] for row in self.knots]

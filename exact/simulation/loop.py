@@ -69,6 +69,8 @@ class Loop:
 
     def run(self) -> Stop:
         """Runs to the end and says why it ended."""
+        self.decider.refresh(self.decider.bodies)
+        self.history.knots += [[(*self.decider.knot(body), 0, 0)] for body in self.decider.bodies]
         try:
             self._open()
             while True:
@@ -86,20 +88,18 @@ class Loop:
         except (BudgetSpent, TimeIsUp) as outcome:
             return self._stopped(StopReason.BUDGET, str(outcome))
         except KeyboardInterrupt:
-            return self._stopped(StopReason.INTERRUPTED, f"after {len(self.history.records)} events")
+            return self._stopped(StopReason.INTERRUPTED, "")
 
     def _stopped(self, reason: StopReason, told: str) -> Stop:
         """Ends at the last whole instant: what was begun of the next is dropped."""
         self.history.drop_unfinished()
-        return Stop(reason, f"{reason.value}: {told}")
+        return Stop(reason, f"{reason.value}: {told or f'after {len(self.history.records)} events'}")
 
     # -- the instants
 
     def _open(self) -> None:
-        """The first knots, the instant at time 0, and the first predictions."""
+        """The instant at time 0, and the first predictions."""
         decider = self.decider
-        decider.refresh(decider.bodies)
-        self.history.knots += [[(*decider.knot(body), 0, 0)] for body in decider.bodies]
         links = touching_at_start(self.scene)
         decider.begin(0)
         decider.gathered(links)
@@ -152,6 +152,7 @@ class Loop:
         if done.flipped:
             self.queue.clear()
             self._passed.clear()
+        history.last = note.last or history.last
 
     # -- gathering
 

@@ -44,7 +44,13 @@ PLAIN: dict[str, Maker] = {
     "ring": symmetry.ring,
     "onto_pair": symmetry.onto_pair,
 }
-CRUEL: dict[str, Maker] = {"hairs": cruel.hairs, "brinks": cruel.brinks, "apart": cruel.apart, "pits": cruel.pits}
+CRUEL: dict[str, Maker] = {
+    "hairs": cruel.hairs,
+    "brinks": cruel.brinks,
+    "apart": cruel.apart,
+    "pits": cruel.pits,
+    "home": cruel.home,
+}
 
 TWINS = ("instant", "graze_blow", "near_ties", "entry_ties", "on_rim", "points", "onto_pair")
 """The kinds of which twins are made."""

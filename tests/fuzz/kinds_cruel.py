@@ -220,6 +220,38 @@ def again(draw: Random) -> Draft:
     return reversal(draft, draw, 0.25)
 
 
+def home(draw: Random) -> Draft:
+    """A box in which things touch, tie, or nearly do, early on; after more collisions all is turned back, and ends at
+    the return: what was one instant is to be known as one again, at any depth."""
+    draft = Draft([], [(0, 0, 1, 0), (0, 14, 1, 14), (0, 0, 0, 1), (15, 0, 15, 1)])
+    time = draw.choice([F(1, 2), F(1, 3), 1])
+    pairs = draw.choice([1, 2, 2])
+    for k in range(pairs):
+        (nx, ny), r = draw.choice(PYTHAGOREAN), draw.choice([F(1, 2), F(3, 4), 1])
+        x, y, s = F(4 + draw.randrange(2)), F(4 + 6 * k), speed(draw)
+        late = draw.choice([0, 0, 0, time, time, time, TINY, time + TINY])
+        aside = draw.choice([0, s, -s]) if draw.random() < 0.4 else 0
+        vx, vy = draw.choice([(F(1, 3), F(-1, 2)), (0, 0), (1, F(2, 7)), (F(-2, 5), 1)])
+        one = Body(x, y, r, vx, vy, mass(draw))
+        ux, uy = vx - nx * s - ny * aside, vy - ny * s + nx * aside
+        if late == 0:  # they part at time 0, or graze
+            part = draw.choice([-1, -1, 0])
+            ux, uy = vx - part * nx * s - ny * aside, vy - part * ny * s + nx * aside
+        other = Body(x + 2 * r * nx, y + 2 * r * ny, r, ux, uy, mass(draw))
+        draft.bodies += [one.back(late), other.back(late)]
+    for _ in range(draw.choice([1, 1, 2])):
+        x, y = F(draw.randrange(80, 140), 10), F(draw.randrange(10, 130), 10)
+        if has_room(draft.bodies, x, y, F(2, 3)):
+            vx, vy = F(draw.randrange(-9, -2), 4), F(draw.randrange(-9, 9), 5)
+            draft.bodies.append(Body(x, y, F(2, 3), vx, vy, mass(draw)))
+    if draw.random() < 0.2:
+        draft.pockets.append((F(draw.randrange(2, 13)), F(draw.randrange(2, 13)), F(1, 2)))
+        draft.capture = draw.random() < 0.6
+    draft.reverse_after = draw.randrange(3, 11)
+    draft.endless = True
+    return draft
+
+
 def apart(draw: Random) -> Draft:
     """Two or three clusters far from each other whose contacts come at one instant, some of them touching at time 0."""
     if draw.random() < 0.2:
@@ -249,8 +281,7 @@ def sent_back(draw: Random) -> Draft:
     m, s, v = mass(draw), speed(draw), speed(draw)
     (c, h), time = draw.choice([(F(4, 5), F(3, 5)), (F(3, 5), F(4, 5)), (F(12, 13), F(5, 13))]), span(draw)
     bodies = [Body(0, 0, 1, 0, 0, mass(draw))]
-    for side in (1, -1):
-        bodies.append(Body(-c * F(3, 2), side * h * F(3, 2), F(1, 2), s, 0, m))
+    bodies += [Body(-c * F(3, 2), side * h * F(3, 2), F(1, 2), s, 0, m) for side in (1, -1)]
     if not has_room(bodies[1:2], bodies[2].x, bodies[2].y, bodies[2].r):
         bodies[2:] = []
     for nx, ny in draw.sample(PYTHAGOREAN, 5):

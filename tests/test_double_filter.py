@@ -10,8 +10,8 @@ from flint import arb, ctx
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from truebreak.exact.float_filter import MISS, UNCLEAR, FloatFilter, float_line
 from truebreak.exact.machine import Body
+from truebreak.exact.predicates.double_filter import DoubleFilter, float_line
 
 wide = st.fractions(min_value=-1000, max_value=1000, max_denominator=10**6)
 slow = st.fractions(min_value=-2, max_value=2, max_denominator=10**6)
@@ -20,7 +20,7 @@ clock = st.fractions(min_value=0, max_value=5000, max_denominator=10**6)
 tiny = st.sampled_from([Q(0), Q(1, 10**9), Q(-1, 10**12), Q(1, 10**15), Q(-1, 10**17), Q(1, 10**25)])
 
 
-def body(index: int, state: list[Q], filter_: FloatFilter) -> Body:
+def body(index: int, state: list[Q], filter_: DoubleFilter) -> Body:
     made = Body(index, (0, 0, 0, 0), 0, 1, 1)
     ctx.prec = 128
     made.q = tuple(arb(q.numerator) / q.denominator for q in state)
@@ -34,27 +34,30 @@ def enclosed_root(value: Q, bits: int = 400) -> tuple[Q, Q]:
     return Q(low, scale), Q(low + 1, scale)
 
 
-def check_pair(filter_: FloatFilter, a: list[Q], b: list[Q], reach: Q) -> str:
-    bodies = body(0, a, filter_), body(1, b, filter_)
-    found = filter_.pair(*bodies, float(reach))
+def check_pair(filter_: DoubleFilter, a: list[Q], b: list[Q], reach: Q) -> str:
+    one, other = body(0, a, filter_), body(1, b, filter_)
+    told = list(filter_.pairs(one, [other], [float(reach)]))
     lag = a[4] - b[4]
     dx, dy = b[0] + b[2] * lag - a[0], b[1] + b[3] * lag - a[1]
     vx, vy = b[2] - a[2], b[3] - a[3]
     approach, gap = dx * vx + dy * vy, dx * dx + dy * dy - reach * reach
     disc = (vx * vx + vy * vy) * reach * reach - (dx * vy - dy * vx) ** 2
     hits = approach < 0 and disc > 0
-    if found is MISS:
+    if not told:
         assert not hits or gap <= 0
         return "miss"
-    if found is UNCLEAR:
+    ((named, low, high),) = told
+    assert named is other
+    if math.isnan(low):
+        assert math.isnan(high)
         return "unclear"
     assert hits
     low_root, high_root = enclosed_root(disc)
     square = vx * vx + vy * vy
     early = a[4] + (-approach - high_root) / square
     late = a[4] + (-approach - low_root) / square
-    assert Q(found[0]) <= early
-    assert late <= Q(found[1])
+    assert Q(low) <= early
+    assert late <= Q(high)
     return "hit"
 
 
@@ -64,7 +67,7 @@ def test_what_is_told_of_a_pair_is_true(places, speeds, first, second, reach):
     later, earlier = max(first, second), min(first, second)
     a = [places[0], places[1], speeds[0], speeds[1], later]
     b = [places[2], places[3], speeds[2], speeds[3], earlier]
-    check_pair(FloatFilter(), a, b, reach)
+    check_pair(DoubleFilter(), a, b, reach)
 
 
 @settings(max_examples=600)
@@ -80,7 +83,7 @@ def test_what_is_told_of_a_near_graze_is_true(speeds, miss, shift, reach, now, f
     dx, dy = -along * ux + (reach + miss) * uy, -along * uy - (reach + miss) * ux
     a = [Q(3), Q(-7), speeds[0], speeds[1], now]
     b = [3 + dx + shift, -7 + dy, speeds[2], speeds[3], now]
-    check_pair(FloatFilter(), a, b, reach)
+    check_pair(DoubleFilter(), a, b, reach)
 
 
 def test_the_filter_decides_most_of_a_dilute_gas():
@@ -95,28 +98,95 @@ def test_the_filter_decides_most_of_a_dilute_gas():
 @settings(max_examples=400)
 @given(wide, wide, slow, slow, clock, slow, slow, wide, wide, radius)
 def test_what_is_told_of_a_wall_is_true(x, y, vx, vy, now, nx, ny, x0, y0, offset):
-    filter_ = FloatFilter()
+    filter_ = DoubleFilter()
     one = body(0, [x, y, vx, vy, now], filter_)
     ctx.prec = 128
     line = float_line(*(arb(q.numerator) / q.denominator for q in (x0, y0, nx, ny, offset)))
-    found = filter_.wall(one, line)
+    told = list(filter_.walls(one, [line]))
     approach, gap = nx * vx + ny * vy, nx * (x - x0) + ny * (y - y0) - offset
-    if found is MISS:
+    if not told:
         assert approach >= 0
-    elif found is not UNCLEAR:
+        return
+    ((wall, low, high),) = told
+    assert wall == 0
+    if not math.isnan(low):
         assert approach < 0 < gap
-        assert Q(found[0]) <= now - gap / approach <= Q(found[1])
+        assert Q(low) <= now - gap / approach <= Q(high)
+
+
+@settings(max_examples=300)
+@given(st.lists(st.tuples(wide, wide, slow, slow, clock), min_size=3, max_size=6), radius, radius)
+def test_a_row_of_several_is_told_as_one_by_one(states, r, s):
+    """The generators keep order and leave out misses; each body's sum of radii is that of its kind."""
+    filter_ = DoubleFilter()
+    present = max(state[4] for state in states)
+    bodies = [body(i, [*state[:4], present if i == 0 else state[4]], filter_) for i, state in enumerate(states)]
+    for other in bodies[1:]:
+        other.kind = other.index % 2
+    one, others, reaches = bodies[0], bodies[1:], [float(r), float(s)]
+    alone = [found for other in others for found in filter_.pairs(one, [other], reaches)]
+    assert repr(list(filter_.pairs(one, others, reaches))) == repr(alone)
+
+
+def off_rim(centre: list[Q], pocket: list[Q], r: Q) -> tuple[bool, bool]:
+    """What the filter tells of a centre and a rim, and what is true."""
+    filter_ = DoubleFilter()
+    one, hole = body(0, centre, filter_), body(-1, [*pocket, Q(0), Q(0), Q(0)], filter_)
+    dx, dy = pocket[0] - centre[0], pocket[1] - centre[1]
+    return filter_.apart(one, hole, float(r)), dx * dx + dy * dy != r * r
+
+
+@settings(max_examples=400)
+@given(wide, wide, slow, slow, clock, wide, wide, radius)
+def test_a_centre_told_to_be_off_a_rim_is_off_it(x, y, vx, vy, now, px, py, r):
+    told, true = off_rim([x, y, vx, vy, now], [px, py], r)
+    assert true or not told
+
+
+@settings(max_examples=600)
+@given(wide, wide, slow, slow, clock, st.sampled_from([(3, 4, 5), (5, 12, 13), (20, 21, 29), (1, 0, 1)]), radius, tiny)
+def test_a_centre_on_a_rim_or_next_to_it_is_never_told_to_be_off_it(x, y, vx, vy, now, triple, r, miss):
+    """Rational points of a rim; the doubles of centre, pocket and radius round, the filter must not."""
+    a, b, c = triple
+    pocket = [x + r * a / c, y + r * b / c]
+    assert off_rim([x, y, vx, vy, now], pocket, r) == (False, False)
+    told, true = off_rim([x + miss, y, vx, vy, now], pocket, r)
+    assert true or not told
+
+
+def test_a_centre_far_from_a_rim_is_told_to_be_off_it():
+    """A filter that told nothing would be true and of no use."""
+    for x in ("1/2", "9/10", "11/10", "99/100", "1000001/1000000", "5"):
+        assert off_rim([Q(x), Q(0), Q(1), Q(0), Q(10)], [Q(0), Q(0)], Q(1)) == (True, True)
+
+
+def test_of_bodies_without_doubles_nothing_is_told():
+    filter_ = DoubleFilter()
+    sharp = body(0, [Q(0), Q(0), Q(1), Q(0), Q(0)], filter_)
+    blurred = body(1, [Q(5), Q(0), Q(0), Q(0), Q(0)], filter_)
+    blurred.f = None
+    ctx.prec = 128
+    line = float_line(arb(9), arb(0), arb(-1), arb(0), arb(1))
+    for a, b in ((sharp, blurred), (blurred, sharp)):
+        ((_, low, high),) = filter_.pairs(a, [b], [2.0])
+        assert math.isnan(low)
+        assert math.isnan(high)
+        assert not filter_.apart(a, b, 1.0)
+    ((_, low, _),) = filter_.walls(blurred, [line])
+    assert math.isnan(low)
+    ((_, low, high),) = filter_.walls(sharp, [line])
+    assert low <= 8 <= high
 
 
 @pytest.mark.parametrize("scale", [Q(10) ** k for k in (-200, -110, -60, 60, 99, 110, 200)])
 def test_scales_beyond_safe_doubles_are_left_to_balls_or_told_rightly(scale):
     a = [Q(0), Q(0), scale, Q(0), Q(0)]
     b = [4 * scale, scale / 3, Q(0), Q(0), Q(0)]
-    check_pair(FloatFilter(), a, b, scale)
+    check_pair(DoubleFilter(), a, b, scale)
 
 
 def test_an_unsharp_ball_is_not_admitted():
-    filter_ = FloatFilter()
+    filter_ = DoubleFilter()
     blurred = Body(0, (0, 0, 0, 0), 0, 1, 1)
     blurred.q = (arb("1 +/- 1e-10"), arb(0), arb(1), arb(0), arb(0))
     filter_.admit(blurred)
