@@ -25,9 +25,18 @@ from fuzz.draft import (
     velocity,
 )
 from fuzz.kinds_contacts import cluster, graze_blow
+from fuzz.kinds_pockets import entry_ties, on_rim, pressed, rim_instant
+from fuzz.kinds_rooms import near_ties, slide
 from fuzz.kinds_symmetry import mirrored, neighbours, onto_pair, ring
 
 TINY = F(1, 10**100)
+EDGE = (66, 70, 72, 73, 74, 75, 76, 77, 100)
+"""Powers of ten about the precision at which the engine begins, 2**-256: told at first, and no more some events on."""
+
+
+def edge(draw: Random) -> Fraction:
+    """A flaw at the edge of what balls tell, of either sign."""
+    return draw.choice([1, -1]) * F(1, 10 ** draw.choice(EDGE))
 
 
 def hair(draw: Random) -> Fraction:
@@ -39,6 +48,8 @@ def hair(draw: Random) -> Fraction:
 
 def hairs(draw: Random) -> Draft:
     """Meetings a hair from a graze, a rim, or each other's time, at huge and tiny scales, with late clocks."""
+    if draw.random() < 0.4:
+        return _far_off(draw)
     unit = F(10) ** draw.choice([-7, -3, 0, 0, 0, 4, 9])
     time = draw.choice([1, F(7, 3), F(1000, 7), F(10**6, 3), F(10**9, 7)])
     vx, vy = velocity(draw)
@@ -47,6 +58,11 @@ def hairs(draw: Random) -> Draft:
     draft = Draft([])
     for k in range(draw.choice([1, 2, 2, 3])):
         _meeting(draft, draw, (0, 60 * k * unit), drift, unit, time)
+    if (
+        draw.random() < 0.5 and not draft.walls and not draft.pockets
+    ):  # near the origin at time 0, and far when they meet
+        for body in draft.bodies:
+            body.x, body.y = body.x + drift[0] * time, body.y + drift[1] * time
     draft.capture = draw.random() < 0.5
     if draw.random() < 0.4:
         draft.until = time * (1 + draw.choice([0, hair(draw), 1]))
@@ -55,13 +71,20 @@ def hairs(draw: Random) -> Draft:
     return draft
 
 
+def _far_off(draw: Random) -> Draft:
+    """Coincidences with a flaw or without, as another kind makes them, far from the origin."""
+    draft = draw.choice([rim_instant, rim_instant, on_rim, entry_ties, slide, pressed, near_ties, graze_blow])(draw)
+    c, s = draw.choice([(1, 0), (F(3, 5), F(4, 5)), (F(5, 13), F(12, 13))])
+    return draft.moved(c, s, F(10) ** draw.choice([3, 6, 9]) / 7, -(F(10) ** draw.choice([0, 6, 8])) / 13)
+
+
 def _meeting(draft: Draft, draw: Random, at: Vector, drift: Vector, unit: Number, time: Number) -> None:
     """One meeting near a place, led back."""
     (nx, ny), r, q = draw.choice(directions(draw)), size(draw) * unit, size(draw) * unit
     s = speed(draw) * unit * draw.choice([1, 1, 1, F(1, 1000), 10**3])
     x, y = at
-    t = draw.choice([0, s, -s])
-    kind = draw.choice(["graze", "graze", "tie", "tie", "rim", "rim", "wall"])
+    t = draw.choice([0, s, -s, 10**4 * s, -(10**6) * s])
+    kind = draw.choice(["graze", "graze", "tie", "tie", "rim", "rim", "wall", "close"])
     late = time * hair(draw) if kind in ("tie", "wall") or draw.random() < 0.3 else 0
     if kind in ("rim", "wall"):
         drift = 0, 0
@@ -74,6 +97,8 @@ def _meeting(draft: Draft, draw: Random, at: Vector, drift: Vector, unit: Number
     elif kind == "tie":
         vx, vy = drift[0] - nx * s - ny * t, drift[1] - ny * s + nx * t
         bodies.append(Body(x + nx * (r + q), y + ny * (r + q), q, vx, vy, mass(draw)))
+    elif kind == "close":
+        pass
     elif kind == "rim":
         inward = draw.choice([0, 0, s])
         a.vx, a.vy = nx * inward - ny * s, ny * inward + nx * s
@@ -84,6 +109,12 @@ def _meeting(draft: Draft, draw: Random, at: Vector, drift: Vector, unit: Number
         a.vx, a.vy = s, 0
         if not draft.walls:
             draft.walls.append((x + r, y - 10 * time * unit, x + r, y + unit))
+    if kind == "close":  # next to each other at time 0, and a little nearer every moment
+        far, s = (r + q) * (1 + F(1, 10**40)), s * draw.choice([1, -1])
+        towards = abs(s) / 10 ** draw.choice([15, 16, 17, 18])
+        vx, vy = drift[0] - nx * towards - ny * s, drift[1] - ny * towards + nx * s
+        draft.bodies += [a, Body(x + nx * far, y + ny * far, q, vx, vy, mass(draw))]
+        return
     for body in bodies:
         _lead_back(draft, draw, body, time + late)
 
@@ -104,10 +135,10 @@ def _lead_back(draft: Draft, draw: Random, body: Body, time: Number) -> None:
 
 
 def brinks(draw: Random) -> Draft:
-    """Symmetric scenes of many roots, spoilt by 10**-100: what is nearly zero lies beyond the balls at hand."""
-    makers = [couple, couple, couple, _spoilt, _spoilt, again, rims, rims]
+    """Symmetric scenes of many roots, spoilt by next to nothing: what is nearly zero lies beyond the balls at hand."""
+    makers = [couple, couple, couple, boxes, boxes, boxes, _spoilt, _spoilt, again, rims, rims]
     draft = draw.choice(makers)(draw)
-    if draw.random() < 0.3:  # all the way there and back
+    if draw.random() < 0.2 and not draft.pockets:  # all the way there and back
         draft.reverse_after, draft.reverse_at = None, draw.choice([5, 10, F(49, 3), 25, 40])
         draft.until, draft.events, draft.endless = None, None, True
     return draft
@@ -119,8 +150,8 @@ def _spoilt(draw: Random) -> Draft:
 
 
 def spoil(draft: Draft, draw: Random, start: int = 0) -> Draft:
-    """10**-100 in one number of one circle from `start` on, of a pocket, or of a wall."""
-    tiny = draw.choice([1, -1]) * TINY
+    """A flaw in one number of one circle from `start` on, of a pocket, or of a wall."""
+    tiny = edge(draw)
     kind = draw.choice(["body", "body", "body", "pocket", "wall"])
     if kind == "pocket" and draft.pockets:
         x, y, r = draft.pockets[-1]
@@ -158,11 +189,11 @@ def couple(draw: Random) -> Draft:
         other = spoil(other, draw)
     elif kind == "stretch":
         radii = [b.r for b in other.bodies]
-        other = other.moved(1, 0, 0, 0, stretch=1 + draw.choice([1, -1]) * TINY)
+        other = other.moved(1, 0, 0, 0, stretch=1 + edge(draw))
         other.bodies = [replace(b, r=r) for b, r in zip(other.bodies, radii, strict=True)]
         other.walls, other.pockets = _across(one).walls if mirror else other.walls, other.pockets
     elif kind == "role" and len(other.bodies) > 1:
-        other.bodies[-1].m = other.bodies[0].m + 1
+        other.bodies[-1].m = F(7, 3)
     both = replace(one, bodies=one.bodies + other.bodies, walls=one.walls + other.walls)
     both.pockets = one.pockets + other.pockets
     both.capture = draw.random() < 0.5
@@ -179,6 +210,34 @@ def _across(draft: Draft) -> Draft:
     )
 
 
+def boxes(draw: Random) -> Draft:
+    """A few circles in a box, and their image in another, whole or spoilt: ties after more roots than are nested."""
+    one = Draft([])
+    for _ in range(draw.choice([2, 3, 3, 4])):
+        r = F(draw.randrange(4, 12), 10)
+        x, y = -F(draw.randrange(30, 110), 10) - F(draw.randrange(50), 97), F(draw.randrange(-40, 40), 10)
+        if has_room(one.bodies, x, y, r):
+            vx, vy = F(draw.randrange(-20, 21), 7), F(draw.randrange(-20, 21), 9)
+            one.bodies.append(Body(x, y, r, vx, vy, mass(draw)))
+    one.walls = [(-13, 0, -13, 1), (-1, 0, -1, 1)]
+    if draw.random() < 0.3:
+        one.pockets.append((-F(draw.randrange(2, 13)), F(draw.randrange(-6, 6)), F(1, 2)))
+    other = _across(one) if draw.random() < 0.6 else one.moved(-1, 0, 0, 0)
+    if draw.random() < 0.6:
+        other = spoil(other, draw)
+    elif draw.random() < 0.5:  # two things exchanged: alike at first sight only
+        a, b = other.bodies[0], other.bodies[-1]
+        key = draw.choice(["m", "m", "r", "vx"])
+        mine, theirs = getattr(a, key), getattr(b, key)
+        setattr(a, key, theirs)
+        setattr(b, key, mine)
+    both = replace(one, bodies=one.bodies + other.bodies, pockets=one.pockets + other.pockets)
+    both.walls = [*one.walls, *other.walls, (0, 6, 1, 6), (0, -6, 1, -6)]
+    both.capture = draw.random() < 0.5
+    both.events = draw.randrange(4, 17)
+    return reversal(both, draw, 0.15)
+
+
 def _striker(draw: Random) -> Draft:
     """A pair that strikes a third from both sides, so that it moves on along the axis with roots in its speed."""
     h, m = draw.choice([F(1, 2), 1, F(3, 4)]), mass(draw)
@@ -190,7 +249,7 @@ def _striker(draw: Random) -> Draft:
 def rims(draw: Random) -> Draft:
     """A circle is struck onto the axis of a symmetric scene, and comes to rims at it just as it comes to a wall."""
     draft = _striker(draw)
-    wall, tiny = draw.choice([9, 12, 20]), draw.choice([1, -1, -1]) * TINY
+    wall, tiny = draw.choice([9, 12, 20]), edge(draw)
     draft.walls.append((wall, 0, wall, 1))
     for side in draw.choice([(1,), (1,), (-1,), (1, -1)]):
         reach, h, r = draw.choice([(4, 3, 5), (12, 5, 13), (0, 5, 5), (0, 5, 5), (F(3, 5), F(4, 5), 1)])
@@ -208,7 +267,7 @@ def rims(draw: Random) -> Draft:
 def again(draw: Random) -> Draft:
     """Struck onto the axis with roots in its speed, a circle grazes a fixed one, and again after a wall askew."""
     draft = _striker(draw)
-    q, tiny = draw.choice([1, 2]), draw.choice([0, TINY, -TINY])
+    q, tiny = draw.choice([1, 2]), draw.choice([0, edge(draw), edge(draw)])
     draft.bodies.append(Body(draw.choice([6, 7]), draw.choice([1, -1]) * (1 + q), q, m="oo"))
     draft.walls.append((15, 0, 15 + tiny, 1))
     if draw.random() < 0.5:
@@ -231,14 +290,22 @@ def home(draw: Random) -> Draft:
         x, y, s = F(4 + draw.randrange(2)), F(4 + 6 * k), speed(draw)
         late = draw.choice([0, 0, 0, time, time, time, TINY, time + TINY])
         aside = draw.choice([0, s, -s]) if draw.random() < 0.4 else 0
+        s = draw.choice([s, s, s, 0])
         vx, vy = draw.choice([(F(1, 3), F(-1, 2)), (0, 0), (1, F(2, 7)), (F(-2, 5), 1)])
         one = Body(x, y, r, vx, vy, mass(draw))
         ux, uy = vx - nx * s - ny * aside, vy - ny * s + nx * aside
-        if late == 0:  # they part at time 0, or graze
+        if late == 0:  # they part at time 0, or graze, or last
             part = draw.choice([-1, -1, 0])
             ux, uy = vx - part * nx * s - ny * aside, vy - part * ny * s + nx * aside
         other = Body(x + 2 * r * nx, y + 2 * r * ny, r, ux, uy, mass(draw))
         draft.bodies += [one.back(late), other.back(late)]
+        if draw.random() < 0.6:  # a third meets one of them at that instant, at right angles or not
+            beside = draw.choice([one, other])
+            mx, my = draw.choice([(-ny, nx), (ny, -nx), draw.choice(PYTHAGOREAN)])
+            there, speed_on = (beside.x + mx * (r + F(1, 2)), beside.y + my * (r + F(1, 2))), draw.choice([s, s, -s, 0])
+            if has_room([one, other], *there, F(1, 2)):
+                third = Body(*there, F(1, 2), beside.vx - mx * speed_on, beside.vy - my * speed_on, mass(draw))
+                draft.bodies.append(third.back(late + draw.choice([0, 0, 0, TINY])))
     for _ in range(draw.choice([1, 1, 2])):
         x, y = F(draw.randrange(80, 140), 10), F(draw.randrange(10, 130), 10)
         if has_room(draft.bodies, x, y, F(2, 3)):
