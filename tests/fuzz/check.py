@@ -135,7 +135,7 @@ def compare_states(run: Trajectory, told: Told) -> None:
     for mine, theirs, left in [*own, *zip(run.pocketings[:2], told.entries, told.entered, strict=False)]:
         same_state(run.at(mine.time).circles, list(left), told, f"at({float(mine.time):.17g}) as its own time")
         text = rational(mine.time)
-        if text is not None:
+        if text is not None and _is_just(theirs.time, text, told.bits):
             same_state(run.at(text).circles, told.at(theirs.time), told, f"at({text!r})")
     if run.reversal is not None and told.reversal is not None:
         same_state(run.at(run.reversal.time).circles, told.at(told.reversal[1]), told, "at the reversal")
@@ -154,6 +154,12 @@ def compare_states(run: Trajectory, told: Told) -> None:
         except ValueError:
             continue
         raise Difference(f"at({text!r}) is outside of the run and gives a state")
+
+
+def _is_just(time: fmpz, text: str, bits: int) -> bool:
+    """Whether a time is the fraction to as many bits as the referee takes for zero, not 10**-250 beside it."""
+    value = Fraction(text)
+    return bool(abs(time - (fmpz(value.numerator) << bits) // value.denominator) < fmpz(1) << (bits * 3 // 10))
 
 
 def between(knots: list[fmpz], bits: int) -> Iterable[str]:
@@ -205,14 +211,26 @@ def near(value: Any, told: Told) -> fmpz:
         expect(work < 1 << 16, f"{float(value)} is not enclosed sharply enough by {work} bits")
 
 
+def enclosed(mine: Any, theirs: fmpz, told: Told, where: str) -> None:
+    """The enclosure at hand, and one of a few more bits, hold the number, up to the witness's own rounding."""
+    rounding = arb((1, -(told.bits // 2)))
+    stored = [mine.near] if isinstance(getattr(mine, "near", None), arb) else []
+    for ball in [*stored, mine.ball(agreed_bits(told) + 40)]:
+        off = abs(told.number(theirs) - ball.mid())
+        least = (off - ball.rad() - rounding * (1 + off + abs(ball.mid()))).lower()
+        expect(not least > 0, f"{where}: {ball.str(20)} does not hold {shown(theirs, told)}")
+
+
 def expect_same_time(mine: Any, theirs: fmpz, told: Told, where: str) -> None:
     """Times that differ say by how much."""
+    enclosed(mine, theirs, told, where)
     off = near(mine, told) - theirs
     expect(abs(off) <= allowed(told, theirs), f"{where}: time off by {shown(off, told)} from {shown(theirs, told)}")
 
 
 def same_number(mine: Any, theirs: fmpz, told: Told, where: str) -> None:
     """Two numbers are the same."""
+    enclosed(mine, theirs, told, where)
     value = near(mine, told)
     expect(abs(value - theirs) <= allowed(told, theirs), f"{where} is {shown(value, told)}, not {shown(theirs, told)}")
 

@@ -69,12 +69,17 @@ class Result:
 
 
 def copy_packages(source: Path, top: Path) -> Path:
-    """The packages in a folder of their own, as one regular package: no other place is searched for its parts."""
+    """The packages in a folder of their own, as one regular package: no other place is searched for its parts.
+
+    The fuzz stands beside them, so that a run may go on while the checkout is worked on.
+    """
     home = top / "truebreak"
     home.mkdir(parents=True)
     for package in PACKAGES:
         shutil.copytree(source / package, home / package, ignore=shutil.ignore_patterns("__pycache__"))
     (home / "__init__.py").write_text("")
+    fuzz = TESTS if source == TOP else source.parent
+    shutil.copytree(fuzz / "fuzz", top / "fuzz", ignore=shutil.ignore_patterns("__pycache__"))
     return home
 
 
@@ -92,7 +97,7 @@ class Player:
         variables = {**os.environ, "PYTHONPATH": str(self.home.parent), "PYTHONDONTWRITEBYTECODE": "1"}
         with (self.home.parent / "stderr").open("w") as errors:
             process = subprocess.Popen(
-                command, cwd=TESTS, env=variables, text=True, stdin=-1, stdout=-1, stderr=errors, bufsize=1
+                command, cwd=self.home.parent, env=variables, text=True, stdin=-1, stdout=-1, stderr=errors, bufsize=1
             )
         self._process, self._lines = process, SimpleQueue()
         Thread(target=_pass_on, args=(process.stdout, self._lines), daemon=True).start()
@@ -145,15 +150,15 @@ def tasks(kinds: Sequence[str]) -> Iterator[tuple[str, int]]:
         seed += 1
 
 
-def shows(verdict: dict[str, Any], original: Callable[[], dict[str, Any]]) -> str:
+def shows(verdict: dict[str, Any], original: Callable[[], dict[str, Any]], patience: float) -> str:
     """How a verdict shows a fault; empty where it does not, or where the engine without it does no better."""
     outcome = verdict["outcome"]
     if outcome not in WRONG and outcome not in GAVE_UP:
         return ""
-    right = original()["outcome"]
-    if right == outcome or right in WRONG:
+    right = original()
+    if right["outcome"] == outcome or right["outcome"] in WRONG:
         return ""
-    return outcome
+    return "" if outcome == "hang" and right["seconds"] > patience / 4 else outcome
 
 
 def tried(mutant: Mutant, original: Player, kinds: Sequence[str], scenes: int, patience: float) -> Result:
@@ -174,7 +179,7 @@ def tried(mutant: Mutant, original: Player, kinds: Sequence[str], scenes: int, p
                 if played == scenes:
                     break
                 verdict = player.examine(kind, seed, patience)
-                how = shows(verdict, lambda: original.examine(kind, seed, 3 * patience))  # noqa: B023
+                how = shows(verdict, lambda: original.examine(kind, seed, 3 * patience), patience)  # noqa: B023
                 if how:
                     return result("found", how, kind, seed, played + 1, verdict["message"])
             return result("survived", "", "", -1, scenes, "")

@@ -1,0 +1,38 @@
+"""The list of mutants is current, and the fuzz finds some of them at once."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fuzz.mutants import MUTANTS, TOP
+
+QUICK = ("stale_signs", "limit_leaves_out", "bar_at_lower_bound")
+
+
+@pytest.mark.parametrize("mutant", MUTANTS, ids=lambda mutant: mutant.name)
+def test_its_text_stands_in_its_file_once(mutant):
+    assert not mutant.misplaced(TOP)
+    assert all(old != new for _, old, new in mutant.edits)
+
+
+def test_names_are_unique():
+    assert len({mutant.name for mutant in MUTANTS}) == len(MUTANTS)
+
+
+def test_quick_ones_are_found(tmp_path):
+    """In copies of their own: the checkout stays as it is."""
+    files = {file: (TOP / file).read_bytes() for m in MUTANTS if m.name in QUICK for file, _, _ in m.edits}
+    command = [sys.executable, str(Path(__file__).with_name("mutants.py")), "--scenes", "60"]
+    command += ["--only", ",".join(QUICK), "--out", str(tmp_path / "out"), "--report", str(tmp_path / "report")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = [json.loads(line) for line in (tmp_path / "out").read_text().splitlines()]
+    assert {row["name"]: row["outcome"] for row in rows} == dict.fromkeys(QUICK, "found")
+    assert all(row["seconds"] < 10 for row in rows)
+    assert (tmp_path / "report").read_text().count("\n") == 2 + len(QUICK)
+    assert all((TOP / file).read_bytes() == text for file, text in files.items())
