@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-from flint import fmpq  # type: ignore[attr-defined]
+from flint import arb, fmpq  # type: ignore[attr-defined]
 
 from ...scenarios.quantity import Quantity, rational_root
 from ...scenarios.tower import Element, Tower, TowerLimit
@@ -81,8 +81,6 @@ def field_sign(value: FieldNumber) -> int:
 
 def field_ball(value: FieldNumber, bits: int) -> Any:
     """A ball around the number, at flint's working precision, which is `bits`."""
-    from flint import arb  # type: ignore[attr-defined]
-
     return arb(value) if isinstance(value, fmpq) else value.ball(bits)
 
 
