@@ -139,7 +139,8 @@ def compare_states(run: Trajectory, told: Told) -> None:
             same_state(run.at(text).circles, told.at(theirs.time), told, f"at({text!r})")
     if run.reversal is not None and told.reversal is not None:
         same_state(run.at(run.reversal.time).circles, told.at(told.reversal[1]), told, "at the reversal")
-    for text in sorted(set(between(knots[: STATES_ASKED + 1], told.bits))):
+    asked = [*between(knots[: STATES_ASKED + 1], told.bits), *between(knots[STATES_ASKED:][-3:], told.bits)]
+    for text in sorted(set(asked)):
         value = Fraction(text)
         time = (fmpz(value.numerator) << told.bits) // value.denominator
         if not 0 <= time < told.final_time or any(abs(time - knot) < allowed(told, time) for knot in knots):
@@ -163,10 +164,12 @@ def _is_just(time: fmpz, text: str, bits: int) -> bool:
 
 
 def between(knots: list[fmpz], bits: int) -> Iterable[str]:
-    """Dyadic times halfway between two instants, and a little before and after each."""
-    scale = 1 << 64
+    """Dyadic times halfway between two instants, and a little and very little before and after each."""
+    scale, fine = 1 << 64, 1 << 170
     for first, second in pairwise(knots):
         a, b = int(first >> (bits - 64)), int(second >> (bits - 64))
+        yield str(Fraction(int(second >> (bits - 170)) - 1, fine))
+        yield str(Fraction(int(first >> (bits - 170)) + 2, fine))
         if b - a > 1 << 20:
             yield str(Fraction((a + b) // 2, scale))
             yield str(Fraction(a + 3, scale))

@@ -18,6 +18,8 @@ from truebreak.floating import IntervalEngine
 
 MODES = ("map", "plain", "cut", "plain", "map", "interval", "plain", "plain")
 """Which further check a seed gets."""
+BY_INTERVALS = ("hairs", "near_ties", "graze_blow", "apart")
+"""Kinds whose plain seeds get the interval engine in doubles: their ties are closer than those."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,8 @@ def further(kind: str, seed: int, run: Any, case: Case, engine: Any) -> str:
         return "map" if check_map(run, case, by, engine) else ""
     if mode == "cut":
         return "cut" if check_cut(run, case, draw, engine) else ""
-    if mode == "interval" and run.stop.reason.name not in GAVE_UP:
-        check_interval(run, case, IntervalEngine(bits=draw.choice([53, 120, 300])))
+    plain = mode == "plain" and kind in BY_INTERVALS
+    if (mode == "interval" or plain) and run.stop.reason.name not in GAVE_UP:
+        check_interval(run, case, IntervalEngine(bits=53 if plain else draw.choice([53, 120, 300])))
         return "interval"
     return ""

@@ -848,6 +848,8 @@ TOLD = (
         "room = abs(near) * 2.0**-50",
         "room = 0.0",
         "at() finds a knot by doubles without room for their rounding",
+        why_it_survives="rounding to doubles keeps the order of a knot and a time, but where the rounding "
+        "itself is in doubt",
     ),
     Mutant(
         "at_steps_of_the_knot", MOTION,
