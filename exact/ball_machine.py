@@ -10,17 +10,27 @@ Interval arithmetic pays for every number that it uses twice. So:
   later instant (`gap`, `approach`), a little before or after the later clock.
 - A wall mirrors the line itself: x' = H x + c with the Householder matrix H = I - 2 n n^T / |n|^2, whatever the
   instant.
-- At contact, d has the d x v of before and d.v = -sqrt(discriminant): no time in it.
-- The velocities after are matrices times those before: v_a' = (I - A) v_a + A v_b.
-- Where two formulas enclose one number, neither always sharper, the number lies in both: their intersection is
-  kept. So it is with the time of a hit, d at contact, and the line after it.
+- At contact, d has the d x v of before and d.v = -sqrt(discriminant): no time in it, and the first impulse of an
+  instant needs nothing else.
+- Where two circles fly exactly head on, as on a line, nothing need be lost: the direction of v is then known exactly
+  or nearly so, and the lines after are matrices times those before, v_a' = (I - A) v_a + A v_b, cut with what the
+  impulse tells. Elsewhere that would save a tenth of the bits for a fourth of the time.
 """
 
 from __future__ import annotations
 
 from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
-from .formulas import advance, pair_approach, pair_gap, pair_mix, wall_gap, wall_mirror
+from .formulas import (
+    advance,
+    pair_approach,
+    pair_gap,
+    pair_head_on,
+    pair_meeting,
+    pair_mix,
+    pair_strength,
+    wall_mirror,
+)
 from .machine import Body, Link, Machine, Number
 from .numbers import ball
 
@@ -31,6 +41,8 @@ class BallMachine(Machine):
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene, ball.constant, ball.root)
         self._told: tuple[Link, Number, Number] | None = None
+        self._root: Number | None = None
+        self._straight = False
         self._mirrors: dict[int, tuple[Number, Number, Number]] = {}
 
     def set_instant(self, base: Number, wait: Number) -> tuple[Number, Number]:
@@ -42,16 +54,16 @@ class BallMachine(Machine):
         return clock, lag
 
     def _hit_from_base(self, source: Link) -> tuple[Number, Number]:
-        """The time of the hit, and for two circles their d at it, each cut from two enclosures."""
+        """The time of the hit, and for two circles their d at it."""
         i, j = source
         if j >= self.n:
-            return super().hit(source)
-        t, wait, dx, dy = self._encounter(i, j)
-        self._told = (source, dx, dy)
-        return t, wait.intersection(super().hit(source)[1])
+            return self.hit(source)
+        t, wait, dx, dy, root = self._meeting(i, j)
+        self._told, self._root, self._straight = (source, dx, dy), root, root is None
+        return t, wait
 
     def span(self, i: int, j: int) -> tuple[Number, Number]:
-        """d at the instant: from the bodies' places, cut with what the law of the encounter told of it."""
+        """d at the instant: from the bodies' places, cut with what the law of the meeting told of it."""
         if self.met is not None and self.met[0] == (i, j):
             return self.met[1], self.met[2]
         dx, dy = super().span(i, j)
@@ -62,16 +74,30 @@ class BallMachine(Machine):
 
     def go(self, source: Link | int | Quantity, bodies: tuple[int, ...]) -> None:
         """As `Machine.go`."""
-        self._told = None
+        self._told = self._root = None
         super().go(source, bodies)
+
+    def kick(self, links: tuple[Link, ...]) -> None:
+        """As `Machine.kick`; the law of the meeting tells the first impulse of an instant, and no other."""
+        if self._root is not None and self._told is not None and links == (self._told[0],):
+            self._bounce_first(*self._told, self._root)
+        else:
+            super().kick(links)
+        self._root = None
+
+    def _bounce_first(self, link: Link, dx: Number, dy: Number, root: Number) -> None:
+        """The elastic bounce of two circles that meet at the instant, with d and d.v as their meeting tells them."""
+        a, b = self.bodies[link[0]], self.bodies[link[1]]
+        strength = pair_strength(root, self.reach(a, b), a.w, b.w)
+        jx, jy = strength * dx, strength * dy
+        self._push(a, -jx, -jy)
+        self._push(b, jx, jy)
 
     def gap(self, link: Link) -> Number:
         """As `Machine.gap`, at the instant of the later of the two: its clock may stand before or after it."""
         i, j = link
         if j >= self.n:
-            body = self.bodies[i]
-            line = self.line(body, j - self.n)
-            return wall_gap(*self.place(body), line.x0, line.y0, line.nx, line.ny, body.r * line.length)
+            return self.wall_gap(self.bodies[i], j - self.n, *self.place(self.bodies[i]))
         state, late = self.relation(i, j), self.later(i, j).late
         if late is None:
             return pair_gap(state.dx, state.dy, state.reach)
@@ -90,35 +116,42 @@ class BallMachine(Machine):
     def hit(self, link: Link) -> tuple[Number, Number]:
         """As `Machine.hit`, in the sharper form."""
         i, j = link
-        return self._encounter(i, j)[:2] if j < self.n else super().hit(link)
+        return self._meeting(i, j)[:2] if j < self.n else super().hit(link)
 
-    def _encounter(self, i: int, j: int) -> tuple[Number, Number, Number, Number]:
-        """The clock and the time from it to the hit of two circles, and their d at the hit.
+    def _meeting(self, i: int, j: int) -> tuple[Number, Number, Number, Number, Number | None]:
+        """The clock and the time from it to the hit of two circles; their d at the hit; and -d.v at it.
 
-        With u the direction of v, p = d x u is the distance at which the centres would pass, h = sqrt(R^2 - p^2)
-        the way still to go then: the hit is -(d.u + h)/|v| away, and there d = p u' - h u, u' = (u_y, -u_x).
-        u comes from the quotient of v's components, so that only the uncertainty of v's direction enters.
+        Where they fly exactly head on, in the form that loses nothing (see `_head_on`), and d.v is left out.
         """
         t, dx, dy, vx, vy, reach = self.relation(i, j)
-        if abs(float(vx)) >= abs(float(vy)):
-            quotient = vy / vx
-            stretch = (self.one + quotient * quotient).sqrt()
-            speed = vx * stretch
-            ux, uy = self.one / stretch, quotient / stretch
-        else:
-            quotient = vx / vy
-            stretch = (self.one + quotient * quotient).sqrt()
-            speed = vy * stretch
-            ux, uy = quotient / stretch, self.one / stretch
+        cross = dx * vy - dy * vx
+        if cross.is_zero():
+            return t, *self._head_on(dx, dy, vx, vy, reach), None
+        square = vx * vx + vy * vy
+        root = self.root(square * (reach * reach) - cross * cross)
+        return t, *pair_meeting(dx * vx + dy * vy, cross, square, root, vx, vy), root
+
+    def _head_on(self, dx: Number, dy: Number, vx: Number, vy: Number, reach: Number) -> tuple[Number, Number, Number]:
+        """The time to the hit of two circles whose d and v are parallel, and d at it.
+
+        The direction u of v comes from the quotient of v's components, so that only the uncertainty of that enters.
+        """
+        steep = abs(float(vx)) < abs(float(vy))
+        quotient = vx / vy if steep else vy / vx
+        stretch = (self.one + quotient * quotient).sqrt()
+        speed = (vy if steep else vx) * stretch
+        ux, uy = self.one / stretch, quotient / stretch
+        if steep:
+            ux, uy = uy, ux
         if speed < ball.ZERO:
             speed, ux, uy = -speed, -ux, -uy
-        passing = dx * uy - dy * ux
-        depth = self.root(reach * reach - passing * passing)
-        wait = -(dx * ux + dy * uy + depth) / speed
-        return t, wait, passing * uy - depth * ux, -(passing * ux + depth * uy)
+        return pair_head_on(dx, dy, ux, uy, speed, reach)
 
     def bounce_pair(self, a: Body, b: Body) -> None:
-        """As `Machine.bounce_pair`: the lines are mixed, as the velocities are."""
+        """As `Machine.bounce_pair`; where the two met head on, the lines are mixed, as the velocities are."""
+        if self._told is None or self._told[0] != (a.index, b.index) or not self._straight:
+            super().bounce_pair(a, b)
+            return
         dx, dy = self.span(a.index, b.index)
         shares = pair_mix(dx, dy, self.reach(a, b), a.w, b.w)
         origin = (a.x.mid(), a.y.mid(), a.vx.mid(), a.vy.mid())

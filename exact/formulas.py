@@ -91,6 +91,45 @@ def pair_nearest_time(approach: N, vx: N, vy: N) -> N:
     return -approach / (vx * vx + vy * vy)
 
 
+def pair_meeting(approach: N, cross: N, square: N, root: N, vx: N, vy: N) -> tuple[N, N, N]:
+    """Time until two circles that approach touch, and their d then, which no time enters.
+
+    `approach` is d.v, `cross` d x v, `square` |v|^2, `root` the square root of
+    `pair_discriminant`. The time equals the earlier of `laws.pair_times`; d then has the
+    d x v of before, and d.v = -root. Sharp in absolute terms, and in balls beside the
+    circles' positions that is what counts.
+
+    >>> from fractions import Fraction as Q
+    >>> pair_meeting(Q(-8), Q(0), Q(4), Q(4), Q(-2), Q(0))
+    (Fraction(1, 1), Fraction(2, 1), Fraction(0, 1))
+    """
+    return (-approach - root) / square, (cross * vy - root * vx) / square, (-cross * vx - root * vy) / square
+
+
+def pair_head_on(dx: N, dy: N, ux: N, uy: N, speed: N, R: N) -> tuple[N, N, N]:
+    """`pair_meeting` where d and v are parallel: u is the direction of v, of length 1.
+
+    There d x v = 0, and the root is R |v|.
+
+    >>> from fractions import Fraction as Q
+    >>> pair_head_on(Q(4), Q(0), Q(-1), Q(0), Q(2), Q(2))
+    (Fraction(1, 1), Fraction(2, 1), Fraction(0, 1))
+    """
+    return (-dx * ux - dy * uy - R) / speed, -ux * R, -uy * R
+
+
+def pair_strength(root: N, R: N, wa: N, wb: N) -> N:
+    """The impulse on b of an elastic collision, as a multiple of d at contact.
+
+    `root` is -d.v then, as `pair_meeting` has it. Equals `pair_impulse` there.
+
+    >>> from fractions import Fraction as Q
+    >>> pair_strength(Q(2), Q(2), Q(1), Q(1))
+    Fraction(1, 2)
+    """
+    return (root + root) / (R * R * (wa + wb))
+
+
 def pair_impulse(dx: N, dy: N, vx: N, vy: N, R: N, wa: N, wb: N) -> tuple[N, N]:
     """The impulse on b of an elastic collision; a takes the opposite one.
 

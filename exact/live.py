@@ -159,11 +159,12 @@ class LiveMachine:
     def do(self, step: Step) -> None:
         """Carries out one step, in the field if its bodies stay there, and logs it."""
         taking_part = self._taking_part(step)
-        in_field = self.all_exact(taking_part) and self._try_field(step, taking_part)
+        in_field = self._in_play > 0 and self.all_exact(taking_part) and self._try_field(step, taking_part)
         if not in_field:
-            for i in taking_part:
-                if self.exact[i]:
-                    self._leave(i)
+            if self._in_play:
+                for i in taking_part:
+                    if self.exact[i]:
+                        self._leave(i)
             self._do_balls(step, taking_part)
         self.steps.append(step)
         self._in_field.append(in_field)
@@ -186,8 +187,12 @@ class LiveMachine:
                 extra = [i for i in source if 0 <= i < n and i not in step.bodies]
                 return (*step.bodies, *extra) if extra else step.bodies
             return (*step.bodies, source) if isinstance(source, int) else step.bodies
-        if isinstance(step, Kick):
-            return tuple({i for link in step.links for i in link if i < self.n})
+        if type(step) is Kick:
+            n = self.n
+            if len(step.links) == 1:
+                (link,) = step.links
+                return link if link[1] < n else link[:1]
+            return tuple({i for link in step.links for i in link if i < n})
         if isinstance(step, Take):
             return (step.body,)
         return tuple(range(self.n))
@@ -260,7 +265,8 @@ class LiveMachine:
                 for i in taking_part:
                     body = bodies[i]
                     body.rest = body.vx.is_zero() and body.vy.is_zero()
-                self._project_all(machine, self._projected.get(machine.steps_done, ()))
+                if machine.steps_done in self._projected:
+                    self._project_all(machine, self._projected[machine.steps_done])
         return accuracy
 
     # -- precision

@@ -233,8 +233,12 @@ class Machine:
             state = self.relation(i, j)
             return pair_gap(state.dx, state.dy, state.reach)
         body = self.bodies[i]
-        line = self.line(body, j - self.n)
-        return wall_gap(body.x, body.y, line.x0, line.y0, line.nx, line.ny, body.r * line.length)
+        return self.wall_gap(body, j - self.n, body.x, body.y)
+
+    def wall_gap(self, body: Body, wall: int, x: Number, y: Number) -> Number:
+        """The distance of a circle at (x, y) from a wall, less its radius, times |n|."""
+        line = self.line(body, wall)
+        return wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, body.r * line.length)
 
     def approach(self, link: Link) -> Number:
         """d.v at the later clock (for a wall n.v): negative while the two come nearer."""
@@ -258,7 +262,8 @@ class Machine:
             t, dx, dy, vx, vy, reach = self.relation(i, j)
             root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
             return t, pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
-        return self.bodies[i].t, wall_hit_time(self.gap(link), self.approach(link))
+        a = self.bodies[i]
+        return a.t, wall_hit_time(self.wall_gap(a, j - self.n, a.x, a.y), self.approach(link))
 
     def graze(self, link: Link) -> tuple[Number, Number]:
         """As `hit`, for two circles that touch without pushing: the time at which they are nearest."""
@@ -277,7 +282,8 @@ class Machine:
             a = vx * vx + vy * vy
             disc = pair_discriminant(dx, dy, vx, vy, reach)
             return t - pair_approach(dx, dy, vx, vy) / a, -(self.one / a), disc
-        return self.bodies[i].t + wall_hit_time(self.gap(link), self.approach(link)), self.zero, self.zero
+        t, wait = self.hit(link)
+        return t + wait, self.zero, self.zero
 
     # -- the steps
 

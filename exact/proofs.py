@@ -96,6 +96,32 @@ def _pair_nearest(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...
     return (2 * formulas["pair_nearest_time"](approach, *_v) - earlier - later,)
 
 
+def _pair_meeting(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """The earlier time of touch, d after a flight of that duration, and the impulse that d and d.v then give."""
+    approach, cross = formulas["pair_approach"](*_d, *_v), _d[0] * _v[1] - _d[1] * _v[0]
+    square = _v[0] ** 2 + _v[1] ** 2
+    root = sqrt(formulas["pair_discriminant"](*_d, *_v, _radii))
+    wait, *there = formulas["pair_meeting"](approach, cross, square, root, *_v)
+    masses = (1 / a_m, 1 / b_m)
+    strength = formulas["pair_strength"](root, _radii, *masses)
+    impulse = formulas["pair_impulse"](*there, *_v, _radii, *masses)
+    return (
+        wait - pair_times()[0],
+        *(ours - (d + wait * v) for ours, d, v in zip(there, _d, _v, strict=True)),
+        *(strength * d - j for d, j in zip(there, impulse, strict=True)),
+    )
+
+
+def _head_on(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
+    """For d = b_x u and v = t u, with u of length 1 and t > 0, the meeting with d x v = 0 and the root R |v|."""
+    length = sqrt(a_vx**2 + a_vy**2)
+    u = (a_vx / length, a_vy / length)
+    d, v = (b_x * u[0], b_x * u[1]), (t * u[0], t * u[1])
+    cross = d[0] * v[1] - d[1] * v[0]
+    general = formulas["pair_meeting"](formulas["pair_approach"](*d, *v), cross, t**2, t * _radii, *v)
+    return (cross, *(a - b for a, b in zip(formulas["pair_head_on"](*d, *u, t, _radii), general, strict=True)))
+
+
 def _touch_equation(formulas: Mapping[str, Callable[..., Any]]) -> tuple[Expr, ...]:
     """At the position a', b' after `advance`, the gap is the fifth equation's difference."""
     *flights, touch = pair_touch().equations
@@ -206,6 +232,8 @@ PROOFS = (
     Proof("straight flight, and two circles touch", pair_touch, _touch_equation),
     Proof("time until two circles touch", pair_times, _pair_times),
     Proof("time until two circles graze", pair_times, _pair_nearest),
+    Proof("where two circles touch, and the impulse there", pair_times, _pair_meeting),
+    Proof("two circles meet head on", pair_times, _head_on),
     Proof("two circles approach", pair_instant_speed, _pair_speed),
     Proof("velocities after two circles collide", pair_velocities, _pair_velocities),
     Proof("velocities after two circles collide, by matrices", pair_velocities, _pair_mixed),

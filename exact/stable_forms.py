@@ -14,7 +14,8 @@ from sympy import Add, Expr, Mul, Pow, Symbol, fraction, symbols
 
 x, y, v, dt, dx, dy, vx, vy, R, wa, wb = symbols("x, y, v, dt, dx, dy, vx, vy, R, wa, wb")
 nx, ny, nn, rL, x0, y0 = symbols("nx, ny, nn, rL, x0, y0")
-gap, approach, root, cross, scale = symbols("gap, approach, root, cross, scale")
+gap, approach, root, cross, scale, square = symbols("gap, approach, root, cross, scale, square")
+ux, uy, speed = symbols("ux, uy, speed")
 share_a, share_b, xx, xy, yy = symbols("share_a, share_b, xx, xy, yy")
 
 
@@ -93,6 +94,45 @@ FORMS = (
 
         The mean of the two of `laws.pair_times`, which are equal where the discriminant is 0.""",
         ("pair_nearest_time(Q(-8), Q(-2), Q(0))", "Fraction(2, 1)"),
+    ),
+    StableForm(
+        "pair_meeting",
+        (approach, cross, square, root, vx, vy),
+        (),
+        (-(approach + root) / square, (cross * vy - root * vx) / square, -(cross * vx + root * vy) / square),
+        """Time until two circles that approach touch, and their d then, which no time enters.
+
+        `approach` is d.v, `cross` d x v, `square` |v|^2, `root` the square root of
+        `pair_discriminant`. The time equals the earlier of `laws.pair_times`; d then has the
+        d x v of before, and d.v = -root. Sharp in absolute terms, and in balls beside the
+        circles' positions that is what counts.""",
+        (
+            "pair_meeting(Q(-8), Q(0), Q(4), Q(4), Q(-2), Q(0))",
+            "(Fraction(1, 1), Fraction(2, 1), Fraction(0, 1))",
+        ),
+    ),
+    StableForm(
+        "pair_head_on",
+        (dx, dy, ux, uy, speed, R),
+        (),
+        (-(dx * ux + dy * uy + R) / speed, -R * ux, -R * uy),
+        """`pair_meeting` where d and v are parallel: u is the direction of v, of length 1.
+
+        There d x v = 0, and the root is R |v|.""",
+        (
+            "pair_head_on(Q(4), Q(0), Q(-1), Q(0), Q(2), Q(2))",
+            "(Fraction(1, 1), Fraction(2, 1), Fraction(0, 1))",
+        ),
+    ),
+    StableForm(
+        "pair_strength",
+        (root, R, wa, wb),
+        (),
+        (2 * root / (R**2 * (wa + wb)),),
+        """The impulse on b of an elastic collision, as a multiple of d at contact.
+
+        `root` is -d.v then, as `pair_meeting` has it. Equals `pair_impulse` there.""",
+        ("pair_strength(Q(2), Q(2), Q(1), Q(1))", "Fraction(1, 2)"),
     ),
     StableForm(
         "pair_impulse",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Any, Literal
 
@@ -271,6 +271,14 @@ class Scene:
         from .validation import check_apart
 
         check_apart(self)
+
+    @cached_property
+    def _hash(self) -> int:
+        return hash(tuple(getattr(self, item.name) for item in fields(self)))
+
+    def __hash__(self) -> int:
+        """Taken once: what is known of a scene is looked up by it in every run."""
+        return self._hash
 
     @cached_property
     def ids(self) -> tuple[str, ...]:

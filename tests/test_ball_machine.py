@@ -68,10 +68,42 @@ def test_it_loses_fewer_bits_than_the_plain_form():
         machine = make()
         replay(machine, steps, range(len(steps)))
         widths.append(max(float(row.rad().log() / arb(2).log()) for row in states(machine, float(run.final_time))))
-    assert widths[0] < widths[1] - 40
+    assert widths[0] < widths[1] - 30
 
 
 def test_galperin_loses_next_to_nothing():
     """In one dimension the contact form is exact, so no bits go: 3,141 collisions fit in the first precision."""
     run = Engine().run(catalogue.build("galperin:n=3"), events=4000)
     assert (run.collisions, run.plan["bits"]) == (3141, 256)
+
+
+def late_starters(seed: int) -> Scene:
+    """Circles far apart for long, then close together between two walls: times are large, waits are short."""
+    draw = random.Random(seed)
+    circles = [
+        Circle(x=-(10**6), y=f"{draw.randrange(1, 99)}/100", vx=1, vy=0),
+        Circle(x=0, y=0, vx=f"1/{10**5}", vy=0),
+        Circle(x=4, y=f"{draw.randrange(-99, 99)}/100", vx=0, vy=0, m="3/7"),
+    ]
+    return Scene(circles, [Wall(20, -1, 20, 1), Wall(-1, 3, 1, 3), Wall(-1, -3, 1, -3)])
+
+
+@pytest.mark.parametrize("bits", [64, 100, 200])
+@pytest.mark.parametrize("seed", range(4))
+def test_instants_of_few_bits_hold_those_of_many(seed, bits):
+    """Also where a clock, of few bits at a late time, stands beside its instant by more than the instant's radius."""
+    scene = late_starters(seed)
+    steps = ExactEngine().run(scene, events=12).motion.program.steps
+
+    def instants(precision):
+        found = []
+        ctx.prec = precision
+        machine = BallMachine(scene)
+        for step in steps:
+            machine.do(step)
+            found.append(machine.instant)
+        return found
+
+    for few, many in zip(instants(bits), instants(3000), strict=True):
+        ctx.prec = 3000
+        assert few.contains(many)

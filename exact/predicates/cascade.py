@@ -134,7 +134,9 @@ class Cascade:
         self.retrace.note(self.past.catch_up())
 
     def _projection(self, i: int) -> Projection | None:
-        """What holds a circle to a line or a point, after the last step of the log."""
+        """What holds a circle to a line or a point, after the last step of the log; None if it stands there."""
+        if self._held.stands(self.live.balls.bodies[i]):
+            return None
         self.catch_up()
         return self._held(i)
 

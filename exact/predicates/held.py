@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from flint import arb  # type: ignore[attr-defined]
+
 from ...scenarios.scene import Scene
+from ..machine import Body
+from ..numbers.field import field_ball
 from ..symmetry import Symmetry, symmetries
 from .isometry import Isometry, Projection
 from .log_symmetry import LogSymmetry
+
+AXIS_BITS = 256
+"""Precision of a mirror line's place: where it is not exact in so many bits, circles are projected."""
 
 
 class Held:
@@ -27,9 +34,21 @@ class Held:
                 if image == i and isometry is not None:
                     self._own.setdefault(i, []).append((symmetry, isometry))
 
+        self._axes = {i: axis for i, own in self._own.items() if (axis := _axis(own)) is not None}
+
     def __bool__(self) -> bool:
         """Whether there is any circle that a symmetry of the scene leaves in place."""
         return bool(self._own)
+
+    def stands(self, body: Body) -> bool:
+        """Whether a body's balls have it exactly on its one mirror line, along an axis: there is nothing to hold."""
+        axis = self._axes.get(body.index)
+        if axis is None:
+            return False
+        level, offset = axis
+        if level:
+            return body.vy.is_zero() and (body.y - offset).is_zero()
+        return body.vx.is_zero() and (body.x - offset).is_zero()
 
     def __call__(self, i: int) -> Projection | None:
         """The projection for a circle, or None if nothing is known to hold it."""
@@ -43,6 +62,15 @@ class Held:
         if key not in self._means:
             self._means[key] = _mean(kept)
         return self._means[key]
+
+
+def _axis(own: list[tuple[Symmetry, Isometry]]) -> tuple[bool, arb] | None:
+    """Whether the one mirror of a circle is level (else it may be upright), and the line's other coordinate."""
+    (symmetry, _), *more = own
+    if more or symmetry.matrix not in {(1, 0, 0, -1), (-1, 0, 0, 1)}:
+        return None
+    level = symmetry.matrix[0] == 1
+    return level, field_ball(symmetry.centre[1 if level else 0], AXIS_BITS)
 
 
 def _mean(kept: list[Symmetry]) -> Projection:

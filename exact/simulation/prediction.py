@@ -51,6 +51,7 @@ class Predictor:
         self.machine = machine
         self.queue = queue
         self.plan = plan
+        plan["pairs at rest skipped"] = 0
         self.bounds = bounds
         self.unsure = unsure
         self.n = len(scene.circles)
@@ -83,13 +84,18 @@ class Predictor:
         """
         plan, count = self.plan, self.n
         self.prepare()
-        others = [b for b in self.machine.bodies[:count] if b.index not in gone]
+        others = self.machine.bodies[:count]
         pockets = [self.machine.bodies[-1 - k] for k in self.pockets]
-        for done, a in enumerate([a for a in moved if a.index not in gone], start=1):
+        if gone:
+            others = [b for b in others if b.index not in gone]
+            moved = [a for a in moved if a.index not in gone]
+        for done, a in enumerate(moved, start=1):
             others.remove(a)
-            met = [b for b in others if not b.rest] if a.rest else others
+            met = others
+            if a.rest:
+                met = [b for b in others if not b.rest]
+                plan["pairs at rest skipped"] += len(others) - len(met)
             plan["pairs predicted"] += count - done - len(others) + len(met)
-            plan["pairs at rest skipped"] += len(others) - len(met)
             self.pairs(a, [*met, *pockets] if pockets and not a.rest else met, standing)
             if not a.rest:
                 plan["walls predicted"] += self.wall_count

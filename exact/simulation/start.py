@@ -10,12 +10,12 @@ from ..machine import Link
 
 
 @lru_cache(maxsize=8)
-def touching_at_start(scene: Scene) -> list[Link]:
+def touching_at_start(scene: Scene) -> tuple[Link, ...]:
     """The contacts at gap zero at time 0, in scene order.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> touching_at_start(Scene([Circle(0, 0), Circle("sqrt(2)", "sqrt(2)"), Circle(5, 5)]))
-    [(0, 1)]
+    ((0, 1),)
     """
     circles = scene.circles
     rough = [rough_circle(circle) for circle in circles]
@@ -33,15 +33,16 @@ def touching_at_start(scene: Scene) -> list[Link]:
             height = wall.height(a.x, a.y)
             if (height * height - a.r * a.r * (nx * nx + ny * ny)).sign() == 0:
                 links.append((i, len(circles) + k))
-    return links
+    return tuple(links)
 
 
-def rims_at_start(scene: Scene) -> list[Link]:
+@lru_cache(maxsize=8)
+def rims_at_start(scene: Scene) -> tuple[Link, ...]:
     """The centres of movable circles on the rim of a pocket at time 0, as (circle, -1 - pocket).
 
     >>> from truebreak.scenarios import Circle, Pocket, Scene
     >>> rims_at_start(Scene([Circle(0, 0, vx=1)], pockets=[Pocket(2, 0, 2)]))
-    [(0, -1)]
+    ((0, -1),)
     """
     found: list[Link] = []
     for i, circle in enumerate(scene.circles):
@@ -49,4 +50,4 @@ def rims_at_start(scene: Scene) -> list[Link]:
             dx, dy = pocket.x - circle.x, pocket.y - circle.y
             if not circle.fixed and (dx * dx + dy * dy - pocket.r * pocket.r).sign() == 0:
                 found.append((i, -1 - k))
-    return found
+    return tuple(found)

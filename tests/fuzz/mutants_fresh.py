@@ -818,7 +818,7 @@ NUMBERS = (
     ),
     Mutant(
         "field_after_all", LIVE,
-        "in_field = self.all_exact(taking_part) and self._try_field(step, taking_part)",
+        "in_field = self._in_play > 0 and self.all_exact(taking_part) and self._try_field(step, taking_part)",
         "in_field = self.field is not None and self._try_field(step, taking_part)",
         "a step is done in the field although a circle has left it",
     ),
