@@ -282,7 +282,7 @@ def orders(
     swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
     With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
-    from ..exact.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES
+    from ..exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES
     from ..scenarios.errors import SceneError
     from .engines import engine
     from .order_search import search_orders
@@ -343,7 +343,7 @@ def changed(
     if changes:
         loaded = loaded.with_changes(**changes)
     if symmetric:
-        from ..exact.symmetry import require_symmetry
+        from ..exact.predicates.scene_symmetry import require_symmetry
 
         require_symmetry(loaded)
     return loaded

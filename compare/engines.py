@@ -47,7 +47,7 @@ ENGINES: dict[str, EngineEntry] = {
         EngineEntry("exact", f"{ROOT}.exact.engine", "ExactEngine", "certified: every decision proved, or it says so"),
         EngineEntry(
             "sympy",
-            f"{ROOT}.exact.symbolic",
+            f"{ROOT}.exact.literal.engine",
             "SymbolicEngine",
             "SymPy alone, taken literally: slow, an oracle",
         ),

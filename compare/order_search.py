@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ..exact.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, OrderTree, all_orders
+from ..exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, OrderTree, all_orders
 from ..exact.policies.scripted import BranchDone, Scripted
 from ..scenarios.trajectory import Stop, StopReason
 from .deadline import Clock, time_limit, uninterrupted
 
 if TYPE_CHECKING:
-    from ..exact.all_orders import Runner
     from ..exact.policies import Policy
+    from ..exact.policies.all_orders import Runner
     from ..scenarios.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress, Trajectory

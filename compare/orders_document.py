@@ -8,7 +8,7 @@ from .amounts import double
 from .trajectory_document import stop_json
 
 if TYPE_CHECKING:
-    from ..exact.all_orders import OrderTree, Outcome
+    from ..exact.policies.all_orders import OrderTree, Outcome
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import Stop
 

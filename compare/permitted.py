@@ -114,7 +114,7 @@ def permitted_patterns(
                 if pattern is not None:
                     by_policy[policy] = pattern
         if hasattr(truth, "run_with"):
-            from ..exact.all_orders import all_orders
+            from ..exact.policies.all_orders import all_orders
             from ..exact.policies.guided import Guided
             from .order_search import Attended
 

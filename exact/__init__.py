@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .engine import ExactEngine
-    from .symbolic import SymbolicEngine
+    from .literal.engine import SymbolicEngine
 
-_HOMES = {"ExactEngine": ".engine", "SymbolicEngine": ".symbolic"}
+_HOMES = {"ExactEngine": ".engine", "SymbolicEngine": ".literal.engine"}
 
 __all__ = ["ExactEngine", "SymbolicEngine"]
 

@@ -11,16 +11,16 @@ from ..scenarios.errors import SceneError
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Contact, Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
-from .machine import Link
-from .motion import ExactMotion
+from .certified.decider import Cascade
 from .policies import Policy
-from .predicates.cascade import Cascade
 from .predicates.ties import TieRule
-from .returning import return_note
+from .replay.state import Link
+from .results.home import return_note
+from .results.motion import ExactMotion
+from .results.value import ExactValue, Formula, Program
 from .simulation.history import REVERSAL, History, Mark
 from .simulation.limits import Limits, run_limits
 from .simulation.loop import Loop
-from .value import ExactValue, Formula, Program
 
 DEFAULT_WORK = 3_000_000
 """Units of work that one question, or all of one instant, may cost; a unit is about a microsecond.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import nan, sqrt
 
-from ..exact.machine import Machine
 from ..exact.policies import Policy
+from ..exact.replay.state import Machine
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory

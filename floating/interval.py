@@ -14,8 +14,8 @@ import numpy as np
 from mpmath.libmp import to_float  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
-from ..exact.machine import Machine
-from ..exact.undecided import Undecided
+from ..exact.numbers.undecided import Undecided
+from ..exact.replay.state import Machine
 from ..scenarios.errors import SceneError
 from ..scenarios.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
 from typing import Any
 
-from ..exact.machine import Body, Link, Machine, Number, Step
-from ..exact.questions import Approach, Discriminant, Gap, Moment, Question, Sooner
+from ..exact.numbers.undecided import Undecided
+from ..exact.predicates.hits import Approach, Discriminant, Gap, Moment, Question, Sooner
+from ..exact.replay.state import Body, Link, Machine, Number, Step
 from ..exact.simulation.history import History
 from ..exact.simulation.prediction import Predictor
 from ..exact.simulation.queue import Arrival, ArrivalQueue
-from ..exact.undecided import Undecided
 from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Contact, Tie, TieProof

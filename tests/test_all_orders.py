@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.all_orders import OrderTree, all_orders
-from truebreak.exact.complementarity import Ask
-from truebreak.exact.machine import Link
+from truebreak.exact.policies.all_orders import OrderTree, all_orders
+from truebreak.exact.policies.complementarity import Ask
+from truebreak.exact.replay.state import Link
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, catalogue
 

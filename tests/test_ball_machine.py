@@ -8,11 +8,11 @@ import pytest
 from flint import arb, ctx
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.ball_machine import BallMachine
 from truebreak.exact.engine import ExactEngine as Engine
-from truebreak.exact.machine import Machine
 from truebreak.exact.numbers import ball
-from truebreak.exact.program import replay
+from truebreak.exact.replay.ball_state import BallMachine
+from truebreak.exact.replay.causal_past import replay
+from truebreak.exact.replay.state import Machine
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 

@@ -244,9 +244,12 @@ def test_an_interruption_is_130_and_leaves_no_file(tmp_path: Path) -> None:
     running = subprocess.Popen(
         [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
-    time.sleep(1.5)
-    running.send_signal(signal.SIGINT)
-    out, err = running.communicate(timeout=30)
+    try:
+        time.sleep(1.5)
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=30)
+    finally:
+        running.kill()
     assert running.returncode == 130, err
     assert out == ""
     assert err == "truebreak: interrupted\n"

@@ -8,7 +8,7 @@ import pytest
 from flint import arb, ctx
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.export import definitions
+from truebreak.exact.results.written import definitions
 from truebreak.scenarios import Circle, Quantity, Scene, catalogue
 
 SCENE = Scene([Circle(0, 0, 1, 1, 0), Circle(4, 1), Circle("9/2", -3)])

@@ -130,7 +130,7 @@ def check_crowds(seeds: range, events: int) -> set[str]:
 @pytest.fixture
 def without_fields(monkeypatch):
     """Numbers that are not kept in exact fields."""
-    live = pytest.importorskip("truebreak.exact.live")
+    live = pytest.importorskip("truebreak.exact.replay.refinable")
     if not hasattr(live, "FIELD_BITS"):
         pytest.skip("this engine has no limit on the size of its exact fields")
     monkeypatch.setattr(live, "FIELD_BITS", 0)

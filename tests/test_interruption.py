@@ -24,9 +24,9 @@ from truebreak.compare.deadline import Clock, OutOfTime, time_limit, uninterrupt
 from truebreak.compare.order_search import search_orders
 from truebreak.compare.schemas import schema
 from truebreak.exact import ExactEngine
-from truebreak.exact.all_orders import all_orders
+from truebreak.exact.certified.decider import Cascade
 from truebreak.exact.engine import DEFAULT_WORK
-from truebreak.exact.predicates.cascade import Cascade
+from truebreak.exact.policies.all_orders import all_orders
 from truebreak.exact.simulation.history import History, Noted
 from truebreak.exact.simulation.loop import Loop
 from truebreak.floating.plain_decider import PlainDecider
@@ -83,10 +83,13 @@ def done(*words: str) -> subprocess.CompletedProcess[str]:
 def interrupted(*words: str, after: float = 2.5) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of the command line, after Ctrl-C."""
     running = start(*words)
-    time.sleep(after)
-    assert running.poll() is None
-    running.send_signal(signal.SIGINT)
-    out, err = running.communicate(timeout=60)
+    try:
+        time.sleep(after)
+        assert running.poll() is None
+        running.send_signal(signal.SIGINT)
+        out, err = running.communicate(timeout=60)
+    finally:
+        running.kill()
     return running.returncode, out, err
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 from fractions import Fraction
+from importlib import import_module
 from io import StringIO
 
 import pytest
@@ -12,8 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Eq, I, Integer, Rational, nonlinsolve, sqrt, symbols
 
-from truebreak.exact import formulas, laws, proofs, stable_forms
-from truebreak.exact.elimination import NotEliminable, eliminate, is_zero, quadratic_roots
+from truebreak.exact.laws import derivation as laws
+from truebreak.exact.laws import formulas, stable_forms
+from truebreak.exact.laws import verification as proofs
+from truebreak.exact.laws.elimination import NotEliminable, eliminate, is_zero, quadratic_roots
 
 F = Fraction
 TEXT = stable_forms.render()
@@ -200,7 +203,11 @@ MUTATIONS = [
     ("* (R * R) - cross", "* R - cross"),
     ("return gap / (root - approach)", "return gap / (-root - approach)"),
     ("scale = -(approach + approach) / (R * R", "scale = -(approach) / (R * R"),
-    ("* (wa + wb))", "* (wa * wb))"),
+    ("scale = -(approach + approach) / (R * R * (wa + wb))", "scale = -(approach + approach) / (R * R * (wa * wb))"),
+    ("return (-approach - root) / square", "return (-approach + root) / square"),
+    ("(cross * vy - root * vx) / square", "(cross * vy + root * vx) / square"),
+    ("return (-dx * ux - dy * uy - R) / speed", "return (-dx * ux - dy * uy + R) / speed"),
+    ("return (root + root) / (R * R * (wa + wb))", "return root / (R * R * (wa + wb))"),
     ("(y - y0) * ny - rL", "(y - y0) * ny + rL"),
     ("return vx * nx + vy * ny\n", "return vx * ny + vy * nx\n"),
     ("return -gap / approach", "return gap / approach"),
@@ -242,8 +249,9 @@ def test_derivation_shows_every_law_and_every_proof():
 
 def test_command_reports_a_wrong_form_and_writes_nothing(monkeypatch, capsys):
     wrong = TEXT.replace("return x + v * dt", "return x - v * dt")
+    command = import_module("truebreak.exact.laws.__main__")
     monkeypatch.setattr(proofs, "render", lambda: wrong)
-    assert laws.main([]) == 1
+    assert command.main([]) == 1
     assert "straight flight" in capsys.readouterr().err
     assert proofs.is_current(TEXT)
 
@@ -303,6 +311,9 @@ COSTS = {
     "pair_discriminant": 10,
     "pair_hit_time": 2,
     "pair_nearest_time": 5,
+    "pair_meeting": 12,
+    "pair_head_on": 10,
+    "pair_strength": 5,
     "pair_impulse": 11,
     "pair_mix": 21,
     "wall_gap": 6,

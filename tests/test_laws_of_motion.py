@@ -14,8 +14,10 @@ from flint import arb, ctx
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from truebreak.exact import ExactEngine, live
-from truebreak.exact.predicates import cascade, filtered_prediction
+from truebreak.exact import ExactEngine
+from truebreak.exact.certified import decider as cascade
+from truebreak.exact.certified import prediction as filtered_prediction
+from truebreak.exact.replay import refinable as live
 from truebreak.floating import DoubleEngine, IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
 

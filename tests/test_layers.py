@@ -23,7 +23,7 @@ FILES = {
 
 
 def imported(module: str, with_types: bool = True) -> Iterator[str]:
-    """Full names that a module imports, relative ones resolved: `truebreak.exact.formulas`, `sympy`.
+    """Full names that a module imports, relative ones resolved: `truebreak.exact.laws.formulas`, `sympy`.
 
     Imports inside functions count, and so does `import_module` of a literal name; with `with_types=False`
     those under `if TYPE_CHECKING` do not.
@@ -77,14 +77,14 @@ def test_resolver_sees_relative_lazy_and_named_imports() -> None:
         "import sympy\n"
         "from ..scenarios.scene import Scene\n"
         "def late():\n"
-        "    from . import formulas\n"
+        "    from .laws import formulas\n"
         "    import_module('..floating.double', __package__)\n"
     )
     names = set(_imports(ast.parse(source), "truebreak.exact", True))
     assert {
         "sympy",
         "truebreak.scenarios.scene",
-        "truebreak.exact.formulas",
+        "truebreak.exact.laws.formulas",
         "truebreak.floating.double",
     } <= names
 
@@ -112,10 +112,18 @@ def test_pymunk_engine_is_independent_of_the_exact_layer() -> None:
 
 
 def test_symbolic_engine_does_not_share_the_event_loop() -> None:
-    own = ("exact.simulation", "exact.predicates", "exact.numbers", "exact.engine", "exact.machine", "exact.formulas")
-    used = {name for name in reached("exact.symbolic") if name.startswith(own)}
+    own = (
+        "exact.simulation",
+        "exact.predicates",
+        "exact.numbers",
+        "exact.engine",
+        "exact.replay",
+        "exact.certified",
+        "exact.laws.formulas",
+    )
+    used = {name for name in reached("exact.literal.engine") if name.startswith(own)}
     assert {name for name in reached("exact.engine") if name.startswith(own)} > {"exact.simulation.loop"}
-    assert not used, f"exact/symbolic.py reaches {sorted(used)}; it must stay an independent oracle"
+    assert not used, f"exact/literal/engine.py reaches {sorted(used)}; it must stay an independent oracle"
 
 
 TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])"

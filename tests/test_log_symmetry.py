@@ -11,11 +11,11 @@ from flint import ctx, fmpq  # type: ignore[attr-defined]
 from touch import assert_all_touch, proofs
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.machine import Go, Kick, Take
+from truebreak.exact.predicates.hits import Approach, Moment, RelativeSpeed, Sooner
 from truebreak.exact.predicates.log_symmetry import IDENTITY, LogSymmetry
 from truebreak.exact.predicates.past import Past
-from truebreak.exact.questions import Approach, Moment, RelativeSpeed, Sooner
-from truebreak.exact.symmetry import symmetries
+from truebreak.exact.predicates.scene_symmetry import symmetries
+from truebreak.exact.replay.state import Go, Kick, Take
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.trajectory import TieProof

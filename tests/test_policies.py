@@ -13,10 +13,10 @@ import pytest
 
 from truebreak.compare import convergence
 from truebreak.exact import ExactEngine
-from truebreak.exact.complementarity import pushing_contacts
-from truebreak.exact.machine import Link, Machine
 from truebreak.exact.policies import policy_for
-from truebreak.exact.questions import Question
+from truebreak.exact.policies.complementarity import pushing_contacts
+from truebreak.exact.predicates.hits import Question
+from truebreak.exact.replay.state import Link, Machine
 from truebreak.floating import DoubleEngine, IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, TiePolicy, Trajectory, Wall, catalogue
 

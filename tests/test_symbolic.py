@@ -12,10 +12,11 @@ from hypothesis import strategies as st
 from referee import compare_to_referee, load
 from sympy import Integer, Rational, sqrt
 
-from truebreak.exact import symbolic_contacts, symbolic_sign
-from truebreak.exact.symbolic import SymbolicEngine
-from truebreak.exact.symbolic_laws import Disc, Line, approach_sign, touch_times, velocities_after
-from truebreak.exact.symbolic_sign import SymbolicUndecided, enclosure, normal, quantity, sign
+from truebreak.exact.literal import contacts as symbolic_contacts
+from truebreak.exact.literal import sign as symbolic_sign
+from truebreak.exact.literal.engine import SymbolicEngine
+from truebreak.exact.literal.laws import Disc, Line, approach_sign, touch_times, velocities_after
+from truebreak.exact.literal.sign import SymbolicUndecided, enclosure, normal, quantity, sign
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, SceneError, StopReason, Wall, catalogue
 
 Q = Quantity.of

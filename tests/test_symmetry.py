@@ -17,7 +17,7 @@ from truebreak.exact.numbers.field import field_ball
 from truebreak.exact.predicates.held import Held
 from truebreak.exact.predicates.log_symmetry import LogSymmetry
 from truebreak.exact.predicates.past import Past
-from truebreak.exact.symmetry import Symmetry, symmetries
+from truebreak.exact.predicates.scene_symmetry import Symmetry, symmetries
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.trajectory import TieProof

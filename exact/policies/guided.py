@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Trajectory
-from ..complementarity import Ask
-from ..machine import Link
+from ..replay.state import Link
+from .complementarity import Ask
 
 
 @dataclass

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from typing import Protocol
 
-from ..complementarity import Ask
-from ..machine import Link
+from ..replay.state import Link
+from .complementarity import Ask
 
 
 class Policy(Protocol):

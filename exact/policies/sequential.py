@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Hashable, Sequence
 
-from ..complementarity import Ask
-from ..machine import Link
+from ..replay.state import Link
+from .complementarity import Ask
 
 
 class Sequential:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 
-from ..complementarity import Ask, pushing_contacts
-from ..machine import Link
+from ..replay.state import Link
+from .complementarity import Ask, pushing_contacts
 
 
 class Simultaneous:

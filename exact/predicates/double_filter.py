@@ -32,7 +32,7 @@ from typing import NamedTuple
 
 from flint import arb  # type: ignore[attr-defined]
 
-from ..machine import Body
+from ..replay.state import Body
 
 UNIT = 2.0**-53
 

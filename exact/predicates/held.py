@@ -5,11 +5,11 @@ from __future__ import annotations
 from flint import arb  # type: ignore[attr-defined]
 
 from ...scenarios.scene import Scene
-from ..machine import Body
 from ..numbers.field import field_ball
-from ..symmetry import Symmetry, symmetries
+from ..replay.state import Body
 from .isometry import Isometry, Projection
 from .log_symmetry import LogSymmetry
+from .scene_symmetry import Symmetry, symmetries
 
 AXIS_BITS = 256
 """Precision of a mirror line's place: where it is not exact in so many bits, circles are projected."""

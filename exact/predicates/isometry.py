@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import Any, TypeAlias
 
 from ...scenarios.scene import Scene
-from ..machine import Link
 from ..numbers.field import Field, FieldNumber, field_sign
+from ..replay.state import Link
 
 Vector: TypeAlias = tuple[FieldNumber, FieldNumber]
 Matrix: TypeAlias = tuple[FieldNumber, FieldNumber, FieldNumber, FieldNumber]

@@ -27,9 +27,9 @@ from __future__ import annotations
 from flint import fmpq  # type: ignore[attr-defined]
 
 from ...scenarios.scene import Scene
-from ..machine import Link
 from ..numbers.field import LeavesField, field_sign
-from ..questions import Approach, Closing, Question, RelativeSpeed, Sooner
+from ..replay.state import Link
+from .hits import Approach, Closing, Question, RelativeSpeed, Sooner
 from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data
 from .past import TAKE, Block, Past
 

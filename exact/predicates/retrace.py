@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..machine import Link
-from ..questions import BeforeTime, Discriminant, Moment, Question, Sooner
+from ..replay.state import Link
+from .hits import BeforeTime, Discriminant, Moment, Question, Sooner
 from .past import FLIP, Block, Past
 
 

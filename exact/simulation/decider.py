@@ -7,8 +7,8 @@ from typing import Any, Protocol
 
 from ...scenarios.quantity import Quantity
 from ...scenarios.trajectory import Tie
-from ..machine import Body, Link, Number, Step
-from ..questions import Question
+from ..predicates.hits import Question
+from ..replay.state import Body, Link, Number, Step
 from .history import History
 from .queue import Arrival, ArrivalQueue
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ...scenarios.quantity import Quantity
 from ...scenarios.trajectory import Tie
-from ..machine import Link, Number, Step
+from ..replay.state import Link, Number, Step
 
 REVERSAL = "reversal"
 """The source of the reversal's own time."""

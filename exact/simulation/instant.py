@@ -18,9 +18,9 @@ from dataclasses import dataclass, field
 from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Tie
-from ..machine import Flip, Go, Kick, Link, Take
 from ..policies.policy import Policy
-from ..questions import Closing, Coupling, RelativeSpeed, Rim
+from ..predicates.hits import Closing, Coupling, RelativeSpeed, Rim
+from ..replay.state import Flip, Go, Kick, Link, Take
 from .decider import Decider
 from .history import REVERSAL, Entry, Mark, Noted, Record
 from .rounds import Rounds, Touching, components, settle

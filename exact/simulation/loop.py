@@ -20,10 +20,10 @@ from ...scenarios.errors import TimeIsUp
 from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Tie
-from ..machine import Link
+from ..numbers.undecided import BudgetSpent, Undecided
 from ..policies import Policy, policy_for
-from ..questions import BeforeTime, Closing, Moment
-from ..undecided import BudgetSpent, Undecided
+from ..predicates.hits import BeforeTime, Closing, Moment
+from ..replay.state import Link
 from .decider import Decider
 from .instant import Instant, Resolved, Resolver
 from .limits import Limits

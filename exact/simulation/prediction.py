@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Sequence
 from math import inf, nextafter
 
 from ...scenarios.scene import Scene
-from ..formulas import (
+from ..laws.formulas import (
     advance,
     pair_approach,
     pair_discriminant,
@@ -17,7 +17,7 @@ from ..formulas import (
     wall_gap,
     wall_hit_time,
 )
-from ..machine import Body, Link, Machine, Number
+from ..replay.state import Body, Link, Machine, Number
 from .queue import ArrivalQueue
 
 ROUNDED_DOWN = 1 - 2.0**-50

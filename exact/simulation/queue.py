@@ -7,7 +7,7 @@ from heapq import heappop, heappush
 from math import inf
 from typing import NamedTuple
 
-from ..machine import Body, Link, Number
+from ..replay.state import Body, Link, Number
 
 
 class Arrival(NamedTuple):

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from ..complementarity import Ask
-from ..machine import Kick, Link
+from ..numbers.undecided import BudgetSpent
+from ..policies.complementarity import Ask
 from ..policies.policy import Policy
-from ..questions import Closing
-from ..undecided import BudgetSpent
+from ..predicates.hits import Closing
+from ..replay.state import Kick, Link
 
 
 class Touching:

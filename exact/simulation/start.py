@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from ...scenarios.scene import Scene
 from ...scenarios.validation import rough_circle, surely_apart
-from ..machine import Link
+from ..replay.state import Link
 
 
 @lru_cache(maxsize=8)

@@ -9,8 +9,12 @@ INSTANT, ROUNDS, LOOP = (f"{SIMULATION}/{name}.py" for name in ("instant", "roun
 QUEUE, PREDICTION, HISTORY = (f"{SIMULATION}/{name}.py" for name in ("queue", "prediction", "history"))
 LOG, PAST, ISOMETRY, RETRACE = (f"{PREDICATES}/{n}.py" for n in ("log_symmetry", "past", "isometry", "retrace"))
 HELD, CASCADE, FILTER = (f"{PREDICATES}/{name}.py" for name in ("held", "cascade", "double_filter"))
-FILTERED, BALLS, LIVE = f"{PREDICATES}/filtered_prediction.py", "exact/ball_machine.py", "exact/live.py"
-PUSHING, MOTION, BALL = "exact/complementarity.py", "exact/motion.py", "exact/numbers/ball.py"
+FILTERED, BALLS, LIVE = (
+    f"{PREDICATES}/filtered_prediction.py",
+    "exact/replay/ball_state.py",
+    "exact/replay/refinable.py",
+)
+PUSHING, MOTION, BALL = "exact/policies/complementarity.py", "exact/results/motion.py", "exact/numbers/ball.py"
 PLAIN = "floating/plain_decider.py"
 TOO_SMALL = " * 2.0**-20"
 
@@ -121,7 +125,7 @@ CONTACTS = (
         why_it_survives="as dependent_not_seen: a dependent contact is never exchanged",
     ),
     Mutant(
-        "slack_above_zero", "exact/questions.py",
+        "slack_above_zero", "exact/predicates/hits.py",
         "        slack = speeds[-1] + speeds[-1]\n",
         "        slack = speeds[-1]\n",
         "whether a contact separates fast enough is held against half its speed",
@@ -139,7 +143,7 @@ CONTACTS = (
         "a number is drawn where there is no choice, so later orders differ",
     ),
     Mutant(
-        "together_one_mass", "exact/machine.py",
+        "together_one_mass", "exact/replay/state.py",
         "{i: (bodies[i].w * jx, bodies[i].w * jy) for i, jx, jy in mine if not circles[i].fixed}",
         "{i: (bodies[mine[0][0]].w * jx, bodies[mine[0][0]].w * jy) for i, jx, jy in mine if not circles[i].fixed}",
         "impulses together are reckoned with the mass of the first circle of a contact",
@@ -785,13 +789,13 @@ NUMBERS = (
         "after a wall the line goes through the place at the clock, not at the instant",
     ),
     Mutant(
-        "late_not_pushed", "exact/machine.py",
+        "late_not_pushed", "exact/replay/state.py",
         "        if self.late is not None:\n            body.x = body.x - ux * self.late\n",
         "        if False:\n            body.x = body.x - ux * self.late\n",
         "after impulses together the lines go through the places at the clock, not at the instant",
     ),
     Mutant(
-        "late_not_flipped", "exact/machine.py",
+        "late_not_flipped", "exact/replay/state.py",
         "                if self.late is not None:\n                    twice",
         "                if False:\n                    twice",
         "after a reversal the lines go through the places at the clock, not at the instant",

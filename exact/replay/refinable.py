@@ -12,12 +12,12 @@ from contextlib import suppress
 
 from flint import ctx  # type: ignore[attr-defined]
 
-from ..scenarios.quantity import Quantity
-from ..scenarios.scene import Scene
-from .ball_machine import BallMachine
-from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step, Take
-from .numbers.field import Field, LeavesField, field_ball, height
-from .predicates.isometry import Projection
+from ...scenarios.quantity import Quantity
+from ...scenarios.scene import Scene
+from ..numbers.field import Field, LeavesField, field_ball, height
+from ..predicates.isometry import Projection
+from .ball_state import BallMachine
+from .state import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step, Take
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27

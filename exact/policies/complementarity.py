@@ -11,8 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from .machine import Link
-from .questions import Pivot, Question, Share, Slack, Strength
+from ..predicates.hits import Pivot, Question, Share, Slack, Strength
+from ..replay.state import Link
 
 Ask = Callable[[Question], int]
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from flint import arb  # type: ignore[attr-defined]
 
+from ..certified.decider import Cascade
+from ..numbers import ball
 from .motion import ExactMotion
-from .numbers import ball
-from .predicates.cascade import Cascade
 
 HOME_BITS = 128
 """Accuracy at which a final state is held against the first one, where the log does not tell."""

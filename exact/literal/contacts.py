@@ -16,9 +16,9 @@ from typing import Any
 
 from sympy import Integer, Matrix
 
-from ..scenarios.tie_policy import TiePolicy
-from .symbolic_laws import Disc, Line, approach_sign, velocities_after
-from .symbolic_sign import SymbolicUndecided, normal, sign
+from ...scenarios.tie_policy import TiePolicy
+from .laws import Disc, Line, approach_sign, velocities_after
+from .sign import SymbolicUndecided, normal, sign
 
 Pair = tuple[int, int]
 """Two touching things by place in the scene: circles first, then walls."""

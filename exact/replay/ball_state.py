@@ -19,9 +19,9 @@ Interval arithmetic pays for every number that it uses twice. So:
 
 from __future__ import annotations
 
-from ..scenarios.quantity import Quantity
-from ..scenarios.scene import Scene
-from .formulas import (
+from ...scenarios.quantity import Quantity
+from ...scenarios.scene import Scene
+from ..laws.formulas import (
     advance,
     pair_approach,
     pair_gap,
@@ -31,8 +31,8 @@ from .formulas import (
     pair_strength,
     wall_mirror,
 )
-from .machine import Body, Link, Machine, Number
-from .numbers import ball
+from ..numbers import ball
+from .state import Body, Link, Machine, Number
 
 
 class BallMachine(Machine):

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.quantity import Quantity
-from .machine import Machine
-from .program import causal_past, replay
+from ...scenarios.quantity import Quantity
+from ..replay.causal_past import causal_past, replay
+from ..replay.state import Machine
 
 if TYPE_CHECKING:
     from .value import ExactValue, Program

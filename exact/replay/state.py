@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeAlias
 
-from ..scenarios.quantity import Quantity
-from ..scenarios.scene import Scene
-from .formulas import (
+from ...scenarios.quantity import Quantity
+from ...scenarios.scene import Scene
+from ..laws.formulas import (
     advance,
     pair_approach,
     pair_discriminant,

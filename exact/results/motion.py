@@ -10,11 +10,11 @@ import numpy as np
 from flint import arb, fmpq  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from ..scenarios.quantity import Quantity, certain_double
-from ..scenarios.tower import Element, Tower
-from .formulas import advance
-from .machine import Machine, Number
-from .numbers import ball
+from ...scenarios.quantity import Quantity, certain_double
+from ...scenarios.tower import Element, Tower
+from ..laws.formulas import advance
+from ..numbers import ball
+from ..replay.state import Machine, Number
 from .value import ExactValue, Program
 
 READ_BITS = 192

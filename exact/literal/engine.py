@@ -24,11 +24,11 @@ from typing import Any
 
 from sympy import Expr, Integer
 
-from ..scenarios.engine import horizon
-from ..scenarios.errors import SceneError, TimeIsUp
-from ..scenarios.quantity import Quantity, QuantityLike
-from ..scenarios.scene import Circle, Scene
-from ..scenarios.trajectory import (
+from ...scenarios.engine import horizon
+from ...scenarios.errors import SceneError, TimeIsUp
+from ...scenarios.quantity import Quantity, QuantityLike
+from ...scenarios.scene import Circle, Scene
+from ...scenarios.trajectory import (
     Contact,
     Event,
     OnProgress,
@@ -40,10 +40,10 @@ from ..scenarios.trajectory import (
     TieProof,
     Trajectory,
 )
-from .symbolic_contacts import Outcome, Pair, Touching, UnendingCollision, collide, coupled
-from .symbolic_laws import Disc, Line, touch_times
-from .symbolic_motion import SymbolicMotion
-from .symbolic_sign import SymbolicUndecided, normal, quantity, sign
+from .contacts import Outcome, Pair, Touching, UnendingCollision, collide, coupled
+from .laws import Disc, Line, touch_times
+from .motion import SymbolicMotion
+from .sign import SymbolicUndecided, normal, quantity, sign
 
 ZERO: Any = Integer(0)
 

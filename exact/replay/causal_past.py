@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from ..scenarios.quantity import Quantity
-from .machine import Go, Kick, Machine, Step, Take
+from ...scenarios.quantity import Quantity
+from .state import Go, Kick, Machine, Step, Take
 
 
 def causal_past(steps: Sequence[Step], bodies: Iterable[int], n: int) -> tuple[list[int], list[int]]:

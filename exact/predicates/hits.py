@@ -10,8 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from ..scenarios.quantity import Quantity
-from .machine import Link, Machine, Number, solve_positive
+from ...scenarios.quantity import Quantity
+from ..replay.state import Link, Machine, Number, solve_positive
 
 RootSum = tuple[Number, Number, Number, Number, Number]
 """A, B, D1, C, D2 of a number A + B*sqrt(D1) + C*sqrt(D2)."""

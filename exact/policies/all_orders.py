@@ -6,14 +6,14 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from ..scenarios.errors import SceneError
-from ..scenarios.quantity import QuantityLike
-from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, OnProgress, Progress, Trajectory
-from .machine import Link
-from .policies.policy import Policy
-from .policies.scripted import BranchDone, Choice, Scripted
-from .policies.sequential import Sequential
+from ...scenarios.errors import SceneError
+from ...scenarios.quantity import QuantityLike
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Contact, OnProgress, Progress, Trajectory
+from ..replay.state import Link
+from .policy import Policy
+from .scripted import BranchDone, Choice, Scripted
+from .sequential import Sequential
 
 DEFAULT_CAP = 256
 """Outcomes gathered before enumeration gives way to a sample."""

@@ -8,14 +8,14 @@ from typing import Any
 
 from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 
-from ..scenarios.quantity import certain_double, nearest_double
-from ..scenarios.scene import Scene
-from ..scenarios.tower import Element, Tower, TowerLimit
-from ..scenarios.work import Work
-from .ball_machine import BallMachine
-from .machine import Machine, Number, Step
-from .numbers import ball
-from .program import causal_past, replay
+from ...scenarios.quantity import certain_double, nearest_double
+from ...scenarios.scene import Scene
+from ...scenarios.tower import Element, Tower, TowerLimit
+from ...scenarios.work import Work
+from ..numbers import ball
+from ..replay.ball_state import BallMachine
+from ..replay.causal_past import causal_past, replay
+from ..replay.state import Machine, Number, Step
 
 TEXT_DEPTH = 5
 """Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
@@ -184,7 +184,7 @@ class ExactValue:
         exact = self.exact()
         if exact is not None:
             return exact.sympy()
-        from .export import sympy_machine
+        from .written import sympy_machine
 
         machine = sympy_machine(self.program, self.upto, self.bodies)
         return self.formula(machine).expression

@@ -12,10 +12,10 @@ from functools import lru_cache
 from math import inf
 from typing import Any
 
-from ..scenarios.errors import SceneError
-from ..scenarios.scene import Scene
-from .numbers.field import FieldNumber, LeavesField, field_sign
-from .predicates.isometry import Matrix, scene_data
+from ...scenarios.errors import SceneError
+from ...scenarios.scene import Scene
+from ..numbers.field import FieldNumber, LeavesField, field_sign
+from .isometry import Matrix, scene_data
 
 NEAR = 1e-6
 """How far, relatively, an image may be from its target in doubles and still be looked at exactly; it only spares

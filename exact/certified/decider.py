@@ -15,24 +15,24 @@ from ...scenarios.scene import Scene
 from ...scenarios.tower import sign_of_root_sum
 from ...scenarios.trajectory import Assumption, Contact, Tie, TieProof
 from ...scenarios.work import Work
-from ..live import LiveMachine
-from ..machine import Body, Link, Number, Step
 from ..numbers import ball
 from ..numbers.field import LeavesField, field_ball, field_sign, field_text
-from ..questions import Approach, Discriminant, Gap, Moment, Question, Sooner
+from ..numbers.undecided import BudgetSpent, Undecided
+from ..predicates.held import Held
+from ..predicates.hits import Approach, Discriminant, Gap, Moment, Question, Sooner
+from ..predicates.isometry import Projection
+from ..predicates.log_symmetry import LogSymmetry
+from ..predicates.nested_roots import NestedRoots
+from ..predicates.past import Past
+from ..predicates.retrace import Retrace
+from ..predicates.ties import TieRule
+from ..replay.refinable import LiveMachine
+from ..replay.state import Body, Link, Number, Step
 from ..simulation.history import History
 from ..simulation.limits import Limits
 from ..simulation.queue import Arrival, ArrivalQueue
 from ..simulation.start import touching_at_start
-from ..undecided import BudgetSpent, Undecided
-from .filtered_prediction import LATER, QUICK_BITS, FilteredPredictor
-from .held import Held
-from .isometry import Projection
-from .log_symmetry import LogSymmetry
-from .nested_roots import NestedRoots
-from .past import Past
-from .retrace import Retrace
-from .ties import TieRule
+from .prediction import LATER, QUICK_BITS, FilteredPredictor
 
 FIRST_BITS = 256
 """Precision of the state at first: four words, twice the quick one, so the first rise comes late."""

@@ -15,8 +15,7 @@ from typing import Any, TextIO
 
 from sympy import Expr, Integer, sqrt
 
-from .elimination import is_zero
-from .laws import (
+from .derivation import (
     LawError,
     Statement,
     a_m,
@@ -50,6 +49,7 @@ from .laws import (
     y0,
     y1,
 )
+from .elimination import is_zero
 from .stable_forms import FORMS, render
 
 FORMULAS = Path(__file__).with_name("formulas.py")

@@ -10,12 +10,12 @@ from typing import Any
 from flint import arb, ctx  # type: ignore[attr-defined]
 
 from ...scenarios.scene import Scene
-from ..live import LiveMachine
-from ..machine import Body, Link
 from ..numbers import ball
+from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
+from ..replay.refinable import LiveMachine
+from ..replay.state import Body, Link
 from ..simulation.prediction import Predictor
 from ..simulation.queue import ArrivalQueue
-from .double_filter import DoubleFilter, FloatLine, float_line
 
 QUICK_BITS = 128
 """Precision of predictions: two machine words, the most that flint keeps without a call for memory."""

@@ -14,7 +14,7 @@ from typing import Any
 
 from sympy import Expr, Symbol, fraction, sqrt, together
 
-from .laws import (
+from ..laws.derivation import (
     a_m,
     a_r,
     a_vx,
@@ -43,7 +43,7 @@ from .laws import (
     y0,
     y1,
 )
-from .symbolic_sign import normal, root, sign
+from .sign import normal, root, sign
 
 _ROOT = Symbol("root")
 

@@ -1,0 +1,1 @@
+"""The laws of motion and collision: derived by SymPy, in stable form, and proved equal."""
