@@ -11,10 +11,10 @@ from ..scenarios.errors import SceneError
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Contact, Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
-from .certified.decider import Cascade
+from .certified.decider import CertifiedDecider
 from .policies import Policy
 from .predicates.ties import TieRule
-from .replay.state import Link
+from .replay.steps import Link
 from .results.home import return_note
 from .results.motion import ExactMotion
 from .results.value import ExactValue, Formula, Program
@@ -92,15 +92,15 @@ class ExactEngine:
         limits = run_limits(scene, until, events)
         saved = ctx.prec
         try:
-            cascade = Cascade(scene, limits, self.max_bits, self.work, TieRule.parse(self.ties))
-            stop = Loop(scene, cascade, limits, progress, policy).run()
-            return self._trajectory(scene, cascade, limits, stop)
+            decider = CertifiedDecider(scene, limits, self.max_bits, self.work, TieRule.parse(self.ties))
+            stop = Loop(scene, decider, limits, progress, policy).run()
+            return self._trajectory(scene, decider, limits, stop)
         finally:
             ctx.prec = saved
 
-    def _trajectory(self, scene: Scene, cascade: Cascade, limits: Limits, stop: Stop) -> Trajectory:
-        history = cascade.history
-        program = Program(scene, history.steps, cascade.live.bits)
+    def _trajectory(self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop) -> Trajectory:
+        history = decider.history
+        program = Program(scene, history.steps, decider.live.bits)
         ids = scene.ids
 
         def contacts(links: tuple[Link, ...]) -> tuple[Contact, ...]:
@@ -122,9 +122,9 @@ class ExactEngine:
         end = _end(program, history, limits, stop)
         motion = ExactMotion(program, history.knots, end, history.set_times)
         if stop.reason is StopReason.HORIZON and limits.to_return:
-            cascade.catch_up()
-            home = cascade.retrace.home
-            notes = (return_note(cascade, motion),)
+            decider.catch_up()
+            home = decider.retrace.home
+            notes = (return_note(scene, decider.retrace.home, decider.live.exact, motion),)
         motion.returned = home
         reversal = None
         if history.reversal is not None:
@@ -142,8 +142,8 @@ class ExactEngine:
                 Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), time_of(program, e.mark))
                 for e in history.entries
             ),
-            assumptions=tuple(cascade.assumptions),
-            plan={**dict(sorted(history.plan.items())), "bits": cascade.live.bits},
+            assumptions=tuple(decider.assumptions),
+            plan={**dict(sorted(history.plan.items())), "bits": decider.live.bits},
             notes=notes,
         )
 

@@ -2,22 +2,177 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
 from typing import Any
 
 from ..exact.numbers.undecided import Undecided
-from ..exact.predicates.hits import Approach, Discriminant, Gap, Moment, Question, Sooner
-from ..exact.replay.state import Body, Link, Machine, Number, Step
+from ..exact.predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
+from ..exact.predicates.question import Decision, Question
+from ..exact.replay.body import Body, Number
+from ..exact.replay.state import Machine
+from ..exact.replay.steps import Link, Step, name_of
 from ..exact.simulation.history import History
 from ..exact.simulation.prediction import Predictor
 from ..exact.simulation.queue import Arrival, ArrivalQueue
 from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, Tie, TieProof
+from ..scenarios.trajectory import TieProof
+
+Sign = Callable[[Number], int]
+"""The sign of a number; raises Undecided where it is not known."""
+
+Bounds = Callable[[Number], tuple[float, float]]
+"""Doubles around a number."""
+
+
+class PlainReading:
+    """Reads a state off as it is.
+
+    Args:
+        machine: that state.
+        bounds: doubles around a time.
+    """
+
+    def __init__(self, machine: Machine, bounds: Bounds) -> None:
+        self._machine = machine
+        self._bounds = bounds
+
+    def knot(self, body: Body) -> tuple[Any, ...]:
+        """The state."""
+        return body.t, body.x, body.y, body.vx, body.vy
+
+    def now(self, body: Body) -> Number:
+        """The instant of a body's last contact."""
+        return body.instant
+
+    def entry_time(self, link: Link) -> Number:
+        """The time of an entry."""
+        clock, wait = self._machine.hit(link)
+        return clock + wait
+
+    def reversal_time(self) -> Number:
+        """The time of the reversal."""
+        return self._machine.flip_time
+
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """None: the state is not exact."""
+        return None
+
+    def note(self) -> str:
+        """Nothing to add."""
+        return ""
+
+    def rough(self, time: Number) -> float:
+        """The lower bound of a time."""
+        return self._bounds(time)[0]
+
+    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
+        """Doubles around a set time (None: the return)."""
+        if time is None:
+            return self._bounds(self._machine.flip_time + self._machine.flip_time)
+        return self._bounds(self._machine.constant(time))
+
+
+class PlainMeetings:
+    """Predicts and orders meetings by the system's own comparisons.
+
+    Args:
+        scene: what runs.
+        machine: its state.
+        queue: where arrivals go.
+        plan: counts what is predicted and what is skipped.
+        sign, bounds: of numbers.
+        ask: decides questions.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        machine: Machine,
+        queue: ArrivalQueue,
+        plan: Counter[str],
+        sign: Sign,
+        bounds: Bounds,
+        ask: Callable[[Question], int],
+    ) -> None:
+        self._predictor = Predictor(scene, machine, queue, plan, bounds, self._unsure)
+        self._machine = machine
+        self._sign = sign
+        self._bounds = bounds
+        self._ask = ask
+
+    def off_rim(self, link: Link) -> bool:
+        """Nothing is plain before it is asked."""
+        return False
+
+    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
+        """Queues the next meetings of some circles."""
+        self._predictor.predict(moved, standing, gone)
+
+    def timed(self, arrival: Arrival) -> Arrival:
+        """Its time was computed when it was predicted."""
+        return arrival
+
+    def certainly_before(self, first: Arrival, second: Arrival) -> bool:
+        """Whether the system's own comparison says so."""
+        return (first.time < second.time) is True
+
+    def order(self, first: Arrival, second: Arrival) -> Decision:
+        """The sign of the difference of two times at hand, or of the question where that is not known."""
+        try:
+            sign = self._sign(first.time - second.time)
+        except Undecided:
+            sign = self._ask(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))
+        return Decision(sign, "plain", TieProof.FLOAT)
+
+    def settled(self, arrival: Arrival) -> Arrival | None:
+        """The arrival if it comes.
+
+        Raises:
+            Undecided: where that cannot be told.
+        """
+        found = self._meeting(arrival.link)
+        if found is None:
+            return None
+        time, graze = found
+        low, high = self._bounds(time)
+        return arrival._replace(low=low, high=high, time=time, graze=graze)
+
+    def _unsure(self, link: Link) -> None:
+        """A prediction with a sign that is not certain, or with no gap left: by rounding, or touching."""
+        try:
+            found = self._meeting(link)
+        except Undecided:
+            self._predictor.push_doubtful(link)
+            return
+        if found is not None:
+            self._predictor.push(found[0], link, found[1])
+
+    def _meeting(self, link: Link) -> tuple[Number, bool] | None:
+        """The time of a meeting, and whether it is a graze; None where there is none.
+
+        Two that overlap by rounding and approach collide at once.
+
+        Raises:
+            Undecided: where that cannot be told.
+        """
+        if self._ask(Approach(link)) >= 0:
+            return None
+        disc = self._ask(Discriminant(link)) if link[1] < self._machine.n else 1
+        if disc < 0:
+            return None
+        if self._ask(Gap(link)) <= 0:
+            if link[1] < 0 or disc == 0:
+                return None
+            later = max((i for i in link if i < self._machine.n), key=lambda i: self._machine.bodies[i].last)
+            return self._machine.bodies[later].t, False
+        clock, wait = Moment(link, disc == 0).wait(self._machine)
+        return clock + wait, disc == 0
 
 
 class PlainDecider:
-    """The decider of one number system.
+    """The decider of one number system (see `Decider`).
 
     Args:
         scene: what runs.
@@ -26,24 +181,16 @@ class PlainDecider:
         bounds: doubles around a time.
     """
 
-    def __init__(
-        self,
-        scene: Scene,
-        machine: Machine,
-        sign: Callable[[Number], int],
-        bounds: Callable[[Number], tuple[float, float]],
-    ) -> None:
+    def __init__(self, scene: Scene, machine: Machine, sign: Sign, bounds: Bounds) -> None:
         self.scene = scene
         self.machine = machine
         self.history = History()
         self.bodies: list[Body] = list(machine.bodies)[: machine.n]
         self.queue = ArrivalQueue(self.bodies)
-        self.predictor = Predictor(scene, machine, self.queue, self.history.plan, bounds, self._unsure)
+        self.meetings = PlainMeetings(scene, machine, self.queue, self.history.plan, sign, bounds, self.ask)
+        self.reading = PlainReading(machine, bounds)
         self._sign = sign
-        self._bounds = bounds
         self.refresh(machine.bodies)
-
-    # -- the state
 
     def begin(self, instant: int) -> None:
         """Nothing to prepare: the precision is what it is."""
@@ -62,51 +209,6 @@ class PlainDecider:
         for body in bodies:
             body.rest = bool(body.vx == zero) and bool(body.vy == zero)
             body.q = (body.x, body.y, body.vx, body.vy, body.t)
-
-    def knot(self, body: Body) -> tuple[Any, ...]:
-        """The state."""
-        return body.t, body.x, body.y, body.vx, body.vy
-
-    def now(self, body: Body) -> Number:
-        """The instant of a body's last contact."""
-        return body.instant
-
-    def entry_time(self, link: Link) -> Number:
-        """The time of an entry."""
-        clock, wait = self.machine.hit(link)
-        return clock + wait
-
-    def reversal_time(self) -> Number:
-        """The time of the reversal."""
-        return self.machine.flip_time
-
-    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
-        """None: the state is not exact."""
-        return None
-
-    def note(self) -> str:
-        """Nothing to add."""
-        return ""
-
-    def rough(self, time: Number) -> float:
-        """The lower bound of a time."""
-        return self._bounds(time)[0]
-
-    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
-        """Doubles around a set time (None: the return)."""
-        if time is None:
-            return self._bounds(self.machine.flip_time + self.machine.flip_time)
-        return self._bounds(self.machine.constant(time))
-
-    def off_rim(self, link: Link) -> bool:
-        """Nothing is plain before it is asked."""
-        return False
-
-    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
-        """Queues the next meetings of some circles."""
-        self.predictor.predict(moved, standing, gone)
-
-    # -- decisions
 
     def ask(self, question: Question) -> int:
         """The sign of a question's number.
@@ -128,69 +230,4 @@ class PlainDecider:
             return None
 
     def _name(self, link: Link) -> str:
-        other = self.scene.ids[link[1]] if link[1] >= 0 else f"pocket {self.scene.pockets[-1 - link[1]].id}"
-        return f"{self.scene.ids[link[0]]} and {other}"
-
-    def tie(self, links: tuple[Link, ...]) -> Tie:
-        """A tie of equal numbers."""
-        ids = self.scene.ids
-        return Tie(tuple(Contact(ids[i], ids[j]) for i, j in sorted(links)), TieProof.FLOAT)
-
-    def timed(self, arrival: Arrival) -> Arrival:
-        """Its time was computed when it was predicted."""
-        return arrival
-
-    def certainly_before(self, first: Arrival, second: Arrival) -> bool:
-        """Whether the system's own comparison says so."""
-        return (first.time < second.time) is True
-
-    def order(self, first: Arrival, second: Arrival) -> int:
-        """The sign of the difference of two times at hand, or of the question where that is not known."""
-        try:
-            return self._sign(first.time - second.time)
-        except Undecided:
-            return self.ask(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))
-
-    def settled(self, arrival: Arrival) -> Arrival | None:
-        """The arrival if it comes.
-
-        Raises:
-            Undecided: where that cannot be told.
-        """
-        found = self._meeting(arrival.link)
-        if found is None:
-            return None
-        time, graze = found
-        low, high = self._bounds(time)
-        return arrival._replace(low=low, high=high, time=time, graze=graze)
-
-    def _unsure(self, link: Link) -> None:
-        """A prediction with a sign that is not certain, or with no gap left: by rounding, or touching."""
-        try:
-            found = self._meeting(link)
-        except Undecided:
-            self.predictor.push_doubtful(link)
-            return
-        if found is not None:
-            self.predictor.push(found[0], link, found[1])
-
-    def _meeting(self, link: Link) -> tuple[Number, bool] | None:
-        """The time of a meeting, and whether it is a graze; None where there is none.
-
-        Two that overlap by rounding and approach collide at once.
-
-        Raises:
-            Undecided: where that cannot be told.
-        """
-        if self.ask(Approach(link)) >= 0:
-            return None
-        disc = self.ask(Discriminant(link)) if link[1] < self.machine.n else 1
-        if disc < 0:
-            return None
-        if self.ask(Gap(link)) <= 0:
-            if link[1] < 0 or disc == 0:
-                return None
-            later = max((i for i in link if i < self.machine.n), key=lambda i: self.bodies[i].last)
-            return self.bodies[later].t, False
-        clock, wait = Moment(link, disc == 0).wait(self.machine)
-        return clock + wait, disc == 0
+        return name_of(self.scene, link)

@@ -11,7 +11,7 @@ import pytest
 from truebreak.exact import ExactEngine
 from truebreak.exact.policies.all_orders import OrderTree, all_orders
 from truebreak.exact.policies.complementarity import Ask
-from truebreak.exact.replay.state import Link
+from truebreak.exact.replay.steps import Link
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, catalogue
 

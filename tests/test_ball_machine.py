@@ -11,8 +11,7 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.engine import ExactEngine as Engine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallMachine
-from truebreak.exact.replay.causal_past import replay
-from truebreak.exact.replay.state import Machine
+from truebreak.exact.replay.state import Machine, replay
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from truebreak.exact.predicates.double_filter import DoubleFilter, float_line
-from truebreak.exact.replay.state import Body
+from truebreak.exact.replay.body import Body
 
 wide = st.fractions(min_value=-1000, max_value=1000, max_denominator=10**6)
 slow = st.fractions(min_value=-2, max_value=2, max_denominator=10**6)

@@ -24,7 +24,7 @@ from truebreak.compare.deadline import Clock, OutOfTime, time_limit, uninterrupt
 from truebreak.compare.order_search import search_orders
 from truebreak.compare.schemas import schema
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified.decider import Cascade
+from truebreak.exact.certified.decider import CertifiedDecider
 from truebreak.exact.engine import DEFAULT_WORK
 from truebreak.exact.policies.all_orders import all_orders
 from truebreak.exact.simulation.history import History, Noted
@@ -230,7 +230,7 @@ def ended_at(step: int, before: bool, error: BaseException, monkeypatch: pytest.
     """Raises an error before or after so many steps of the log have been carried out; counts them."""
     count = [0]
     with monkeypatch.context() as patch:
-        for decider in (Cascade, PlainDecider):
+        for decider in (CertifiedDecider, PlainDecider):
             patch.setattr(decider, "do", _ending(decider.do, count, step, before, error))
         yield count
 

@@ -15,7 +15,7 @@ from truebreak.exact.predicates.hits import Approach, Moment, RelativeSpeed, Soo
 from truebreak.exact.predicates.log_symmetry import IDENTITY, LogSymmetry
 from truebreak.exact.predicates.past import Past
 from truebreak.exact.predicates.scene_symmetry import symmetries
-from truebreak.exact.replay.state import Go, Kick, Take
+from truebreak.exact.replay.steps import Go, Kick, Take
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.trajectory import TieProof

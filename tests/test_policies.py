@@ -15,8 +15,9 @@ from truebreak.compare import convergence
 from truebreak.exact import ExactEngine
 from truebreak.exact.policies import policy_for
 from truebreak.exact.policies.complementarity import pushing_contacts
-from truebreak.exact.predicates.hits import Question
-from truebreak.exact.replay.state import Link, Machine
+from truebreak.exact.predicates.question import Question
+from truebreak.exact.replay.state import Machine
+from truebreak.exact.replay.steps import Link
 from truebreak.floating import DoubleEngine, IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, TiePolicy, Trajectory, Wall, catalogue
 

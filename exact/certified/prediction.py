@@ -12,8 +12,9 @@ from flint import arb, ctx  # type: ignore[attr-defined]
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
+from ..replay.body import Body
 from ..replay.refinable import LiveMachine
-from ..replay.state import Body, Link
+from ..replay.steps import Link
 from ..simulation.prediction import Predictor
 from ..simulation.queue import ArrivalQueue
 

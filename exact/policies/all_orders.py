@@ -10,7 +10,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.quantity import QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Contact, OnProgress, Progress, Trajectory
-from ..replay.state import Link
+from ..replay.steps import Link
 from .policy import Policy
 from .scripted import BranchDone, Choice, Scripted
 from .sequential import Sequential

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from ..predicates.hits import Pivot, Question, Share, Slack, Strength
-from ..replay.state import Link
+from ..predicates.impulses import Pivot, Share, Slack, Strength
+from ..predicates.question import Question
+from ..replay.steps import Link
 
 Ask = Callable[[Question], int]
 

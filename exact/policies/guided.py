@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Trajectory
-from ..replay.state import Link
+from ..replay.steps import Link
 from .complementarity import Ask
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from typing import Protocol
 
-from ..replay.state import Link
+from ..replay.steps import Link
 from .complementarity import Ask
 
 

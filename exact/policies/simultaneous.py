@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 
-from ..replay.state import Link
+from ..replay.steps import Link
 from .complementarity import Ask, pushing_contacts
 
 

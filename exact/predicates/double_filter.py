@@ -32,7 +32,7 @@ from typing import NamedTuple
 
 from flint import arb  # type: ignore[attr-defined]
 
-from ..replay.state import Body
+from ..replay.body import Body
 
 UNIT = 2.0**-53
 

@@ -6,7 +6,7 @@ from flint import arb  # type: ignore[attr-defined]
 
 from ...scenarios.scene import Scene
 from ..numbers.field import field_ball
-from ..replay.state import Body
+from ..replay.body import Body
 from .isometry import Isometry, Projection
 from .log_symmetry import LogSymmetry
 from .scene_symmetry import Symmetry, symmetries

@@ -1,44 +1,15 @@
-"""The questions that a run asks of its numbers: each the sign of something that any machine can compute.
-
-A question is posed once and can be put to several number systems: to the live balls, to balls of more bits, to
-nested square roots. `value` may take square roots, so it suits enclosures; `exact_sign` adds none.
-"""
+"""Questions about meetings: whether and when two touch, and whether they come nearer."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 from ...scenarios.quantity import Quantity
-from ..replay.state import Link, Machine, Number, solve_positive
-
-RootSum = tuple[Number, Number, Number, Number, Number]
-"""A, B, D1, C, D2 of a number A + B*sqrt(D1) + C*sqrt(D2)."""
-
-
-class Question(Protocol):
-    """The sign of a number that depends on the state of some bodies."""
-
-    def bodies(self, n: int) -> tuple[int, ...]:
-        """The circles whose states the number depends on."""
-        ...
-
-    def value(self, machine: Machine) -> Number:
-        """The number."""
-        ...
-
-    def root_sum(self, machine: Machine) -> RootSum:
-        """The number as A + B*sqrt(D1) + C*sqrt(D2), with parts that need no new root."""
-        ...
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        """The question as a person reads it."""
-        ...
-
-
-def _circles(link: Link, n: int) -> tuple[int, ...]:
-    return link if 0 <= link[1] < n else link[:1]
+from ..replay.body import Number
+from ..replay.state import Machine
+from ..replay.steps import Link
+from .question import RootSum, circles_of
 
 
 @dataclass(frozen=True)
@@ -48,7 +19,7 @@ class _OfLink:
     link: Link
 
     def bodies(self, n: int) -> tuple[int, ...]:
-        return _circles(self.link, n)
+        return circles_of(self.link, n)
 
     def root_sum(self, machine: Machine) -> RootSum:
         zero = machine.zero
@@ -152,7 +123,7 @@ class Sooner:
     second: Moment
 
     def bodies(self, n: int) -> tuple[int, ...]:
-        return tuple(dict.fromkeys(_circles(self.first.link, n) + _circles(self.second.link, n)))
+        return tuple(dict.fromkeys(circles_of(self.first.link, n) + circles_of(self.second.link, n)))
 
     def value(self, machine: Machine) -> Number:
         t1, wait1 = self.first.wait(machine)
@@ -181,7 +152,7 @@ class BeforeTime:
     time: Quantity | None
 
     def bodies(self, n: int) -> tuple[int, ...]:
-        return _circles(self.moment.link, n)
+        return circles_of(self.moment.link, n)
 
     def _limit(self, machine: Machine) -> Number:
         if self.time is None:
@@ -199,98 +170,3 @@ class BeforeTime:
     def describe(self, name: Callable[[Link], str]) -> str:
         when = "the return" if self.time is None else f"time {self.time}"
         return f"whether {name(self.moment.link)} meet before, at or after {when}"
-
-
-@dataclass(frozen=True)
-class Strength:
-    """In a set of contacts kicked together, how strong is one impulse?"""
-
-    basis: tuple[Link, ...]
-    link: Link
-
-    def bodies(self, n: int) -> tuple[int, ...]:
-        return tuple(dict.fromkeys(i for link in (*self.basis, self.link) for i in _circles(link, n)))
-
-    def _strengths(self, machine: Machine) -> list[Number]:
-        matrix, speeds = machine.contact_system(self.basis)
-        return solve_positive(matrix, [-(u + u) for u in speeds])
-
-    def value(self, machine: Machine) -> Number:
-        return self._strengths(machine)[self.basis.index(self.link)]
-
-    def root_sum(self, machine: Machine) -> RootSum:
-        zero = machine.zero
-        return self.value(machine), zero, zero, zero, zero
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} push each other at all"
-
-
-@dataclass(frozen=True)
-class Slack(Strength):
-    """Kicking `basis` together, by how much more than needed does a contact outside of it separate?"""
-
-    def value(self, machine: Machine) -> Number:
-        matrix, speeds = machine.contact_system((*self.basis, self.link))
-        inner = [row[:-1] for row in matrix[:-1]]
-        strengths = solve_positive(inner, [-(u + u) for u in speeds[:-1]])
-        slack = speeds[-1] + speeds[-1]
-        for entry, strength in zip(matrix[-1][:-1], strengths, strict=True):
-            slack = slack + entry * strength
-        return slack
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} separate fast enough"
-
-
-@dataclass(frozen=True)
-class Pivot(Strength):
-    """Is a contact's push independent of those in `basis` (positive) or already made of them (zero)?"""
-
-    def value(self, machine: Machine) -> Number:
-        matrix, _ = machine.contact_system((*self.basis, self.link))
-        inner = [row[:-1] for row in matrix[:-1]]
-        column = matrix[-1][:-1]
-        pivot = matrix[-1][-1]
-        for entry, part in zip(column, solve_positive(inner, column), strict=True):
-            pivot = pivot - entry * part
-        return pivot
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether the contact of {name(self.link)} depends on its neighbours"
-
-
-@dataclass(frozen=True)
-class Share(Strength):
-    """How much of `entering`'s push is made of `link`'s, among the contacts of `basis`?"""
-
-    entering: Link = (0, 0)
-
-    def value(self, machine: Machine) -> Number:
-        matrix, _ = machine.contact_system((*self.basis, self.entering))
-        inner = [row[:-1] for row in matrix[:-1]]
-        return solve_positive(inner, matrix[-1][:-1])[self.basis.index(self.link)]
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"how the contacts of {name(self.entering)} and {name(self.link)} depend on each other"
-
-
-@dataclass(frozen=True)
-class Coupling:
-    """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
-
-    first: Link
-    second: Link
-
-    def bodies(self, n: int) -> tuple[int, ...]:
-        return tuple(dict.fromkeys(_circles(self.first, n) + _circles(self.second, n)))
-
-    def value(self, machine: Machine) -> Number:
-        return machine.contact_system((self.first, self.second))[0][0][1]
-
-    def root_sum(self, machine: Machine) -> RootSum:
-        zero = machine.zero
-        return self.value(machine), zero, zero, zero, zero
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether the order of {name(self.first)} and {name(self.second)} matters"

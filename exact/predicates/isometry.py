@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from ...scenarios.scene import Scene
 from ..numbers.field import Field, FieldNumber, field_sign
-from ..replay.state import Link
+from ..replay.steps import Link
 
 Vector: TypeAlias = tuple[FieldNumber, FieldNumber]
 Matrix: TypeAlias = tuple[FieldNumber, FieldNumber, FieldNumber, FieldNumber]

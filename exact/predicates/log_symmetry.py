@@ -28,10 +28,11 @@ from flint import fmpq  # type: ignore[attr-defined]
 
 from ...scenarios.scene import Scene
 from ..numbers.field import LeavesField, field_sign
-from ..replay.state import Link
-from .hits import Approach, Closing, Question, RelativeSpeed, Sooner
+from ..replay.steps import Link
+from .hits import Approach, Closing, RelativeSpeed, Sooner
 from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data
 from .past import TAKE, Block, Past
+from .question import Question
 
 IDENTITY: Matrix = (fmpq(1), fmpq(0), fmpq(0), fmpq(1))
 

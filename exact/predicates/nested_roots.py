@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from ...scenarios.scene import Scene
 from ...scenarios.tower import Tower, TowerLimit, sign_of_root_sum
 from ...scenarios.work import Work
-from ..replay.causal_past import causal_past, replay
-from ..replay.state import Machine, Step
-from .hits import Question
+from ..replay.state import Machine, replay
+from ..replay.steps import Step, causal_past
+from .question import Question
 
 MAX_DEPTH = 7
 """Levels of nested roots that a proof may build: on a chain of collisions of short numbers six take a tenth of a

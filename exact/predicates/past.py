@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from ..replay.state import Flip, Go, Kick, Link, Step, Take
+from ..replay.steps import Flip, Go, Kick, Link, Step, Take
 
 FLIP, TAKE = "flip", "take"
 

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..replay.state import Link
-from .hits import BeforeTime, Discriminant, Moment, Question, Sooner
+from ..replay.steps import Link
+from .hits import BeforeTime, Discriminant, Moment, Sooner
 from .past import FLIP, Block, Past
+from .question import Question
 
 
 class Retrace:

@@ -20,16 +20,6 @@ class TieRule:
 
     bits: int | None = None
 
-    @property
-    def assumes(self) -> bool:
-        """Whether anything but proof is taken."""
-        return self.bits is not None
-
-    @property
-    def least(self) -> int:
-        """The bits of agreement that count; one more than any number has where nothing does."""
-        return MAX_ASSUMED + 1 if self.bits is None else self.bits
-
     @staticmethod
     def parse(text: str) -> TieRule:
         """The rule of a setting `proved` or `assume:BITS`.

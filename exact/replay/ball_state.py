@@ -32,7 +32,9 @@ from ..laws.formulas import (
     wall_mirror,
 )
 from ..numbers import ball
-from .state import Body, Link, Machine, Number
+from .body import Body, Number
+from .state import Machine
+from .steps import Link
 
 
 class BallMachine(Machine):

@@ -17,7 +17,9 @@ from ...scenarios.scene import Scene
 from ..numbers.field import Field, LeavesField, field_ball, height
 from ..predicates.isometry import Projection
 from .ball_state import BallMachine
-from .state import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step, Take
+from .body import Body, Number
+from .state import Line, Machine, Relation
+from .steps import Flip, Go, Kick, Link, Step, Take
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27

@@ -8,7 +8,7 @@ machine too, fed one step at a time.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -25,93 +25,10 @@ from ..laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-
-Number: TypeAlias = Any
-"""A number of the machine's system: it has + - * / and unary minus."""
-
-Link: TypeAlias = tuple[int, int]
-"""A contact by index: two circles (0 <= i < j < n), or circle i and wall j - n (j >= n).
-
-With j < 0 it stands for the centre of circle i entering pocket -1 - j: no contact, but reckoned like one."""
-
-
-class Go(NamedTuple):
-    """Advance `bodies` to one instant.
-
-    The instant is the hit time of `source` if that is a Link, the clock of a body if it is an int, the constant
-    itself if it is a Quantity.
-    """
-
-    source: Link | int | Quantity
-    bodies: tuple[int, ...]
-
-
-class Kick(NamedTuple):
-    """Apply, together, the impulses that make each of these contacts separate as fast as it approached.
-
-    Attributes:
-        links: the contacts that push.
-        among: the contacts whose law this is: all that approach in a round of the policy `simultaneous`, of which
-            `links` push; the contact alone where an order was chosen. The velocities that come out depend on the
-            state and on `among` alone, so symmetric instants have symmetric `among`, whatever set of contacts was
-            found to push.
-    """
-
-    links: tuple[Link, ...]
-    among: tuple[Link, ...]
-
-
-class Flip(NamedTuple):
-    """Negate every velocity; all bodies stand at one instant."""
-
-
-class Take(NamedTuple):
-    """Take a body out of play: it rests where it is, and nothing meets it."""
-
-    body: int
-
-
-Step: TypeAlias = Go | Kick | Flip | Take
-
-
-class Body:
-    """One circle's state: position and velocity at its own clock t.
-
-    Attributes:
-        x, y, vx, vy, t: it flies through (x, y) at time t with velocity (vx, vy).
-        instant, late: the instant of its last contact, and the time from t to it (None: it is t itself).
-        r, w: radius and inverse mass.
-        rest: whether its velocity is exactly zero.
-        last: number of log steps done when it was last touched; tells the later of two clocks.
-        serial: how often its velocity has changed; tells stale predictions.
-        q: its state as predictions use it.
-        f: that state as doubles, where their error is bounded; None where not.
-        kind, acc: for the exact engine: which radius it has, how many bits of it are known.
-    """
-
-    __slots__ = (
-        "acc", "f", "index", "instant", "kind", "last", "late", "q", "r", "rest", "serial",
-        "t", "vx", "vy", "w", "x", "y",
-    )  # fmt: skip
-
-    def __init__(self, index: int, state: Sequence[Number], t: Number, r: Number, w: Number) -> None:
-        self.index = index
-        self.x, self.y, self.vx, self.vy = state
-        self.t = t
-        self.instant = t
-        self.late: Number | None = None
-        self.r = r
-        self.w = w
-        self.q: tuple[Number, ...] = ()
-        self.f: tuple[float, ...] | None = None
-        self.rest = False
-        self.last = 0
-        self.serial = 0
-        self.kind = 0
-        self.acc = 0
-
-    def __repr__(self) -> str:
-        return f"Body({self.index}, x={self.x}, y={self.y}, vx={self.vx}, vy={self.vy}, t={self.t})"
+from .body import Body, Number
+from .linear import solve_positive
+from .sides import Sides
+from .steps import Go, Kick, Link, Step, Take
 
 
 class Line(NamedTuple):
@@ -455,40 +372,12 @@ class Machine:
             body.last = self.steps_done
 
 
-def solve_positive(matrix: Sequence[Sequence[Number]], right: Sequence[Number]) -> list[Number]:
-    """Solves a symmetric positive definite system by elimination; its pivots need no choice.
-
-    >>> from fractions import Fraction as Q
-    >>> solve_positive([[Q(2), Q(1)], [Q(1), Q(2)]], [Q(3), Q(0)])
-    [Fraction(2, 1), Fraction(-1, 1)]
-    """
-    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
-    size = len(rows)
-    for k in range(size):
-        for below in rows[k + 1 :]:
-            factor = below[k] / rows[k][k]
-            for column in range(k + 1, size + 1):
-                below[column] = below[column] - factor * rows[k][column]
-    solution: list[Number] = [None] * size
-    for k in reversed(range(size)):
-        value = rows[k][size]
-        for column in range(k + 1, size):
-            value = value - rows[k][column] * solution[column]
-        solution[k] = value / rows[k][k]
-    return solution
-
-
-class Sides:
-    """On which side of each wall each circle starts, and so stays: decided exactly, once, when asked."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self._known: dict[tuple[int, int], bool] = {}
-
-    def negative(self, circle: int, wall: int) -> bool:
-        """Whether the circle lies where the wall's own normal does not point."""
-        key = (circle, wall)
-        if key not in self._known:
-            where = self.scene.circles[circle]
-            self._known[key] = self.scene.walls[wall].height(where.x, where.y).sign() < 0
-        return self._known[key]
+def replay(machine: Machine, steps: Sequence[Step], needed: Iterable[int]) -> None:
+    """Carries out the needed steps of a log on a machine that may hold only some of the bodies."""
+    held = set(machine.bodies) if isinstance(machine.bodies, dict) else None
+    for k in needed:
+        step = steps[k]
+        if held is not None and isinstance(step, Go):
+            step = Go(step.source, tuple(i for i in step.bodies if i in held))
+        machine.steps_done = k
+        machine.do(step)

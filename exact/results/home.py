@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from flint import arb  # type: ignore[attr-defined]
 
-from ..certified.decider import Cascade
+from ...scenarios.scene import Scene
 from ..numbers import ball
 from .motion import ExactMotion
 
@@ -14,15 +16,21 @@ HOME_BITS = 128
 HOME = "came back to the start exactly: every position is the one at time 0 and every velocity its negative"
 
 
-def return_note(cascade: Cascade, motion: ExactMotion) -> str:
-    """What a run that ended at the return says of its final state."""
-    if cascade.retrace.home:
+def return_note(scene: Scene, home: bool, exact: Sequence[bool], motion: ExactMotion) -> str:
+    """What a run that ended at the return says of its final state.
+
+    Args:
+        scene: what ran.
+        home: whether every circle has undone its whole way.
+        exact: for each circle, whether its final numbers are exact.
+        motion: the run's.
+    """
+    if home:
         return (
             "came back to the start exactly: after the reversal every circle met the same partners in reverse "
             "order, and each impulse undoes itself, so every position is the one at time 0 and every velocity "
             "its negative"
         )
-    scene, live = cascade.scene, cascade.live
     rows = motion.state(motion.end)
     apart: list[str] = []
     places = velocities = True
@@ -33,8 +41,8 @@ def return_note(cascade: Cascade, motion: ExactMotion) -> str:
                 apart += [str(circle.id)] if k < 2 else []
                 velocities = velocities and k < 2
             else:
-                exact = value.exact() if live.exact[i] else None
-                same = exact is not None and (exact - start.in_tower(exact.tower)).is_zero()
+                number = value.exact() if exact[i] else None
+                same = number is not None and (number - start.in_tower(number.tower)).is_zero()
                 places, velocities = places and (same or k >= 2), velocities and (same or k < 2)
     if apart:
         return f"did not come back to the start: circle {apart[0]} is elsewhere at the return"

@@ -14,7 +14,8 @@ from ...scenarios.quantity import Quantity, certain_double
 from ...scenarios.tower import Element, Tower
 from ..laws.formulas import advance
 from ..numbers import ball
-from ..replay.state import Machine, Number
+from ..replay.body import Number
+from ..replay.state import Machine
 from .value import ExactValue, Program
 
 READ_BITS = 192

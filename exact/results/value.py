@@ -14,8 +14,9 @@ from ...scenarios.tower import Element, Tower, TowerLimit
 from ...scenarios.work import Work
 from ..numbers import ball
 from ..replay.ball_state import BallMachine
-from ..replay.causal_past import causal_past, replay
-from ..replay.state import Machine, Number, Step
+from ..replay.body import Number
+from ..replay.state import Machine, replay
+from ..replay.steps import Step, causal_past
 
 TEXT_DEPTH = 5
 """Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.quantity import Quantity
-from ..replay.causal_past import causal_past, replay
-from ..replay.state import Machine
+from ..replay.state import Machine, replay
+from ..replay.steps import causal_past
 
 if TYPE_CHECKING:
     from .value import ExactValue, Program

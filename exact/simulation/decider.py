@@ -6,11 +6,89 @@ from collections.abc import Collection, Hashable, Iterable, Sequence
 from typing import Any, Protocol
 
 from ...scenarios.quantity import Quantity
-from ...scenarios.trajectory import Tie
-from ..predicates.hits import Question
-from ..replay.state import Body, Link, Number, Step
+from ..predicates.question import Decision, Question
+from ..replay.body import Body, Number
+from ..replay.steps import Link, Step
 from .history import History
 from .queue import Arrival, ArrivalQueue
+
+
+class Meetings(Protocol):
+    """Predicts and orders the meetings of one run."""
+
+    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
+        """Queues the next meetings of circles whose flights are new.
+
+        Args:
+            moved: those circles.
+            standing: contacts and rims at gap zero that do not approach: nothing to predict until a flight changes.
+            gone: circles out of play.
+        """
+        ...
+
+    def settled(self, arrival: Arrival) -> Arrival | None:
+        """An arrival that may not come, made one that does; None if it does not come.
+
+        Raises:
+            Undecided: if that is not to be had.
+        """
+        ...
+
+    def timed(self, arrival: Arrival) -> Arrival:
+        """The arrival with its time computed."""
+        ...
+
+    def certainly_before(self, first: Arrival, second: Arrival) -> bool:
+        """Whether the one comes before the other, as far as their times at hand tell."""
+        ...
+
+    def order(self, first: Arrival, second: Arrival) -> Decision:
+        """Whether the one comes before (negative), with (zero) or after (positive) the other.
+
+        Raises:
+            Undecided: if that is not to be had.
+        """
+        ...
+
+    def off_rim(self, link: Link) -> bool:
+        """Whether a centre is plainly not on the rim of a pocket; False says nothing."""
+        ...
+
+
+class Reading(Protocol):
+    """Reads a state off, in the numbers that the history keeps."""
+
+    def knot(self, body: Body) -> tuple[Any, ...]:
+        """(t, x, y, vx, vy) of a body."""
+        ...
+
+    def now(self, body: Body) -> Number:
+        """The instant at which a body's clock stands."""
+        ...
+
+    def entry_time(self, link: Link) -> Number:
+        """The time of an entry."""
+        ...
+
+    def reversal_time(self) -> Number:
+        """The time of the reversal."""
+        ...
+
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """A key of the bodies' exact states, equal only for equal states; None where none is at hand."""
+        ...
+
+    def rough(self, time: Number) -> float:
+        """About what double a time is."""
+        ...
+
+    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
+        """Doubles that enclose a set time (None: the return)."""
+        ...
+
+    def note(self) -> str:
+        """What progress says beside the counts."""
+        ...
 
 
 class Decider(Protocol):
@@ -20,11 +98,22 @@ class Decider(Protocol):
         history: what the run has gathered; its log is the decider's.
         bodies: the circles.
         queue: where predictions go.
+        meetings, reading: its other two faces.
     """
 
     history: History
     bodies: list[Body]
     queue: ArrivalQueue
+
+    @property
+    def meetings(self) -> Meetings:
+        """Predicts and orders meetings."""
+        ...
+
+    @property
+    def reading(self) -> Reading:
+        """Reads the state off."""
+        ...
 
     def begin(self, instant: int) -> None:
         """Called before the steps of an instant, with its number."""
@@ -50,84 +139,10 @@ class Decider(Protocol):
         """The sign of a question if it is to be had at once, else None."""
         ...
 
-    def tie(self, links: tuple[Link, ...]) -> Tie:
-        """The tie that the last question found, and how it is known."""
-        ...
-
-    def settled(self, arrival: Arrival) -> Arrival | None:
-        """An arrival that may not come, made one that does; None if it does not come.
-
-        Raises:
-            Undecided: if that is not to be had.
-        """
-        ...
-
-    def timed(self, arrival: Arrival) -> Arrival:
-        """The arrival with its time computed."""
-        ...
-
-    def certainly_before(self, first: Arrival, second: Arrival) -> bool:
-        """Whether the one comes before the other, as far as their times at hand tell."""
-        ...
-
-    def order(self, first: Arrival, second: Arrival) -> int:
-        """Whether the one comes before (negative), with (zero) or after (positive) the other.
-
-        Raises:
-            Undecided: if that is not to be had.
-        """
-        ...
-
-    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
-        """Queues the next meetings of circles whose flights are new.
-
-        Args:
-            moved: those circles.
-            standing: contacts and rims at gap zero that do not approach: nothing to predict until a flight changes.
-            gone: circles out of play.
-        """
-        ...
-
     def refresh(self, bodies: Iterable[Body]) -> None:
         """Makes the numbers that predictions use current for circles whose flights are new.
 
         Raises:
             Undecided: if the instant is not known sharply enough, and cannot be.
         """
-        ...
-
-    def off_rim(self, link: Link) -> bool:
-        """Whether a centre is plainly not on the rim of a pocket; False says nothing."""
-        ...
-
-    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
-        """Doubles that enclose a set time (None: the return)."""
-        ...
-
-    def rough(self, time: Number) -> float:
-        """About what double a time is."""
-        ...
-
-    def now(self, body: Body) -> Number:
-        """The instant at which a body's clock stands, as the history keeps times."""
-        ...
-
-    def entry_time(self, link: Link) -> Number:
-        """The time of an entry, as the history keeps times."""
-        ...
-
-    def reversal_time(self) -> Number:
-        """The time of the reversal, as the history keeps times."""
-        ...
-
-    def knot(self, body: Body) -> tuple[Any, ...]:
-        """(t, x, y, vx, vy) of a body, as the history keeps them."""
-        ...
-
-    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
-        """A key of the bodies' exact states, equal only for equal states; None where none is at hand."""
-        ...
-
-    def note(self) -> str:
-        """What progress says beside the counts."""
         ...

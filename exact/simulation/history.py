@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 from ...scenarios.quantity import Quantity
 from ...scenarios.trajectory import Tie
-from ..replay.state import Link, Number, Step
+from ..replay.body import Number
+from ..replay.steps import Link, Step
 
 REVERSAL = "reversal"
 """The source of the reversal's own time."""

@@ -19,8 +19,9 @@ from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Tie
 from ..policies.policy import Policy
-from ..predicates.hits import Closing, Coupling, RelativeSpeed, Rim
-from ..replay.state import Flip, Go, Kick, Link, Take
+from ..predicates.hits import Closing, RelativeSpeed, Rim
+from ..predicates.impulses import Coupling
+from ..replay.steps import Flip, Go, Kick, Link, Take
 from .decider import Decider
 from .history import REVERSAL, Entry, Mark, Noted, Record
 from .rounds import Rounds, Touching, components, settle
@@ -136,18 +137,18 @@ class Resolver:
         step = len(decider.history.steps)
         note = Noted()
         if done.flipped:
-            note.reversal = note.last = Mark(done.number, decider.reversal_time(), step, REVERSAL)
+            note.reversal = note.last = Mark(done.number, decider.reading.reversal_time(), step, REVERSAL)
         for stands, links, impulses, ties, coupled in done.events:
-            note.last = Mark(done.number, decider.now(bodies[stands]), step, stands)
+            note.last = Mark(done.number, decider.reading.now(bodies[stands]), step, stands)
             note.records.append(Record(note.last, links, impulses, ties, coupled))
         for link in done.entries:
             i = link[0]
             if i in done.moved or done.number == 0:
-                note.last = Mark(done.number, decider.now(bodies[i]), step, i)
+                note.last = Mark(done.number, decider.reading.now(bodies[i]), step, i)
             elif note.last is None:
-                note.last = Mark(done.number, decider.entry_time(link), step, link)
+                note.last = Mark(done.number, decider.reading.entry_time(link), step, link)
             note.entries.append(Entry(i, -1 - link[1], note.last))
-        note.knots = [(i, (*decider.knot(bodies[i]), step, done.number)) for i in sorted(done.moved)]
+        note.knots = [(i, (*decider.reading.knot(bodies[i]), step, done.number)) for i in sorted(done.moved)]
         return note
 
     # -- 1. contacts
@@ -182,7 +183,7 @@ class Resolver:
             self._keep_lasting(rounds, lasting)
             done.standing.update(rounds.signs)
             if len(rounds.impulses) > 1:
-                self.policy.instant_done(lambda bodies=component.bodies: self.decider.exact_state(bodies))
+                self.policy.instant_done(lambda bodies=component.bodies: self.decider.reading.exact_state(bodies))
         if not struck:
             return
         done.moved.update(i for link in impulses for i in link if i < self.n)
@@ -247,7 +248,7 @@ class Resolver:
 
     def _moves_in(self, link: Link, known: bool, done: Resolved) -> bool:
         """Whether a centre whose velocity has just changed stands on a rim and moves inward."""
-        if not known and self.decider.off_rim(link):
+        if not known and self.decider.meetings.off_rim(link):
             return False
         closing = self.decider.ask(Closing(link))
         if not known and (closing >= 0 or self.decider.ask(Rim(link)) != 0):

@@ -17,7 +17,9 @@ from ..laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-from ..replay.state import Body, Link, Machine, Number
+from ..replay.body import Body, Number
+from ..replay.state import Machine
+from ..replay.steps import Link
 from .queue import ArrivalQueue
 
 ROUNDED_DOWN = 1 - 2.0**-50

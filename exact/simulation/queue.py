@@ -7,7 +7,8 @@ from heapq import heappop, heappush
 from math import inf
 from typing import NamedTuple
 
-from ..replay.state import Body, Link, Number
+from ..replay.body import Body, Number
+from ..replay.steps import Link
 
 
 class Arrival(NamedTuple):

@@ -9,7 +9,7 @@ from ..numbers.undecided import BudgetSpent
 from ..policies.complementarity import Ask
 from ..policies.policy import Policy
 from ..predicates.hits import Closing
-from ..replay.state import Kick, Link
+from ..replay.steps import Kick, Link
 
 
 class Touching:

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 from ...scenarios.scene import Scene
 from ...scenarios.validation import rough_circle, surely_apart
-from ..replay.state import Link
+from ..replay.steps import Link
 
 
 @lru_cache(maxsize=8)

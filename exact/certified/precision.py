@@ -1,0 +1,95 @@
+"""When the state is computed again with more bits, and with how many."""
+
+from __future__ import annotations
+
+from flint import arb  # type: ignore[attr-defined]
+
+from ..numbers import ball
+from ..numbers.field import field_ball
+from ..numbers.undecided import Undecided
+from ..replay.body import Number
+from ..replay.refinable import LiveMachine
+from ..simulation.history import History
+from ..simulation.limits import Limits
+from .prediction import QUICK_BITS
+
+FIRST_BITS = 256
+"""Precision of the state at first: four words, twice the quick one, so the first rise comes late."""
+
+SAFE_BITS = 96
+"""When the times' accuracy falls below this, precision rises at once: predictions would soon be undecided, and
+results should round to doubles without another look."""
+
+FORESIGHT = 1.1
+"""Share by which the bits foreseen for a whole run exceed the extrapolation, so that one rise mostly suffices."""
+
+MOST_FORESIGHT = 16
+"""Most by which one rise multiplies the precision: an extrapolation from a short past may be far off."""
+
+
+class Precision:
+    """The bits of a run.
+
+    Args:
+        state: what is computed again.
+        history: how far the run is; counts the rises.
+        limits: where it ends; tells how many bits the whole run will need.
+        max_bits: the precision beyond which there is none.
+    """
+
+    def __init__(self, state: LiveMachine, history: History, limits: Limits, max_bits: int) -> None:
+        self._state = state
+        self._history = history
+        self._limits = limits
+        self._max_bits = max_bits
+
+    def secure(self) -> None:
+        """More bits, if the last instant is not accurate enough.
+
+        Raises:
+            Undecided: if there are none.
+        """
+        while self._state.lowest < SAFE_BITS:
+            self._rise("accuracy had run low", self._foreseen())
+
+    def rise(self, why: str) -> None:
+        """Twice the bits.
+
+        Raises:
+            Undecided: if there are none, with the reason for which they were wanted.
+        """
+        self._rise(why, 0)
+
+    def where(self) -> str:
+        """How far the run is, as a person reads it."""
+        return f"after {len(self._history.records)} instants"
+
+    def _rise(self, why: str, foreseen: int) -> None:
+        bits = max(2 * self._state.bits, min(foreseen, self._max_bits))
+        if bits > self._max_bits:
+            raise Undecided(
+                f"{why} at {self._state.bits} bits, and max_bits is {self._max_bits}; "
+                f"{self.where()}; allow more bits to go on"
+            )
+        self._history.plan["precision raised"] += 1
+        self._state.rise(bits)
+
+    def _foreseen(self) -> int:
+        """The bits that the whole run will need if it goes on losing them as it has."""
+        done = len(self._history.records)
+        wholes: list[float] = []
+        if self._limits.events is not None:
+            wholes.append(self._limits.events)
+        if self._limits.until is not None and done:
+            reached = rough(self._history.records[-1].mark.time)
+            if reached > 0.0:
+                wholes.append(done * float(self._limits.until) / reached)
+        if not wholes or not done:
+            return 0
+        lost = self._state.bits - self._state.lowest
+        return int(min(min(wholes) / done * lost * FORESIGHT + 2 * SAFE_BITS, MOST_FORESIGHT * self._state.bits))
+
+
+def rough(time: Number) -> float:
+    """The double below a time, a ball or exact."""
+    return ball.double_bounds(time if isinstance(time, arb) else field_ball(time, QUICK_BITS))[0]

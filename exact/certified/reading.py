@@ -1,0 +1,80 @@
+"""What the history keeps of a certified run: exact numbers where they are at hand, else short balls."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Any
+
+from flint import ctx  # type: ignore[attr-defined]
+
+from ...scenarios.quantity import Quantity
+from ..numbers import ball
+from ..numbers.field import field_text
+from ..predicates.hits import Moment
+from ..replay.body import Body, Number
+from ..replay.refinable import LiveMachine
+from ..replay.steps import Link
+from .meetings import CertifiedMeetings
+from .precision import rough
+from .prediction import QUICK_BITS
+
+
+class CertifiedReading:
+    """Reads a state off.
+
+    Args:
+        state: that state.
+        meetings: knows the times of entries.
+    """
+
+    def __init__(self, state: LiveMachine, meetings: CertifiedMeetings) -> None:
+        self._state = state
+        self._meetings = meetings
+
+    def knot(self, body: Body) -> tuple[Any, ...]:
+        """The state: exact numbers if the body is exact, else short balls."""
+        if self._state.exact[body.index]:
+            return self._state.state(body.index)
+        x, y, vx, vy, t = body.q
+        return t, x, y, vx, vy
+
+    def now(self, body: Body) -> Number:
+        """The instant of a body's last contact: exact if the body is, else a short ball."""
+        if self._state.exact[body.index]:
+            return self._state.state(body.index)[0]
+        ctx.prec = QUICK_BITS
+        return +body.instant
+
+    def entry_time(self, link: Link) -> Number:
+        """The time of an entry as a short ball."""
+        time = self._meetings.time(Moment(link))
+        with ball.precision(QUICK_BITS):
+            return +time
+
+    def reversal_time(self) -> Number:
+        """The time of the reversal: exact if it is at hand exactly, else a ball."""
+        machine = self._state.field
+        if machine is not None and all(self._state.exact):
+            return machine.flip_time
+        return self._state.flip_time
+
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """The bodies' numbers as text, where all are exact."""
+        if not self._state.all_exact(tuple(bodies)):
+            return None
+        return tuple(str(field_text(number)) for i in bodies for number in self._state.state(i))
+
+    def rough(self, time: Number) -> float:
+        """The double below a time."""
+        return rough(time)
+
+    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
+        """Doubles that enclose a set time (None: the return)."""
+        ctx.prec = self._state.bits
+        if time is None:
+            return ball.double_bounds(self._state.flip_time + self._state.flip_time)
+        return ball.double_bounds(ball.constant(time))
+
+    def note(self) -> str:
+        """The precision at work."""
+        return f"{self._state.bits} bits"

@@ -1,0 +1,107 @@
+"""Questions about impulses at one instant: which contacts push, and whether their order matters."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ..replay.body import Number
+from ..replay.linear import solve_positive
+from ..replay.state import Machine
+from ..replay.steps import Link
+from .question import RootSum, circles_of
+
+
+@dataclass(frozen=True)
+class Strength:
+    """In a set of contacts kicked together, how strong is one impulse?"""
+
+    basis: tuple[Link, ...]
+    link: Link
+
+    def bodies(self, n: int) -> tuple[int, ...]:
+        return tuple(dict.fromkeys(i for link in (*self.basis, self.link) for i in circles_of(link, n)))
+
+    def _strengths(self, machine: Machine) -> list[Number]:
+        matrix, speeds = machine.contact_system(self.basis)
+        return solve_positive(matrix, [-(u + u) for u in speeds])
+
+    def value(self, machine: Machine) -> Number:
+        return self._strengths(machine)[self.basis.index(self.link)]
+
+    def root_sum(self, machine: Machine) -> RootSum:
+        zero = machine.zero
+        return self.value(machine), zero, zero, zero, zero
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether {name(self.link)} push each other at all"
+
+
+@dataclass(frozen=True)
+class Slack(Strength):
+    """Kicking `basis` together, by how much more than needed does a contact outside of it separate?"""
+
+    def value(self, machine: Machine) -> Number:
+        matrix, speeds = machine.contact_system((*self.basis, self.link))
+        inner = [row[:-1] for row in matrix[:-1]]
+        strengths = solve_positive(inner, [-(u + u) for u in speeds[:-1]])
+        slack = speeds[-1] + speeds[-1]
+        for entry, strength in zip(matrix[-1][:-1], strengths, strict=True):
+            slack = slack + entry * strength
+        return slack
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether {name(self.link)} separate fast enough"
+
+
+@dataclass(frozen=True)
+class Pivot(Strength):
+    """Is a contact's push independent of those in `basis` (positive) or already made of them (zero)?"""
+
+    def value(self, machine: Machine) -> Number:
+        matrix, _ = machine.contact_system((*self.basis, self.link))
+        inner = [row[:-1] for row in matrix[:-1]]
+        column = matrix[-1][:-1]
+        pivot = matrix[-1][-1]
+        for entry, part in zip(column, solve_positive(inner, column), strict=True):
+            pivot = pivot - entry * part
+        return pivot
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether the contact of {name(self.link)} depends on its neighbours"
+
+
+@dataclass(frozen=True)
+class Share(Strength):
+    """How much of `entering`'s push is made of `link`'s, among the contacts of `basis`?"""
+
+    entering: Link = (0, 0)
+
+    def value(self, machine: Machine) -> Number:
+        matrix, _ = machine.contact_system((*self.basis, self.entering))
+        inner = [row[:-1] for row in matrix[:-1]]
+        return solve_positive(inner, matrix[-1][:-1])[self.basis.index(self.link)]
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"how the contacts of {name(self.entering)} and {name(self.link)} depend on each other"
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
+
+    first: Link
+    second: Link
+
+    def bodies(self, n: int) -> tuple[int, ...]:
+        return tuple(dict.fromkeys(circles_of(self.first, n) + circles_of(self.second, n)))
+
+    def value(self, machine: Machine) -> Number:
+        return machine.contact_system((self.first, self.second))[0][0][1]
+
+    def root_sum(self, machine: Machine) -> RootSum:
+        zero = machine.zero
+        return self.value(machine), zero, zero, zero, zero
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether the order of {name(self.first)} and {name(self.second)} matters"

@@ -1,0 +1,59 @@
+"""A question that a run asks of its numbers, the sign of something that any number system can compute; its answer.
+
+A question is posed once and can be put to several number systems: to the balls at hand, to balls of more bits, to
+nested square roots. `value` may take square roots, so it suits enclosures; `root_sum` adds none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+from ...scenarios.trajectory import TieProof
+from ..replay.body import Number
+from ..replay.state import Machine
+from ..replay.steps import Link
+
+RootSum = tuple[Number, Number, Number, Number, Number]
+"""A, B, D1, C, D2 of a number A + B*sqrt(D1) + C*sqrt(D2)."""
+
+
+class Decision(NamedTuple):
+    """The answer to a question.
+
+    Attributes:
+        sign: negative, zero or positive.
+        rung: what decided it, as the plan counts it.
+        proof: how a sign of zero is known.
+        bound: for an assumption, the bits of agreement.
+    """
+
+    sign: int
+    rung: str
+    proof: TieProof = TieProof.CONSTRUCTION
+    bound: int | None = None
+
+
+class Question(Protocol):
+    """The sign of a number that depends on the state of some bodies."""
+
+    def bodies(self, n: int) -> tuple[int, ...]:
+        """The circles whose states the number depends on."""
+        ...
+
+    def value(self, machine: Machine) -> Number:
+        """The number."""
+        ...
+
+    def root_sum(self, machine: Machine) -> RootSum:
+        """The number as A + B*sqrt(D1) + C*sqrt(D2), with parts that need no new root."""
+        ...
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        """The question as a person reads it."""
+        ...
+
+
+def circles_of(link: Link, n: int) -> tuple[int, ...]:
+    """The circles of a contact."""
+    return link if 0 <= link[1] < n else link[:1]

@@ -1,0 +1,264 @@
+"""Gathers all that falls on the next instant.
+
+The arrivals that may be first are taken off the queue; what may not come is settled; the numbers decide which is
+first, and which fall on the same instant. A limit in time counts as one of them.
+"""
+
+from __future__ import annotations
+
+from math import inf
+
+from ...scenarios.quantity import Quantity
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Contact, Stop, StopReason, Tie
+from ..predicates.hits import BeforeTime, Moment
+from ..predicates.question import Decision
+from .decider import Decider
+from .instant import Instant
+from .limits import Limits
+from .queue import Arrival
+from .rounds import Touching
+
+
+class Gatherer:
+    """Gathers the instants of one run.
+
+    Args:
+        scene: what runs.
+        decider: decides.
+        limits: where the run ends.
+        touching: the contacts that last.
+    """
+
+    def __init__(self, scene: Scene, decider: Decider, limits: Limits, touching: Touching) -> None:
+        self.scene = scene
+        self.decider = decider
+        self.limits = limits
+        self.history = decider.history
+        self.queue = decider.queue
+        self.n = len(scene.circles)
+        self._meetings = decider.meetings
+        self._touching = touching
+        self._last = 0
+        self._passed: list[Arrival] = []
+        self._known_bounds: dict[Quantity, tuple[float, float]] = {}
+
+    def forget(self) -> None:
+        """Drops every arrival: all flights are new."""
+        self.queue.clear()
+        self._passed.clear()
+
+    def gather(self, last: int) -> Instant | Stop | None:
+        """All that falls on the next instant; a reason to stop; or None after a graze that touched nothing else.
+
+        Args:
+            last: the number of the instant before.
+        """
+        self._last = last
+        limit = self._time_limit()
+        low, high = (inf, inf) if limit is None else self._bounds(limit[0])
+        rivals = self._rivals(high)
+        grazes = [rival for rival in rivals if rival.graze]
+        chosen, ties = self._first([rival for rival in rivals if not rival.graze] if grazes else rivals)
+        if grazes and not chosen:
+            self._pass(grazes)
+            return None
+        place = self._place(chosen[0], limit[0]) if limit is not None and chosen else 1
+        if limit is not None and place > 0:
+            for arrival in (*chosen, *grazes):
+                self.queue.put_back(arrival)
+            if not limit[1]:
+                return self._horizon_stop()
+            known = [g for g in (*self._passed, *self.queue.grazes()) if g.low <= high and g.high >= low]
+            at_it = [g for g in known if self.queue.fresh(g) and self._place(g, limit[0]) == 0]
+            return self._instant([], at_it, ties, self._set_time(limit[0]))
+        if not chosen:
+            return Stop(StopReason.QUIET, StopReason.QUIET.value)
+        at_limit = None if limit is None or place < 0 else self._set_time(limit[0])
+        moment = at_limit if limit is not None and limit[1] else None
+        touches = self._grazes_at(chosen, grazes, ties, moment is not None or self._reverses_after(chosen))
+        return self._instant(chosen, touches, ties, moment)
+
+    def _set_time(self, time: Quantity | None) -> Quantity | None:
+        """Notes that the next instant falls on a set time (None: the return)."""
+        if time is not None:
+            self.history.set_times[time] = self._last + 3
+        return time
+
+    def _rivals(self, limit: float) -> list[Arrival]:
+        """All arrivals that may be first and not after a limit, each certain to come if nothing else does."""
+        while True:
+            found = self.queue.rivals()
+            rivals = [rival for rival in found if rival.low <= limit]
+            if len(rivals) < len(found):
+                for rival in found:
+                    if rival.low > limit:
+                        self.queue.put_back(rival)
+            if not any(rival.time is None for rival in rivals):
+                return rivals
+            for rival in rivals:
+                settled = rival if rival.time is not None else self._meetings.settled(rival)
+                if settled is not None:
+                    self.queue.put_back(settled)
+
+    def _first(self, rivals: list[Arrival]) -> tuple[list[Arrival], list[Tie]]:
+        """Those that come first, together; the others go back to the queue."""
+        if len(rivals) < 2:
+            return rivals, []
+        meetings = self._meetings
+        timed = [meetings.timed(rival) for rival in sorted(rivals, key=lambda rival: rival.link[1] < 0)]
+        front = []
+        for rival in timed:
+            if any(meetings.certainly_before(other, rival) for other in timed):
+                self.queue.put_back(rival)
+            else:
+                front.append(rival)
+        chosen, ties = front[:1], []
+        for rival in front[1:]:
+            first = chosen[0]
+            decision = meetings.order(rival, first)
+            if decision.sign > 0:
+                self.queue.put_back(rival)
+            elif decision.sign == 0:
+                if rival.link[1] >= 0:
+                    ties.append(self._tie(first, rival, decision))
+                chosen.append(rival)
+            else:
+                for other in chosen:
+                    self.queue.put_back(other)
+                chosen, ties = [rival], []
+        return chosen, ties
+
+    def _instant(
+        self, chosen: list[Arrival], touches: list[Arrival], ties: list[Tie], moment: Quantity | None
+    ) -> Instant:
+        entries = [a.link for a in chosen if a.link[1] < 0]
+        if len(chosen) == 1 and not touches and moment is None and chosen[0].link[1] >= 0:
+            return Instant(self._last + 2, hits=(chosen[0].link,), clock=chosen[0].link)
+        return Instant(
+            self._last + 2,
+            hits=tuple(sorted(a.link for a in chosen if a.link[1] >= 0)),
+            touches=dict.fromkeys(sorted(a.link for a in touches if a.link[1] >= 0), 0),
+            arrivals=tuple(entries),
+            rims=frozenset(entries) | {a.link for a in touches if a.link[1] < 0},
+            ties=tuple(ties),
+            clock=chosen[0].link if chosen else None,
+            reversal=moment is not None,
+            moment=moment,
+        )
+
+    # -- grazes
+
+    def _grazes_at(
+        self, chosen: list[Arrival], grazes: list[Arrival], ties: list[Tie], everywhere: bool
+    ) -> list[Arrival]:
+        """The grazes that fall on the instant of others and can take part in it.
+
+        Those are the ones that its contacts reach through shared circles; if velocities are to be negated at it,
+        all of them.
+        """
+        if not grazes and not everywhere:
+            return []
+        reached = self._reached({i for a in chosen for i in a.link if i < self.n})
+        found: list[Arrival] = []
+        waiting = self._overlapping(chosen[0], grazes) if everywhere else grazes
+        progress = True
+        while progress:
+            progress = False
+            for graze in list(waiting):
+                if not everywhere and not reached & {i for i in graze.link if 0 <= i < self.n}:
+                    continue
+                waiting.remove(graze)
+                decision = self._graze_place(graze, chosen[0])
+                if decision.sign == 0:
+                    if graze.link[1] >= 0 <= chosen[0].link[1]:
+                        ties.append(self._tie(graze, chosen[0], decision))
+                    found.append(graze)
+                    reached = self._reached(reached | {i for i in graze.link if 0 <= i < self.n})
+                    progress = True
+                elif decision.sign < 0:
+                    self._passed.append(graze)
+                else:
+                    self.queue.put_back(graze)
+        for graze in waiting:
+            self.queue.put_back(graze)
+        return found
+
+    def _graze_place(self, graze: Arrival, other: Arrival) -> Decision:
+        meetings = self._meetings
+        timed, first = meetings.timed(graze), meetings.timed(other)
+        if meetings.certainly_before(timed, first):
+            return Decision(-1, "times")
+        if meetings.certainly_before(first, timed):
+            return Decision(1, "times")
+        return meetings.order(timed, first)
+
+    def _tie(self, first: Arrival, second: Arrival, decision: Decision) -> Tie:
+        ids = self.scene.ids
+        contacts = tuple(Contact(ids[i], ids[j]) for i, j in (first.link, second.link))
+        return Tie(contacts, decision.proof, decision.bound)
+
+    def _reached(self, bodies: set[int]) -> set[int]:
+        """The circles that contacts of some circles reach through lasting contacts."""
+        reached = {i for i in bodies if i >= 0}
+        lasting = self._touching.all()
+        grown = bool(lasting)
+        while grown:
+            more = {i for link in lasting if reached & {k for k in link if k < self.n} for i in link if i < self.n}
+            grown = not more <= reached
+            reached |= more
+        return reached
+
+    def _pass(self, grazes: list[Arrival]) -> None:
+        """Drops the graze that comes first: it touches nothing that moves otherwise, and changes nothing."""
+        first = min(grazes, key=lambda graze: graze.high)
+        for graze in grazes:
+            if graze is not first:
+                self.queue.put_back(graze)
+        self._passed.append(first)
+
+    def _overlapping(self, arrival: Arrival, grazes: list[Arrival]) -> list[Arrival]:
+        self._passed = [graze for graze in self._passed if self.queue.fresh(graze)]
+        near = [g for g in self._passed if g.low <= arrival.high and g.high >= arrival.low]
+        return [*grazes, *near]
+
+    # -- limits
+
+    def _reverses_after(self, chosen: list[Arrival]) -> bool:
+        due = self.scene.reverse_after
+        if due is None or self.history.reversal is not None:
+            return False
+        return len(self.history.records) + 1 == due and any(arrival.link[1] >= 0 for arrival in chosen)
+
+    def _time_limit(self) -> tuple[Quantity | None, bool] | None:
+        """The next time that instants must come before or fall on, and whether it is that of the reversal."""
+        until = self.limits.until
+        flipped = self.history.reversal is not None
+        flip = None if flipped else self.scene.reverse_at
+        if flip is not None and (until is None or flip <= until):
+            return flip, True
+        if self.limits.to_return and flipped:
+            return None, False
+        return None if until is None else (until, False)
+
+    def _bounds(self, time: Quantity | None) -> tuple[float, float]:
+        """Doubles that enclose a set time (None: the return)."""
+        if time is None:
+            return self.decider.reading.limit_bounds(None)
+        if time not in self._known_bounds:
+            self._known_bounds[time] = self.decider.reading.limit_bounds(time)
+        return self._known_bounds[time]
+
+    def _place(self, arrival: Arrival, time: Quantity | None) -> int:
+        """Whether an arrival comes before (negative), at (zero) or after (positive) a set time (None: the return)."""
+        low, high = self._bounds(time)
+        if arrival.low > high:
+            return 1
+        if arrival.high < low:
+            return -1
+        return self.decider.ask(BeforeTime(Moment(arrival.link, arrival.graze), time))
+
+    def _horizon_stop(self) -> Stop:
+        if self.limits.to_return:
+            return Stop(StopReason.HORIZON, "back at twice the time of the reversal")
+        return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {self.limits.until}")
