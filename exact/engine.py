@@ -17,7 +17,8 @@ from .predicates.ties import TieRule
 from .replay.steps import Link
 from .results.home import return_note
 from .results.motion import ExactMotion
-from .results.value import ExactValue, Formula, Program
+from .results.run_log import Formula, RunLog
+from .results.value import ExactValue
 from .simulation.history import REVERSAL, History, Mark
 from .simulation.limits import Limits, run_limits
 from .simulation.loop import Loop
@@ -38,7 +39,7 @@ class ExactEngine:
         ties: what is taken for a zero once every proof has failed: `proved` nothing, `assume:BITS` agreement to so
             many bits. What follows from such a zero is marked as resting on it.
         work: what one question may cost before it is undecided, in units that are counted, not timed: a run stops
-            at the same place on every machine.
+            at the same place on every state.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> run = ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]))
@@ -100,7 +101,7 @@ class ExactEngine:
 
     def _trajectory(self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop) -> Trajectory:
         history = decider.history
-        program = Program(scene, history.steps, decider.live.bits)
+        log = RunLog(scene, history.steps, decider.state.bits)
         ids = scene.ids
 
         def contacts(links: tuple[Link, ...]) -> tuple[Contact, ...]:
@@ -109,7 +110,7 @@ class ExactEngine:
         events = tuple(
             Event(
                 index,
-                time_of(program, record.mark),
+                time_of(log, record.mark),
                 contacts(record.links),
                 contacts(record.impulses),
                 record.ties,
@@ -119,16 +120,16 @@ class ExactEngine:
         )
         notes: tuple[str, ...] = ()
         home = False
-        end = _end(program, history, limits, stop)
-        motion = ExactMotion(program, history.knots, end, history.set_times)
+        end = _end(log, history, limits, stop)
+        motion = ExactMotion(log, history.knots, end, history.set_times)
         if stop.reason is StopReason.HORIZON and limits.to_return:
             decider.catch_up()
             home = decider.retrace.home
-            notes = (return_note(scene, decider.retrace.home, decider.live.exact, motion),)
+            notes = (return_note(scene, decider.retrace.home, decider.state.exact, motion),)
         motion.returned = home
         reversal = None
         if history.reversal is not None:
-            reversal = Reversal(history.reversal[0], time_of(program, history.reversal[1]))
+            reversal = Reversal(history.reversal[0], time_of(log, history.reversal[1]))
         return Trajectory(
             scene=scene,
             engine=self.name,
@@ -139,31 +140,31 @@ class ExactEngine:
             motion=motion,
             reversal=reversal,
             pocketings=tuple(
-                Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), time_of(program, e.mark))
+                Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), time_of(log, e.mark))
                 for e in history.entries
             ),
             assumptions=tuple(decider.assumptions),
-            plan={**dict(sorted(history.plan.items())), "bits": decider.live.bits},
+            plan={**dict(sorted(history.plan.items())), "bits": decider.state.bits},
             notes=notes,
         )
 
 
-def _end(program: Program, history: History, limits: Limits, stop: Stop) -> Any:
+def _end(log: RunLog, history: History, limits: Limits, stop: Stop) -> Any:
     """The time of the final state."""
     if stop.reason is StopReason.HORIZON and limits.to_return and history.reversal is not None:
         mark = history.reversal[1]
         last = history.last.number if history.last is not None else mark.number
         return ExactValue(
-            program, mark.step, (0,), lambda m: m.flip_time + m.flip_time, mark.time + mark.time, instant=last
+            log, mark.step, (0,), lambda m: m.flip_time + m.flip_time, mark.time + mark.time, instant=last
         )
     if stop.reason is StopReason.HORIZON:
         return limits.until
     if history.last is None:
-        return ExactValue(program, 0, (0,), lambda m: m.zero, history.knots[0][0][0], instant=0)
-    return time_of(program, history.last)
+        return ExactValue(log, 0, (0,), lambda m: m.zero, history.knots[0][0][0], instant=0)
+    return time_of(log, history.last)
 
 
-def time_of(program: Program, mark: Mark) -> ExactValue:
+def time_of(log: RunLog, mark: Mark) -> ExactValue:
     """The time of an instant, which knows its exact value."""
     source = mark.source
     formula: Formula
@@ -174,20 +175,20 @@ def time_of(program: Program, mark: Mark) -> ExactValue:
     else:
         assert isinstance(source, tuple)
         bodies, formula = source[:1], _meeting(source)
-    return ExactValue(program, mark.step, bodies, formula, mark.time, instant=mark.number)
+    return ExactValue(log, mark.step, bodies, formula, mark.time, instant=mark.number)
 
 
-def _flip_time(machine: Any) -> Any:
-    return machine.flip_time
+def _flip_time(state: Any) -> Any:
+    return state.flip_time
 
 
 def _clock(body: int) -> Formula:
-    return lambda machine: machine.bodies[body].instant
+    return lambda state: state.bodies[body].instant
 
 
 def _meeting(link: Link) -> Formula:
-    def time(machine: Any) -> Any:
-        clock, wait = machine.hit(link)
+    def time(state: Any) -> Any:
+        clock, wait = state.hit(link)
         return clock + wait
 
     return time

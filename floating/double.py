@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from math import nan, sqrt
 
 from ..exact.policies import Policy
-from ..exact.replay.state import Machine
+from ..exact.replay.state import State
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
@@ -72,7 +72,7 @@ class DoubleEngine:
             scene,
             self.name,
             {},
-            PlainDecider(scene, Machine(scene, float, root), sign, bounds),
+            PlainDecider(scene, State(scene, float, root), sign, bounds),
             lambda knots, end: DoubleMotion([[knot[:5] for knot in row] for row in knots], float(end)),
             lambda time, _: float(time),
             until=until,

@@ -15,7 +15,7 @@ from mpmath.libmp import to_float  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from ..exact.numbers.undecided import Undecided
-from ..exact.replay.state import Machine
+from ..exact.replay.state import State
 from ..scenarios.errors import SceneError
 from ..scenarios.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
@@ -232,7 +232,7 @@ class IntervalEngine:
                 scene,
                 self.name,
                 {"bits": self.bits},
-                PlainDecider(scene, Machine(scene, enclosure, root), sign, bounds),
+                PlainDecider(scene, State(scene, enclosure, root), sign, bounds),
                 lambda knots, end: IntervalMotion(knots, self.bits, end),
                 IntervalNumber,
                 until=until,

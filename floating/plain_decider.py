@@ -10,7 +10,7 @@ from ..exact.numbers.undecided import Undecided
 from ..exact.predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
 from ..exact.predicates.question import Decision, Question
 from ..exact.replay.body import Body, Number
-from ..exact.replay.state import Machine
+from ..exact.replay.state import State
 from ..exact.replay.steps import Link, Step, name_of
 from ..exact.simulation.history import History
 from ..exact.simulation.prediction import Predictor
@@ -30,12 +30,12 @@ class PlainReading:
     """Reads a state off as it is.
 
     Args:
-        machine: that state.
+        state: that state.
         bounds: doubles around a time.
     """
 
-    def __init__(self, machine: Machine, bounds: Bounds) -> None:
-        self._machine = machine
+    def __init__(self, state: State, bounds: Bounds) -> None:
+        self._state = state
         self._bounds = bounds
 
     def knot(self, body: Body) -> tuple[Any, ...]:
@@ -48,12 +48,12 @@ class PlainReading:
 
     def entry_time(self, link: Link) -> Number:
         """The time of an entry."""
-        clock, wait = self._machine.hit(link)
+        clock, wait = self._state.hit(link)
         return clock + wait
 
     def reversal_time(self) -> Number:
         """The time of the reversal."""
-        return self._machine.flip_time
+        return self._state.flip_time
 
     def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
         """None: the state is not exact."""
@@ -70,8 +70,8 @@ class PlainReading:
     def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
         """Doubles around a set time (None: the return)."""
         if time is None:
-            return self._bounds(self._machine.flip_time + self._machine.flip_time)
-        return self._bounds(self._machine.constant(time))
+            return self._bounds(self._state.flip_time + self._state.flip_time)
+        return self._bounds(self._state.constant(time))
 
 
 class PlainMeetings:
@@ -79,7 +79,7 @@ class PlainMeetings:
 
     Args:
         scene: what runs.
-        machine: its state.
+        state: its state.
         queue: where arrivals go.
         plan: counts what is predicted and what is skipped.
         sign, bounds: of numbers.
@@ -89,15 +89,15 @@ class PlainMeetings:
     def __init__(
         self,
         scene: Scene,
-        machine: Machine,
+        state: State,
         queue: ArrivalQueue,
         plan: Counter[str],
         sign: Sign,
         bounds: Bounds,
         ask: Callable[[Question], int],
     ) -> None:
-        self._predictor = Predictor(scene, machine, queue, plan, bounds, self._unsure)
-        self._machine = machine
+        self._predictor = Predictor(scene, state, queue, plan, bounds, self._unsure)
+        self._state = state
         self._sign = sign
         self._bounds = bounds
         self._ask = ask
@@ -159,15 +159,15 @@ class PlainMeetings:
         """
         if self._ask(Approach(link)) >= 0:
             return None
-        disc = self._ask(Discriminant(link)) if link[1] < self._machine.n else 1
+        disc = self._ask(Discriminant(link)) if link[1] < self._state.n else 1
         if disc < 0:
             return None
         if self._ask(Gap(link)) <= 0:
             if link[1] < 0 or disc == 0:
                 return None
-            later = max((i for i in link if i < self._machine.n), key=lambda i: self._machine.bodies[i].last)
-            return self._machine.bodies[later].t, False
-        clock, wait = Moment(link, disc == 0).wait(self._machine)
+            later = max((i for i in link if i < self._state.n), key=lambda i: self._state.bodies[i].last)
+            return self._state.bodies[later].t, False
+        clock, wait = Moment(link, disc == 0).wait(self._state)
         return clock + wait, disc == 0
 
 
@@ -176,21 +176,21 @@ class PlainDecider:
 
     Args:
         scene: what runs.
-        machine: its state.
+        state: its state.
         sign: the sign of a number; raises Undecided where it is not known.
         bounds: doubles around a time.
     """
 
-    def __init__(self, scene: Scene, machine: Machine, sign: Sign, bounds: Bounds) -> None:
+    def __init__(self, scene: Scene, state: State, sign: Sign, bounds: Bounds) -> None:
         self.scene = scene
-        self.machine = machine
+        self.state = state
         self.history = History()
-        self.bodies: list[Body] = list(machine.bodies)[: machine.n]
+        self.bodies: list[Body] = list(state.bodies)[: state.n]
         self.queue = ArrivalQueue(self.bodies)
-        self.meetings = PlainMeetings(scene, machine, self.queue, self.history.plan, sign, bounds, self.ask)
-        self.reading = PlainReading(machine, bounds)
+        self.meetings = PlainMeetings(scene, state, self.queue, self.history.plan, sign, bounds, self.ask)
+        self.reading = PlainReading(state, bounds)
         self._sign = sign
-        self.refresh(machine.bodies)
+        self.refresh(state.bodies)
 
     def begin(self, instant: int) -> None:
         """Nothing to prepare: the precision is what it is."""
@@ -198,14 +198,14 @@ class PlainDecider:
     def do(self, step: Step) -> None:
         """Carries out a step and logs it."""
         self.history.steps.append(step)
-        self.machine.do(step)
+        self.state.do(step)
 
     def gathered(self, links: Iterable[Link]) -> None:
         """Nothing to note."""
 
     def refresh(self, bodies: Iterable[Body]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""
-        zero = self.machine.zero
+        zero = self.state.zero
         for body in bodies:
             body.rest = bool(body.vx == zero) and bool(body.vy == zero)
             body.q = (body.x, body.y, body.vx, body.vy, body.t)
@@ -217,7 +217,7 @@ class PlainDecider:
             Undecided: with the question in words.
         """
         try:
-            return self._sign(question.value(self.machine))
+            return self._sign(question.value(self.state))
         except Undecided:
             told = f"{question.describe(self._name)} cannot be told, after {len(self.history.records)} instants"
             raise Undecided(told) from None

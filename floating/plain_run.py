@@ -57,7 +57,7 @@ def run_plain(
     elif stop.reason is StopReason.HORIZON:
         end = limits.until
     else:
-        end = shown(decider.machine.zero, 0) if history.last is None else at(history.last)
+        end = shown(decider.state.zero, 0) if history.last is None else at(history.last)
     return Trajectory(
         scene=scene,
         engine=engine,

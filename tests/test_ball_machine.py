@@ -10,8 +10,8 @@ from flint import arb, ctx
 from truebreak.exact import ExactEngine
 from truebreak.exact.engine import ExactEngine as Engine
 from truebreak.exact.numbers import ball
-from truebreak.exact.replay.ball_state import BallMachine
-from truebreak.exact.replay.state import Machine, replay
+from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.state import State, replay
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 
@@ -44,9 +44,9 @@ def slanted(seed: int) -> Scene:
 def test_the_two_forms_enclose_the_same_numbers(scene):
     """The matrix and contact forms against the plain formulas, both in balls: the same log, overlapping states."""
     run = ExactEngine().run(scene, events=60)
-    steps = run.motion.program.steps
+    steps = run.motion.log.steps
     ctx.prec = 2000
-    ours, plain = BallMachine(scene), Machine(scene, ball.constant, ball.root)
+    ours, plain = BallState(scene), State(scene, ball.constant, ball.root)
     replay(ours, steps, range(len(steps)))
     ctx.prec = 2000
     replay(plain, steps, range(len(steps)))
@@ -60,9 +60,9 @@ def test_the_two_forms_enclose_the_same_numbers(scene):
 def test_it_loses_fewer_bits_than_the_plain_form():
     scene = catalogue.build("gas:n=10,seed=1")
     run = ExactEngine().run(scene, events=400)
-    steps = run.motion.program.steps
+    steps = run.motion.log.steps
     widths = []
-    for make in (lambda: BallMachine(scene), lambda: Machine(scene, ball.constant, ball.root)):
+    for make in (lambda: BallState(scene), lambda: State(scene, ball.constant, ball.root)):
         ctx.prec = 2000
         machine = make()
         replay(machine, steps, range(len(steps)))
@@ -92,12 +92,12 @@ def late_starters(seed: int) -> Scene:
 def test_instants_of_few_bits_hold_those_of_many(seed, bits):
     """Also where a clock, of few bits at a late time, stands beside its instant by more than the instant's radius."""
     scene = late_starters(seed)
-    steps = ExactEngine().run(scene, events=12).motion.program.steps
+    steps = ExactEngine().run(scene, events=12).motion.log.steps
 
     def instants(precision):
         found = []
         ctx.prec = precision
-        machine = BallMachine(scene)
+        machine = BallState(scene)
         for step in steps:
             machine.do(step)
             found.append(machine.instant)

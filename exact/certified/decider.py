@@ -20,7 +20,7 @@ from ..predicates.question import Decision, Question
 from ..predicates.retrace import Retrace
 from ..predicates.ties import TieRule
 from ..replay.body import Body
-from ..replay.refinable import LiveMachine
+from ..replay.refinable import RefinableState
 from ..replay.steps import Link, Step, name_of
 from ..simulation.history import History
 from ..simulation.limits import Limits
@@ -48,38 +48,38 @@ class CertifiedDecider:
         rule: what is taken for a zero that is not proved.
 
     Attributes:
-        live: the state.
+        state: the state.
         retrace: what the way back knows of the way out.
         assumptions: what the run rests on that is not proved.
     """
 
     def __init__(self, scene: Scene, limits: Limits, max_bits: int, work: int, rule: TieRule) -> None:
         self.scene = scene
-        self.live = LiveMachine(scene, FIRST_BITS)
-        self.history = History(steps=self.live.steps)
-        self.bodies: list[Body] = list(self.live.bodies)[: len(scene.circles)]
+        self.state = RefinableState(scene, FIRST_BITS)
+        self.history = History(steps=self.state.steps)
+        self.bodies: list[Body] = list(self.state.bodies)[: len(scene.circles)]
         self.queue = ArrivalQueue(self.bodies)
-        self.retrace = Retrace(Past([not c.fixed for c in scene.circles], self.live.steps), touching_at_start(scene))
+        self.retrace = Retrace(Past([not c.fixed for c in scene.circles], self.state.steps), touching_at_start(scene))
         self.assumptions: list[Assumption] = []
         self._past = self.retrace.past
-        self._precision = Precision(self.live, self.history, limits, max_bits)
+        self._precision = Precision(self.state, self.history, limits, max_bits)
         self._work = work
         self._instant = self._instant_work = 0
         log = LogSymmetry(scene, self._past)
         grounds = Grounds(
-            scene, self.live, self.live.steps, self.retrace, log, rule, max_bits, work,
+            scene, self.state, self.state.steps, self.retrace, log, rule, max_bits, work,
             self.catch_up, self._precision.rise, self._spend, self._precision.where, self.name,
         )  # fmt: skip
         plan = self.history.plan
         self._cascade = Cascade(grounds, plan)
         self.meetings = CertifiedMeetings(
-            scene, self.live, self.queue, plan, self._precision, Balls(grounds), self, self._note_graze
+            scene, self.state, self.queue, plan, self._precision, Balls(grounds), self, self._note_graze
         )
-        self.reading = CertifiedReading(self.live, self.meetings)
+        self.reading = CertifiedReading(self.state, self.meetings)
         self._held = Held(scene, log)
         if self._held:
-            self.live.held = self._projection
-        self.refresh(list(self.live.bodies)[len(scene.circles) :])
+            self.state.held = self._projection
+        self.refresh(list(self.state.bodies)[len(scene.circles) :])
 
     # -- the state
 
@@ -88,7 +88,7 @@ class CertifiedDecider:
         self._past.begin(instant)
         self._instant = instant
         self._instant_work = 0
-        ctx.prec = self.live.bits
+        ctx.prec = self.state.bits
 
     def do(self, step: Step) -> None:
         """Carries out a step and logs it.
@@ -96,8 +96,8 @@ class CertifiedDecider:
         Raises:
             BudgetSpent: if the steps of one instant, and what had to be proved for them, cost more than is allowed.
         """
-        ctx.prec = self.live.bits
-        self.live.do(step)
+        ctx.prec = self.state.bits
+        self.state.do(step)
         self._instant_work += STEP_UNITS
         if self._instant_work > self._work:
             raise BudgetSpent(
@@ -124,7 +124,7 @@ class CertifiedDecider:
 
     def _projection(self, i: int) -> Projection | None:
         """What holds a circle to a line or a point, after the last step of the log; None if it stands there."""
-        if self._held.stands(self.live.balls.bodies[i]):
+        if self._held.stands(self.state.balls.bodies[i]):
             return None
         self.catch_up()
         return self._held(i)

@@ -14,7 +14,7 @@ from ..predicates.enclosures import Balls
 from ..predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
 from ..predicates.question import Decision, Question
 from ..replay.body import Body
-from ..replay.refinable import LiveMachine
+from ..replay.refinable import RefinableState
 from ..replay.steps import Link
 from ..simulation.queue import Arrival, ArrivalQueue
 from .precision import Precision
@@ -50,7 +50,7 @@ class CertifiedMeetings:
     def __init__(
         self,
         scene: Scene,
-        state: LiveMachine,
+        state: RefinableState,
         queue: ArrivalQueue,
         plan: Counter[str],
         precision: Precision,

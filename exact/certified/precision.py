@@ -8,7 +8,7 @@ from ..numbers import ball
 from ..numbers.field import field_ball
 from ..numbers.undecided import Undecided
 from ..replay.body import Number
-from ..replay.refinable import LiveMachine
+from ..replay.refinable import RefinableState
 from ..simulation.history import History
 from ..simulation.limits import Limits
 from .prediction import QUICK_BITS
@@ -37,7 +37,7 @@ class Precision:
         max_bits: the precision beyond which there is none.
     """
 
-    def __init__(self, state: LiveMachine, history: History, limits: Limits, max_bits: int) -> None:
+    def __init__(self, state: RefinableState, history: History, limits: Limits, max_bits: int) -> None:
         self._state = state
         self._history = history
         self._limits = limits

@@ -13,7 +13,7 @@ from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import Body
-from ..replay.refinable import LiveMachine
+from ..replay.refinable import RefinableState
 from ..replay.steps import Link
 from ..simulation.prediction import Predictor
 from ..simulation.queue import ArrivalQueue
@@ -30,7 +30,7 @@ class FilteredPredictor(Predictor):
 
     Args:
         scene: what runs.
-        live: its state.
+        refinable: its state.
         queue: where arrivals go.
         plan: counts what is predicted, what is skipped, and what doubles left open.
         unsure: deals with a prediction that short balls leave open.
@@ -39,13 +39,13 @@ class FilteredPredictor(Predictor):
     def __init__(
         self,
         scene: Scene,
-        live: LiveMachine,
+        refinable: RefinableState,
         queue: ArrivalQueue,
         plan: Counter[str],
         unsure: Callable[[Link], None],
     ) -> None:
-        super().__init__(scene, live.balls, queue, plan, ball.double_bounds, unsure)
-        self.live = live
+        super().__init__(scene, refinable.balls, queue, plan, ball.double_bounds, unsure)
+        self.refinable = refinable
         self.zero = ball.ZERO
         self.root = arb.sqrt
         self.filter = DoubleFilter()
@@ -61,13 +61,13 @@ class FilteredPredictor(Predictor):
     def _quick_reaches(self) -> list[list[arb]]:
         """Sums of radii by kind of radius, and a pocket's own; each body's `kind` indexes them."""
         radii: dict[Any, int] = {}
-        for body, circle in zip(self.live.bodies, self.scene.circles, strict=False):
+        for body, circle in zip(self.refinable.bodies, self.scene.circles, strict=False):
             body.kind = radii.setdefault(circle.r, len(radii))
         kinds = len(radii)
         with ball.precision(QUICK_BITS):
             reaches = [[ball.constant(r + s) for s in radii] for r in radii]
             for k, pocket in enumerate(self.scene.pockets):
-                self.live.bodies[-1 - k].kind = kinds + k
+                self.refinable.bodies[-1 - k].kind = kinds + k
                 for row in reaches:
                     row.append(ball.constant(pocket.r))
         return reaches
@@ -85,7 +85,7 @@ class FilteredPredictor(Predictor):
                 exact = self.scene.walls[wall]
                 nx, ny = exact.normal
                 length = (nx * nx + ny * ny).sqrt()
-                if self.live.balls.sides.negative(body.index, wall):
+                if self.refinable.balls.sides.negative(body.index, wall):
                     nx, ny = -nx, -ny
                 offset = self.scene.circles[body.index].r * length
                 numbers = [ball.constant(q) for q in (exact.x0, exact.y0, nx, ny, offset)]
@@ -95,8 +95,8 @@ class FilteredPredictor(Predictor):
 
     def refresh(self, bodies: Iterable[Body]) -> None:
         """Short copies of the states."""
-        live = self.live
-        live.sync_for(bodies)
+        refinable = self.refinable
+        refinable.sync_for(bodies)
         ctx.prec = QUICK_BITS
         clocks: dict[int, arb] = {}
         for body in bodies:
@@ -134,5 +134,5 @@ class FilteredPredictor(Predictor):
 
     def off_rim(self, link: Link) -> bool:
         """Whether doubles tell a centre at its clock from every point of a pocket's rim."""
-        a, pocket = self.machine.bodies[link[0]], self.machine.bodies[link[1]]
+        a, pocket = self.state.bodies[link[0]], self.state.bodies[link[1]]
         return self.filter.apart(a, pocket, self._float_reaches[a.kind][pocket.kind])

@@ -12,7 +12,7 @@ from ..numbers import ball
 from ..numbers.field import field_text
 from ..predicates.hits import Moment
 from ..replay.body import Body, Number
-from ..replay.refinable import LiveMachine
+from ..replay.refinable import RefinableState
 from ..replay.steps import Link
 from .meetings import CertifiedMeetings
 from .precision import rough
@@ -27,21 +27,21 @@ class CertifiedReading:
         meetings: knows the times of entries.
     """
 
-    def __init__(self, state: LiveMachine, meetings: CertifiedMeetings) -> None:
+    def __init__(self, state: RefinableState, meetings: CertifiedMeetings) -> None:
         self._state = state
         self._meetings = meetings
 
     def knot(self, body: Body) -> tuple[Any, ...]:
         """The state: exact numbers if the body is exact, else short balls."""
         if self._state.exact[body.index]:
-            return self._state.state(body.index)
+            return self._state.knot(body.index)
         x, y, vx, vy, t = body.q
         return t, x, y, vx, vy
 
     def now(self, body: Body) -> Number:
         """The instant of a body's last contact: exact if the body is, else a short ball."""
         if self._state.exact[body.index]:
-            return self._state.state(body.index)[0]
+            return self._state.knot(body.index)[0]
         ctx.prec = QUICK_BITS
         return +body.instant
 
@@ -53,16 +53,16 @@ class CertifiedReading:
 
     def reversal_time(self) -> Number:
         """The time of the reversal: exact if it is at hand exactly, else a ball."""
-        machine = self._state.field
-        if machine is not None and all(self._state.exact):
-            return machine.flip_time
+        state = self._state.field
+        if state is not None and all(self._state.exact):
+            return state.flip_time
         return self._state.flip_time
 
     def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
         """The bodies' numbers as text, where all are exact."""
         if not self._state.all_exact(tuple(bodies)):
             return None
-        return tuple(str(field_text(number)) for i in bodies for number in self._state.state(i))
+        return tuple(str(field_text(number)) for i in bodies for number in self._state.knot(i))
 
     def rough(self, time: Number) -> float:
         """The double below a time."""

@@ -1,7 +1,7 @@
 """Which of several approaching contacts push: the linear complementarity problem of one round, by criss-cross.
 
 The impulses s of a round obey 0 <= s, complementary to G s + 2 u >= 0: each contact separates at least as fast as
-it approached, and one that separates faster is not pushed (G and u as in `Machine.contact_system`). G is positive
+it approached, and one that separates faster is not pushed (G and u as in `State.contact_system`). G is positive
 semidefinite, hence sufficient, so the least-index criss-cross method ends after finitely many exchanges whatever
 the degeneracy (Klafszky and Terlaky, Linear Algebra Appl. 1992; den Hertog, Roos, Terlaky, 1993), and the
 velocities that come out are unique though the impulses need not be.

@@ -8,7 +8,7 @@ from ...scenarios.tower import sign_of_root_sum
 from ...scenarios.trajectory import TieProof
 from ..numbers import ball
 from ..numbers.field import LeavesField, field_sign
-from ..replay.refinable import LiveMachine
+from ..replay.refinable import RefinableState
 from .grounds import Grounds
 from .question import Decision, Question
 
@@ -64,7 +64,7 @@ class Field:
         return Decision(sign, "field", _kind(state, bodies) if sign == 0 else TieProof.CONSTRUCTION)
 
 
-def _kind(state: LiveMachine, bodies: tuple[int, ...]) -> TieProof:
+def _kind(state: RefinableState, bodies: tuple[int, ...]) -> TieProof:
     """In what numbers exact bodies stand."""
-    rational = all(isinstance(number, fmpq) for i in bodies for number in state.state(i))
+    rational = all(isinstance(number, fmpq) for i in bodies for number in state.knot(i))
     return TieProof.RATIONAL if rational else TieProof.FIELD

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ...scenarios.scene import Scene
-from ..replay.refinable import LiveMachine
+from ..replay.refinable import RefinableState
 from ..replay.steps import Link, Step
 from .log_symmetry import LogSymmetry
 from .retrace import Retrace
@@ -34,7 +34,7 @@ class Grounds:
     """
 
     scene: Scene
-    state: LiveMachine
+    state: RefinableState
     steps: Sequence[Step]
     retrace: Retrace
     log: LogSymmetry

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ...scenarios.quantity import Quantity
 from ..replay.body import Number
-from ..replay.state import Machine
+from ..replay.state import State
 from ..replay.steps import Link
 from .question import RootSum, circles_of
 
@@ -21,11 +21,11 @@ class _OfLink:
     def bodies(self, n: int) -> tuple[int, ...]:
         return circles_of(self.link, n)
 
-    def root_sum(self, machine: Machine) -> RootSum:
-        zero = machine.zero
-        return self.value(machine), zero, zero, zero, zero
+    def root_sum(self, state: State) -> RootSum:
+        zero = state.zero
+        return self.value(state), zero, zero, zero, zero
 
-    def value(self, machine: Machine) -> Number:
+    def value(self, state: State) -> Number:
         raise AssertionError("each question has its own value")
 
 
@@ -33,8 +33,8 @@ class _OfLink:
 class Approach(_OfLink):
     """Do the two of a contact come nearer (negative) or part (positive)?"""
 
-    def value(self, machine: Machine) -> Number:
-        return machine.approach(self.link)
+    def value(self, state: State) -> Number:
+        return state.approach(self.link)
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} come nearer or part"
@@ -44,8 +44,8 @@ class Approach(_OfLink):
 class Closing(_OfLink):
     """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
 
-    def value(self, machine: Machine) -> Number:
-        return machine.closing(self.link)
+    def value(self, state: State) -> Number:
+        return state.closing(self.link)
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} come nearer or part as they touch"
@@ -55,8 +55,8 @@ class Closing(_OfLink):
 class Gap(_OfLink):
     """Are the two of a contact apart (positive) or touching (zero)?"""
 
-    def value(self, machine: Machine) -> Number:
-        return machine.gap(self.link)
+    def value(self, state: State) -> Number:
+        return state.gap(self.link)
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} touch"
@@ -66,8 +66,8 @@ class Gap(_OfLink):
 class Discriminant(_OfLink):
     """Do the paths of two circles hit (positive), graze (zero) or miss (negative)?"""
 
-    def value(self, machine: Machine) -> Number:
-        return machine.discriminant(self.link)
+    def value(self, state: State) -> Number:
+        return state.discriminant(self.link)
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} hit, graze or miss"
@@ -77,9 +77,9 @@ class Discriminant(_OfLink):
 class RelativeSpeed(_OfLink):
     """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
 
-    def value(self, machine: Machine) -> Number:
-        state = machine.relation(*self.link)
-        return state.vx * state.vx + state.vy * state.vy
+    def value(self, state: State) -> Number:
+        pair = state.relation(*self.link)
+        return pair.vx * pair.vx + pair.vy * pair.vy
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} move together"
@@ -89,8 +89,8 @@ class RelativeSpeed(_OfLink):
 class Rim(_OfLink):
     """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
 
-    def value(self, machine: Machine) -> Number:
-        return machine.rim(self.link)
+    def value(self, state: State) -> Number:
+        return state.rim(self.link)
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether the centre of {name(self.link)} stands on the rim"
@@ -103,16 +103,16 @@ class Moment:
     link: Link
     graze: bool = False
 
-    def wait(self, machine: Machine) -> tuple[Number, Number]:
+    def wait(self, state: State) -> tuple[Number, Number]:
         """The clock from which it is reckoned, and the time from that."""
-        return machine.graze(self.link) if self.graze else machine.hit(self.link)
+        return state.graze(self.link) if self.graze else state.hit(self.link)
 
-    def parts(self, machine: Machine) -> tuple[Number, Number, Number]:
+    def parts(self, state: State) -> tuple[Number, Number, Number]:
         """p, q, D with time p + q*sqrt(D)."""
         if not self.graze:
-            return machine.hit_parts(self.link)
-        clock, wait = machine.graze(self.link)
-        return clock + wait, machine.zero, machine.zero
+            return state.hit_parts(self.link)
+        clock, wait = state.graze(self.link)
+        return clock + wait, state.zero, state.zero
 
 
 @dataclass(frozen=True)
@@ -125,16 +125,16 @@ class Sooner:
     def bodies(self, n: int) -> tuple[int, ...]:
         return tuple(dict.fromkeys(circles_of(self.first.link, n) + circles_of(self.second.link, n)))
 
-    def value(self, machine: Machine) -> Number:
-        t1, wait1 = self.first.wait(machine)
-        t2, wait2 = self.second.wait(machine)
+    def value(self, state: State) -> Number:
+        t1, wait1 = self.first.wait(state)
+        t2, wait2 = self.second.wait(state)
         if t1 is t2:
             return wait1 - wait2
         return (t1 - t2) + wait1 - wait2
 
-    def root_sum(self, machine: Machine) -> RootSum:
-        p1, q1, d1 = self.first.parts(machine)
-        p2, q2, d2 = self.second.parts(machine)
+    def root_sum(self, state: State) -> RootSum:
+        p1, q1, d1 = self.first.parts(state)
+        p2, q2, d2 = self.second.parts(state)
         return p1 - p2, q1, d1, -q2, d2
 
     def describe(self, name: Callable[[Link], str]) -> str:
@@ -154,18 +154,18 @@ class BeforeTime:
     def bodies(self, n: int) -> tuple[int, ...]:
         return circles_of(self.moment.link, n)
 
-    def _limit(self, machine: Machine) -> Number:
+    def _limit(self, state: State) -> Number:
         if self.time is None:
-            return machine.flip_time + machine.flip_time
-        return machine.constant(self.time)
+            return state.flip_time + state.flip_time
+        return state.constant(self.time)
 
-    def value(self, machine: Machine) -> Number:
-        t, wait = self.moment.wait(machine)
-        return (t - self._limit(machine)) + wait
+    def value(self, state: State) -> Number:
+        t, wait = self.moment.wait(state)
+        return (t - self._limit(state)) + wait
 
-    def root_sum(self, machine: Machine) -> RootSum:
-        p, q, d = self.moment.parts(machine)
-        return p - self._limit(machine), q, d, machine.zero, machine.zero
+    def root_sum(self, state: State) -> RootSum:
+        p, q, d = self.moment.parts(state)
+        return p - self._limit(state), q, d, state.zero, state.zero
 
     def describe(self, name: Callable[[Link], str]) -> str:
         when = "the return" if self.time is None else f"time {self.time}"

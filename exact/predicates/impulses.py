@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from ..replay.body import Number
 from ..replay.linear import solve_positive
-from ..replay.state import Machine
+from ..replay.state import State
 from ..replay.steps import Link
 from .question import RootSum, circles_of
 
@@ -22,16 +22,16 @@ class Strength:
     def bodies(self, n: int) -> tuple[int, ...]:
         return tuple(dict.fromkeys(i for link in (*self.basis, self.link) for i in circles_of(link, n)))
 
-    def _strengths(self, machine: Machine) -> list[Number]:
-        matrix, speeds = machine.contact_system(self.basis)
+    def _strengths(self, state: State) -> list[Number]:
+        matrix, speeds = state.contact_system(self.basis)
         return solve_positive(matrix, [-(u + u) for u in speeds])
 
-    def value(self, machine: Machine) -> Number:
-        return self._strengths(machine)[self.basis.index(self.link)]
+    def value(self, state: State) -> Number:
+        return self._strengths(state)[self.basis.index(self.link)]
 
-    def root_sum(self, machine: Machine) -> RootSum:
-        zero = machine.zero
-        return self.value(machine), zero, zero, zero, zero
+    def root_sum(self, state: State) -> RootSum:
+        zero = state.zero
+        return self.value(state), zero, zero, zero, zero
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} push each other at all"
@@ -41,8 +41,8 @@ class Strength:
 class Slack(Strength):
     """Kicking `basis` together, by how much more than needed does a contact outside of it separate?"""
 
-    def value(self, machine: Machine) -> Number:
-        matrix, speeds = machine.contact_system((*self.basis, self.link))
+    def value(self, state: State) -> Number:
+        matrix, speeds = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
         strengths = solve_positive(inner, [-(u + u) for u in speeds[:-1]])
         slack = speeds[-1] + speeds[-1]
@@ -58,8 +58,8 @@ class Slack(Strength):
 class Pivot(Strength):
     """Is a contact's push independent of those in `basis` (positive) or already made of them (zero)?"""
 
-    def value(self, machine: Machine) -> Number:
-        matrix, _ = machine.contact_system((*self.basis, self.link))
+    def value(self, state: State) -> Number:
+        matrix, _ = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
         column = matrix[-1][:-1]
         pivot = matrix[-1][-1]
@@ -77,8 +77,8 @@ class Share(Strength):
 
     entering: Link = (0, 0)
 
-    def value(self, machine: Machine) -> Number:
-        matrix, _ = machine.contact_system((*self.basis, self.entering))
+    def value(self, state: State) -> Number:
+        matrix, _ = state.contact_system((*self.basis, self.entering))
         inner = [row[:-1] for row in matrix[:-1]]
         return solve_positive(inner, matrix[-1][:-1])[self.basis.index(self.link)]
 
@@ -96,12 +96,12 @@ class Coupling:
     def bodies(self, n: int) -> tuple[int, ...]:
         return tuple(dict.fromkeys(circles_of(self.first, n) + circles_of(self.second, n)))
 
-    def value(self, machine: Machine) -> Number:
-        return machine.contact_system((self.first, self.second))[0][0][1]
+    def value(self, state: State) -> Number:
+        return state.contact_system((self.first, self.second))[0][0][1]
 
-    def root_sum(self, machine: Machine) -> RootSum:
-        zero = machine.zero
-        return self.value(machine), zero, zero, zero, zero
+    def root_sum(self, state: State) -> RootSum:
+        zero = state.zero
+        return self.value(state), zero, zero, zero, zero
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether the order of {name(self.first)} and {name(self.second)} matters"

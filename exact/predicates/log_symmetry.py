@@ -1,6 +1,6 @@
 """Proofs that a number of a run is zero, from the form of its past: isometries of logged histories.
 
-A number of a run is a program, its logged causal past, on data, the circles and walls at time 0. If an isometry g
+A number of a run is a log, its logged causal past, on data, the circles and walls at time 0. If an isometry g
 of the plane maps the one past to the other, data and blocks, it maps the flights that come of it to each other. The
 argument, by induction over the blocks of the log (`Past`):
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...scenarios.scene import Scene
 from ...scenarios.tower import Tower, TowerLimit, sign_of_root_sum
 from ...scenarios.work import Work
-from ..replay.state import Machine, replay
+from ..replay.state import State, replay
 from ..replay.steps import Step, causal_past
 from .question import Question
 
@@ -51,9 +51,9 @@ class NestedRoots:
                 return None, "its past holds one that was too deep for nested square roots"
         tower = Tower(max_depth=MAX_DEPTH, work=work)
         try:
-            machine = Machine(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=bodies)
-            replay(machine, steps, needed)
-            return sign_of_root_sum(*question.root_sum(machine)), ""
+            state = State(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=bodies)
+            replay(state, steps, needed)
+            return sign_of_root_sum(*question.root_sum(state)), ""
         except TowerLimit as limit:
             self._hopeless.append(Hopeless(past, allowed if work.is_spent else None))
             return None, f"nested square roots: {limit}"

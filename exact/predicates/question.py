@@ -11,7 +11,7 @@ from typing import NamedTuple, Protocol
 
 from ...scenarios.trajectory import TieProof
 from ..replay.body import Number
-from ..replay.state import Machine
+from ..replay.state import State
 from ..replay.steps import Link
 
 RootSum = tuple[Number, Number, Number, Number, Number]
@@ -41,11 +41,11 @@ class Question(Protocol):
         """The circles whose states the number depends on."""
         ...
 
-    def value(self, machine: Machine) -> Number:
+    def value(self, state: State) -> Number:
         """The number."""
         ...
 
-    def root_sum(self, machine: Machine) -> RootSum:
+    def root_sum(self, state: State) -> RootSum:
         """The number as A + B*sqrt(D1) + C*sqrt(D2), with parts that need no new root."""
         ...
 

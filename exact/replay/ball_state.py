@@ -1,4 +1,4 @@
-"""A machine on balls that loses few bits: clocks without radius, reflections as matrices, contacts from laws.
+"""A state on balls that loses few bits: clocks without radius, reflections as matrices, contacts from laws.
 
 Interval arithmetic pays for every number that it uses twice. So:
 
@@ -33,12 +33,12 @@ from ..laws.formulas import (
 )
 from ..numbers import ball
 from .body import Body, Number
-from .state import Machine
+from .state import State
 from .steps import Link
 
 
-class BallMachine(Machine):
-    """`Machine` on `flint.arb`, at flint's working precision."""
+class BallState(State):
+    """`State` on `flint.arb`, at flint's working precision."""
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene, ball.constant, ball.root)
@@ -75,12 +75,12 @@ class BallMachine(Machine):
         return dx, dy
 
     def go(self, source: Link | int | Quantity, bodies: tuple[int, ...]) -> None:
-        """As `Machine.go`."""
+        """As `State.go`."""
         self._told = self._root = None
         super().go(source, bodies)
 
     def kick(self, links: tuple[Link, ...]) -> None:
-        """As `Machine.kick`; the law of the meeting tells the first impulse of an instant, and no other."""
+        """As `State.kick`; the law of the meeting tells the first impulse of an instant, and no other."""
         if self._root is not None and self._told is not None and links == (self._told[0],):
             self._bounce_first(*self._told, self._root)
         else:
@@ -96,27 +96,27 @@ class BallMachine(Machine):
         self._push(b, jx, jy)
 
     def gap(self, link: Link) -> Number:
-        """As `Machine.gap`, at the instant of the later of the two: its clock may stand before or after it."""
+        """As `State.gap`, at the instant of the later of the two: its clock may stand before or after it."""
         i, j = link
         if j >= self.n:
             return self.wall_gap(self.bodies[i], j - self.n, *self.place(self.bodies[i]))
-        state, late = self.relation(i, j), self.later(i, j).late
+        pair, late = self.relation(i, j), self.later(i, j).late
         if late is None:
-            return pair_gap(state.dx, state.dy, state.reach)
-        return pair_gap(advance(state.dx, state.vx, late), advance(state.dy, state.vy, late), state.reach)
+            return pair_gap(pair.dx, pair.dy, pair.reach)
+        return pair_gap(advance(pair.dx, pair.vx, late), advance(pair.dy, pair.vy, late), pair.reach)
 
     def approach(self, link: Link) -> Number:
-        """As `Machine.approach`, at the instant of the later of the two."""
+        """As `State.approach`, at the instant of the later of the two."""
         i, j = link
         late = None if j >= self.n else self.later(i, j).late
         if late is None:
             return super().approach(link)
-        state = self.relation(i, j)
-        dx, dy = advance(state.dx, state.vx, late), advance(state.dy, state.vy, late)
-        return pair_approach(dx, dy, state.vx, state.vy)
+        pair = self.relation(i, j)
+        dx, dy = advance(pair.dx, pair.vx, late), advance(pair.dy, pair.vy, late)
+        return pair_approach(dx, dy, pair.vx, pair.vy)
 
     def hit(self, link: Link) -> tuple[Number, Number]:
-        """As `Machine.hit`, in the sharper form."""
+        """As `State.hit`, in the sharper form."""
         i, j = link
         return self._meeting(i, j)[:2] if j < self.n else super().hit(link)
 
@@ -150,7 +150,7 @@ class BallMachine(Machine):
         return pair_head_on(dx, dy, ux, uy, speed, reach)
 
     def bounce_pair(self, a: Body, b: Body) -> None:
-        """As `Machine.bounce_pair`; where the two met head on, the lines are mixed, as the velocities are."""
+        """As `State.bounce_pair`; where the two met head on, the lines are mixed, as the velocities are."""
         if self._told is None or self._told[0] != (a.index, b.index) or not self._straight:
             super().bounce_pair(a, b)
             return
@@ -194,7 +194,7 @@ class BallMachine(Machine):
         body.rest = False
 
     def bounce_wall(self, a: Body, wall: int) -> None:
-        """As `Machine.bounce_wall`: the line is mirrored."""
+        """As `State.bounce_wall`: the line is mirrored."""
         line = self.line(a, wall)
         if wall not in self._mirrors:
             self._mirrors[wall] = wall_mirror(line.nx, line.ny, line.nn)

@@ -1,4 +1,4 @@
-"""The exact engine's live state: each body in its field while that is short, in balls from then on.
+"""The exact engine's state: each body in its field while that is short, in balls from then on.
 
 A body is *exact* while its position, velocity and clock lie in the field of the scene (rationals, or the roots in
 the scene's own numbers) and are short; else it is held in balls of `bits` bits. Every step carried out is logged,
@@ -16,9 +16,9 @@ from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..numbers.field import Field, LeavesField, field_ball, height
 from ..predicates.isometry import Projection
-from .ball_state import BallMachine
+from .ball_state import BallState
 from .body import Body, Number
-from .state import Line, Machine, Relation
+from .state import Line, Relation, State
 from .steps import Flip, Go, Kick, Link, Step, Take
 
 FIELD_BITS = 768
@@ -29,7 +29,7 @@ SPARE_BITS = 64
 """Bits of working precision kept beyond the accuracy of the numbers at hand."""
 
 
-class LiveMachine:
+class RefinableState:
     """Fields and balls side by side, under one log.
 
     Attributes:
@@ -51,7 +51,7 @@ class LiveMachine:
         self._stale = set(range(self.n))
         self.numbers = Field()
         ctx.prec = bits
-        self.balls = BallMachine(scene)
+        self.balls = BallState(scene)
         self.bodies = self.balls.bodies
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
@@ -59,7 +59,7 @@ class LiveMachine:
         for body in self.bodies:
             body.acc = bits
         try:
-            self.field: Machine | None = Machine(scene, self.numbers.constant, self.numbers.root)
+            self.field: State | None = State(scene, self.numbers.constant, self.numbers.root)
             self._admit_walls()
             self.numbers.tower.max_depth = self.numbers.tower.depth
             self.exact = [True] * self.n
@@ -97,7 +97,7 @@ class LiveMachine:
         return self.balls.line(body, wall)
 
     def relation(self, i: int, j: int) -> Relation:
-        """Two bodies in balls (see `Machine.relation`); their copies must be up to date."""
+        """Two bodies in balls (see `State.relation`); their copies must be up to date."""
         return self.balls.relation(i, j)
 
     def root(self, value: Number) -> Number:
@@ -105,11 +105,11 @@ class LiveMachine:
         return self.balls.root(value)
 
     def gap(self, link: Link) -> Number:
-        """See `Machine.gap`."""
+        """See `State.gap`."""
         return self.balls.gap(link)
 
     def approach(self, link: Link) -> Number:
-        """See `Machine.approach`."""
+        """See `State.approach`."""
         return self.balls.approach(link)
 
     def all_exact(self, bodies: tuple[int, ...]) -> bool:
@@ -141,7 +141,7 @@ class LiveMachine:
         target.late = None
         target.last, target.rest, target.acc = source.last, source.rest, bits
 
-    def state(self, i: int) -> tuple[Number, ...]:
+    def knot(self, i: int) -> tuple[Number, ...]:
         """(t, x, y, vx, vy) of a body: exact numbers if it is exact, else balls."""
         body = self.field.bodies[i] if self.field is not None and self.exact[i] else self.balls.bodies[i]
         return body.t, body.x, body.y, body.vx, body.vy
@@ -153,8 +153,8 @@ class LiveMachine:
         self._in_play -= 1
         assert self.field is not None
         body = self.field.bodies[i]
-        state = (body.t, body.x, body.y, body.vx, body.vy, body.last, body.rest)
-        self._left.setdefault(len(self.steps), []).append((i, state))
+        kept = (body.t, body.x, body.y, body.vx, body.vy, body.last, body.rest)
+        self._left.setdefault(len(self.steps), []).append((i, kept))
 
     # -- steps
 
@@ -200,16 +200,16 @@ class LiveMachine:
         return tuple(range(self.n))
 
     def _try_field(self, step: Step, taking_part: tuple[int, ...]) -> bool:
-        machine = self.field
-        assert machine is not None
-        machine.steps_done = len(self.steps)
+        state = self.field
+        assert state is not None
+        state.steps_done = len(self.steps)
         try:
-            machine.do(step)
+            state.do(step)
         except LeavesField:
             return False
         longest = 0
         for i in taking_part:
-            body = machine.bodies[i]
+            body = state.bodies[i]
             longest = max(longest, height(body.x), height(body.y), height(body.t), height(body.vx))
             if isinstance(step, Kick):
                 body.rest = body.vx == 0 and body.vy == 0
@@ -218,7 +218,7 @@ class LiveMachine:
         self._stale.update(taking_part)
         if isinstance(step, Flip):
             self.sync(taking_part)
-            self.balls.flip_time = field_ball(machine.flip_time, ctx.prec)
+            self.balls.flip_time = field_ball(state.flip_time, ctx.prec)
         if longest > FIELD_BITS and isinstance(step, Kick):
             self.steps.append(step)
             for i in taking_part:
@@ -227,48 +227,48 @@ class LiveMachine:
         return True
 
     @staticmethod
-    def _forget_contact(machine: BallMachine) -> None:
+    def _forget_contact(state: BallState) -> None:
         """After an instant reached in the field, clocks are the instant itself, and no d is known beforehand."""
-        machine.late, machine.met, machine._told = None, None, None
+        state.late, state.met, state._told = None, None, None
 
     def _do_balls(self, step: Step, taking_part: tuple[int, ...]) -> None:
-        machine = self.balls
-        machine.steps_done = len(self.steps)
-        accuracy = self._step_in_balls(machine, step, taking_part, self.bits)
+        state = self.balls
+        state.steps_done = len(self.steps)
+        accuracy = self._step_in_balls(state, step, taking_part, self.bits)
         self.lowest = min(self.lowest, accuracy)
 
     @staticmethod
-    def _project_all(machine: Machine, held: Iterable[tuple[int, Projection]]) -> None:
+    def _project_all(state: State, held: Iterable[tuple[int, Projection]]) -> None:
         """A circle on a mirror line, or at a centre of rotation, stays there: exactly, whatever the balls say."""
         bits = ctx.prec
         for i, ((a, b, c, d), (cx, cy)) in held:
             a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
-            body = machine.bodies[i]
+            body = state.bodies[i]
             x, y = body.x - cx, body.y - cy
             body.x, body.y = cx + a * x + b * y, cy + c * x + d * y
             body.vx, body.vy = a * body.vx + b * body.vy, c * body.vx + d * body.vy
             body.rest = body.vx.is_zero() and body.vy.is_zero()
 
-    def _step_in_balls(self, machine: Machine, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
+    def _step_in_balls(self, state: State, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
         """One step, with no more bits than the bodies' accuracy deserves; gives the accuracy after it."""
-        bodies = machine.bodies
+        bodies = state.bodies
         accuracy = bits
         if type(step) is Go:
             worst = min([bodies[i].acc for i in taking_part if not bodies[i].rest], default=bits)
             ctx.prec = min(bits, worst + SPARE_BITS)
-            machine.do(step)
+            state.do(step)
             if taking_part:
-                accuracy = max(0, min(bits, machine.instant.rel_accuracy_bits()))
+                accuracy = max(0, min(bits, state.instant.rel_accuracy_bits()))
                 for i in step.bodies:
                     bodies[i].acc = accuracy
         else:
-            machine.do(step)
+            state.do(step)
             if isinstance(step, Kick):
                 for i in taking_part:
                     body = bodies[i]
                     body.rest = body.vx.is_zero() and body.vy.is_zero()
-                if machine.steps_done in self._projected:
-                    self._project_all(machine, self._projected[machine.steps_done])
+                if state.steps_done in self._projected:
+                    self._project_all(state, self._projected[state.steps_done])
         return accuracy
 
     # -- precision
@@ -278,40 +278,40 @@ class LiveMachine:
         self.bits = bits
         self.lowest = bits
         ctx.prec = bits
-        machine = BallMachine(self.scene)
-        for body in machine.bodies:
+        state = BallState(self.scene)
+        for body in state.bodies:
             body.acc = bits
         for k, step in enumerate(self.steps):
             if k in self._left:
-                self._arrive(machine, k)
+                self._arrive(state, k)
             if not self._in_field[k]:
-                machine.steps_done = k
-                accuracy = self._step_in_balls(machine, step, self._taking_part(step), bits)
+                state.steps_done = k
+                accuracy = self._step_in_balls(state, step, self._taking_part(step), bits)
                 self.lowest = min(self.lowest, accuracy)
                 ctx.prec = bits
             elif isinstance(step, Go):
-                self._forget_contact(machine)
+                self._forget_contact(state)
             elif isinstance(step, Flip):
-                machine.flip_time = self.balls.flip_time
+                state.flip_time = self.balls.flip_time
         if len(self.steps) in self._left:
-            self._arrive(machine, len(self.steps))
+            self._arrive(state, len(self.steps))
         if self.field is not None and any(isinstance(step, Flip) for step in self.steps):
             last = next(k for k, step in enumerate(self.steps) if isinstance(step, Flip))
             if self._in_field[last]:
-                machine.flip_time = field_ball(self.field.flip_time, bits)
-        for old, new in zip(self.bodies, machine.bodies, strict=True):
+                state.flip_time = field_ball(self.field.flip_time, bits)
+        for old, new in zip(self.bodies, state.bodies, strict=True):
             for name in ("x", "y", "vx", "vy", "t", "instant", "late", "acc", "r", "w"):
                 setattr(old, name, getattr(new, name))
-        self.balls._lines = machine._lines
+        self.balls._lines = state._lines
         for name in ("_mirrors", "_told", "zero", "one", "instant", "late", "met"):
-            setattr(self.balls, name, getattr(machine, name))
-        self.balls.flip_time = machine.flip_time
+            setattr(self.balls, name, getattr(state, name))
+        self.balls.flip_time = state.flip_time
         self._stale = {i for i in range(self.n) if self.exact[i]}
 
-    def _arrive(self, machine: Machine, k: int) -> None:
+    def _arrive(self, state: State, k: int) -> None:
         """Bodies whose exact life ended before step k enter the balls of a replay."""
         for i, (t, x, y, vx, vy, last, rest) in self._left[k]:
-            body = machine.bodies[i]
+            body = state.bodies[i]
             bits = ctx.prec
             body.t, body.x, body.y = (field_ball(value, bits) for value in (t, x, y))
             body.instant, body.late = body.t, None

@@ -1,8 +1,8 @@
 """Carries out an event log in any number system: advance bodies to a contact, apply impulses, flip velocities.
 
-An event log is a program without decisions: given the scene and the log, every number of a run can be computed
-again, to more bits, in nested square roots, modulo a prime. The live run of every event-driven engine is such a
-machine too, fed one step at a time.
+An event log holds no decisions: given the scene and the log, every number of a run can be computed
+again, to more bits or in nested square roots. What an event-driven engine keeps while it runs is such a state too, fed
+one step at a time.
 """
 
 from __future__ import annotations
@@ -53,11 +53,11 @@ class Relation(NamedTuple):
     reach: Number
 
 
-class Machine:
+class State:
     """Bodies and walls of a scene in one number system, and the steps of a log upon them.
 
     Args:
-        scene: the scene; its state at time 0 is the machine's first state.
+        scene: the scene; its state at time 0 is the state's first state.
         constant: makes a number of the system from an exact one.
         root: the square root of a non-negative number of the system.
         only: the bodies that will be asked for; others are left out, to spare work.
@@ -91,16 +91,16 @@ class Machine:
 
     def _body(self, i: int) -> Body:
         circle = self.scene.circles[i]
-        state = [self.constant(value) for value in (circle.x, circle.y, circle.vx, circle.vy)]
-        body = Body(i, state, self.zero, self.constant(circle.r), self.constant(circle.inverse_mass))
+        start = [self.constant(value) for value in (circle.x, circle.y, circle.vx, circle.vy)]
+        body = Body(i, start, self.zero, self.constant(circle.r), self.constant(circle.inverse_mass))
         body.rest = circle.at_rest
         return body
 
     def _pocket(self, k: int) -> Body:
         """A pocket as a body at rest, at index -1 - k."""
         pocket = self.scene.pockets[k]
-        state = [self.constant(pocket.x), self.constant(pocket.y), self.zero, self.zero]
-        body = Body(-1 - k, state, self.zero, self.constant(pocket.r), self.zero)
+        start = [self.constant(pocket.x), self.constant(pocket.y), self.zero, self.zero]
+        body = Body(-1 - k, start, self.zero, self.constant(pocket.r), self.zero)
         body.rest = True
         return body
 
@@ -147,8 +147,8 @@ class Machine:
         """|d|^2 - R^2 at the later clock; for a wall, its distance less the radius, times |n|."""
         i, j = link
         if j < self.n:
-            state = self.relation(i, j)
-            return pair_gap(state.dx, state.dy, state.reach)
+            pair = self.relation(i, j)
+            return pair_gap(pair.dx, pair.dy, pair.reach)
         body = self.bodies[i]
         return self.wall_gap(body, j - self.n, body.x, body.y)
 
@@ -161,16 +161,16 @@ class Machine:
         """d.v at the later clock (for a wall n.v): negative while the two come nearer."""
         i, j = link
         if j < self.n:
-            state = self.relation(i, j)
-            return pair_approach(state.dx, state.dy, state.vx, state.vy)
+            pair = self.relation(i, j)
+            return pair_approach(pair.dx, pair.dy, pair.vx, pair.vy)
         body = self.bodies[i]
         line = self.line(body, j - self.n)
         return wall_approach(body.vx, body.vy, line.nx, line.ny)
 
     def discriminant(self, link: Link) -> Number:
         """|v|^2 R^2 - (d x v)^2 of two circles."""
-        state = self.relation(*link)
-        return pair_discriminant(state.dx, state.dy, state.vx, state.vy, state.reach)
+        pair = self.relation(*link)
+        return pair_discriminant(pair.dx, pair.dy, pair.vx, pair.vy, pair.reach)
 
     def hit(self, link: Link) -> tuple[Number, Number]:
         """The clock from which the hit is reckoned, and the time from it to the hit."""
@@ -239,7 +239,7 @@ class Machine:
             body.instant, body.late = self.instant, self.late
 
     def _hit_from_base(self, source: Link) -> tuple[Number, Number]:
-        """The time of a hit, as `hit`; a machine may note more of the contact here."""
+        """The time of a hit, as `hit`; a state may note more of the contact here."""
         return self.hit(source)
 
     def set_instant(self, base: Number, wait: Number) -> tuple[Number, Number]:
@@ -252,7 +252,7 @@ class Machine:
         return self.instant, wait
 
     def recall(self, body: Body) -> Number:
-        """The clock of a body's last instant, which becomes the machine's."""
+        """The clock of a body's last instant, which becomes the state's."""
         self.instant, self.late = body.instant, body.late
         return body.t
 
@@ -372,12 +372,12 @@ class Machine:
             body.last = self.steps_done
 
 
-def replay(machine: Machine, steps: Sequence[Step], needed: Iterable[int]) -> None:
-    """Carries out the needed steps of a log on a machine that may hold only some of the bodies."""
-    held = set(machine.bodies) if isinstance(machine.bodies, dict) else None
+def replay(state: State, steps: Sequence[Step], needed: Iterable[int]) -> None:
+    """Carries out the needed steps of a log on a state that may hold only some of the bodies."""
+    held = set(state.bodies) if isinstance(state.bodies, dict) else None
     for k in needed:
         step = steps[k]
         if held is not None and isinstance(step, Go):
             step = Go(step.source, tuple(i for i in step.bodies if i in held))
-        machine.steps_done = k
-        machine.do(step)
+        state.steps_done = k
+        state.do(step)

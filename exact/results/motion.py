@@ -15,8 +15,9 @@ from ...scenarios.tower import Element, Tower
 from ..laws.formulas import advance
 from ..numbers import ball
 from ..replay.body import Number
-from ..replay.state import Machine
-from .value import ExactValue, Program
+from ..replay.state import State
+from .run_log import RunLog
+from .value import ExactValue
 
 READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
@@ -26,7 +27,7 @@ class ExactMotion:
     """Positions and velocities at any time, as `ExactValue`s.
 
     Args:
-        program: the scene and its log.
+        log: the scene and its log.
         knots: for each circle, (t, x, y, vx, vy, length of the log, number of the instant) at the start and after
             each instant that changed its velocity.
         end: the last time that may be asked for.
@@ -38,12 +39,12 @@ class ExactMotion:
 
     def __init__(
         self,
-        program: Program,
+        log: RunLog,
         knots: Sequence[Sequence[tuple[Any, ...]]],
         end: ExactValue | Quantity,
         set_times: Mapping[Quantity, int],
     ) -> None:
-        self.program = program
+        self.log = log
         self.set_times = set_times
         self.knots = knots
         self.end = end
@@ -71,14 +72,14 @@ class ExactMotion:
 
     def _start_reversed(self) -> list[tuple[Any, Any, Any, Any]]:
         rows = []
-        for circle in self.program.scene.circles:
+        for circle in self.log.scene.circles:
             values = (circle.x, circle.y, -circle.vx, -circle.vy)
-            rows.append(tuple(_known(self.program, value) for value in values))
+            rows.append(tuple(_known(self.log, value) for value in values))
         return rows
 
     def _own(self, time: Any) -> bool:
         """Whether a time is that of an instant of this run."""
-        return isinstance(time, ExactValue) and time.program is self.program and time.instant is not None
+        return isinstance(time, ExactValue) and time.log is self.log and time.instant is not None
 
     def _after(self, time: Any, other: Any) -> bool:
         """Whether a time is later than another; equal times are not.
@@ -132,7 +133,7 @@ class ExactMotion:
         """The instant of a knot. In balls the knot's own number is only a clock beside it, so nothing is at hand."""
         t, *_, upto, instant = self.knots[i][k]
         near = arb.nan() if isinstance(t, arb) else t
-        return ExactValue(self.program, upto, (i,), lambda m: m.bodies[i].instant, near, instant=instant)
+        return ExactValue(self.log, upto, (i,), lambda m: m.bodies[i].instant, near, instant=instant)
 
     def _of_circle(self, i: int, time: Any) -> tuple[Any, Any, Any, Any]:
         k = self._knot(i, time)
@@ -145,24 +146,24 @@ class ExactMotion:
             bodies = (i,)
             near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
 
-        def when(machine: Machine) -> Number:
-            return time.formula(machine) if isinstance(time, ExactValue) else machine.constant(time)
+        def when(state: State) -> Number:
+            return time.formula(state) if isinstance(time, ExactValue) else state.constant(time)
 
-        def x_at(machine: Machine) -> Number:
-            body = machine.bodies[i]
-            return body.x if body.rest else advance(body.x, body.vx, when(machine) - body.t)
+        def x_at(state: State) -> Number:
+            body = state.bodies[i]
+            return body.x if body.rest else advance(body.x, body.vx, when(state) - body.t)
 
-        def y_at(machine: Machine) -> Number:
-            body = machine.bodies[i]
-            return body.y if body.rest else advance(body.y, body.vy, when(machine) - body.t)
+        def y_at(state: State) -> Number:
+            body = state.bodies[i]
+            return body.y if body.rest else advance(body.y, body.vy, when(state) - body.t)
 
         near_x, near_y = _near(x, vx, near_time, t), _near(y, vy, near_time, t)
         make = ExactValue
         return (
-            make(self.program, upto, bodies, x_at, near_x),
-            make(self.program, upto, bodies, y_at, near_y),
-            make(self.program, upto, bodies, lambda m: m.bodies[i].vx, vx),
-            make(self.program, upto, bodies, lambda m: m.bodies[i].vy, vy),
+            make(self.log, upto, bodies, x_at, near_x),
+            make(self.log, upto, bodies, y_at, near_y),
+            make(self.log, upto, bodies, lambda m: m.bodies[i].vx, vx),
+            make(self.log, upto, bodies, lambda m: m.bodies[i].vy, vy),
         )
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -231,6 +232,6 @@ def _shown(time: Any) -> str:
     return f"{float(time):.17g}"
 
 
-def _known(program: Program, value: Quantity) -> ExactValue:
+def _known(log: RunLog, value: Quantity) -> ExactValue:
     near = value.rational if value.rational is not None else value.ball(READ_BITS)
-    return ExactValue(program, 0, (), lambda machine: machine.constant(value), near)
+    return ExactValue(log, 0, (), lambda state: state.constant(value), near)

@@ -2,79 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
 from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 
 from ...scenarios.quantity import certain_double, nearest_double
-from ...scenarios.scene import Scene
-from ...scenarios.tower import Element, Tower, TowerLimit
-from ...scenarios.work import Work
+from ...scenarios.tower import Element, Tower
 from ..numbers import ball
-from ..replay.ball_state import BallMachine
 from ..replay.body import Number
-from ..replay.state import Machine, replay
-from ..replay.steps import Step, causal_past
-
-TEXT_DEPTH = 5
-"""Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
-
-TEXT_WORK = 1_000_000
-"""Units of work that writing out one value may take: about a second."""
+from .run_log import Formula, RunLog
 
 GUARD_BITS = 32
 """Bits asked for beyond the digits wanted."""
-
-Formula = Callable[[Machine], Number]
-
-
-class Program:
-    """A scene and the log of its run: enough to compute every number of the run again.
-
-    Attributes:
-        scene: the scene.
-        steps: the log.
-        bits: a precision that sufficed for the run.
-    """
-
-    def __init__(self, scene: Scene, steps: Sequence[Step], bits: int) -> None:
-        self.scene = scene
-        self.steps = steps
-        self.bits = bits
-        self._key: tuple[int, int] | None = None
-        self._machine: Machine | None = None
-        self._too_deep: list[frozenset[int]] = []
-
-    def in_balls(self, bits: int, upto: int) -> Machine:
-        """The state after the first `upto` steps, in balls computed with `bits` bits."""
-        if self._key != (bits, upto):
-            ctx.prec = bits
-            machine = BallMachine(self.scene)
-            replay(machine, self.steps, range(upto))
-            self._key, self._machine = (bits, upto), machine
-        assert self._machine is not None
-        return self._machine
-
-    def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
-        """A number after the first `upto` steps in nested roots, or None if it is too deep.
-
-        A value whose causal past contains one that was too deep is not tried.
-        """
-        steps = self.steps[:upto]
-        needed, held = causal_past(steps, bodies, len(self.scene.circles))
-        past = frozenset(needed)
-        if any(deep <= past for deep in self._too_deep):
-            return None
-        tower = Tower(max_depth=TEXT_DEPTH, work=Work(TEXT_WORK))
-        try:
-            machine = Machine(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=held)
-            replay(machine, steps, needed)
-            return formula(machine)
-        except TowerLimit:
-            self._too_deep.append(past)
-            return None
 
 
 class ExactValue:
@@ -83,24 +24,24 @@ class ExactValue:
     float() gives the nearest double, certified; `digits`, `sympy` and `text` give the value itself.
 
     Attributes:
-        program: the run that it belongs to.
+        log: the run that it belongs to.
         upto: how many steps of the log it needs.
         bodies: the circles that it depends on.
-        formula: computes it from the state after those steps, in any machine.
+        formula: computes it from the state after those steps, in any state.
         near: a short enclosure, or the exact number where it is at hand.
         instant: for the time of something that happened in the run, the number of its instant.
     """
 
     def __init__(
         self,
-        program: Program,
+        log: RunLog,
         upto: int,
         bodies: Sequence[int],
         formula: Formula,
         near: Number,
         instant: int | None = None,
     ) -> None:
-        self.program = program
+        self.log = log
         self.upto = upto
         self.bodies = tuple(bodies)
         self.formula = formula
@@ -121,11 +62,11 @@ class ExactValue:
             return self.near
         saved = ctx.prec
         try:
-            working = max(self.program.bits, bits + GUARD_BITS)
+            working = max(self.log.bits, bits + GUARD_BITS)
             while True:
-                machine = self.program.in_balls(working, self.upto)
+                state = self.log.in_balls(working, self.upto)
                 ctx.prec = working
-                value = self.formula(machine)
+                value = self.formula(state)
                 if value.rel_accuracy_bits() >= bits or value.is_zero():
                     return value
                 if value.contains(0) and value.abs_upper() < arb(2) ** -(bits + LOWEST_DOUBLE):
@@ -174,7 +115,7 @@ class ExactValue:
             return self.near
         if isinstance(self.near, fmpq):
             return Tower().rational(self.near)
-        return self.program.exact(self.upto, self.bodies, self.formula)
+        return self.log.exact(self.upto, self.bodies, self.formula)
 
     def sympy(self) -> Any:
         """The value as a SymPy expression.
@@ -185,10 +126,10 @@ class ExactValue:
         exact = self.exact()
         if exact is not None:
             return exact.sympy()
-        from .written import sympy_machine
+        from .expression import sympy_state
 
-        machine = sympy_machine(self.program, self.upto, self.bodies)
-        return self.formula(machine).expression
+        state = sympy_state(self.log, self.upto, self.bodies)
+        return self.formula(state).expression
 
     def text(self) -> str | None:
         """The value in the grammar of scene files, or None if it is too deep to be written out.

@@ -1,71 +1,16 @@
-"""Exact values of any depth, written out: SymPy expressions with shared parts, and text with definitions."""
+"""Exact values of any depth as text, with definitions of what they share."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 from ...scenarios.quantity import Quantity
-from ..replay.state import Machine, replay
-from ..replay.steps import causal_past
-
-if TYPE_CHECKING:
-    from .value import ExactValue, Program
+from ..replay.state import State, replay
+from .value import ExactValue
 
 LONGEST = 96
 """Length beyond which a text is given a name and used by it: keeps the whole linear in the number of operations."""
-
-
-class _Expression:
-    """A SymPy expression under construction; nothing is simplified, so building it is linear."""
-
-    __slots__ = ("expression",)
-
-    def __init__(self, expression: Any) -> None:
-        self.expression = expression
-
-    def __add__(self, other: _Expression) -> _Expression:
-        from sympy import Add
-
-        return _Expression(Add(self.expression, other.expression, evaluate=False))
-
-    def __sub__(self, other: _Expression) -> _Expression:
-        return self + (-other)
-
-    def __mul__(self, other: _Expression) -> _Expression:
-        from sympy import Mul
-
-        return _Expression(Mul(self.expression, other.expression, evaluate=False))
-
-    def __truediv__(self, other: _Expression) -> _Expression:
-        from sympy import Pow
-
-        return self * _Expression(Pow(other.expression, -1, evaluate=False))
-
-    def __neg__(self) -> _Expression:
-        return _Expression(-1) * self if not self.expression.is_Rational else _Expression(-self.expression)
-
-
-def sympy_machine(program: Program, upto: int, bodies: Sequence[int]) -> Machine:
-    """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""
-    from sympy import Pow, Rational, sympify
-
-    def constant(q: Quantity) -> _Expression:
-        return _Expression(sympify(q.sympy()))
-
-    def root(value: _Expression) -> _Expression:
-        return _Expression(Pow(value.expression, Rational(1, 2), evaluate=False))
-
-    return _replayed(program, upto, bodies, constant, root)
-
-
-def _replayed(program: Program, upto: int, bodies: Sequence[int], constant: Any, root: Any) -> Machine:
-    steps = program.steps[:upto]
-    needed, held = causal_past(steps, bodies, len(program.scene.circles))
-    machine = Machine(program.scene, constant, root, only=held)
-    replay(machine, steps, needed)
-    return machine
 
 
 @dataclass(frozen=True)
@@ -125,7 +70,7 @@ class _Book:
 
 
 def definitions(values: Sequence[ExactValue]) -> Definitions:
-    """Text for values of one run, whatever their depth: a program of + - * / and square roots, in text.
+    """Text for values of one run, whatever their depth: steps of + - * / and square roots, in text.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -137,8 +82,8 @@ def definitions(values: Sequence[ExactValue]) -> Definitions:
     book = _Book()
     texts: dict[int, str] = {}
     order = sorted(range(len(values)), key=lambda k: values[k].upto)
-    program = values[0].program if values else None
-    if program is None:
+    log = values[0].log if values else None
+    if log is None:
         return Definitions((), ())
 
     def constant(q: Quantity) -> _Text:
@@ -149,11 +94,11 @@ def definitions(values: Sequence[ExactValue]) -> Definitions:
     def root(value: _Text) -> _Text:
         return value if value.text in ("0", "1") else book.put(f"sqrt({value.text})")
 
-    machine = Machine(program.scene, constant, root)
+    state = State(log.scene, constant, root)
     done = 0
     for k in order:
-        replay(machine, program.steps, range(done, values[k].upto))
+        replay(state, log.steps, range(done, values[k].upto))
         done = max(done, values[k].upto)
-        texts[k] = values[k].formula(machine).text
+        texts[k] = values[k].formula(state).text
     names = tuple((name, text) for text, name in book.names.items())
     return Definitions(names, tuple(texts[k] for k in range(len(values))))

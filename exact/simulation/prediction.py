@@ -18,7 +18,7 @@ from ..laws.formulas import (
     wall_hit_time,
 )
 from ..replay.body import Body, Number
-from ..replay.state import Machine
+from ..replay.state import State
 from ..replay.steps import Link
 from .queue import ArrivalQueue
 
@@ -33,7 +33,7 @@ class Predictor:
 
     Args:
         scene: what runs.
-        machine: its state.
+        state: its state.
         queue: where arrivals go.
         plan: counts what is predicted and what is skipped.
         bounds: doubles that enclose a time.
@@ -43,14 +43,14 @@ class Predictor:
     def __init__(
         self,
         scene: Scene,
-        machine: Machine,
+        state: State,
         queue: ArrivalQueue,
         plan: Counter[str],
         bounds: Bounds,
         unsure: Callable[[Link], None],
     ) -> None:
         self.scene = scene
-        self.machine = machine
+        self.state = state
         self.queue = queue
         self.plan = plan
         plan["pairs at rest skipped"] = 0
@@ -60,8 +60,8 @@ class Predictor:
         self.wall_count = len(scene.walls)
         self.pockets = range(len(scene.pockets))
         self.points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
-        self.zero = machine.zero
-        self.root = machine.root
+        self.zero = state.zero
+        self.root = state.root
 
     def prepare(self) -> None:
         """Called before predictions, and after each that was unsure."""
@@ -69,11 +69,11 @@ class Predictor:
 
     def reach(self, a: Body, b: Body) -> Number:
         """The sum of two radii as predictions use it."""
-        return self.machine.reach(a, b)
+        return self.state.reach(a, b)
 
     def line(self, body: Body, wall: int) -> tuple[Number, Number, Number, Number, Number]:
         """(x0, y0, nx, ny, r*|n|) of a wall as seen from a body, as predictions use them."""
-        line = self.machine.line(body, wall)
+        line = self.state.line(body, wall)
         return line.x0, line.y0, line.nx, line.ny, body.r * line.length
 
     def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
@@ -86,8 +86,8 @@ class Predictor:
         """
         plan, count = self.plan, self.n
         self.prepare()
-        others = self.machine.bodies[:count]
-        pockets = [self.machine.bodies[-1 - k] for k in self.pockets]
+        others = self.state.bodies[:count]
+        pockets = [self.state.bodies[-1 - k] for k in self.pockets]
         if gone:
             others = [b for b in others if b.index not in gone]
             moved = [a for a in moved if a.index not in gone]
@@ -117,7 +117,7 @@ class Predictor:
         """Queues the next meeting of a, which has a new flight, with the circle or pocket b.
 
         That they are apart and come nearer is asked at the instant at which the flight begins; the time is reckoned
-        from the clock (see `BallMachine`).
+        from the clock (see `BallState`).
         """
         ax, ay, avx, avy, at = a.q
         bx, by, bvx, bvy, bt = b.q
@@ -176,21 +176,21 @@ class Predictor:
 
     def push_doubtful(self, link: Link) -> None:
         """Queues a meeting that may not come at all, to be settled when its turn comes."""
-        low = earliest_possible(self.machine, link, self.bounds)
+        low = earliest_possible(self.state, link, self.bounds)
         if low < inf:
             self.queue.push(low, inf, None, link)
 
 
-def earliest_possible(machine: Machine, link: Link, bounds: Bounds) -> float:
+def earliest_possible(state: State, link: Link, bounds: Bounds) -> float:
     """A double before which a doubtful meeting cannot come: the gap over the greatest closing speed; inf: never."""
-    if link[1] < machine.n:
-        _, dx, dy, vx, vy, reach = machine.relation(*link)
-        t = machine.later(*link).instant
-        distance = machine.root(dx * dx + dy * dy)
-        speed = machine.root(vx * vx + vy * vy)
-        gap = machine.gap(link) / (distance + reach)
+    if link[1] < state.n:
+        _, dx, dy, vx, vy, reach = state.relation(*link)
+        t = state.later(*link).instant
+        distance = state.root(dx * dx + dy * dy)
+        speed = state.root(vx * vx + vy * vy)
+        gap = state.gap(link) / (distance + reach)
     else:
-        t, gap, speed = machine.bodies[link[0]].instant, machine.gap(link), -machine.approach(link)
+        t, gap, speed = state.bodies[link[0]].instant, state.gap(link), -state.approach(link)
     least_gap, top_speed = bounds(gap)[0], bounds(speed)[1]
     if top_speed <= 0.0:
         return inf

@@ -240,13 +240,13 @@ GATHERING = (
     ),
     Mutant(
         "doubtful_too_late", PREDICTION,
-        "gap = machine.gap(link) / (distance + reach)",
-        "gap = machine.gap(link) / (reach + reach)",
+        "gap = state.gap(link) / (distance + reach)",
+        "gap = state.gap(link) / (reach + reach)",
         "a doubtful meeting is looked at too late: |d| is taken for the reach",
     ),
     Mutant(
         "doubtful_speed_squared", PREDICTION,
-        "speed = machine.root(vx * vx + vy * vy)",
+        "speed = state.root(vx * vx + vy * vy)",
         "speed = vx * vx + vy * vy",
         "a doubtful meeting of slow circles is looked at too late: speed squared is taken for speed",
     ),
@@ -808,8 +808,8 @@ NUMBERS = (
     ),
     Mutant(
         "met_kept", LIVE,
-        "machine.late, machine.met, machine._told = None, None, None",
-        "machine.late = None",
+        "state.late, state.met, state._told = None, None, None",
+        "state.late = None",
         "d of an earlier contact is kept through an instant in the field",
         why_it_survives="what is kept is of a pair that met in balls, and no circle comes back from balls to "
         "the field",

@@ -1,0 +1,70 @@
+"""The log of a finished run, from which every number of it is computed again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from flint import ctx  # type: ignore[attr-defined]
+
+from ...scenarios.scene import Scene
+from ...scenarios.tower import Element, Tower, TowerLimit
+from ...scenarios.work import Work
+from ..replay.ball_state import BallState
+from ..replay.body import Number
+from ..replay.state import State, replay
+from ..replay.steps import Step, causal_past
+
+TEXT_DEPTH = 5
+"""Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
+
+TEXT_WORK = 1_000_000
+"""Units of work that writing out one value may take: about a second."""
+
+Formula = Callable[[State], Number]
+
+
+class RunLog:
+    """A scene and the log of its run: enough to compute every number of the run again.
+
+    Attributes:
+        scene: the scene.
+        steps: the log.
+        bits: a precision that sufficed for the run.
+    """
+
+    def __init__(self, scene: Scene, steps: Sequence[Step], bits: int) -> None:
+        self.scene = scene
+        self.steps = steps
+        self.bits = bits
+        self._key: tuple[int, int] | None = None
+        self._state: State | None = None
+        self._too_deep: list[frozenset[int]] = []
+
+    def in_balls(self, bits: int, upto: int) -> State:
+        """The state after the first `upto` steps, in balls computed with `bits` bits."""
+        if self._key != (bits, upto):
+            ctx.prec = bits
+            state = BallState(self.scene)
+            replay(state, self.steps, range(upto))
+            self._key, self._state = (bits, upto), state
+        assert self._state is not None
+        return self._state
+
+    def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
+        """A number after the first `upto` steps in nested roots, or None if it is too deep.
+
+        A value whose causal past contains one that was too deep is not tried.
+        """
+        steps = self.steps[:upto]
+        needed, held = causal_past(steps, bodies, len(self.scene.circles))
+        past = frozenset(needed)
+        if any(deep <= past for deep in self._too_deep):
+            return None
+        tower = Tower(max_depth=TEXT_DEPTH, work=Work(TEXT_WORK))
+        try:
+            state = State(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=held)
+            replay(state, steps, needed)
+            return formula(state)
+        except TowerLimit:
+            self._too_deep.append(past)
+            return None
