@@ -52,6 +52,8 @@ ENGINES: dict[str, EngineEntry] = {
             "SymPy alone, taken literally: slow, an oracle",
         ),
         EngineEntry("double", f"{ROOT}.floating.double", "DoubleEngine", "event-driven in 53-bit floating point"),
+        EngineEntry("single", f"{ROOT}.floating.single", "SingleEngine", "event-driven in 24-bit floating point"),
+        EngineEntry("quad", f"{ROOT}.floating.quad", "QuadEngine", "event-driven in pairs of doubles: 106 bits"),
         EngineEntry(
             "interval",
             f"{ROOT}.floating.interval",

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from flint import ctx  # type: ignore[attr-defined]
-
 from ..scenarios.errors import SceneError
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Contact, Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
 from .certified.decider import CertifiedDecider
+from .numbers import ball
 from .policies import Policy
 from .predicates.ties import TieRule
 from .replay.steps import Link
@@ -91,13 +90,13 @@ class ExactEngine:
     ) -> Trajectory:
         """As `run`, with a policy of the caller's in place of the scene's."""
         limits = run_limits(scene, until, events)
-        saved = ctx.prec
+        saved = ball.bits_in_use()
         try:
             decider = CertifiedDecider(scene, limits, self.max_bits, self.work, TieRule.parse(self.ties))
             stop = Loop(scene, decider, limits, progress, policy).run()
             return self._trajectory(scene, decider, limits, stop)
         finally:
-            ctx.prec = saved
+            ball.use_bits(saved)
 
     def _trajectory(self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop) -> Trajectory:
         history = decider.history

@@ -9,10 +9,18 @@ if TYPE_CHECKING:
     from .double import DoubleEngine
     from .interval import IntervalEngine
     from .pymunk_engine import PymunkEngine
+    from .quad import QuadEngine
+    from .single import SingleEngine
 
-_HOMES = {"DoubleEngine": ".double", "IntervalEngine": ".interval", "PymunkEngine": ".pymunk_engine"}
+_HOMES = {
+    "DoubleEngine": ".double",
+    "IntervalEngine": ".interval",
+    "PymunkEngine": ".pymunk_engine",
+    "QuadEngine": ".quad",
+    "SingleEngine": ".single",
+}
 
-__all__ = ["DoubleEngine", "IntervalEngine", "PymunkEngine"]
+__all__ = ["DoubleEngine", "IntervalEngine", "PymunkEngine", "QuadEngine", "SingleEngine"]
 
 
 def __getattr__(name: str) -> Any:

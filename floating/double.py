@@ -2,40 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from math import nan, sqrt
+from typing import Any, ClassVar
 
-from ..exact.policies import Policy
-from ..exact.replay.state import State
-from ..scenarios.quantity import QuantityLike
-from ..scenarios.scene import Scene
-from ..scenarios.trajectory import OnProgress, Trajectory
+from ..exact.numbers.system import NumberSystem
+from ..scenarios.quantity import Quantity
+from ..scenarios.trajectory import Motion
+from .event_engine import EventEngine
 from .knots import DoubleMotion
-from .plain_decider import PlainDecider
-from .plain_run import run_plain
 
 
-def sign(x: float) -> int:
-    """The sign of a double: always an answer, perhaps a wrong one."""
-    return (x > 0.0) - (x < 0.0)
+class Doubles:
+    """The system of doubles: every sign is an answer, perhaps a wrong one."""
+
+    name: ClassVar[str] = "double"
+
+    def constant(self, q: Quantity) -> float:
+        """The nearest double."""
+        return float(q)
+
+    def root(self, value: float) -> float:
+        """The square root; nan below zero."""
+        return sqrt(value) if value >= 0.0 else nan
+
+    def sign(self, value: float) -> int:
+        """The sign of the double."""
+        return (value > 0.0) - (value < 0.0)
+
+    def bounds(self, value: float) -> tuple[float, float]:
+        """A double is its own bound."""
+        return value, value
+
+    def at(self, bits: int) -> AbstractContextManager[None]:
+        """Doubles have 53 bits, whatever is asked."""
+        return nullcontext()
 
 
-def root(x: float) -> float:
-    """The square root; nan below zero."""
-    return sqrt(x) if x >= 0.0 else nan
-
-
-def bounds(time: float) -> tuple[float, float]:
-    """A double is its own bound."""
-    return time, time
+DOUBLES = Doubles()
 
 
 @dataclass(frozen=True)
-class DoubleEngine:
-    """The event loop of the exact engine, fed doubles.
-
-    Inputs are rounded to the nearest doubles; every sign is taken at its word; equal event times are a tie; an
-    overlap that rounding has made collides at once.
+class DoubleEngine(EventEngine):
+    """The event loop of the exact engine, fed doubles (see `EventEngine`).
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> float(DoubleEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])).events[0].time)
@@ -47,36 +58,11 @@ class DoubleEngine:
         """The engine's name."""
         return "double"
 
-    def run(
-        self,
-        scene: Scene,
-        *,
-        until: QuantityLike | None = None,
-        events: int | None = None,
-        progress: OnProgress | None = None,
-    ) -> Trajectory:
-        """The history as doubles see it (see `Engine.run`)."""
-        return self.run_with(scene, None, until=until, events=events, progress=progress)
+    @property
+    def numbers(self) -> NumberSystem:
+        """Doubles."""
+        return DOUBLES
 
-    def run_with(
-        self,
-        scene: Scene,
-        policy: Policy | None,
-        *,
-        until: QuantityLike | None = None,
-        events: int | None = None,
-        progress: OnProgress | None = None,
-    ) -> Trajectory:
-        """As `run`, with a policy of the caller's in place of the scene's."""
-        return run_plain(
-            scene,
-            self.name,
-            {},
-            PlainDecider(scene, State(scene, float, root), sign, bounds),
-            lambda knots, end: DoubleMotion([[knot[:5] for knot in row] for row in knots], float(end)),
-            lambda time, _: float(time),
-            until=until,
-            events=events,
-            progress=progress,
-            policy=policy,
-        )
+    def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
+        """See `EventEngine.motion`."""
+        return DoubleMotion([[knot[:5] for knot in row] for row in knots], float(end))

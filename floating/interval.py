@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf, nextafter
-from typing import Any
+from typing import Any, ClassVar
 
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
@@ -114,6 +115,40 @@ def enclosure(q: Quantity) -> Any:
     if q.op == "-":
         return left - right
     return left * right if q.op == "*" else left / right
+
+
+class Intervals:
+    """The system of `mpmath.iv` intervals, at its working precision."""
+
+    name: ClassVar[str] = "interval"
+
+    def constant(self, q: Quantity) -> Any:
+        """See `enclosure`."""
+        return enclosure(q)
+
+    def root(self, value: Any) -> Any:
+        """See `root`."""
+        return root(value)
+
+    def sign(self, value: Any) -> int:
+        """See `sign`."""
+        return sign(value)
+
+    def bounds(self, value: Any) -> tuple[float, float]:
+        """See `bounds`."""
+        return bounds(value)
+
+    @contextmanager
+    def at(self, bits: int) -> Iterator[None]:
+        """Intervals of so many bits."""
+        saved, mpmath.iv.prec = mpmath.iv.prec, bits
+        try:
+            yield
+        finally:
+            mpmath.iv.prec = saved
+
+
+INTERVALS = Intervals()
 
 
 class IntervalMotion:
@@ -226,18 +261,15 @@ class IntervalEngine:
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """The history as far as intervals certify it (see `Engine.run`)."""
-        saved, mpmath.iv.prec = mpmath.iv.prec, self.bits
-        try:
+        with INTERVALS.at(self.bits):
             return run_plain(
                 scene,
                 self.name,
                 {"bits": self.bits},
-                PlainDecider(scene, State(scene, enclosure, root), sign, bounds),
+                PlainDecider(scene, State(scene, INTERVALS), INTERVALS),
                 lambda knots, end: IntervalMotion(knots, self.bits, end),
                 IntervalNumber,
                 until=until,
                 events=events,
                 progress=progress,
             )
-        finally:
-            mpmath.iv.prec = saved

@@ -6,10 +6,11 @@ from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
 from typing import Any
 
+from ..exact.numbers.system import Number, NumberSystem
 from ..exact.numbers.undecided import Undecided
 from ..exact.predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
 from ..exact.predicates.question import Decision, Question
-from ..exact.replay.body import Body, Number
+from ..exact.replay.body import Body
 from ..exact.replay.state import State
 from ..exact.replay.steps import Link, Step, name_of
 from ..exact.simulation.history import History
@@ -19,24 +20,18 @@ from ..scenarios.quantity import Quantity
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import TieProof
 
-Sign = Callable[[Number], int]
-"""The sign of a number; raises Undecided where it is not known."""
-
-Bounds = Callable[[Number], tuple[float, float]]
-"""Doubles around a number."""
-
 
 class PlainReading:
     """Reads a state off as it is.
 
     Args:
         state: that state.
-        bounds: doubles around a time.
+        numbers: its system.
     """
 
-    def __init__(self, state: State, bounds: Bounds) -> None:
+    def __init__(self, state: State, numbers: NumberSystem) -> None:
         self._state = state
-        self._bounds = bounds
+        self._bounds = numbers.bounds
 
     def knot(self, body: Body) -> tuple[Any, ...]:
         """The state."""
@@ -82,7 +77,7 @@ class PlainMeetings:
         state: its state.
         queue: where arrivals go.
         plan: counts what is predicted and what is skipped.
-        sign, bounds: of numbers.
+        numbers: the state's system.
         ask: decides questions.
     """
 
@@ -92,14 +87,13 @@ class PlainMeetings:
         state: State,
         queue: ArrivalQueue,
         plan: Counter[str],
-        sign: Sign,
-        bounds: Bounds,
+        numbers: NumberSystem,
         ask: Callable[[Question], int],
     ) -> None:
-        self._predictor = Predictor(scene, state, queue, plan, bounds, self._unsure)
+        self._predictor = Predictor(scene, state, queue, plan, numbers.bounds, self._unsure)
         self._state = state
-        self._sign = sign
-        self._bounds = bounds
+        self._sign = numbers.sign
+        self._bounds = numbers.bounds
         self._ask = ask
 
     def off_rim(self, link: Link) -> bool:
@@ -177,19 +171,18 @@ class PlainDecider:
     Args:
         scene: what runs.
         state: its state.
-        sign: the sign of a number; raises Undecided where it is not known.
-        bounds: doubles around a time.
+        numbers: the system that the state is in; what its signs do not tell is undecided.
     """
 
-    def __init__(self, scene: Scene, state: State, sign: Sign, bounds: Bounds) -> None:
+    def __init__(self, scene: Scene, state: State, numbers: NumberSystem) -> None:
         self.scene = scene
         self.state = state
         self.history = History()
         self.bodies: list[Body] = list(state.bodies)[: state.n]
         self.queue = ArrivalQueue(self.bodies)
-        self.meetings = PlainMeetings(scene, state, self.queue, self.history.plan, sign, bounds, self.ask)
-        self.reading = PlainReading(state, bounds)
-        self._sign = sign
+        self.meetings = PlainMeetings(scene, state, self.queue, self.history.plan, numbers, self.ask)
+        self.reading = PlainReading(state, numbers)
+        self._sign = numbers.sign
         self.refresh(state.bodies)
 
     def begin(self, instant: int) -> None:

@@ -46,7 +46,7 @@ def test_the_two_forms_enclose_the_same_numbers(scene):
     run = ExactEngine().run(scene, events=60)
     steps = run.motion.log.steps
     ctx.prec = 2000
-    ours, plain = BallState(scene), State(scene, ball.constant, ball.root)
+    ours, plain = BallState(scene), State(scene, ball.BALLS)
     replay(ours, steps, range(len(steps)))
     ctx.prec = 2000
     replay(plain, steps, range(len(steps)))
@@ -62,7 +62,7 @@ def test_it_loses_fewer_bits_than_the_plain_form():
     run = ExactEngine().run(scene, events=400)
     steps = run.motion.log.steps
     widths = []
-    for make in (lambda: BallState(scene), lambda: State(scene, ball.constant, ball.root)):
+    for make in (lambda: BallState(scene), lambda: State(scene, ball.BALLS)):
         ctx.prec = 2000
         machine = make()
         replay(machine, steps, range(len(steps)))

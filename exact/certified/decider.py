@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from flint import ctx  # type: ignore[attr-defined]
-
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Assumption
+from ..numbers import ball
 from ..numbers.undecided import BudgetSpent
 from ..predicates.cascade import Cascade
 from ..predicates.enclosures import Balls
@@ -88,7 +87,7 @@ class CertifiedDecider:
         self._past.begin(instant)
         self._instant = instant
         self._instant_work = 0
-        ctx.prec = self.state.bits
+        ball.use_bits(self.state.bits)
 
     def do(self, step: Step) -> None:
         """Carries out a step and logs it.
@@ -96,7 +95,7 @@ class CertifiedDecider:
         Raises:
             BudgetSpent: if the steps of one instant, and what had to be proved for them, cost more than is allowed.
         """
-        ctx.prec = self.state.bits
+        ball.use_bits(self.state.bits)
         self.state.do(step)
         self._instant_work += STEP_UNITS
         if self._instant_work > self._work:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from typing import Protocol
 
-from flint import arb, ctx  # type: ignore[attr-defined]
+from flint import arb  # type: ignore[attr-defined]
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
@@ -109,7 +109,7 @@ class CertifiedMeetings:
     def time(self, moment: Moment) -> arb:
         """The time of a meeting that is certain, as a ball of full precision that excludes the past."""
         while True:
-            ctx.prec = self._state.bits
+            ball.use_bits(self._state.bits)
             self._state.sync(tuple(i for i in moment.link if i < self._n))
             try:
                 t, wait = moment.wait(self._state.balls)
@@ -139,7 +139,7 @@ class CertifiedMeetings:
         A gap of zero does not occur here: what stands at gap zero at an instant was gathered for it.
         """
         self._plan["full predictions"] += 1
-        ctx.prec = self._state.bits
+        ball.use_bits(self._state.bits)
         approach = self._sign(Approach(link))
         if approach is not None and approach >= 0:
             return
@@ -157,7 +157,7 @@ class CertifiedMeetings:
         disc = self._sign(Discriminant(link)) if link[1] < self._n else 1
         if disc is not None and disc < 0:
             return
-        ctx.prec = self._state.bits
+        ball.use_bits(self._state.bits)
         if approach is None or disc is None:
             self.predictor.push_doubtful(link)
         else:

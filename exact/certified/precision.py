@@ -6,8 +6,8 @@ from flint import arb  # type: ignore[attr-defined]
 
 from ..numbers import ball
 from ..numbers.field import field_ball
+from ..numbers.system import Number
 from ..numbers.undecided import Undecided
-from ..replay.body import Number
 from ..replay.refinable import RefinableState
 from ..simulation.history import History
 from ..simulation.limits import Limits

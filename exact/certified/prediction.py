@@ -7,7 +7,7 @@ from collections.abc import Callable, Collection, Iterable
 from math import isnan
 from typing import Any
 
-from flint import arb, ctx  # type: ignore[attr-defined]
+from flint import arb  # type: ignore[attr-defined]
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
@@ -56,7 +56,7 @@ class FilteredPredictor(Predictor):
 
     def prepare(self) -> None:
         """Short precision."""
-        ctx.prec = QUICK_BITS
+        ball.use_bits(QUICK_BITS)
 
     def _quick_reaches(self) -> list[list[arb]]:
         """Sums of radii by kind of radius, and a pocket's own; each body's `kind` indexes them."""
@@ -97,7 +97,7 @@ class FilteredPredictor(Predictor):
         """Short copies of the states."""
         refinable = self.refinable
         refinable.sync_for(bodies)
-        ctx.prec = QUICK_BITS
+        ball.use_bits(QUICK_BITS)
         clocks: dict[int, arb] = {}
         for body in bodies:
             t = clocks.setdefault(id(body.t), +body.t)

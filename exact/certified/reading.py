@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from typing import Any
 
-from flint import ctx  # type: ignore[attr-defined]
-
 from ...scenarios.quantity import Quantity
 from ..numbers import ball
 from ..numbers.field import field_text
+from ..numbers.system import Number
 from ..predicates.hits import Moment
-from ..replay.body import Body, Number
+from ..replay.body import Body
 from ..replay.refinable import RefinableState
 from ..replay.steps import Link
 from .meetings import CertifiedMeetings
@@ -42,7 +41,7 @@ class CertifiedReading:
         """The instant of a body's last contact: exact if the body is, else a short ball."""
         if self._state.exact[body.index]:
             return self._state.knot(body.index)[0]
-        ctx.prec = QUICK_BITS
+        ball.use_bits(QUICK_BITS)
         return +body.instant
 
     def entry_time(self, link: Link) -> Number:
@@ -70,7 +69,7 @@ class CertifiedReading:
 
     def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
         """Doubles that enclose a set time (None: the return)."""
-        ctx.prec = self._state.bits
+        ball.use_bits(self._state.bits)
         if time is None:
             return ball.double_bounds(self._state.flip_time + self._state.flip_time)
         return ball.double_bounds(ball.constant(time))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from math import inf, nextafter
+from typing import ClassVar
 
 from flint import arb, ctx  # type: ignore[attr-defined]
 
 from ...scenarios.quantity import Quantity
+from .undecided import Undecided
 
 ZERO = arb(0)
 
@@ -83,3 +85,49 @@ def precision(bits: int) -> Iterator[None]:
         yield
     finally:
         ctx.prec = saved
+
+
+def use_bits(bits: int) -> None:
+    """Sets flint's working precision."""
+    ctx.prec = bits
+
+
+def bits_in_use() -> int:
+    """Flint's working precision."""
+    return ctx.prec
+
+
+class Balls:
+    """The system of balls."""
+
+    name: ClassVar[str] = "ball"
+
+    def constant(self, q: Quantity) -> arb:
+        """An exact number at the working precision."""
+        return constant(q)
+
+    def root(self, value: arb) -> arb:
+        """See `root`."""
+        return root(value)
+
+    def sign(self, value: arb) -> int:
+        """The sign of every number in the ball.
+
+        Raises:
+            Undecided: where they differ.
+        """
+        sign = sign_of(value)
+        if sign is None:
+            raise Undecided("a ball on both sides of zero")
+        return sign
+
+    def bounds(self, value: arb) -> tuple[float, float]:
+        """See `double_bounds`."""
+        return double_bounds(value)
+
+    def at(self, bits: int) -> AbstractContextManager[None]:
+        """See `precision`."""
+        return precision(bits)
+
+
+BALLS = Balls()

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, ClassVar, TypeAlias
 
 from flint import arb, fmpq  # type: ignore[attr-defined]
 
 from ...scenarios.quantity import Quantity, rational_root
 from ...scenarios.tower import Element, Tower, TowerLimit
+from . import ball
 
 FieldNumber: TypeAlias = Any
 """`flint.fmpq` while no root is about, else a tower's `Element`."""
@@ -16,12 +19,18 @@ MAX_ROOTS = 4
 """Nested levels that a scene's constants may need for its runs to be kept in their field."""
 
 
+BOUND_BITS = 64
+"""Bits to which a number is enclosed for its bounds as doubles."""
+
+
 class LeavesField(Exception):
     """A square root that is not in the field."""
 
 
 class Field:
     """Constants and roots within the smallest field that holds a scene's numbers."""
+
+    name: ClassVar[str] = "field"
 
     def __init__(self) -> None:
         self.tower = Tower(max_depth=MAX_ROOTS)
@@ -61,6 +70,20 @@ class Field:
         if within is None:
             raise LeavesField
         return _simplest(within)
+
+    def sign(self, value: FieldNumber) -> int:
+        """Always decided."""
+        return field_sign(value)
+
+    def bounds(self, value: FieldNumber) -> tuple[float, float]:
+        """See `NumberSystem.bounds`."""
+        with ball.precision(BOUND_BITS):
+            return ball.double_bounds(field_ball(value, BOUND_BITS))
+
+    @contextmanager
+    def at(self, bits: int) -> Iterator[None]:
+        """Exact at any."""
+        yield
 
     def element(self, value: FieldNumber) -> Element:
         """The number as an element of the tower."""

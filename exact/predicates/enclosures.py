@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flint import ctx, fmpq  # type: ignore[attr-defined]
+from flint import fmpq  # type: ignore[attr-defined]
 
 from ...scenarios.tower import sign_of_root_sum
 from ...scenarios.trajectory import TieProof
@@ -32,7 +32,7 @@ class Balls:
 
     def sign(self, question: Question, bodies: tuple[int, ...]) -> int | None:
         """As the rung, the sign alone."""
-        ctx.prec = self._state.bits
+        ball.use_bits(self._state.bits)
         self._state.sync(bodies)
         try:
             return ball.sign_of(question.value(self._state.balls))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from ...scenarios.quantity import Quantity
-from ..replay.body import Number
+from ..numbers.system import Number
 from ..replay.state import State
 from ..replay.steps import Link
 from .question import RootSum, circles_of

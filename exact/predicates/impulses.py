@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..replay.body import Number
+from ..numbers.system import Number
 from ..replay.linear import solve_positive
 from ..replay.state import State
 from ..replay.steps import Link

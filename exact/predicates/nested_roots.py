@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...scenarios.scene import Scene
-from ...scenarios.tower import Tower, TowerLimit, sign_of_root_sum
+from ...scenarios.tower import TowerLimit, sign_of_root_sum
 from ...scenarios.work import Work
+from ..numbers.nested import Nested
 from ..replay.state import State, replay
 from ..replay.steps import Step, causal_past
 from .question import Question
@@ -49,9 +50,9 @@ class NestedRoots:
         for known in self._hopeless:
             if known.past <= past and (known.work is None or known.work >= allowed):
                 return None, "its past holds one that was too deep for nested square roots"
-        tower = Tower(max_depth=MAX_DEPTH, work=work)
+        numbers = Nested(MAX_DEPTH, work)
         try:
-            state = State(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=bodies)
+            state = State(self.scene, numbers, only=bodies)
             replay(state, steps, needed)
             return sign_of_root_sum(*question.root_sum(state)), ""
         except TowerLimit as limit:

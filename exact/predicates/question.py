@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from ...scenarios.trajectory import TieProof
-from ..replay.body import Number
+from ..numbers.system import Number
 from ..replay.state import State
 from ..replay.steps import Link
 

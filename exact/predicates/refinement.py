@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from flint import arb, ctx  # type: ignore[attr-defined]
+from flint import arb  # type: ignore[attr-defined]
 
 from ...scenarios.trajectory import TieProof
 from ...scenarios.work import Work
+from ..numbers import ball
 from ..numbers.undecided import Undecided
 from .enclosures import Balls, Field
 from .grounds import Grounds
@@ -80,7 +81,7 @@ class RootsAndBits:
     def _agreed_bits(self, question: Question) -> int:
         """To how many bits, in absolute value, the number asked about agrees with zero."""
         state = self._grounds.state
-        ctx.prec = state.bits
+        ball.use_bits(state.bits)
         state.sync(question.bodies(len(self._grounds.scene.circles)))
         size = question.value(state.balls).abs_upper()
         return 0 if not size.is_finite() else max(0, -int(size.log().__truediv__(arb(2).log()).upper().ceil().fmpz()))

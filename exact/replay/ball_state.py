@@ -32,7 +32,8 @@ from ..laws.formulas import (
     wall_mirror,
 )
 from ..numbers import ball
-from .body import Body, Number
+from ..numbers.system import Number
+from .body import Body
 from .state import State
 from .steps import Link
 
@@ -41,7 +42,7 @@ class BallState(State):
     """`State` on `flint.arb`, at flint's working precision."""
 
     def __init__(self, scene: Scene) -> None:
-        super().__init__(scene, ball.constant, ball.root)
+        super().__init__(scene, ball.BALLS)
         self._told: tuple[Link, Number, Number] | None = None
         self._root: Number | None = None
         self._straight = False

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, TypeAlias
 
-Number: TypeAlias = Any
-"""A number of some system: it has + - * / and unary minus."""
+from ..numbers.system import Number
 
 
 class Body:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from .body import Number
+from ..numbers.system import Number
 
 
 def solve_positive(matrix: Sequence[Sequence[Number]], right: Sequence[Number]) -> list[Number]:

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 
-from flint import ctx  # type: ignore[attr-defined]
-
 from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Scene
+from ..numbers import ball
 from ..numbers.field import Field, LeavesField, field_ball, height
+from ..numbers.system import Number
 from ..predicates.isometry import Projection
 from .ball_state import BallState
-from .body import Body, Number
+from .body import Body
 from .state import Line, Relation, State
 from .steps import Flip, Go, Kick, Link, Step, Take
 
@@ -50,7 +50,7 @@ class RefinableState:
         self._left: dict[int, list[tuple[int, tuple[Number, ...]]]] = {}
         self._stale = set(range(self.n))
         self.numbers = Field()
-        ctx.prec = bits
+        ball.use_bits(bits)
         self.balls = BallState(scene)
         self.bodies = self.balls.bodies
         self.lowest = bits
@@ -59,7 +59,7 @@ class RefinableState:
         for body in self.bodies:
             body.acc = bits
         try:
-            self.field: State | None = State(scene, self.numbers.constant, self.numbers.root)
+            self.field: State | None = State(scene, self.numbers)
             self._admit_walls()
             self.numbers.tower.max_depth = self.numbers.tower.depth
             self.exact = [True] * self.n
@@ -121,7 +121,7 @@ class RefinableState:
     def sync_for(self, bodies: Iterable[Body]) -> None:
         """Brings the ball copies of some bodies up to date, at full precision."""
         if self._stale:
-            ctx.prec = self.bits
+            ball.use_bits(self.bits)
             self.sync(tuple(body.index for body in bodies if body.index >= 0))
 
     def sync(self, bodies: tuple[int, ...]) -> None:
@@ -134,7 +134,7 @@ class RefinableState:
     def _copy(self, i: int) -> None:
         assert self.field is not None
         source, target = self.field.bodies[i], self.balls.bodies[i]
-        bits = ctx.prec
+        bits = ball.bits_in_use()
         target.x, target.y = field_ball(source.x, bits), field_ball(source.y, bits)
         target.vx, target.vy = field_ball(source.vx, bits), field_ball(source.vy, bits)
         target.t = target.instant = field_ball(source.t, bits)
@@ -218,7 +218,7 @@ class RefinableState:
         self._stale.update(taking_part)
         if isinstance(step, Flip):
             self.sync(taking_part)
-            self.balls.flip_time = field_ball(state.flip_time, ctx.prec)
+            self.balls.flip_time = field_ball(state.flip_time, ball.bits_in_use())
         if longest > FIELD_BITS and isinstance(step, Kick):
             self.steps.append(step)
             for i in taking_part:
@@ -240,7 +240,7 @@ class RefinableState:
     @staticmethod
     def _project_all(state: State, held: Iterable[tuple[int, Projection]]) -> None:
         """A circle on a mirror line, or at a centre of rotation, stays there: exactly, whatever the balls say."""
-        bits = ctx.prec
+        bits = ball.bits_in_use()
         for i, ((a, b, c, d), (cx, cy)) in held:
             a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
             body = state.bodies[i]
@@ -255,7 +255,7 @@ class RefinableState:
         accuracy = bits
         if type(step) is Go:
             worst = min([bodies[i].acc for i in taking_part if not bodies[i].rest], default=bits)
-            ctx.prec = min(bits, worst + SPARE_BITS)
+            ball.use_bits(min(bits, worst + SPARE_BITS))
             state.do(step)
             if taking_part:
                 accuracy = max(0, min(bits, state.instant.rel_accuracy_bits()))
@@ -277,7 +277,7 @@ class RefinableState:
         """Computes the balls again with `bits` bits, from the log."""
         self.bits = bits
         self.lowest = bits
-        ctx.prec = bits
+        ball.use_bits(bits)
         state = BallState(self.scene)
         for body in state.bodies:
             body.acc = bits
@@ -288,7 +288,7 @@ class RefinableState:
                 state.steps_done = k
                 accuracy = self._step_in_balls(state, step, self._taking_part(step), bits)
                 self.lowest = min(self.lowest, accuracy)
-                ctx.prec = bits
+                ball.use_bits(bits)
             elif isinstance(step, Go):
                 self._forget_contact(state)
             elif isinstance(step, Flip):
@@ -312,7 +312,7 @@ class RefinableState:
         """Bodies whose exact life ended before step k enter the balls of a replay."""
         for i, (t, x, y, vx, vy, last, rest) in self._left[k]:
             body = state.bodies[i]
-            bits = ctx.prec
+            bits = ball.bits_in_use()
             body.t, body.x, body.y = (field_ball(value, bits) for value in (t, x, y))
             body.instant, body.late = body.t, None
             body.vx, body.vy = field_ball(vx, bits), field_ball(vy, bits)

@@ -7,7 +7,7 @@ one step at a time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 from ...scenarios.quantity import Quantity
@@ -25,7 +25,8 @@ from ..laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-from .body import Body, Number
+from ..numbers.system import Arithmetic, Number
+from .body import Body
 from .linear import solve_positive
 from .sides import Sides
 from .steps import Go, Kick, Link, Step, Take
@@ -58,21 +59,19 @@ class State:
 
     Args:
         scene: the scene; its state at time 0 is the state's first state.
-        constant: makes a number of the system from an exact one.
-        root: the square root of a non-negative number of the system.
+        numbers: the system.
         only: the bodies that will be asked for; others are left out, to spare work.
     """
 
     def __init__(
         self,
         scene: Scene,
-        constant: Callable[[Quantity], Number],
-        root: Callable[[Number], Number],
+        numbers: Arithmetic,
         only: Iterable[int] | None = None,
     ) -> None:
         self.scene = scene
-        self.constant = constant
-        self.root = root
+        self.constant = constant = numbers.constant
+        self.root = numbers.root
         self.n = len(scene.circles)
         self.zero = constant(Quantity.of(0))
         self.one = constant(Quantity.of(1))

@@ -14,7 +14,7 @@ from ...scenarios.quantity import Quantity, certain_double
 from ...scenarios.tower import Element, Tower
 from ..laws.formulas import advance
 from ..numbers import ball
-from ..replay.body import Number
+from ..numbers.system import Number
 from ..replay.state import State
 from .run_log import RunLog
 from .value import ExactValue

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from flint import ctx  # type: ignore[attr-defined]
-
 from ...scenarios.scene import Scene
-from ...scenarios.tower import Element, Tower, TowerLimit
+from ...scenarios.tower import Element, TowerLimit
 from ...scenarios.work import Work
+from ..numbers import ball
+from ..numbers.nested import Nested
+from ..numbers.system import Number, number_system
 from ..replay.ball_state import BallState
-from ..replay.body import Number
 from ..replay.state import State, replay
 from ..replay.steps import Step, causal_past
 
@@ -43,7 +43,7 @@ class RunLog:
     def in_balls(self, bits: int, upto: int) -> State:
         """The state after the first `upto` steps, in balls computed with `bits` bits."""
         if self._key != (bits, upto):
-            ctx.prec = bits
+            ball.use_bits(bits)
             state = BallState(self.scene)
             replay(state, self.steps, range(upto))
             self._key, self._state = (bits, upto), state
@@ -60,11 +60,18 @@ class RunLog:
         past = frozenset(needed)
         if any(deep <= past for deep in self._too_deep):
             return None
-        tower = Tower(max_depth=TEXT_DEPTH, work=Work(TEXT_WORK))
+        numbers = Nested(TEXT_DEPTH, Work(TEXT_WORK))
         try:
-            state = State(self.scene, lambda q: q.in_tower(tower), tower.sqrt, only=held)
+            state = State(self.scene, numbers, only=held)
             replay(state, steps, needed)
             return formula(state)
         except TowerLimit:
             self._too_deep.append(past)
             return None
+
+    def in_expressions(self, upto: int, bodies: Sequence[int]) -> State:
+        """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""
+        needed, held = causal_past(self.steps[:upto], bodies, len(self.scene.circles))
+        state = State(self.scene, number_system("expression"), only=held)
+        replay(state, self.steps, needed)
+        return state

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
-from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
+from flint import arb, fmpq  # type: ignore[attr-defined]
 
 from ...scenarios.quantity import certain_double, nearest_double
 from ...scenarios.tower import Element, Tower
 from ..numbers import ball
-from ..replay.body import Number
+from ..numbers.system import Number
 from .run_log import Formula, RunLog
 
 GUARD_BITS = 32
@@ -60,12 +60,12 @@ class ExactValue:
             return self.near.ball(bits)
         if self.near.rel_accuracy_bits() >= bits:
             return self.near
-        saved = ctx.prec
+        saved = ball.bits_in_use()
         try:
             working = max(self.log.bits, bits + GUARD_BITS)
             while True:
                 state = self.log.in_balls(working, self.upto)
-                ctx.prec = working
+                ball.use_bits(working)
                 value = self.formula(state)
                 if value.rel_accuracy_bits() >= bits or value.is_zero():
                     return value
@@ -73,7 +73,7 @@ class ExactValue:
                     return value
                 working *= 2
         finally:
-            ctx.prec = saved
+            ball.use_bits(saved)
 
     def __float__(self) -> float:
         return self._double
@@ -126,10 +126,7 @@ class ExactValue:
         exact = self.exact()
         if exact is not None:
             return exact.sympy()
-        from .expression import sympy_state
-
-        state = sympy_state(self.log, self.upto, self.bodies)
-        return self.formula(state).expression
+        return self.formula(self.log.in_expressions(self.upto, self.bodies)).expression
 
     def text(self) -> str | None:
         """The value in the grammar of scene files, or None if it is too deep to be written out.

@@ -58,10 +58,17 @@ class _Text:
 
 
 class _Book:
-    """Names for long texts; the same text gets the same name."""
+    """Texts as numbers; long ones get names, the same text the same name."""
 
     def __init__(self) -> None:
         self.names: dict[str, str] = {}
+
+    def constant(self, q: Quantity) -> _Text:
+        text = q.text()
+        return self.put(text if text.isdigit() else f"({text})")
+
+    def root(self, value: _Text) -> _Text:
+        return value if value.text in ("0", "1") else self.put(f"sqrt({value.text})")
 
     def put(self, text: str) -> _Text:
         if len(text) <= LONGEST:
@@ -86,15 +93,7 @@ def definitions(values: Sequence[ExactValue]) -> Definitions:
     if log is None:
         return Definitions((), ())
 
-    def constant(q: Quantity) -> _Text:
-        text = q.text()
-        plain = text.isdigit()
-        return book.put(text if plain else f"({text})")
-
-    def root(value: _Text) -> _Text:
-        return value if value.text in ("0", "1") else book.put(f"sqrt({value.text})")
-
-    state = State(log.scene, constant, root)
+    state = State(log.scene, book)
     done = 0
     for k in order:
         replay(state, log.steps, range(done, values[k].upto))

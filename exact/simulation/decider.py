@@ -6,8 +6,9 @@ from collections.abc import Collection, Hashable, Iterable, Sequence
 from typing import Any, Protocol
 
 from ...scenarios.quantity import Quantity
+from ..numbers.system import Number
 from ..predicates.question import Decision, Question
-from ..replay.body import Body, Number
+from ..replay.body import Body
 from ..replay.steps import Link, Step
 from .history import History
 from .queue import Arrival, ArrivalQueue

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ...scenarios.quantity import Quantity
 from ...scenarios.trajectory import Tie
-from ..replay.body import Number
+from ..numbers.system import Number
 from ..replay.steps import Link, Step
 
 REVERSAL = "reversal"

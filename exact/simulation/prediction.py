@@ -17,7 +17,8 @@ from ..laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-from ..replay.body import Body, Number
+from ..numbers.system import Number
+from ..replay.body import Body
 from ..replay.state import State
 from ..replay.steps import Link
 from .queue import ArrivalQueue

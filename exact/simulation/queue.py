@@ -7,7 +7,8 @@ from heapq import heappop, heappush
 from math import inf
 from typing import NamedTuple
 
-from ..replay.body import Body, Number
+from ..numbers.system import Number
+from ..replay.body import Body
 from ..replay.steps import Link
 
 

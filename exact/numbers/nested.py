@@ -1,0 +1,50 @@
+"""Nested square roots in normal form, within a depth and counted work."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import ClassVar
+
+from ...scenarios.quantity import Quantity
+from ...scenarios.tower import Element, Tower
+from ...scenarios.work import Work
+from . import ball
+
+BOUND_BITS = 64
+"""Bits to which a number is enclosed for its bounds as doubles."""
+
+
+class Nested:
+    """The numbers of one tower.
+
+    Args:
+        max_depth: nested levels that it may have.
+        work: what it may cost; both raise `TowerLimit` beyond.
+    """
+
+    name: ClassVar[str] = "nested"
+
+    def __init__(self, max_depth: int, work: Work) -> None:
+        self.tower = Tower(max_depth=max_depth, work=work)
+
+    def constant(self, q: Quantity) -> Element:
+        """See `Arithmetic.constant`."""
+        return q.in_tower(self.tower)
+
+    def root(self, value: Element) -> Element:
+        """See `Arithmetic.root`."""
+        return self.tower.sqrt(value)
+
+    def sign(self, value: Element) -> int:
+        """Always decided."""
+        return value.sign()
+
+    def bounds(self, value: Element) -> tuple[float, float]:
+        """See `NumberSystem.bounds`."""
+        return ball.double_bounds(value.ball(BOUND_BITS))
+
+    @contextmanager
+    def at(self, bits: int) -> Iterator[None]:
+        """Exact at any."""
+        yield

@@ -1,0 +1,79 @@
+"""What a system of numbers must do, and the table of those that there are."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from importlib import import_module
+from typing import Any, ClassVar, Protocol, TypeAlias
+
+from ...scenarios.quantity import Quantity
+
+Number: TypeAlias = Any
+"""A number of some system: it has + - * / and unary minus, and combines with numbers of its own system alone."""
+
+
+class Arithmetic(Protocol):
+    """Where the numbers of a state come from: constants, and the one operation that + - * / leave out."""
+
+    def constant(self, q: Quantity) -> Number:
+        """An exact number, or what the system has for it."""
+        ...
+
+    def root(self, value: Number) -> Number:
+        """The square root of a number that is not negative."""
+        ...
+
+
+class NumberSystem(Arithmetic, Protocol):
+    """A system whose numbers can be decided on.
+
+    Attributes:
+        name: what the table calls it.
+    """
+
+    name: ClassVar[str]
+
+    def sign(self, value: Number) -> int:
+        """-1, 0 or +1.
+
+        Raises:
+            Undecided: where the number does not tell.
+        """
+        ...
+
+    def bounds(self, value: Number) -> tuple[float, float]:
+        """Doubles at or below, and at or above, the number; for a system without bounds, twice the nearest double."""
+        ...
+
+    def at(self, bits: int) -> AbstractContextManager[None]:
+        """The system at a working precision; nothing changes in one that has none to choose."""
+        ...
+
+
+SYSTEMS: dict[str, str] = {
+    "ball": ".numbers.ball:BALLS",
+    "field": ".numbers.field:Field",
+    "nested": ".numbers.nested:Nested",
+    "expression": ".numbers.expression:EXPRESSIONS",
+    "double": "..floating.double:DOUBLES",
+    "single": "..floating.single:SINGLES",
+    "quad": "..floating.quad:QUADS",
+    "interval": "..floating.interval:INTERVALS",
+}
+"""Where each system lives, seen from `exact`. A new one is its own file, and one line here."""
+
+PACKAGE = __name__.rpartition(".numbers")[0]
+
+
+def number_system(name: str) -> Any:
+    """The system of that name, or, where one is made for each scene, its class; imported now.
+
+    Raises:
+        KeyError: for an unknown name.
+
+    >>> system = number_system("double")
+    >>> system.sign(system.root(system.constant(Quantity.of(2))))
+    1
+    """
+    module, _, attribute = SYSTEMS[name].partition(":")
+    return getattr(import_module(module, PACKAGE), attribute)

@@ -1,0 +1,76 @@
+"""What event-driven engines without certainty share: the event loop, fed numbers of one system that always answers."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import Any
+
+from ..exact.numbers.system import NumberSystem
+from ..exact.policies import Policy
+from ..exact.replay.state import State
+from ..scenarios.quantity import QuantityLike
+from ..scenarios.scene import Scene
+from ..scenarios.trajectory import Motion, OnProgress, Trajectory
+from .plain_decider import PlainDecider
+from .plain_run import run_plain
+
+
+class EventEngine(ABC):
+    """The event loop of the exact engine in one number system.
+
+    Inputs are rounded to the system's nearest numbers; every sign is taken at its word; equal event times are a tie;
+    an overlap that rounding has made collides at once.
+    """
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The engine's name."""
+
+    @property
+    @abstractmethod
+    def numbers(self) -> NumberSystem:
+        """The system."""
+
+    @abstractmethod
+    def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
+        """The motion, from knots (t, x, y, vx, vy, number of the instant) and the last time that may be asked for."""
+
+    def shown(self, time: Any, instant: int) -> Any:
+        """A time of the trajectory, from a number and the number of its instant."""
+        return float(time)
+
+    def run(
+        self,
+        scene: Scene,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """The history as these numbers see it (see `Engine.run`)."""
+        return self.run_with(scene, None, until=until, events=events, progress=progress)
+
+    def run_with(
+        self,
+        scene: Scene,
+        policy: Policy | None,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """As `run`, with a policy of the caller's in place of the scene's."""
+        return run_plain(
+            scene,
+            self.name,
+            {},
+            PlainDecider(scene, State(scene, self.numbers), self.numbers),
+            self.motion,
+            self.shown,
+            until=until,
+            events=events,
+            progress=progress,
+            policy=policy,
+        )
