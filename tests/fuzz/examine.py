@@ -18,7 +18,7 @@ from truebreak.floating import IntervalEngine
 
 MODES = ("map", "plain", "cut", "plain", "map", "interval", "plain", "plain")
 """Which further check a seed gets."""
-BY_INTERVALS = ("hairs", "near_ties", "graze_blow", "apart")
+BY_INTERVALS = ("hairs", "near_ties", "graze_blow", "apart", "dyads")
 """Kinds whose plain seeds get the interval engine in doubles: their ties are closer than those."""
 
 
