@@ -76,8 +76,9 @@ def twins(draw: Random) -> Draft:
 
 
 def long(draw: Random) -> Draft:
-    """A scene of another kind in long numbers."""
-    return brinks.in_long_numbers(PLAIN[draw.choice(list(PLAIN))](draw))
+    """A scene of another kind in numbers too long, or beside one too deep, for a field."""
+    where = draw.choice([brinks.in_long_numbers, brinks.without_a_field])
+    return where(PLAIN[draw.choice(list(PLAIN))](draw))
 
 
 def ends(draw: Random) -> Case:

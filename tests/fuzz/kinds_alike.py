@@ -157,15 +157,15 @@ def brushed(draw: Random) -> Draft:
 def undone(draw: Random) -> Draft:
     """A circle that has bounced grazes another just as that is struck away from it; after more collisions among fixed
     circles all is turned back: the graze and the blow fall on one instant again, behind many roots."""
-    draft = Draft([], [(0, 0, 1, 0), (0, 14, 1, 14), (0, 0, 0, 1), (15, 0, 15, 1)])
-    time, s, t = draw.choice([1, F(3, 2)]), speed(draw), draw.choice([1, -1]) * speed(draw)
+    draft = Draft([], [(0, 0, 1, 0), (0, 20, 1, 20), (0, 0, 0, 1), (20, 0, 20, 1)])
+    time, (s, t) = draw.choice([1, F(3, 2)]), draw.choices([F(1, 2), F(-1, 2), 1, -1, F(2, 3)], k=2)
     nx, ny = draw.choice(PYTHAGOREAN)
-    vx, vy = draw.choice([(F(1, 3), F(-1, 2)), (0, 0), (F(-2, 5), 1)])
-    middle = Body(7, 7, F(3, 4), vx, vy, mass(draw))
-    blow = Body(7 - nx * F(3, 2), 7 - ny * F(3, 2), F(3, 4), vx + nx * s, vy + ny * s, mass(draw))
+    vx, vy = draw.choice([(F(1, 3), F(-1, 2)), (0, 0), (F(-2, 5), F(1, 4))])
+    middle = Body(10, 10, F(3, 4), vx, vy, mass(draw))
+    blow = Body(10 - nx * F(3, 2), 10 - ny * F(3, 2), F(3, 4), vx + nx * abs(s), vy + ny * abs(s), mass(draw))
     bodies = [middle, blow]
     for mx, my in draw.sample(PYTHAGOREAN, len(PYTHAGOREAN)):
-        there = 7 + mx, 7 + my
+        there = 10 + mx, 10 + my
         if -F(7, 10) < mx * nx + my * ny <= 0 and has_room(bodies, *there, F(1, 4)):
             grazing = Body(*there, F(1, 4), vx - my * t, vy + mx * t, mass(draw))
             bodies.append(grazing)
@@ -181,8 +181,8 @@ def undone(draw: Random) -> Draft:
         draft.bodies.append(Body(place.x - mx / 2, place.y - my / 2, F(1, 4), m="oo"))
         place.vx, place.vy = place.vx - along * mx, place.vy - along * my
         draft.bodies.append(place.back(time - since))
-    for x, y in [(3, 3), (3, 11), (12, 4), (12, 10)]:
-        if has_room(draft.bodies, x, y, F(4, 3)):
-            draft.bodies.append(Body(x, y, F(4, 3), m="oo"))
-    draft.reverse_after, draft.endless = draw.randrange(5, 10), True
-    return draft
+    for x, y in [(5, 5), (5, 15), (15, 5), (15, 15)]:
+        if has_room(draft.bodies, x, y, 3):
+            draft.bodies.append(Body(x, y, 3, m="oo"))
+    draft.reverse_after, draft.endless = draw.randrange(8, 14), True
+    return in_long_numbers(draft)

@@ -9,6 +9,7 @@ from random import Random
 from fuzz.draft import PYTHAGOREAN, Body, Draft, F, has_room, mass, reversal, span, speed
 from fuzz.kinds_contacts import cluster, graze_blow
 from fuzz.kinds_symmetry import mirrored, neighbours, onto_pair, ring
+from truebreak.scenarios import Quantity
 
 TINY = F(1, 10**100)
 EDGE = (66, 70, 72, 73, 74, 75, 76, 77, 100)
@@ -30,6 +31,12 @@ def faint(draw: Random) -> Fraction:
 def in_long_numbers(draft: Draft) -> Draft:
     """The same elsewhere, so that no number stays in the scene's field for long: all is decided by balls and proofs."""
     return draft.moved(1, 0, F(1, 3**510), F(-1, 7**290))
+
+
+def without_a_field(draft: Draft) -> Draft:
+    """The same, and far off a fixed circle with a number of roots too deep for a field: all is in balls at once."""
+    far = Body(F(1, 2), 5000 + Quantity.of("sqrt(2 + sqrt(3 + sqrt(5 + sqrt(7 + sqrt(11)))))"), 1, m="oo")
+    return replace(draft, bodies=[*draft.bodies, far])
 
 
 def there_and_back(draft: Draft, draw: Random) -> Draft:
