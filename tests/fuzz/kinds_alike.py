@@ -16,41 +16,47 @@ def row(draw: Random, n: int, m: object = 1) -> list[Body]:
 
 
 def alike(draw: Random) -> Draft:
-    """A row of discs and its image, which differ in what the last of them come to, or in one touch on the way."""
-    kind = draw.choice(["wall", "wall", "walls", "walls", "glance", "glance", "push", "push", "stretch", "pocket"])
+    """A row of discs and its image, which differ in one tiny thing: in data, on the way, or in what they come to."""
+    ways = ["wall", "walls", "bounce", "glance", "push", "stretch", "pocket", "data", "data", "turn"]
+    kind, mirror = draw.choice(ways), draw.random() < 0.5
     n, tiny = draw.choice([2, 2, 3, 4]) if kind != "glance" else draw.choice([1, 2, 3]), faint(draw)
     one, far = Draft(row(draw, n, mass(draw))), 4 * n + draw.choice([2, 5, F(17, 3)])
-    mirror = draw.random() < 0.5
+    other = one.moved(1, 0, 0, 60, mirror=mirror)
+    walls = [(far, 0, far, 1)] if draw.random() < 0.7 else []
+    first, striker, last = one.bodies[0], other.bodies[0], other.bodies[-1]
     if kind == "wall":  # the image stands a little nearer to a wall that both come to
-        other = one.moved(1, 0, tiny, 60, mirror=mirror)
+        other = other.moved(1, 0, tiny, 0)
         walls = [(far, 0, far, 1)]
     elif kind == "walls":  # back to back, each towards a wall of its own
         other = one.moved(-1, 0, -30, draw.choice([0, 60]), mirror=mirror)
         walls = [(far, 0, far, 1), (-30 - far - tiny, 0, -30 - far - tiny, 1)]
+    elif kind == "bounce":  # the first discs come back from fixed ones at a little other places
+        first.x = striker.x = -5
+        first.vx = striker.vx = -1
+        one.bodies.append(Body(-9, first.y, 1, m="oo"))
+        other.bodies.append(Body(-9 + tiny, striker.y, 1, m="oo"))
     elif kind == "glance":  # the image's first disc brushes past a fixed one
-        other = one.moved(1, 0, 0, 60, mirror=mirror)
         depth, r, side = F(1, 10 ** draw.choice([145, 150, 160, 180])), size(draw), draw.choice([1, -1])
-        striker = other.bodies[0]
-        striker.x, one.bodies[0].x = striker.x - 5, one.bodies[0].x - 5
+        first.x = striker.x = -5
         other.bodies.append(Body(-3, striker.y + side * (1 + r - depth), r, m="oo"))
-        walls = [(far, 0, far, 1)] if draw.random() < 0.7 else []
     elif kind == "push":  # a light disc gives the image's first one a little push from behind
-        other = one.moved(1, 0, 0, 60, mirror=mirror)
-        one.bodies[0].x = other.bodies[0].x = -5
-        other.bodies.append(Body(-9, other.bodies[0].y, F(1, 2), 3, 0, abs(tiny)))
-        walls = [(far, 0, far, 1)] if draw.random() < 0.7 else []
+        first.x = striker.x = -5
+        other.bodies.append(Body(-9, striker.y, F(1, 2), 3, 0, abs(tiny)))
     elif kind == "stretch":  # places and speeds a little larger, the discs not
         radii = [b.r for b in one.bodies]
         other = one.moved(1, 0, 0, 60, mirror=mirror, stretch=1 + tiny)
         other.bodies = [replace(b, r=r) for b, r in zip(other.bodies, radii, strict=True)]
-        walls = []
-    else:  # the same, and a pocket a little nearer
-        other = one.moved(1, 0, 0, 60, mirror=mirror)
+    elif kind == "pocket":  # each has one, a little nearer
         hole = draw.choice([2, 3])
-        y = one.bodies[-1].y
-        one.pockets = [(far + hole, y, hole)]
-        other.pockets = [(far + hole + tiny, 60 + (-y if mirror else y), hole)]
+        one.pockets = [(far + hole, one.bodies[-1].y, hole)]
+        other.pockets = [(far + hole + tiny, last.y, hole)]
         walls = []
+    elif kind == "data":
+        key = draw.choice(["x", "vx", "vy", "m", "m", "r", "r"])
+        setattr(last, key, getattr(last, key) + tiny)
+    else:  # a drift that the mirror should turn round
+        other = one.moved(1, 0, 0, 60, mirror=True)
+        one.bodies[-1].vy = other.bodies[-1].vy = tiny
     both = replace(one, bodies=one.bodies + other.bodies, walls=walls, pockets=one.pockets + other.pockets)
     both.capture = draw.random() < 0.5
     both.events = draw.randrange(n, 2 * n + 3)
@@ -59,7 +65,7 @@ def alike(draw: Random) -> Draft:
 
 def abreast(draw: Random) -> Draft:
     """Two equal rows side by side, each disc touching its like: they fly on together after every blow, at any depth."""
-    n = draw.choice([4, 9, 10])
+    n = draw.choice([3, 4, 9])
     one = Draft(row(draw, n, mass(draw)))
     nx, ny = draw.choice([(0, 1), (0, -1), (F(3, 5), F(4, 5)), (F(-3, 5), F(4, 5))])
     both = replace(one, bodies=one.bodies + one.moved(1, 0, 2 * nx, 2 * ny).bodies)
@@ -69,7 +75,7 @@ def abreast(draw: Random) -> Draft:
 
 def lanes(draw: Random) -> Draft:
     """A large disc slides along a wall and strikes pair after pair from both sides at once: it stays at the wall."""
-    pairs, heavy, drift = draw.choice([3, 9]), draw.choice([40, 50]), F(1, draw.choice([500, 1000]))
+    pairs, heavy, drift = draw.choice([2, 2, 3, 8]), draw.choice([40, 50]), F(1, draw.choice([500, 1000]))
     draft = Draft([Body(0, 0, 10, 1, 0, heavy)], [(0, -10, 1, -10)])
     for k in range(pairs):
         h = draw.choice([3, 4, 5])
