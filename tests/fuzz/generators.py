@@ -60,6 +60,7 @@ CRUEL: dict[str, Maker] = {
     "alike": alike.alike,
     "abreast": alike.abreast,
     "lanes": alike.lanes,
+    "strokes": alike.strokes,
     "dips": alike.dips,
     "brushed": alike.brushed,
     "belated": alike.belated,

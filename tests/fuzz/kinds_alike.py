@@ -6,7 +6,7 @@ from dataclasses import replace
 from random import Random
 
 from fuzz.draft import AXES, PYTHAGOREAN, Body, Draft, F, has_room, mass, reversal, size, span, speed
-from fuzz.kinds_brinks import faint, in_long_numbers
+from fuzz.kinds_brinks import faint, in_long_numbers, without_a_field
 
 
 def row(draw: Random, n: int, m: object = 1) -> list[Body]:
@@ -83,6 +83,21 @@ def lanes(draw: Random) -> Draft:
     draft.events = 2 * pairs
     c, s = draw.choice([*AXES, *PYTHAGOREAN[4:12]])
     return draft.moved(c, s, 0, 0)
+
+
+def strokes(draw: Random) -> Draft:
+    """Head-on blows at round times, or next to nothing before or after, in balls that cannot tell."""
+    draft = Draft([])
+    for k in range(draw.choice([1, 1, 2])):
+        time, s, late = draw.choice([F(1, 2), 1, 2, 4, 16]), draw.choice([1, 2]), draw.choice([0, 1, 1, -1])
+        way = s * (time + late * F(1, 10 ** draw.choice([80, 90, 100, 120])))
+        draft.bodies.append(Body(0, 10 * k, 1, s, 0))
+        if k == 0 and draw.random() < 0.4:
+            draft.walls.append((way + 1, 0, way + 1, 1))
+            break
+        draft.bodies.append(Body(way + 2, 10 * k, 1, 0, 0, draw.choice([1, 1, "oo"])))
+    draft.until = draw.choice([20, 32])
+    return draw.choice([without_a_field, without_a_field, in_long_numbers])(draft)
 
 
 def dips(draw: Random) -> Draft:
