@@ -57,6 +57,7 @@ CRUEL: dict[str, Maker] = {
     "again": brinks.again,
     "spoilt": brinks.spoilt,
     "home": brinks.home,
+    "strayed": brinks.strayed,
     "alike": alike.alike,
     "abreast": alike.abreast,
     "lanes": alike.lanes,

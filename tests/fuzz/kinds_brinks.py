@@ -227,3 +227,25 @@ def home(draw: Random) -> Draft:
     draft.reverse_after = draw.randrange(3, 11)
     draft.endless = True
     return draft
+
+
+def strayed(draw: Random) -> Draft:
+    """A circle leaves a large one, and a corner one wall after the other; sent back it leaves the corner otherwise, and
+    meets the large one elsewhere: it has not come home."""
+    (c, s), r, m = (
+        draw.choice([(F(4, 5), F(3, 5)), (F(12, 13), F(5, 13)), (F(3, 5), F(4, 5))]),
+        1,
+        draw.choice([3, 5, 50]),
+    )
+    tip, big = r / s, draw.choice([4, 8])
+    far, start = draw.choice([12, 20]), draw.choice([1, 2, 5])
+    draft = Draft([Body(tip + far + big + r, 0, big, 0, 0, m), Body(tip + start, 0, r, draw.choice([1, 2]), 0)])
+    if s * draft.bodies[0].x < big:
+        draft.bodies[0].x = big / s + far
+    draft.walls = [(0, 0, c, s), (0, 0, c, -s)]
+    draft.policy, draft.endless = draw.choice(["sequential:order=scene", "sequential:seed=3"]), True
+    if draw.random() < 0.5:
+        draft.reverse_after = 2
+    else:
+        draft.reverse_at = draw.choice([60, 90])
+    return draft

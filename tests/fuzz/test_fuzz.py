@@ -19,7 +19,7 @@ from fuzz.table import Doubt, Table, TooLong
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Pocket, Scene, Wall, catalogue
 
-SEEDS = 16
+SEEDS = 8
 """Cases of each kind: together under half a minute."""
 
 
