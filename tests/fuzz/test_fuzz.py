@@ -20,7 +20,7 @@ from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Pocket, Scene, Wall, catalogue
 
 SEEDS = 8
-"""Cases of each kind: together under half a minute."""
+"""Cases of each kind: together about half a minute of one processor."""
 
 
 @pytest.mark.parametrize("kind", KINDS)
