@@ -164,11 +164,14 @@ def _is_just(time: fmpz, text: str, bits: int) -> bool:
 
 
 def between(knots: list[fmpz], bits: int) -> Iterable[str]:
-    """Dyadic times halfway between two instants, and a little and very little before and after each."""
+    """Dyadic times halfway between two instants, a little and very little before and after each, and the last before
+    it or at it."""
     scale, fine = 1 << 64, 1 << 170
     for first, second in pairwise(knots):
         a, b = int(first >> (bits - 64)), int(second >> (bits - 64))
-        yield str(Fraction(int(second >> (bits - 170)) - 1, fine))
+        floor = int(second >> (bits - 170))
+        yield str(Fraction(floor - 1, fine))
+        yield str(Fraction(floor, fine))
         yield str(Fraction(int(first >> (bits - 170)) + 2, fine))
         if b - a > 1 << 20:
             yield str(Fraction((a + b) // 2, scale))

@@ -14,11 +14,12 @@ from fuzz.maps import MAPS, check_cut, check_interval, check_map
 from fuzz.referee import referee
 from fuzz.table import Doubt, TooLong
 from truebreak.exact import ExactEngine
+from truebreak.exact.engine import DEFAULT_WORK
 from truebreak.floating import IntervalEngine
 
 MODES = ("map", "plain", "cut", "plain", "map", "interval", "plain", "plain")
 """Which further check a seed gets."""
-BY_INTERVALS = ("hairs", "near_ties", "graze_blow", "apart")
+BY_INTERVALS = ("hairs", "near_ties", "graze_blow", "apart", "dyads")
 """Kinds whose plain seeds get the interval engine in doubles: their ties are closer than those."""
 
 
@@ -46,8 +47,9 @@ LITTLE_WORK = 200_000
 """Work allowed where the referee knows that the impulses of an instant have no end: enough for all before it."""
 
 
-def examine(kind: str, seed: int, modes: bool = True) -> Verdict:
-    """Runs one case through the exact engine and holds it against all that is known of it."""
+def examine(kind: str, seed: int, modes: bool = True, work: int = DEFAULT_WORK) -> Verdict:
+    """Runs one case through the exact engine, which has so much work for a question, and holds it against all that is
+    known of it."""
     start = clock.perf_counter()
 
     def verdict(outcome: str, events: int, message: str = "", extra: str = "", endless: bool = False) -> Verdict:
@@ -61,7 +63,7 @@ def examine(kind: str, seed: int, modes: bool = True) -> Verdict:
     except Exception as error:
         return verdict("failure", 0, f"generator or referee: {type(error).__name__}: {error}")
     extra, endless = "", told.stop == "ENDLESS"
-    engine = ExactEngine(work=LITTLE_WORK) if endless else ExactEngine()
+    engine = ExactEngine(work=LITTLE_WORK if endless else work)
     try:
         run = engine.run(case.scene, until=case.until, events=case.events)
         compare(run, told)

@@ -9,6 +9,8 @@ from random import Random
 
 from flint import fmpz  # type: ignore[attr-defined]
 
+from fuzz import kinds_alike as alike
+from fuzz import kinds_brinks as brinks
 from fuzz import kinds_contacts as contacts
 from fuzz import kinds_cruel as cruel
 from fuzz import kinds_pockets as pockets
@@ -46,10 +48,24 @@ PLAIN: dict[str, Maker] = {
 }
 CRUEL: dict[str, Maker] = {
     "hairs": cruel.hairs,
-    "brinks": cruel.brinks,
     "apart": cruel.apart,
     "pits": cruel.pits,
-    "home": cruel.home,
+    "dyads": contacts.dyads,
+    "couples": brinks.couples,
+    "boxes": brinks.boxes,
+    "rims": brinks.rims,
+    "again": brinks.again,
+    "spoilt": brinks.spoilt,
+    "home": brinks.home,
+    "strayed": brinks.strayed,
+    "alike": alike.alike,
+    "abreast": alike.abreast,
+    "lanes": alike.lanes,
+    "strokes": alike.strokes,
+    "dips": alike.dips,
+    "brushed": alike.brushed,
+    "belated": alike.belated,
+    "undone": alike.undone,
 }
 
 TWINS = ("instant", "graze_blow", "near_ties", "entry_ties", "on_rim", "points", "onto_pair")
@@ -59,6 +75,12 @@ TWINS = ("instant", "graze_blow", "near_ties", "entry_ties", "on_rim", "points",
 def twins(draw: Random) -> Draft:
     """See `kinds_symmetry.twins`."""
     return symmetry.twins(draw, [PLAIN[name] for name in TWINS])
+
+
+def long(draw: Random) -> Draft:
+    """A scene of another kind in numbers too long, or beside one too deep, for a field."""
+    where = draw.choice([brinks.in_long_numbers, brinks.without_a_field])
+    return where(PLAIN[draw.choice(list(PLAIN))](draw))
 
 
 def ends(draw: Random) -> Case:
@@ -103,7 +125,8 @@ def simple(value: fmpz, told: Told) -> Fraction | None:
 
 
 COMPOSED: dict[str, Callable[[Random], Case]] = {"ends": ends, "returns": returns}
-KINDS: tuple[str, ...] = (*PLAIN, "twins", *COMPOSED, *CRUEL)
+MIXED: dict[str, Maker] = {"twins": twins, "long": long}
+KINDS: tuple[str, ...] = (*PLAIN, *MIXED, *COMPOSED, *CRUEL)
 
 
 def made(draw: Random, maker: Maker, name: str) -> Case:
@@ -122,4 +145,4 @@ def case_of(kind: str, seed: int) -> Case:
     if kind in COMPOSED:
         found = COMPOSED[kind](draw)
         return replace(found, scene=found.scene.with_changes(name=name))
-    return made(draw, twins if kind == "twins" else {**PLAIN, **CRUEL}[kind], name)
+    return made(draw, {**PLAIN, **MIXED, **CRUEL}[kind], name)

@@ -167,3 +167,19 @@ def raft(draw: Random) -> Draft:
         if draft.bodies[k].m != "oo":
             draft.bodies[k].vx += flaw(draw)
     return reversal(draft, draw, 0.2)
+
+
+def dyads(draw: Random) -> Draft:
+    """A blow at a graze in small dyadic numbers, without a root: intervals of doubles know such ties exactly."""
+    time, s = draw.choice([1, 2, F(1, 2)]), draw.choice([1, 2])
+    middle = Body(0, 0, 1, *draw.choice([(0, 0), (0, 1), (1, 0)]))
+    bodies, free = [middle], draw.sample(AXES, 4)
+    (nx, ny) = free[0]
+    bodies.append(Body(2 * nx, 2 * ny, 1, middle.vx - nx * s, middle.vy - ny * s))
+    for mx, my in [(-nx, -ny), *free[1:]][: draw.choice([1, 1, 2, 3])]:
+        along = draw.choice([s, -s, 2 * s, 0])
+        if has_room(bodies, 2 * mx, 2 * my, 1):
+            bodies.append(Body(2 * mx, 2 * my, 1, middle.vx - my * along, middle.vy + mx * along))
+    draft = Draft([b.back(time) for b in bodies])
+    draft.events = draw.choice([1, 2, 3])
+    return draft

@@ -34,8 +34,9 @@ class Mutant:
         return ((self.file, self.old, self.new), *self.more)
 
     def misplaced(self, top: Path) -> list[str]:
-        """The edits whose old text does not occur exactly once."""
-        texts = {file: (top / file).read_text() for file, _, _ in self.edits}
+        """The edits that no longer apply: whose old text does not occur exactly once, or whose file is gone."""
+        files = {file: top / file for file, _, _ in self.edits}
+        texts = {file: path.read_text() if path.exists() else "" for file, path in files.items()}
         counts = [(file, old, texts[file].count(old)) for file, old, _ in self.edits]
         return [f"{self.name}: {file} has {old!r} {n} times, not once" for file, old, n in counts if n != 1]
 

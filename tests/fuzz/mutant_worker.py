@@ -7,6 +7,9 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
+WORK = 150_000
+"""Work for a question: with all that a run may have, it takes a minute to give up a proof that a fault spoils."""
+
 
 def main() -> int:
     """Reads "kind seed" lines, and writes a verdict on each."""
@@ -25,7 +28,7 @@ def main() -> int:
     print(json.dumps("ready"), flush=True)
     for line in sys.stdin:
         kind, seed = line.split()
-        print(json.dumps(asdict(examine(kind, int(seed)))), flush=True)
+        print(json.dumps(asdict(examine(kind, int(seed), work=WORK))), flush=True)
     return 0
 
 

@@ -247,7 +247,7 @@ def summary(mutants: Sequence[Mutant], results: Sequence[Result]) -> str:
 
 
 def main() -> int:
-    """The command; 1 if a mutant is missed that should be found."""
+    """The command; 1 if a mutant is missed that should be found, or no longer applies; 2 if there is none to try."""
     parser = argparse.ArgumentParser(description="Plants faults one at a time, and lets the fuzz look for them.")
     parser.add_argument("--only", help="names, or beginnings of names, with commas between; all if not given")
     parser.add_argument("--scenes", type=int, default=SCENES, help="scenes after which a mutant counts as surviving")
@@ -258,17 +258,21 @@ def main() -> int:
     parser.add_argument("--report", help="a file for the table in Markdown")
     options = parser.parse_args()
     wanted = tuple(options.only.split(",")) if options.only else ("",)
-    mutants = [mutant for mutant in MUTANTS if mutant.name.startswith(wanted)]
-    problems = [problem for mutant in mutants for problem in mutant.misplaced(TOP)]
-    if problems or not mutants:
+    named = [mutant for mutant in MUTANTS if mutant.name.startswith(wanted)]
+    problems = [problem for mutant in named for problem in mutant.misplaced(TOP)]
+    mutants = [mutant for mutant in named if not mutant.misplaced(TOP)]
+    if not mutants:
         print("\n".join(problems) or "no mutant of that name", file=sys.stderr)
         return 2
     results = run(mutants, options)
     print(summary(mutants, results))
+    if problems:
+        print("\n".join([f"NO LONGER APPLY, and were not tried: {len(named) - len(mutants)}", *problems]))
     if options.report:
         Path(options.report).write_text(table(mutants, results))
     pairs = zip(mutants, results, strict=True)
-    return 1 if any(result.outcome != "found" and not mutant.why_it_survives for mutant, result in pairs) else 0
+    missed = any(result.outcome != "found" and not mutant.why_it_survives for mutant, result in pairs)
+    return 1 if missed or problems else 0
 
 
 if __name__ == "__main__":

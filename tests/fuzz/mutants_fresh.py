@@ -568,6 +568,8 @@ SYMMETRY = (
         "tuple(total / (len(kept) + 1) for total in totals)",
         "tuple(total / max(len(kept), 2) for total in totals)",
         "the projection of several symmetries is no mean of a group",
+        why_it_survives="two isometries beside the identity make a rotation of their group, and its mean is zero "
+        "whatever it is divided by; with one alone the divisor is right",
     ),
     Mutant(
         "held_past_once", HELD,
@@ -769,6 +771,8 @@ NUMBERS = (
         "        if late is None:\n            return pair_gap(",
         "        if True:\n            return pair_gap(",
         "whether two are apart is told at the clock, not at the instant",
+        why_it_survives="the middle of a ball is cut off towards zero, so a clock stands before its instant but for "
+        "the radius: two that come nearer are further apart there, and gap zero does not reach the question",
     ),
     Mutant(
         "approach_at_the_clock", BALLS,
@@ -878,6 +882,7 @@ TOLD = (
         "        del self.steps[step:]\n",
         "",
         "where a run gives up, the steps of the instant that it has begun stay in the log",
+        why_it_survives="every number says how many steps of the log it needs; nothing reads the log to its end",
     ),
     Mutant(
         "entry_time_of_clock", INSTANT,

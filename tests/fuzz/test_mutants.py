@@ -36,3 +36,10 @@ def test_quick_ones_are_found(tmp_path):
     assert all(row["seconds"] < 10 for row in rows)
     assert (tmp_path / "report").read_text().count("\n") == 2 + len(QUICK)
     assert all((TOP / file).read_bytes() == text for file, text in files.items())
+
+
+def test_the_docs_list_those_that_survive():
+    text = (TOP / "docs" / "fuzz.md").read_text()
+    rows = [f"| `{m.name}` | {m.breaks} | {m.why_it_survives} |" for m in MUTANTS if m.why_it_survives]
+    assert [row for row in rows if row not in text] == []
+    assert sum(line.startswith("| `") for line in text.splitlines()) == len(rows)
