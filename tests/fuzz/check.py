@@ -147,6 +147,7 @@ def compare_states(run: Trajectory, told: Told) -> None:
             continue
         same_state(run.at(text).circles, told.at(time), told, f"at({text!r})")
     same_state(run.at("0").circles, told.at(fmpz(0)), told, "at('0')")
+    narrower_holds_wider(run)
     half = fmpz(1) << (told.bits - 1)
     beyond = str(int((told.final_time + half) >> told.bits) + 1)
     for text in ("-1/1000000", beyond):
@@ -155,6 +156,16 @@ def compare_states(run: Trajectory, told: Told) -> None:
         except ValueError:
             continue
         raise Difference(f"at({text!r}) is outside of the run and gives a state")
+
+
+def narrower_holds_wider(run: Trajectory) -> None:
+    """What few bits tell of a time, and of a place at it, holds what many tell."""
+    for event in run.events[-3:]:
+        asked = [event.time, run.at(event.time).circles[-1].x]
+        for number in asked:
+            ball = getattr(number, "ball", None)
+            if ball is not None:
+                expect(ball(200).overlaps(ball(600)), f"event {event.index}: 200 bits and 600 tell different numbers")
 
 
 def _is_just(time: fmpz, text: str, bits: int) -> bool:

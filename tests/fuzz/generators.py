@@ -58,6 +58,7 @@ CRUEL: dict[str, Maker] = {
     "spoilt": brinks.spoilt,
     "home": brinks.home,
     "strayed": brinks.strayed,
+    "late": brinks.late,
     "alike": alike.alike,
     "abreast": alike.abreast,
     "lanes": alike.lanes,

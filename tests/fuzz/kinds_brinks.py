@@ -249,3 +249,18 @@ def strayed(draw: Random) -> Draft:
     else:
         draft.reverse_at = draw.choice([60, 90])
     return draft
+
+
+def late(draw: Random) -> Draft:
+    """Circles far apart for long, then close together between walls: times are large, waits are short.
+
+    There a clock, of few bits at a late time, stands beside its instant by more than the instant's radius.
+    """
+    far = 10 ** draw.choice([3, 6, 9, 12])
+    bodies = [
+        Body(-far, F(draw.randrange(1, 99), 100), vx=1),
+        Body(0, 0, vx=F(1, 10 * far)),
+        Body(4, F(draw.randrange(-99, 99), 100), m=draw.choice([1, F(3, 7), 2])),
+    ]
+    walls = [(20, -1, 20, 1), (-1, 3, 1, 3), (-1, -3, 1, draw.choice([-3, F(-29, 10)]))]
+    return Draft(bodies, walls, events=draw.randrange(4, 14))

@@ -6,11 +6,13 @@ from fuzz.mutant import Mutant
 
 SIMULATION, PREDICATES = "exact/simulation", "exact/predicates"
 INSTANT, ROUNDS, LOOP = (f"{SIMULATION}/{name}.py" for name in ("instant", "rounds", "loop"))
+GATHERING = f"{SIMULATION}/gathering.py"
+MEETINGS, DECIDER = "exact/certified/meetings.py", "exact/certified/decider.py"
 QUEUE, PREDICTION, HISTORY = (f"{SIMULATION}/{name}.py" for name in ("queue", "prediction", "history"))
 LOG, PAST, ISOMETRY, RETRACE = (f"{PREDICATES}/{n}.py" for n in ("log_symmetry", "past", "isometry", "retrace"))
 HELD, CASCADE, FILTER = (f"{PREDICATES}/{name}.py" for name in ("held", "cascade", "double_filter"))
 FILTERED, BALLS, LIVE = (
-    f"{PREDICATES}/filtered_prediction.py",
+    "exact/certified/prediction.py",
     "exact/replay/ball_state.py",
     "exact/replay/refinable.py",
 )
@@ -125,7 +127,7 @@ CONTACTS = (
         why_it_survives="as dependent_not_seen: a dependent contact is never exchanged",
     ),
     Mutant(
-        "slack_above_zero", "exact/predicates/hits.py",
+        "slack_above_zero", "exact/predicates/impulses.py",
         "        slack = speeds[-1] + speeds[-1]\n",
         "        slack = speeds[-1]\n",
         "whether a contact separates fast enough is held against half its speed",
@@ -158,25 +160,25 @@ CONTACTS = (
 
 GATHERING = (
     Mutant(
-        "limit_leaves_out", LOOP,
+        "limit_leaves_out", GATHERING,
         "if limit is not None and place > 0:",
         "if limit is not None and place >= 0:",
         "what falls exactly on a limit is left out",
     ),
     Mutant(
-        "straddling_is_late", LOOP,
+        "straddling_is_late", GATHERING,
         "rivals = [rival for rival in found if rival.low <= limit]",
         "rivals = [rival for rival in found if rival.high <= limit]",
         "an arrival whose bounds straddle the limit counts as later",
     ),
     Mutant(
-        "limit_in_doubles", LOOP,
+        "limit_in_doubles", GATHERING,
         "        if arrival.high < low:\n",
         "        if arrival.low < low:\n",
         "an arrival that may come just after a limit counts as before it",
     ),
     Mutant(
-        "no_reversal_at_the_end", LOOP,
+        "no_reversal_at_the_end", GATHERING,
         "(until is None or flip <= until)",
         "(until is None or flip < until)",
         "a reversal at the very end is left out",
@@ -188,19 +190,19 @@ GATHERING = (
         "the reversal follows although the limit on events is reached",
     ),
     Mutant(
-        "grazes_not_chained", LOOP,
+        "grazes_not_chained", GATHERING,
         "reached = self._reached(reached | {i for i in graze.link if 0 <= i < self.n})",
         "reached = self._reached(reached)",
         "a graze that only another graze links to the instant is no part of it",
     ),
     Mutant(
-        "grazes_not_through_lasting", LOOP,
+        "grazes_not_through_lasting", GATHERING,
         "        grown = bool(lasting)\n",
         "        grown = False\n",
         "a graze that only a lasting contact links to the instant is no part of it",
     ),
     Mutant(
-        "grazes_not_at_counted_reversal", LOOP,
+        "grazes_not_at_counted_reversal", GATHERING,
         "return len(self.history.records) + 1 == due and any(arrival.link[1] >= 0 for arrival in chosen)",
         "return False",
         "at a reversal after some events the grazes elsewhere are not gathered",
@@ -209,19 +211,19 @@ GATHERING = (
         "is asked once more",
     ),
     Mutant(
-        "grazes_pass_as_hits", CASCADE,
+        "grazes_pass_as_hits", MEETINGS,
         "low=low, high=high, time=time, graze=disc == 0)",
         "low=low, high=high, time=time, graze=False)",
         "a graze that is settled counts as a hit",
     ),
     Mutant(
-        "grazes_settled_away", CASCADE,
+        "grazes_settled_away", MEETINGS,
         "        if disc < 0:\n            return None\n",
         "        if disc <= 0:\n            return None\n",
         "a graze that is settled counts as a miss",
     ),
     Mutant(
-        "grazes_predicted_as_hits", CASCADE,
+        "grazes_predicted_as_hits", MEETINGS,
         "self.predictor.push(self._meeting(link, disc), link, disc == 0)",
         "self.predictor.push(self._meeting(link, disc), link)",
         "a graze that is certain at once is queued as a hit",
@@ -233,7 +235,7 @@ GATHERING = (
         "what grazes at time 0 is no part of that instant",
     ),
     Mutant(
-        "doubtful_dropped", CASCADE,
+        "doubtful_dropped", MEETINGS,
         "if disc is not None and disc < 0:",
         "if disc is None or disc < 0:",
         "a meeting that balls cannot tell from a miss is dropped",
@@ -452,7 +454,7 @@ REVERSAL = (
         "instant before",
     ),
     Mutant(
-        "wrong_instant_gathered", CASCADE,
+        "wrong_instant_gathered", DECIDER,
         "self.retrace.gathered(self._instant,",
         "self.retrace.gathered(self._instant + 2,",
         "what stands at gap zero is noted of the next instant",
@@ -834,6 +836,12 @@ NUMBERS = (
 
 TOLD = (
     Mutant(
+        "wall_from_the_instant", "exact/replay/state.py",
+        "return a.t, wall_hit_time(self.wall_gap(a, j - self.n, a.x, a.y), self.approach(link))",
+        "return a.t, wall_hit_time(self.wall_gap(a, j - self.n, *self.place(a)), self.approach(link))",
+        "the time to a wall is reckoned from the instant, and added to the clock",
+    ),
+    Mutant(
         "state_before_the_instant", MOTION,
         "bisect_right(knots, time.instant, key=_instant)",
         "bisect_right(knots, time.instant - 1, key=_instant)",
@@ -886,14 +894,14 @@ TOLD = (
     ),
     Mutant(
         "entry_time_of_clock", INSTANT,
-        "                note.last = Mark(done.number, decider.entry_time(link), step, link)\n",
-        "                note.last = Mark(done.number, decider.now(bodies[i]), step, i)\n",
+        "                note.last = Mark(done.number, decider.reading.entry_time(link), step, link)\n",
+        "                note.last = Mark(done.number, decider.reading.now(bodies[i]), step, i)\n",
         "an entry without capture is given the time of the circle's last contact",
     ),
     Mutant(
         "doubt_is_a_tie", PLAIN,
-        "return self.ask(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))",
-        "return 0",
+        "sign = self._ask(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))",
+        "sign = 0",
         "the interval engine takes a doubt for a tie",
     ),
     Mutant(

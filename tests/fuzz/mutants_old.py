@@ -5,11 +5,12 @@ from __future__ import annotations
 from fuzz.mutant import Mutant
 
 LOOP, INSTANT = "exact/simulation/loop.py", "exact/simulation/instant.py"
+GATHERING = "exact/simulation/gathering.py"
 
 OLD: tuple[Mutant, ...] = (
     Mutant(
         "w01_entry_ahead",
-        LOOP,
+        GATHERING,
         "        front = []\n",
         """        entry = next((a for a in timed if a.link[1] < 0), None)
         if entry is not None and not any(a.link[1] >= 0 and entry.link[0] in a.link for a in timed):
@@ -23,9 +24,11 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w02_entries_not_ordered",
-        LOOP,
-        "sign = decider.order(rival, first)",
-        "sign = 1 if rival.link[1] < 0 and first.link[1] < 0 else decider.order(rival, first)",
+        GATHERING,
+        "decision = meetings.order(rival, first)",
+        """decision = meetings.order(rival, first)
+            if rival.link[1] < 0 and first.link[1] < 0:
+                decision = decision._replace(sign=1)""",
         "two entries are never compared",
     ),
     Mutant(
@@ -38,14 +41,14 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w04_entry_beside_contact",
-        LOOP,
-        """            if sign > 0:
+        GATHERING,
+        """            if decision.sign > 0:
                 self.queue.put_back(rival)
-            elif sign == 0:
+            elif decision.sign == 0:
                 if rival.link[1] >= 0:""",
-        """            if sign > 0 and rival.link[1] >= 0:
+        """            if decision.sign > 0 and rival.link[1] >= 0:
                 self.queue.put_back(rival)
-            elif sign >= 0:
+            elif decision.sign >= 0:
                 if rival.link[1] >= 0:""",
         "an entry a flaw after a contact is taken along with it, before the reversal that comes between",
     ),
@@ -58,7 +61,7 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w06_doubtful_entry_taken",
-        LOOP,
+        GATHERING,
         """                if settled is not None:
                     self.queue.put_back(settled)
 """,
@@ -105,7 +108,7 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w11_tied_entry_lost",
-        LOOP,
+        GATHERING,
         "                chosen.append(rival)\n",
         """                if rival.link[1] >= 0 or first.link[1] >= 0:
                     chosen.append(rival)
@@ -114,7 +117,7 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w11_tied_entries_lost",
-        LOOP,
+        GATHERING,
         "                chosen.append(rival)\n",
         """                chosen.append(rival)
                 if rival.link[1] < 0 and first.link[1] < 0:
