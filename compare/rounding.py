@@ -8,7 +8,7 @@ from ..scenarios.errors import SceneError
 from ..scenarios.scene import Circle, Scene, Wall
 
 if TYPE_CHECKING:
-    from ..scenarios.quantity import Quantity
+    from ..scenarios.numbers.quantity import Quantity
 
 
 def rounded(scene: Scene) -> Scene:

@@ -21,7 +21,7 @@ from .separation import return_miss, separation
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
-    from ..scenarios.quantity import QuantityLike
+    from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
     from .divergence import Divergence

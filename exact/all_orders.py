@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from ..scenarios.errors import SceneError
-from ..scenarios.quantity import QuantityLike
+from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Contact, OnProgress, Progress, Trajectory
 from .machine import Link

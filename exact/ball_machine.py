@@ -18,7 +18,7 @@ Interval arithmetic pays for every number that it uses twice. So:
 
 from __future__ import annotations
 
-from ..scenarios.quantity import Quantity
+from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.scene import Scene
 from .formulas import advance, pair_approach, pair_gap, pair_mix, wall_gap, wall_mirror
 from .machine import Body, Link, Machine, Number

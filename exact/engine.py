@@ -8,7 +8,7 @@ from typing import Any
 from flint import ctx  # type: ignore[attr-defined]
 
 from ..scenarios.errors import SceneError
-from ..scenarios.quantity import QuantityLike
+from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Contact, Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
 from .machine import Link

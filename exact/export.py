@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.quantity import Quantity
+from ..scenarios.numbers.quantity import Quantity
 from .machine import Machine
 from .program import causal_past, replay
 

@@ -12,7 +12,7 @@ from contextlib import suppress
 
 from flint import ctx  # type: ignore[attr-defined]
 
-from ..scenarios.quantity import Quantity
+from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.scene import Scene
 from .ball_machine import BallMachine
 from .machine import Body, Flip, Go, Kick, Line, Link, Machine, Number, Relation, Step, Take

@@ -10,8 +10,8 @@ import numpy as np
 from flint import arb, fmpq  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from ..scenarios.quantity import Quantity, certain_double
-from ..scenarios.tower import Element, Tower
+from ..scenarios.numbers.quantity import Quantity, certain_double
+from ..scenarios.numbers.tower import Element, Tower
 from .formulas import advance
 from .machine import Machine, Number
 from .numbers import ball

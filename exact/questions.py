@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from ..scenarios.quantity import Quantity
+from ..scenarios.numbers.quantity import Quantity
 from .machine import Link, Machine, Number, solve_positive
 
 RootSum = tuple[Number, Number, Number, Number, Number]

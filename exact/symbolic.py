@@ -26,7 +26,7 @@ from sympy import Expr, Integer
 
 from ..scenarios.engine import horizon
 from ..scenarios.errors import SceneError, TimeIsUp
-from ..scenarios.quantity import Quantity, QuantityLike
+from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Circle, Scene
 from ..scenarios.trajectory import (
     Contact,

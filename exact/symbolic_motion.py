@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scenarios.quantity import Quantity
+from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import Real
 from .symbolic_laws import Disc
 from .symbolic_sign import normal, quantity, sign

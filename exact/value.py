@@ -8,9 +8,9 @@ from typing import Any
 
 from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 
-from ..scenarios.quantity import certain_double, nearest_double
+from ..scenarios.numbers.quantity import certain_double, nearest_double
+from ..scenarios.numbers.tower import Element, Tower, TowerLimit
 from ..scenarios.scene import Scene
-from ..scenarios.tower import Element, Tower, TowerLimit
 from ..scenarios.work import Work
 from .ball_machine import BallMachine
 from .machine import Machine, Number, Step

@@ -7,7 +7,7 @@ from math import nan, sqrt
 
 from ..exact.machine import Machine
 from ..exact.policies import Policy
-from ..scenarios.quantity import QuantityLike
+from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
 from .knots import DoubleMotion

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..exact.machine import Machine
 from ..exact.undecided import Undecided
 from ..scenarios.errors import SceneError
-from ..scenarios.quantity import Quantity, QuantityLike
+from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
 from .plain_decider import PlainDecider

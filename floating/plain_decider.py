@@ -11,7 +11,7 @@ from ..exact.simulation.history import History
 from ..exact.simulation.prediction import Predictor
 from ..exact.simulation.queue import Arrival, ArrivalQueue
 from ..exact.undecided import Undecided
-from ..scenarios.quantity import Quantity
+from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Contact, Tie, TieProof
 

@@ -16,7 +16,7 @@ import pymunk
 
 from ..scenarios.engine import horizon
 from ..scenarios.errors import SceneError, TimeIsUp
-from ..scenarios.quantity import QuantityLike
+from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import (
     OnProgress,

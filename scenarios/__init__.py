@@ -2,7 +2,7 @@
 
 from .engine import Engine
 from .errors import SceneError
-from .quantity import Quantity
+from .numbers.quantity import Quantity
 from .scene import Circle, Pocket, Scene, Wall
 from .tie_policy import TiePolicy
 from .trajectory import Contact, Event, State, Stop, StopReason, Trajectory

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from .quantity import Quantity, QuantityLike
+from .numbers.quantity import Quantity, QuantityLike
 from .scene import Scene, positive_count, positive_time
 from .trajectory import OnProgress, Trajectory
 

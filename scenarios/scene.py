@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import Any, Literal
 
 from .errors import SceneError
-from .quantity import ZERO, Quantity, QuantityLike
+from .numbers.quantity import ZERO, Quantity, QuantityLike
 from .tie_policy import TiePolicy
 
 FIXED = "oo"

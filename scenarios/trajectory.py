@@ -246,7 +246,7 @@ class Trajectory:
             ValueError: outside of that range.
         """
         if isinstance(time, str):
-            from .quantity import Quantity
+            from .numbers.quantity import Quantity
 
             time = Quantity.of(time)
         rows = self.motion.state(time)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .errors import SceneError
-from .quantity import Quantity
+from .numbers.quantity import Quantity
 
 if TYPE_CHECKING:
     from .scene import Circle, Scene, Wall

@@ -12,8 +12,9 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from truebreak.scenarios import Quantity, SceneError, quantity
-from truebreak.scenarios.parsing import MAX_LENGTH, MAX_TERMS, parse_quantity
+from truebreak.scenarios import Quantity, SceneError
+from truebreak.scenarios.numbers import quantity
+from truebreak.scenarios.numbers.parsing import MAX_LENGTH, MAX_TERMS, parse_quantity
 
 SMALL = st.integers(-30, 30)
 

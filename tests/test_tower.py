@@ -17,8 +17,8 @@ from flint import acb, arb, ctx, fmpq, fmpz, fmpz_poly
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from truebreak.scenarios import tower as tower_module
-from truebreak.scenarios.tower import Element, Tower, TowerLimit, sign_of_root_sum
+from truebreak.scenarios.numbers import tower as tower_module
+from truebreak.scenarios.numbers.tower import Element, Tower, TowerLimit, sign_of_root_sum
 from truebreak.scenarios.work import Work, gcd_units, product_units
 
 DIGITS = 400
@@ -689,7 +689,7 @@ def test_work_grows_with_the_length_of_the_numbers() -> None:
 
 SPENDING = """
 from fractions import Fraction
-from truebreak.scenarios.tower import Tower, TowerLimit, sign_of_root_sum
+from truebreak.scenarios.numbers.tower import Tower, TowerLimit, sign_of_root_sum
 from truebreak.scenarios.work import Work
 
 work = Work()

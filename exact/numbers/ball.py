@@ -8,7 +8,7 @@ from math import inf, nextafter
 
 from flint import arb, ctx  # type: ignore[attr-defined]
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 
 ZERO = arb(0)
 

@@ -6,8 +6,8 @@ from typing import Any, TypeAlias
 
 from flint import arb, fmpq  # type: ignore[attr-defined]
 
-from ...scenarios.quantity import Quantity, rational_root
-from ...scenarios.tower import Element, Tower, TowerLimit
+from ...scenarios.numbers.quantity import Quantity, rational_root
+from ...scenarios.numbers.tower import Element, Tower, TowerLimit
 
 FieldNumber: TypeAlias = Any
 """`flint.fmpq` while no root is about, else a tower's `Element`."""

@@ -10,9 +10,9 @@ from typing import Any
 
 from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.tower import sign_of_root_sum
 from ...scenarios.scene import Scene
-from ...scenarios.tower import sign_of_root_sum
 from ...scenarios.trajectory import Assumption, Contact, Tie, TieProof
 from ...scenarios.work import Work
 from ..live import LiveMachine

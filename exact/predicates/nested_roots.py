@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...scenarios.numbers.tower import Tower, TowerLimit, sign_of_root_sum
 from ...scenarios.scene import Scene
-from ...scenarios.tower import Tower, TowerLimit, sign_of_root_sum
 from ...scenarios.work import Work
 from ..machine import Machine, Step
 from ..program import causal_past, replay

@@ -17,7 +17,7 @@ from collections.abc import Collection
 from math import inf
 
 from ...scenarios.errors import TimeIsUp
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Tie
 from ..machine import Link

@@ -37,7 +37,7 @@ from typing import TYPE_CHECKING, Final, TypeAlias
 from flint import arb, ctx, fmpq, fmpz
 from flint.utils.flint_exceptions import DomainError
 
-from .work import (
+from ..work import (
     Work,
     WorkSpent,
     factor_units,

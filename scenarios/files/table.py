@@ -6,11 +6,11 @@ import difflib
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
-from .errors import SceneError
-from .parsing import MAX_LENGTH
-from .quantity import Quantity
-from .scene import FIXED, MAX_CIRCLES, Circle, Pocket, Scene, Wall
-from .showing import SHOWN, Bare, cut
+from ..errors import SceneError
+from ..numbers.parsing import MAX_LENGTH
+from ..numbers.quantity import Quantity
+from ..scene import FIXED, MAX_CIRCLES, Circle, Pocket, Scene, Wall
+from ..showing import SHOWN, Bare, cut
 
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ..errors import SceneError
-from ..quantity import Quantity
-from ..scene import Circle, Scene, Wall
-from .entry import Entry, Parameter
+from ...errors import SceneError
+from ...numbers.quantity import Quantity
+from ...scene import Circle, Scene, Wall
+from ..entry import Entry, Parameter
+from ..settings import number, one_of, whole
 from .gas import SINAI
-from .reading import number, one_of, whole
 
 EVENTS = 60
 

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ..quantity import Quantity
-from ..scene import Circle, Scene, Wall
-from ..tie_policy import TiePolicy
-from .angles import cosine, sine
+from ...numbers.quantity import Quantity
+from ...scene import Circle, Scene, Wall
+from ...tie_policy import TiePolicy
+from ..angles import cosine, sine
+from ..entry import Entry, Parameter
+from ..settings import number, one_of, tie_policy
 from .article import SOURCE as ARTICLE
-from .entry import Entry, Parameter
-from .reading import number, one_of, tie_policy
 
 EVENTS = 20
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..scene import Circle, Scene, Wall
-from .entry import Entry, Parameter
-from .reading import one_of
+from ...scene import Circle, Scene, Wall
+from ..entry import Entry, Parameter
+from ..settings import one_of
 
 SOURCE = (
     "C. M. Kadie, Perfect, Infinite-Precision, Game Physics in Python (Part 3), Towards Data Science, 2022; "

@@ -1,4 +1,4 @@
-"""Scenes as files: TOML for people, JSON for machines, read and written exactly."""
+"""Scene files on disk: read whole, written all or nothing."""
 
 from __future__ import annotations
 
@@ -7,13 +7,11 @@ import secrets
 import stat
 from pathlib import Path
 
-from .errors import SceneError
-from .file_reader import MAX_JSON, MAX_TOML, loads_json, loads_toml
-from .file_writer import dump_json, dump_toml
-from .scene import Scene
-from .showing import cut
-
-__all__ = ["dump_json", "dump_toml", "load_scene", "loads_json", "loads_toml", "save_scene"]
+from ..errors import SceneError
+from ..scene import Scene
+from ..showing import cut
+from .reader import MAX_JSON, MAX_TOML, loads_json, loads_toml
+from .writer import dump_json, dump_toml
 
 
 def load_scene(path: str | os.PathLike[str]) -> Scene:

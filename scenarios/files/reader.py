@@ -7,11 +7,11 @@ import re
 import tomllib
 from typing import Any
 
-from .errors import SceneError
-from .file_table import scene_from_table
-from .parsing import MAX_LENGTH
-from .scene import Scene
-from .showing import SHOWN, Bare, cut
+from ..errors import SceneError
+from ..numbers.parsing import MAX_LENGTH
+from ..scene import Scene
+from ..showing import SHOWN, Bare, cut
+from .table import scene_from_table
 
 MAX_TOML = 2_000_000
 """Largest TOML text, in bytes: several times a scene of 5,000 circles. Python reads that in a second."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from math import isqrt
 
-from ..errors import SceneError
-from ..quantity import Quantity
-from ..scene import Circle, Scene, Wall
+from ...errors import SceneError
+from ...numbers.quantity import Quantity
+from ...scene import Circle, Scene, Wall
+from ..draw import Draw
+from ..entry import Entry, Parameter
+from ..settings import automatic, whole, yes_no
 from .article import SOURCE as ARTICLE
-from .draw import Draw
-from .entry import Entry, Parameter
-from .reading import automatic, whole, yes_no
 
 EVENTS = 400
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from flint import arb, ctx, fmpq, fmpz  # type: ignore[attr-defined]
 
-from .errors import SceneError
+from ..errors import SceneError
 
 if TYPE_CHECKING:
     from .tower import Element, Tower
@@ -232,8 +232,8 @@ class Quantity:
 
     @cached_property
     def _element(self) -> Element:
+        from ..work import Work
         from .tower import Tower, TowerLimit
-        from .work import Work
 
         if len(self.radicands) > MAX_ROOTS:
             raise SceneError(f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots")

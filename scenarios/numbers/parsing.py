@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from flint import fmpq, fmpz  # type: ignore[attr-defined]
 
-from .errors import SceneError
+from ..errors import SceneError
 from .quantity import Quantity
 
 MAX_LENGTH = 20_000

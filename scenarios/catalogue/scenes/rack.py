@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from ..errors import SceneError
-from ..quantity import Quantity
-from ..scene import Circle, Pocket, Scene, Wall
-from ..tie_policy import TiePolicy
+from ...errors import SceneError
+from ...numbers.quantity import Quantity
+from ...scene import Circle, Pocket, Scene, Wall
+from ...tie_policy import TiePolicy
+from ..draw import Draw
+from ..entry import Entry, Parameter
+from ..settings import number, tie_policy, whole, yes_no
 from .article import SOURCE as ARTICLE
-from .draw import Draw
-from .entry import Entry, Parameter
-from .reading import number, tie_policy, whole, yes_no
 
 EVENTS = 20
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ..quantity import Quantity
-from ..scene import Circle, Scene, Wall
-from ..tie_policy import TiePolicy
+from ...numbers.quantity import Quantity
+from ...scene import Circle, Scene, Wall
+from ...tie_policy import TiePolicy
+from ..entry import Entry, Parameter
+from ..settings import number, one_of, tie_policy, whole
 from .article import SOURCE as ARTICLE
-from .entry import Entry, Parameter
-from .reading import number, one_of, tie_policy, whole
 
 TIE = Parameter("tie", "simultaneous", "tie policy, such as sequential:order=scene", tie_policy)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, TypeAlias
 
 from ..errors import SceneError
-from ..quantity import Quantity
+from ..numbers.quantity import Quantity
 from ..tie_policy import TiePolicy
 
 Reader: TypeAlias = Callable[[str], Any]

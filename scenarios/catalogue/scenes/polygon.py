@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ..errors import SceneError
-from ..quantity import Quantity
-from ..scene import Circle, Scene, Wall
-from .angles import cosine, sine
+from ...errors import SceneError
+from ...numbers.quantity import Quantity
+from ...scene import Circle, Scene, Wall
+from ..angles import cosine, sine
+from ..entry import Entry, Parameter
+from ..settings import number, one_of, yes_no
 from .article import SOURCE as ARTICLE
-from .entry import Entry, Parameter
-from .reading import number, one_of, yes_no
 
 EVENTS = 12
 
