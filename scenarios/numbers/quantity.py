@@ -13,7 +13,7 @@ from flint import arb, ctx, fmpq, fmpz  # type: ignore[attr-defined]
 from ..errors import SceneError
 
 if TYPE_CHECKING:
-    from .tower import Element, Tower
+    from .tower import AnyTower, Element
 
 Op: TypeAlias = Literal["q", "+", "-", "*", "/", "sqrt"]
 QuantityLike: TypeAlias = "Quantity | int | str | float | Fraction | Any"
@@ -316,7 +316,7 @@ class Quantity:
             divisor = right._ball()
         return left._ball() / divisor
 
-    def in_tower(self, tower: Tower) -> Element:
+    def in_tower(self, tower: AnyTower) -> Element:
         """The same number as an element of `tower`, which gains the roots that it lacks.
 
         Raises:
