@@ -7,7 +7,7 @@ import re
 from typing import Any
 
 from ..errors import SceneError
-from ..numbers.parsing import parse_quantity
+from ..numbers.quantity import Quantity
 from ..scene import Scene
 from ..showing import cut
 from .reader import MAX_JSON, MAX_TOML
@@ -16,7 +16,7 @@ BARE = re.compile(r"-?(0|[1-9][0-9]{0,14})", re.ASCII)
 """A whole number below 10**15: every reader of TOML holds it exactly."""
 
 PLAIN = 100
-"""A number's text of at most this many characters is within the limits of `parse_quantity` for certain, as
+"""A number's text of at most this many characters is within the limits of reading for certain, as
 it has no power and fewer than `MAX_DEPTH` pairs of parentheses. Longer ones are tried."""
 
 NUMBERS = ("x", "y", "r", "vx", "vy", "m", "x0", "y0", "x1", "y1", "reverse_at", "until")
@@ -96,7 +96,7 @@ def _check_table(place: str, table: dict[str, Any]) -> None:
             raise SceneError(f"{place}{key} = {cut(value)} holds half a surrogate pair; write all of it")
         if key in NUMBERS and len(value) > PLAIN:
             try:
-                parse_quantity(value)
+                Quantity.of(value)
             except SceneError as error:
                 raise SceneError(f"{place}{key} = {error}; a file cannot hold it") from None
 

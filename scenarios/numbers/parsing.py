@@ -1,14 +1,15 @@
-"""Reads exact numbers from text and from SymPy, by whitelist: never eval."""
+"""Reads exact numbers from text, by whitelist: never eval."""
 
 from __future__ import annotations
 
 import re
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import Generic, NamedTuple, Protocol, TypeVar
 
-from flint import fmpq, fmpz  # type: ignore[attr-defined]
+from flint import fmpq, fmpz
 
 from ..errors import SceneError
-from .quantity import Quantity
+from ..showing import shortened
 
 MAX_LENGTH = 20_000
 """Longest text of one number, in characters: ten times what any scene needs, read in a millisecond."""
@@ -19,17 +20,11 @@ MAX_DEPTH = 60
 MAX_EXPONENT = 10_000
 """Largest power and largest decimal exponent."""
 
-MAX_ROOTS = 1 << 10
-"""Largest denominator of a SymPy exponent, a power of two: ten roots of one number."""
-
 MAX_BITS = 1 << 20
 """Largest size of a rational result: a power tower built of allowed powers stops here."""
 
 MAX_TERMS = 200
 """Most numbers that an expression with roots may hold: its tree is walked by recursion."""
-
-SHOWN = 60
-"""How much of a bad text an error repeats."""
 
 TOKEN = re.compile(
     r"\s*(?:(?P<number>\d+(?:\.\d*)?(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?)"
@@ -41,20 +36,42 @@ TOKEN = re.compile(
 class Token(NamedTuple):
     kind: str
     text: str
-    place: int
 
 
-def shown(text: str) -> str:
-    """A bad text as an error repeats it: quoted and cut.
+class Readable(Protocol):
+    """What reading asks of the numbers that it makes."""
 
-    >>> shown("1" * 100)[:20] + "..."
-    "'1111111111111111111..."
-    """
-    return repr(text if len(text) <= SHOWN else f"{text[:SHOWN]}... ({len(text)} characters)")
+    @property
+    def rational(self) -> fmpq | None:
+        """Its value, if it is written without roots."""
+        ...
+
+    @property
+    def size(self) -> int:
+        """How many numbers it holds."""
+        ...
+
+    def sign(self) -> int:
+        """-1, 0 or +1."""
+        ...
+
+    def sqrt(self: N) -> N:
+        """The square root that is not negative."""
+        ...
+
+    def __add__(self: N, other: N, /) -> N: ...
+    def __sub__(self: N, other: N, /) -> N: ...
+    def __mul__(self: N, other: N, /) -> N: ...
+    def __truediv__(self: N, other: N, /) -> N: ...
+    def __neg__(self: N) -> N: ...
+    def __pow__(self: N, exponent: int, /) -> N: ...
 
 
-def parse_quantity(text: str) -> Quantity:
-    """The exact number that `text` spells.
+N = TypeVar("N", bound=Readable)
+
+
+def parse(text: str, number: Callable[[fmpq], N]) -> N:
+    """The exact number that `text` spells, built from what `number` makes of rationals.
 
     Grammar: whole numbers, decimals (`0.1` is one tenth, `1e-40` is exact too), `+ - * /`, integer powers
     with `**`, `sqrt(...)` of a non-negative value, parentheses. Nothing else, and nothing is evaluated by
@@ -63,27 +80,29 @@ def parse_quantity(text: str) -> Quantity:
     Raises:
         SceneError: naming the text, the place and the reason.
 
-    >>> parse_quantity("-(1 + sqrt(5))/2")
+    >>> from .quantity import Quantity, rational
+    >>> parse("-(1 + sqrt(5))/2", rational)
     Quantity('(-1)*(1 + sqrt(5))/2')
-    >>> float(parse_quantity("10**-40"))
+    >>> float(parse("10**-40", rational))
     1e-40
     """
     if len(text) > MAX_LENGTH:
-        raise SceneError(f"{shown(text)}: too long for one number; at most {MAX_LENGTH} characters")
-    return _Parser(text).parse()
+        raise SceneError(f"{shortened(text)!r}: too long for one number; at most {MAX_LENGTH} characters")
+    return _Parser(text, number).parse()
 
 
-class _Parser:
+class _Parser(Generic[N]):
     """Recursive descent over the tokens of one number."""
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, text: str, number: Callable[[fmpq], N]) -> None:
         self.text = text
+        self.number = number
         self.tokens = self._tokens()
         self.at = 0
         self.depth = 0
 
     def refuse(self, reason: str) -> SceneError:
-        return SceneError(f"{shown(self.text)} is not an exact number: {reason}")
+        return SceneError(f"{shortened(self.text)!r} is not an exact number: {reason}")
 
     def _tokens(self) -> list[Token]:
         tokens: list[Token] = []
@@ -95,7 +114,7 @@ class _Parser:
                 rest = self.text[place:].lstrip()
                 raise self.refuse(f"{rest[:1]!r} is not allowed; use digits, + - * / **, sqrt() and parentheses")
             kind = str(match.lastgroup)
-            tokens.append(Token(kind, match.group(kind), match.start(kind)))
+            tokens.append(Token(kind, match.group(kind)))
             place = match.end()
         return tokens
 
@@ -107,7 +126,7 @@ class _Parser:
         self.at += 1
         return token
 
-    def parse(self) -> Quantity:
+    def parse(self) -> N:
         if not self.tokens:
             raise self.refuse("it is empty")
         value = self.sum()
@@ -115,14 +134,14 @@ class _Parser:
             raise self.refuse(f"{self.peek()!r} is not expected there")
         return value
 
-    def bounded(self, value: Quantity) -> Quantity:
+    def bounded(self, value: N) -> N:
         if value.rational is not None and value.rational.height_bits() > MAX_BITS:
             raise self.refuse(f"it has more than {MAX_BITS} bits")
         if value.size > MAX_TERMS:
             raise self.refuse(f"it has more than {MAX_TERMS} terms")
         return value
 
-    def sum(self) -> Quantity:
+    def sum(self) -> N:
         value = self.product()
         while self.peek() in ("+", "-"):
             operator = self.take().text
@@ -130,7 +149,7 @@ class _Parser:
             value = self.bounded(value + right if operator == "+" else value - right)
         return value
 
-    def product(self) -> Quantity:
+    def product(self) -> N:
         value = self.signed()
         while self.peek() in ("*", "/"):
             operator = self.take().text
@@ -140,14 +159,14 @@ class _Parser:
             value = self.bounded(value * right if operator == "*" else value / right)
         return value
 
-    def signed(self) -> Quantity:
+    def signed(self) -> N:
         negative = False
         while self.peek() in ("+", "-"):
             negative ^= self.take().text == "-"
         value = self.power()
         return -value if negative else value
 
-    def power(self) -> Quantity:
+    def power(self) -> N:
         base = self.atom()
         if self.peek() != "**":
             return base
@@ -185,12 +204,12 @@ class _Parser:
             raise self.refuse("a parenthesis is not closed")
         self.take()
 
-    def atom(self) -> Quantity:
+    def atom(self) -> N:
         if self.at >= len(self.tokens):
             raise self.refuse("it ends too early")
         token = self.take()
         if token.kind == "number":
-            return Quantity("q", (), self.decimal(token.text))
+            return self.number(self.decimal(token.text))
         if token.text == "(":
             return self.inside()
         if token.kind == "name":
@@ -205,7 +224,7 @@ class _Parser:
             return value.sqrt()
         raise self.refuse(f"{token.text!r} is not expected there")
 
-    def inside(self) -> Quantity:
+    def inside(self) -> N:
         self.depth += 1
         if self.depth > MAX_DEPTH:
             raise self.refuse(f"nested deeper than {MAX_DEPTH}")
@@ -222,40 +241,3 @@ class _Parser:
         value = fmpq(fmpz((whole + part) or "0"), fmpz(10) ** len(part))
         shift = int(exponent or 0)
         return value * fmpz(10) ** shift if shift >= 0 else value / fmpz(10) ** -shift
-
-
-def quantity_from_sympy(value: Any) -> Quantity:
-    """The exact number that a SymPy expression is.
-
-    Raises:
-        SceneError: unless the expression is made of rationals, + - * /, and powers whose exponents have a power of two
-            below the fraction bar.
-
-    >>> import sympy
-    >>> quantity_from_sympy(sympy.sqrt(3) / 2) == Quantity.of("sqrt(3)/2")
-    True
-    """
-    import sympy
-
-    if isinstance(value, sympy.Float):
-        return quantity_from_sympy(sympy.Rational(value))
-    if isinstance(value, sympy.Rational) and value.q != 0:
-        return Quantity.of(int(value.p)) / int(value.q)
-    if isinstance(value, sympy.Add):
-        parts = [quantity_from_sympy(argument) for argument in value.args]
-        return sum(parts[1:], parts[0])
-    if isinstance(value, sympy.Mul):
-        product = Quantity.of(1)
-        for argument in value.args:
-            product = product * quantity_from_sympy(argument)
-        return product
-    if isinstance(value, sympy.Pow) and isinstance(value.exp, sympy.Rational):
-        base = quantity_from_sympy(value.base)
-        if value.exp.q == 1:
-            return base ** int(value.exp)
-        denominator = int(value.exp.q)
-        if denominator & (denominator - 1) == 0 and denominator <= MAX_ROOTS:
-            while denominator > 1:
-                base, denominator = base.sqrt(), denominator // 2
-            return base ** int(value.exp.p)
-    raise SceneError(f"{shown(str(value))} is not made of rationals and square roots")

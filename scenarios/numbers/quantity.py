@@ -4,26 +4,28 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cached_property
-from math import isfinite
-from numbers import Rational
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from flint import arb, ctx, fmpq, fmpz  # type: ignore[attr-defined]
+from flint import arb, ctx, fmpq
 
 from ..errors import SceneError
+from .conversion import converted
+from .doubles import BITS_PER_DIGIT, bounds_of, certain_double, digits_of, nearest_double
+from .expression import Expression, Op
+from .rationals import rational_root
 
 if TYPE_CHECKING:
     from .tower import AnyTower, Element
 
-Op: TypeAlias = Literal["q", "+", "-", "*", "/", "sqrt"]
 QuantityLike: TypeAlias = "Quantity | int | str | float | Fraction | Any"
+"""What `Quantity.of` takes; SymPy numbers, which have no types, are among it."""
 
 FIRST_BITS = 64
 """Working precision of the first look at a sign; most are decided there."""
 
 TOWER_FROM_BITS = 512
 """A number whose ball still holds zero at this precision is asked in the tower, where zero is decided."""
-
 
 MAX_ROOTS = 16
 """Most distinct roots of a number that is asked in the tower: products of n of them have up to 2**n terms."""
@@ -33,11 +35,8 @@ PATIENCE = 5_000_000
 sqrt(5 + 2*sqrt(6)) = sqrt(2) + sqrt(3) takes 1,500, seven roots in one another 96,000. The inverse of a sum of 13 roots
 takes 390,000, and three times as much for each further root, so that 15 are within reach and 16 are not."""
 
-SHOWN = 60
-"""How much of a number an error repeats, in characters."""
 
-
-class Quantity:
+class Quantity(Expression):
     """An exact real number: a rational, or an expression of rationals with + - * / and square roots.
 
     Rational arithmetic is carried out at once; anything with a root keeps its expression, and can be enclosed
@@ -56,59 +55,19 @@ class Quantity:
     True
     """
 
-    __slots__ = ("__dict__", "args", "op", "rational")
-
-    def __init__(self, op: Op, args: tuple[Quantity, ...], rational: fmpq | None = None) -> None:
-        self.op = op
-        self.args = args
-        self.rational = rational
-
     # -- building
 
     @staticmethod
     def of(value: QuantityLike) -> Quantity:
         """The exact number that `value` is.
 
-        Takes text (see `parse_quantity`), int, Fraction, Decimal, float (as the dyadic rational that it is),
+        Takes text (see `parse`), int, Fraction, Decimal, float (as the dyadic rational that it is),
         `flint.fmpq`, a SymPy number made of rationals and square roots, or a Quantity.
 
         Raises:
             SceneError: for anything else, for nan and infinity, and for text outside the grammar.
         """
-        if isinstance(value, Quantity):
-            return value
-        if isinstance(value, bool):
-            raise SceneError(f'{value!r} is not a number; write a whole number or text such as "9/4"')
-        if isinstance(value, int):
-            return Quantity("q", (), fmpq(value))
-        if isinstance(value, str):
-            from .parsing import parse_quantity
-
-            return parse_quantity(value)
-        if isinstance(value, fmpq):
-            return Quantity("q", (), value)
-        if isinstance(value, fmpz):
-            return Quantity("q", (), fmpq(value))
-        if isinstance(value, float):
-            if not isfinite(value):
-                raise SceneError(f"{value!r} is not a finite number")
-            return Quantity("q", (), fmpq(*value.as_integer_ratio()))
-        if isinstance(value, Rational):
-            return Quantity("q", (), fmpq(int(value.numerator), int(value.denominator)))
-        if hasattr(value, "as_integer_ratio") and not hasattr(value, "free_symbols"):
-            try:
-                numerator, denominator = value.as_integer_ratio()
-            except (OverflowError, ValueError) as error:
-                raise SceneError(f"{value!r} is not a finite number") from error
-            return Quantity("q", (), fmpq(int(numerator), int(denominator)))
-        if hasattr(value, "free_symbols"):
-            from .parsing import quantity_from_sympy
-
-            return quantity_from_sympy(value)
-        raise SceneError(
-            f"{value!r} ({type(value).__name__}) is not an exact number; "
-            'write a whole number, a Fraction, or text such as "sqrt(3)/2"'
-        )
+        return value if isinstance(value, Quantity) else converted(value, rational)
 
     def _binary(self, op: Op, other: QuantityLike, swapped: bool = False) -> Quantity:
         right = Quantity.of(other)
@@ -118,16 +77,16 @@ class Quantity:
         a, b = left.rational, right.rational
         if a is not None and b is not None:
             if op == "+":
-                return Quantity("q", (), a + b)
+                return rational(a + b)
             if op == "-":
-                return Quantity("q", (), a - b)
+                return rational(a - b)
             if op == "*":
-                return Quantity("q", (), a * b)
+                return rational(a * b)
         if op == "/":
             if right.sign() == 0:
                 raise SceneError(f"division by zero in {left.text()}/({right.text()})")
             if a is not None and b is not None:
-                return Quantity("q", (), a / b)
+                return rational(a / b)
         if op in "+-" and b is not None and not b:
             return left
         if op == "+" and a is not None and not a:
@@ -179,7 +138,7 @@ class Quantity:
         if exponent < 0:
             return Quantity.of(1) / self ** (-exponent)
         if self.rational is not None:
-            return Quantity("q", (), self.rational**exponent)
+            return rational(self.rational**exponent)
         result, square = Quantity.of(1), self
         while exponent:
             if exponent & 1:
@@ -203,7 +162,7 @@ class Quantity:
         if self.rational is not None:
             root = rational_root(self.rational)
             if root is not None:
-                return Quantity("q", (), root)
+                return rational(root)
         return Quantity("sqrt", (self,))
 
     # -- deciding
@@ -233,18 +192,19 @@ class Quantity:
     @cached_property
     def _element(self) -> Element:
         from ..work import Work
-        from .tower import Tower, TowerLimit
+        from .tower import Tower, TowerLimit  # loaded for numbers that need it
 
         if len(self.radicands) > MAX_ROOTS:
             raise SceneError(f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots")
+        tower = Tower(work=Work(PATIENCE))
         try:
-            element = self.in_tower(Tower(work=Work(PATIENCE)))
+            element = self.in_tower(tower)
             element.sign()
         except TowerLimit:
             raise SceneError(
                 f"{self.brief()}: too close to zero to be told from it within {PATIENCE:,} units of work"
             ) from None
-        element.tower.work = None
+        tower.work = None
         return element
 
     def __eq__(self, other: object) -> bool:
@@ -272,17 +232,6 @@ class Quantity:
         return (self - other).sign() >= 0
 
     # -- handing on
-
-    @cached_property
-    def size(self) -> int:
-        """How many numbers its expression holds."""
-        return sum(argument.size for argument in self.args) if self.args else 1
-
-    @cached_property
-    def radicands(self) -> frozenset[str]:
-        """The distinct expressions under its roots, as text."""
-        inner = frozenset[str]().union(*(argument.radicands for argument in self.args))
-        return inner | {self.args[0].text()} if self.op == "sqrt" else inner
 
     def ball(self, bits: int) -> arb:
         """An enclosure computed with a working precision of `bits` bits."""
@@ -322,18 +271,7 @@ class Quantity:
         Raises:
             TowerLimit: if the tower may not grow that far.
         """
-        if self.rational is not None:
-            return tower.rational(self.rational)
-        if self.op == "sqrt":
-            return tower.sqrt(self.args[0].in_tower(tower))
-        left, right = (argument.in_tower(tower) for argument in self.args)
-        if self.op == "+":
-            return left + right
-        if self.op == "-":
-            return left - right
-        if self.op == "*":
-            return left * right
-        return left / right
+        return self.evaluated(tower.rational, tower.sqrt)
 
     @property
     def fraction(self) -> Fraction | None:
@@ -367,48 +305,31 @@ class Quantity:
                     return nearest_double(rational)
             bits *= 2
 
+    def bounds(self) -> tuple[float, float]:
+        """Doubles at or below, and at or above, the number.
+
+        >>> Quantity.of("1/4").bounds(), Quantity.of("sqrt(2)").bounds()
+        ((0.25, 0.25), (1.4142135623730950, 1.4142135623730951))
+        """
+        return bounds_of(self.ball(2 * FIRST_BITS))
+
+    def digits(self, count: int) -> str:
+        """The value in decimals, so many digits (the last may be off by one).
+
+        >>> Quantity.of("sqrt(2)").digits(20), Quantity.of("2/3 - 1").digits(5)
+        ('1.4142135623730950488', '-0.33333')
+        """
+        bits = int(count * BITS_PER_DIGIT) + FIRST_BITS
+        value = self.ball(bits)
+        while value.rel_accuracy_bits() < count * BITS_PER_DIGIT + 2 and self.sign():
+            bits *= 2
+            value = self.ball(bits)
+        return digits_of(value, count)
+
     def sympy(self) -> Any:
         """The same expression in SymPy."""
-        import sympy
-
-        if self.rational is not None:
-            return sympy.Rational(int(self.rational.p), int(self.rational.q))
-        if self.op == "sqrt":
-            return sympy.sqrt(self.args[0].sympy())
-        left, right = (argument.sympy() for argument in self.args)
-        if self.op == "+":
-            return left + right
-        if self.op == "-":
-            return left - right
-        if self.op == "*":
-            return left * right
-        return left / right
-
-    def text(self) -> str:
-        """The expression as text that `parse_quantity` reads back to the same number."""
-        if self.rational is not None:
-            return str(self.rational)
-        if self.op == "sqrt":
-            return f"sqrt({self.args[0].text()})"
-        left, right = (argument.text() for argument in self.args)
-        if self.op == "+":
-            loose = self.args[1].op in "+-" or right.startswith("-")
-            return f"{left} + ({right})" if loose else f"{left} + {right}"
-        if self.op == "-":
-            return f"{left} - {self._wrapped(self.args[1], '+-', right)}"
-        left = self._wrapped(self.args[0], "+-", left)
-        return f"{left}{self.op}{self._wrapped(self.args[1], '+-*/', right)}"
-
-    def brief(self) -> str:
-        """The text, cut to what an error shows."""
-        text = self.text()
-        return text if len(text) <= SHOWN else f"{text[:SHOWN]}... ({len(text)} characters)"
-
-    @staticmethod
-    def _wrapped(argument: Quantity, weak: str, text: str) -> str:
-        rational = argument.rational
-        loose = argument.op in weak or (rational is not None and (rational < 0 or rational.q != 1))
-        return f"({text})" if loose else text
+        sympy: Any = import_module("sympy")
+        return self.evaluated(lambda q: sympy.Rational(int(q.p), int(q.q)), sympy.sqrt)
 
     def __str__(self) -> str:
         return self.text()
@@ -417,45 +338,9 @@ class Quantity:
         return f"Quantity({self.text()!r})"
 
 
-def rational_root(q: fmpq) -> fmpq | None:
-    """The square root of a non-negative rational if that is rational, else None.
-
-    >>> from flint import fmpq
-    >>> rational_root(fmpq(4, 9)), rational_root(fmpq(2))
-    (2/3, None)
-    """
-    p, r = q.p, q.q
-    if not p.is_square() or not r.is_square():
-        return None
-    return fmpq(p.isqrt(), r.isqrt())
-
-
-def certain_double(value: arb) -> float | None:
-    """The double nearest to every number in a ball, or None where the ball leaves a choice.
-
-    >>> certain_double(arb(1) / 4), certain_double(arb("1 +/- 1e-10"))
-    (0.25, None)
-    """
-    saved = ctx.prec
-    ctx.prec = max(value.bits(), FIRST_BITS) + FIRST_BITS
-    try:
-        low, high = float(value.lower()), float(value.upper())
-    finally:
-        ctx.prec = saved
-    return low + 0.0 if low == high else None  # + 0.0: zero has no sign
-
-
-def nearest_double(q: fmpq) -> float:
-    """The double nearest to a rational, ties to even.
-
-    Raises:
-        OverflowError: if the rational is beyond the doubles.
-
-    >>> from flint import fmpq
-    >>> nearest_double(fmpq(1, 10))
-    0.1
-    """
-    return int(q.p) / int(q.q)
+def rational(q: fmpq) -> Quantity:
+    """A rational number as a Quantity."""
+    return Quantity("q", (), q)
 
 
 ZERO = Quantity.of(0)

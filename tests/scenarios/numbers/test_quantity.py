@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from truebreak.scenarios import Quantity, SceneError
 from truebreak.scenarios.numbers import quantity
-from truebreak.scenarios.numbers.parsing import MAX_LENGTH, MAX_TERMS, parse_quantity
+from truebreak.scenarios.numbers.parsing import MAX_LENGTH, MAX_TERMS
 
 SMALL = st.integers(-30, 30)
 
@@ -341,7 +341,7 @@ def test_the_tower_of_a_number_that_doubles_with_each_root_is_left() -> None:
 @settings(deadline=None, max_examples=300)
 def test_text_is_read_back_to_the_same_expression(pair: tuple[Quantity, sympy.Expr]) -> None:
     quantity, _ = pair
-    again = parse_quantity(quantity.text())
+    again = Quantity.of(quantity.text())
     assert again.text() == quantity.text()
     assert again == quantity
 
