@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..scenarios.errors import SceneError
-from ..scenarios.scene import Circle, Scene, Wall
+from ..scenarios.scene import Scene
+from ..scenarios.things import Circle, Wall
 
 if TYPE_CHECKING:
     from ..scenarios.numbers.quantity import Quantity

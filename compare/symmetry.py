@@ -8,7 +8,8 @@ from .streams import history
 
 if TYPE_CHECKING:
     from ..scenarios.numbers.quantity import Quantity
-    from ..scenarios.scene import Circle, Scene, Wall
+    from ..scenarios.scene import Scene
+    from ..scenarios.things import Circle, Wall
     from ..scenarios.trajectory import Trajectory
 
 Axis: TypeAlias = Literal["x", "y"]

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from ..scenarios.errors import SceneError
+from ..scenarios.event import Contact
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, OnProgress, Progress, Trajectory
+from ..scenarios.trajectory import OnProgress, Progress, Trajectory
 from .machine import Link
 from .policies.policy import Policy
 from .policies.scripted import BranchDone, Choice, Scripted

@@ -8,9 +8,10 @@ from typing import Any
 from flint import ctx  # type: ignore[attr-defined]
 
 from ..scenarios.errors import SceneError
+from ..scenarios.event import Contact, Event, Pocketing, Reversal
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
+from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
 from .machine import Link
 from .motion import ExactMotion
 from .policies import Policy

@@ -10,7 +10,8 @@ import numpy as np
 from flint import arb, fmpq  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from ..scenarios.numbers.quantity import Quantity, certain_double
+from ..scenarios.numbers.doubles import certain_double
+from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.numbers.tower import Element, Tower
 from .formulas import advance
 from .machine import Machine, Number

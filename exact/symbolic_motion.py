@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..scenarios.numbers.quantity import Quantity
-from ..scenarios.trajectory import Real
+from ..scenarios.numbers.real import Real
 from .symbolic_laws import Disc
 from .symbolic_sign import normal, quantity, sign
 

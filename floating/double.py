@@ -7,6 +7,7 @@ from math import nan, sqrt
 
 from ..exact.machine import Machine
 from ..exact.policies import Policy
+from ..scenarios.numbers.doubles import Double
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
@@ -74,7 +75,7 @@ class DoubleEngine:
             {},
             PlainDecider(scene, Machine(scene, float, root), sign, bounds),
             lambda knots, end: DoubleMotion([[knot[:5] for knot in row] for row in knots], float(end)),
-            lambda time, _: float(time),
+            lambda time, _: Double(time),
             until=until,
             events=events,
             progress=progress,

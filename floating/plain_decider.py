@@ -11,9 +11,9 @@ from ..exact.simulation.history import History
 from ..exact.simulation.prediction import Predictor
 from ..exact.simulation.queue import Arrival, ArrivalQueue
 from ..exact.undecided import Undecided
+from ..scenarios.event import Contact, Tie, TieProof
 from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, Tie, TieProof
 
 
 class PlainDecider:

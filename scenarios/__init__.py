@@ -2,10 +2,12 @@
 
 from .engine import Engine
 from .errors import SceneError
+from .event import Contact, Event
 from .numbers.quantity import Quantity
-from .scene import Circle, Pocket, Scene, Wall
+from .scene import Scene
+from .things import Circle, Pocket, Wall
 from .tie_policy import TiePolicy
-from .trajectory import Contact, Event, State, Stop, StopReason, Trajectory
+from .trajectory import State, Stop, StopReason, Trajectory
 
 __all__ = [
     "Circle",

@@ -18,7 +18,7 @@ from truebreak.exact.questions import Approach, Moment, RelativeSpeed, Sooner
 from truebreak.exact.symmetry import symmetries
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
-from truebreak.scenarios.trajectory import TieProof
+from truebreak.scenarios.event import TieProof
 
 FIXED = "oo"
 TINY = Quantity.of("10**-30")

@@ -6,7 +6,8 @@ from typing import Any, TypeAlias
 
 from flint import arb, fmpq  # type: ignore[attr-defined]
 
-from ...scenarios.numbers.quantity import Quantity, rational_root
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.rationals import rational_root
 from ...scenarios.numbers.tower import Element, Tower, TowerLimit
 
 FieldNumber: TypeAlias = Any

@@ -10,10 +10,10 @@ from typing import Any
 
 from flint import arb, ctx, fmpq  # type: ignore[attr-defined]
 
+from ...scenarios.event import Assumption, Contact, Tie, TieProof
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower import sign_of_root_sum
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import Assumption, Contact, Tie, TieProof
 from ...scenarios.work import Work
 from ..live import LiveMachine
 from ..machine import Body, Link, Number, Step

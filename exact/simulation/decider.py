@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection, Hashable, Iterable, Sequence
 from typing import Any, Protocol
 
+from ...scenarios.event import Tie
 from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.trajectory import Tie
 from ..machine import Body, Link, Number, Step
 from ..questions import Question
 from .history import History

@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
+from ...scenarios.event import Tie
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import Tie
 from ..machine import Flip, Go, Kick, Link, Take
 from ..policies.policy import Policy
 from ..questions import Closing, Coupling, RelativeSpeed, Rim

@@ -17,9 +17,10 @@ from collections.abc import Collection
 from math import inf
 
 from ...scenarios.errors import TimeIsUp
+from ...scenarios.event import Tie
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Tie
+from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..machine import Link
 from ..policies import Policy, policy_for
 from ..questions import BeforeTime, Closing, Moment

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 from ...scenarios.scene import Scene
-from ...scenarios.validation import rough_circle, surely_apart
 from ..machine import Link
 
 
-@lru_cache(maxsize=8)
 def touching_at_start(scene: Scene) -> list[Link]:
     """The contacts at gap zero at time 0, in scene order.
 
@@ -18,22 +14,7 @@ def touching_at_start(scene: Scene) -> list[Link]:
     [(0, 1)]
     """
     circles = scene.circles
-    rough = [rough_circle(circle) for circle in circles]
-    links: list[Link] = []
-    for i, a in enumerate(circles):
-        for j in range(i + 1, len(circles)):
-            b = circles[j]
-            if (a.fixed and b.fixed) or surely_apart(rough[i], rough[j]):
-                continue
-            dx, dy, reach = b.x - a.x, b.y - a.y, a.r + b.r
-            if (dx * dx + dy * dy - reach * reach).sign() == 0:
-                links.append((i, j))
-        for k, wall in enumerate(scene.walls):
-            nx, ny = wall.normal
-            height = wall.height(a.x, a.y)
-            if (height * height - a.r * a.r * (nx * nx + ny * ny)).sign() == 0:
-                links.append((i, len(circles) + k))
-    return links
+    return [(i, j) for i, j in scene.touching if not (circles[i].fixed and j < len(circles) and circles[j].fixed)]
 
 
 def rims_at_start(scene: Scene) -> list[Link]:

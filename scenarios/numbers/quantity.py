@@ -7,12 +7,13 @@ from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from flint import arb, ctx, fmpq
+from flint import arb, fmpq
 
 from ..errors import SceneError
 from .conversion import converted
 from .doubles import BITS_PER_DIGIT, bounds_of, certain_double, digits_of, nearest_double
 from .expression import Expression, Op
+from .precision import at_bits
 from .rationals import rational_root
 
 if TYPE_CHECKING:
@@ -235,35 +236,31 @@ class Quantity(Expression):
 
     def ball(self, bits: int) -> arb:
         """An enclosure computed with a working precision of `bits` bits."""
-        saved = ctx.prec
-        ctx.prec = bits
-        try:
-            return self._ball()
-        finally:
-            ctx.prec = saved
+        with at_bits(bits):
+            return self._ball(bits)
 
-    def _ball(self) -> arb:
+    def _ball(self, bits: int) -> arb:
         if self.rational is not None:
             return arb(self.rational)
         if self.op == "sqrt":
             inner = self.args[0]
-            while True:  # a positive radicand whose ball touches zero is enclosed more sharply
-                value = inner._ball()
-                if value > 0 or inner.sign() == 0:
-                    return value.sqrt() if inner.sign() else arb(0)
-                ctx.prec *= 2
+            return inner._clear_of_zero(bits).sqrt() if inner.sign() else arb(0)
         left, right = self.args
         if self.op == "+":
-            return left._ball() + right._ball()
+            return left._ball(bits) + right._ball(bits)
         if self.op == "-":
-            return left._ball() - right._ball()
+            return left._ball(bits) - right._ball(bits)
         if self.op == "*":
-            return left._ball() * right._ball()
-        divisor = right._ball()
-        while not (divisor > 0 or divisor < 0):
-            ctx.prec *= 2
-            divisor = right._ball()
-        return left._ball() / divisor
+            return left._ball(bits) * right._ball(bits)
+        return left._ball(bits) / right._clear_of_zero(bits)
+
+    def _clear_of_zero(self, bits: int) -> arb:
+        """A ball of a number that is not zero, more sharply where one of so many bits touches zero."""
+        value = self._ball(bits)
+        while not (value > 0 or value < 0):
+            bits *= 2
+            value = self.ball(bits)
+        return value
 
     def in_tower(self, tower: AnyTower) -> Element:
         """The same number as an element of `tower`, which gains the roots that it lacks.
@@ -309,7 +306,7 @@ class Quantity(Expression):
         """Doubles at or below, and at or above, the number.
 
         >>> Quantity.of("1/4").bounds(), Quantity.of("sqrt(2)").bounds()
-        ((0.25, 0.25), (1.4142135623730950, 1.4142135623730951))
+        ((0.25, 0.25), (1.414213562373095, 1.4142135623730951))
         """
         return bounds_of(self.ball(2 * FIRST_BITS))
 

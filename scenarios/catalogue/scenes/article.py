@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from ...scene import Circle, Scene, Wall
+from ...scene import Scene
+from ...things import Circle, Wall
 from ..entry import Entry, Parameter
 from ..settings import one_of
 

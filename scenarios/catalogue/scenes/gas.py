@@ -6,7 +6,8 @@ from math import isqrt
 
 from ...errors import SceneError
 from ...numbers.quantity import Quantity
-from ...scene import Circle, Scene, Wall
+from ...scene import Scene
+from ...things import Circle, Wall
 from ..draw import Draw
 from ..entry import Entry, Parameter
 from ..settings import automatic, whole, yes_no

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ...numbers.quantity import Quantity
-from ...scene import Circle, Scene, Wall
+from ...scene import Scene
+from ...things import Circle, Wall
 from ...tie_policy import TiePolicy
 from ..entry import Entry, Parameter
 from ..settings import number, one_of, tie_policy, whole

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ...errors import SceneError
 from ...numbers.quantity import Quantity
-from ...scene import Circle, Scene, Wall
+from ...scene import Scene
+from ...things import Circle, Wall
 from ..angles import cosine, sine
 from ..entry import Entry, Parameter
 from ..settings import number, one_of, yes_no

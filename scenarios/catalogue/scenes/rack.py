@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from ...errors import SceneError
 from ...numbers.quantity import Quantity
-from ...scene import Circle, Pocket, Scene, Wall
+from ...scene import Scene
+from ...things import Circle, Pocket, Wall
 from ...tie_policy import TiePolicy
 from ..draw import Draw
 from ..entry import Entry, Parameter

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from ...numbers.quantity import Quantity
-from ...scene import Circle, Scene, Wall
+from ...scene import Scene
+from ...things import Circle, Wall
 from ...tie_policy import TiePolicy
 from ..angles import cosine, sine
 from ..entry import Entry, Parameter

@@ -5,9 +5,10 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import Any, Protocol, TypeAlias
 
-from flint import arb, ctx, fmpq, fmpz
+from flint import arb, fmpq, fmpz
 
 from ...work import gcd_units
+from ..precision import at_bits
 from .field import LONG, Field
 from .ring import Integral, add, coefficients, content, count_of, key, negated, scale
 from .written import sympy_form, text_of
@@ -175,7 +176,7 @@ class Element:
         if not self.num:
             return arb(0)
         value = self.tower.field.accurate_ball(self.num, bits + 2)
-        with ctx.workprec(bits + 16):
+        with at_bits(bits + 16):
             return value / self.den
 
     def fraction(self) -> fmpq | None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Final
 
-from flint import arb, ctx, fmpz
+from flint import arb, fmpz
 
 from ...work import Work, WorkSpent, gcd_units, product_units
+from ..precision import at_bits
 from .ring import (
     MINUS_ONE,
     ONE,
@@ -242,7 +243,7 @@ class Field:
         frame = self._frames.get(precision)
         if frame is None:
             frame = self._frames[precision] = Frame(self, precision)
-        with ctx.workprec(precision):
+        with at_bits(precision):
             return frame.value(x)
 
     def accurate_ball(self, x: Integral, bits: int) -> arb:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from flint import ctx
-
+from ..precision import at_bits
 from .element import Element
 
 FILTER_BITS: Final = (64, 128, 256)
@@ -51,7 +50,7 @@ def sign_of_root_sum(a: Element, b: Element, d1: Element, c: Element, d2: Elemen
             raise ValueError(f"square root of the negative number {d.brief()}")
     for bits in FILTER_BITS:
         balls = [e.ball(bits) for e in (a, b, d1, c, d2)]
-        with ctx.workprec(bits):
+        with at_bits(bits):
             value = balls[0] + balls[1] * balls[2].sqrt() + balls[3] * balls[4].sqrt()
         if value > 0:
             return 1
