@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any
+from typing import Any, TypeGuard, cast
 
 from ..errors import SceneError
 from ..numbers.parsing import MAX_LENGTH
@@ -12,6 +13,9 @@ from ..numbers.quantity import Quantity
 from ..scene import MAX_CIRCLES, Scene
 from ..showing import SHOWN, Bare, cut
 from ..things import FIXED, Circle, Pocket, Wall
+
+HALF_PAIR = re.compile("[\ud800-\udfff]")
+"""What no file can hold: half of the pair that spells a character beyond the first 65,536."""
 
 TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")
@@ -52,12 +56,16 @@ def scene_from_table(data: dict[str, Any], where: str) -> Scene:
 
 
 def _things(data: dict[str, Any], kind: str, make: Callable[[str, dict[str, Any]], Any]) -> list[Any]:
-    rows = data.get(kind, [])
-    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+    rows: object = data.get(kind, [])
+    if not _are_tables(rows):
         raise SceneError(f"{kind} = {cut(rows)} is not a list of tables; write [[{kind}]] above each of them")
     if len(rows) > MAX_CIRCLES:
         raise SceneError(f"the scene has {len(rows)} {kind}s; at most {MAX_CIRCLES}")
     return [make(_label(kind, number, row), row) for number, row in enumerate(rows, start=1)]
+
+
+def _are_tables(value: object) -> TypeGuard[list[dict[str, Any]]]:
+    return isinstance(value, list) and all(isinstance(row, dict) for row in cast("list[object]", value))
 
 
 def _label(kind: str, number: int, row: dict[str, Any]) -> str:
@@ -133,7 +141,7 @@ def _truth(place: str, value: Any) -> bool:
 def _text(key: str, value: Any) -> str:
     if not isinstance(value, str) or isinstance(value, Bare):
         raise SceneError(f"{key} = {cut(value)} is not text; put it in quotes")
-    if any("\ud800" <= character <= "\udfff" for character in value):
+    if HALF_PAIR.search(value):
         raise SceneError(f"{key} = {cut(value)} holds half a surrogate pair; write all of it")
     if key == "tie_policy" and len(value) > SHOWN:
         raise SceneError(f"tie_policy = {cut(value)} is not known; write simultaneous or sequential")

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import re
-from typing import Any
+from typing import Any, cast
 
 from ..errors import SceneError
 from ..numbers.quantity import Quantity
 from ..scene import Scene
 from ..showing import cut
 from .reader import MAX_JSON, MAX_TOML
+from .table import HALF_PAIR
 
 BARE = re.compile(r"-?(0|[1-9][0-9]{0,14})", re.ASCII)
 """A whole number below 10**15: every reader of TOML holds it exactly."""
@@ -47,7 +48,7 @@ def dump_toml(scene: Scene) -> str:
         if not isinstance(value, list):
             lines.append(_toml_line(key, value))
             continue
-        for row in value:
+        for row in cast("list[dict[str, Any]]", value):
             lines += ["", f"[[{key}]]", *(_toml_line(name, number) for name, number in row.items())]
     return _bounded(scene, "\n".join(lines) + "\n", MAX_TOML, "TOML; write it as JSON")
 
@@ -83,7 +84,8 @@ def _data(scene: Scene) -> dict[str, Any]:
     data = scene.data()
     _check_table("", data)
     for kind in ("circle", "wall", "pocket"):
-        for row in data.get(kind, []):
+        rows: list[dict[str, Any]] = data.get(kind, [])
+        for row in rows:
             _check_table(f"{kind} {cut(row['id'])}: ", row)
     return data
 
@@ -92,7 +94,7 @@ def _check_table(place: str, table: dict[str, Any]) -> None:
     for key, value in table.items():
         if not isinstance(value, str):
             continue
-        if any("\ud800" <= character <= "\udfff" for character in value):
+        if HALF_PAIR.search(value):
             raise SceneError(f"{place}{key} = {cut(value)} holds half a surrogate pair; write all of it")
         if key in NUMBERS and len(value) > PLAIN:
             try:

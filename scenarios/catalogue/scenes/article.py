@@ -19,9 +19,9 @@ def article(figure: str) -> Scene:
     >>> [float(c.vx) for c in article("approach").circles]
     [2.0, 0.0]
     """
-    a, *others = FIGURES[figure]
-    circles = [a, *(thing for thing in others if isinstance(thing, Circle))]
-    walls = [thing for thing in others if isinstance(thing, Wall)]
+    things = FIGURES[figure]
+    circles = [thing for thing in things if isinstance(thing, Circle)]
+    walls = [thing for thing in things if isinstance(thing, Wall)]
     return Scene(circles, walls, events=10)
 
 

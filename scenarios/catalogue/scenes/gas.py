@@ -52,12 +52,11 @@ def reversal(n: int, seed: int, size: int | None, mixed: bool, after: int) -> Sc
 def _box(n: int, seed: int, size: int | None, mixed: bool) -> tuple[list[Circle], list[Wall]]:
     side = isqrt(AREA * n) + 1 if size is None else size
     draw = Draw(seed)
-    placed: list[tuple[int, int, int]] = []
+    room = _Room(side * GRAIN)
     circles: list[Circle] = []
     for number in range(1, n + 1):
         r = MIXED[draw.between(0, len(MIXED) - 1)] if mixed else GRAIN
-        x, y = _place(draw, placed, r, side * GRAIN, number)
-        placed.append((x, y, r))
+        x, y = room.place(draw, r, number)
         vx, vy = draw.between(-GRAIN, GRAIN), draw.between(-GRAIN, GRAIN)
         radius = Quantity.of(r) / GRAIN
         circles.append(
@@ -74,12 +73,34 @@ def _box(n: int, seed: int, size: int | None, mixed: bool) -> tuple[list[Circle]
     return circles, _walls(side)
 
 
-def _place(draw: Draw, placed: list[tuple[int, int, int]], r: int, side: int, number: int) -> tuple[int, int]:
-    for _ in range(TRIES if side > 2 * r + 2 else 0):
-        x, y = draw.between(r + 1, side - r - 1), draw.between(r + 1, side - r - 1)
-        if all((x - a) ** 2 + (y - b) ** 2 > (r + c) ** 2 for a, b, c in placed):
-            return x, y
-    raise SceneError(f"no room for disc {number} in a box of size {side // GRAIN}; raise size, or lower n")
+class _Room:
+    """Discs placed so far in a square, in thousandths, by the cell of their centre: wide enough that only neighbours
+    can meet."""
+
+    CELL = 2 * max(MIXED)
+
+    def __init__(self, side: int) -> None:
+        self.side = side
+        self.cells: dict[tuple[int, int], list[tuple[int, int, int]]] = {}
+
+    def place(self, draw: Draw, r: int, number: int) -> tuple[int, int]:
+        """A place drawn for the next disc where it meets no other, and now holds it."""
+        low, high = r + 1, self.side - r - 1
+        for _ in range(TRIES if high > low else 0):
+            x, y = draw.between(low, high), draw.between(low, high)
+            if self.is_free(x, y, r):
+                self.cells.setdefault((x // self.CELL, y // self.CELL), []).append((x, y, r))
+                return x, y
+        raise SceneError(f"no room for disc {number} in a box of size {self.side // GRAIN}; raise size, or lower n")
+
+    def is_free(self, x: int, y: int, r: int) -> bool:
+        column, row = x // self.CELL, y // self.CELL
+        return all(
+            (x - a) ** 2 + (y - b) ** 2 > (r + c) ** 2
+            for i in (column - 1, column, column + 1)
+            for j in (row - 1, row, row + 1)
+            for a, b, c in self.cells.get((i, j), ())
+        )
 
 
 def _walls(side: int) -> list[Wall]:
@@ -94,7 +115,7 @@ def _walls(side: int) -> list[Wall]:
 SINAI = "Y. G. Sinai, Dynamical systems with elastic reflections, Russian Mathematical Surveys 25 (1970), 137-189"
 
 PARAMETERS = (
-    Parameter("n", "10", "number of discs", whole(1, 500)),
+    Parameter("n", "10", "number of discs", whole(1, 10_000)),
     Parameter("seed", "1", "seed of the positions and velocities", whole(0, 10**9)),
     Parameter("size", "auto", "side of the box; auto leaves nine tenths free", automatic(whole(3, 10_000))),
     Parameter("mixed", "no", "yes draws radii from 1/2 to 3/2; the mass is their square", yes_no),

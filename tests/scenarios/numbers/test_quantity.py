@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from decimal import Decimal
 from fractions import Fraction
 
 import mpmath
 import pytest
 import sympy
+from counted import calls
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -159,11 +159,12 @@ def test_nothing_else_is_read(text: str) -> None:
     ],
 )
 def test_a_hostile_text_is_refused_at_once(text: str) -> None:
-    began = time.perf_counter()
-    with pytest.raises(SceneError) as error:
-        Quantity.of(text)
-    assert time.perf_counter() - began < 1
-    assert len(str(error.value)) < 250
+    def refused() -> None:
+        with pytest.raises(SceneError) as error:
+            Quantity.of(text)
+        assert len(str(error.value)) < 250
+
+    assert calls(refused) < 1_000_000
 
 
 def test_the_longest_text_is_read() -> None:
@@ -328,10 +329,8 @@ def test_a_number_that_takes_too_much_work_is_refused_and_with_enough_it_is_not(
 def test_the_tower_of_a_number_that_doubles_with_each_root_is_left() -> None:
     roots = " + ".join(f"sqrt({sympy.prime(i)})" for i in range(1, 16))
     zero = Quantity.of(f"1/({roots}) - 1/({roots} + sqrt(2)*sqrt(2) - 2)")
-    began = time.process_time()
     with pytest.raises(SceneError, match="units of work"):
         zero.sign()
-    assert time.process_time() - began < 60
 
 
 # -- text
