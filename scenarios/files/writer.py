@@ -67,7 +67,7 @@ def dump_json(scene: Scene) -> str:
     for key, value in _data(scene).items():
         text = json.dumps(value, ensure_ascii=False)
         if isinstance(value, list):
-            rows = ",\n".join(f"    {json.dumps(row, ensure_ascii=False)}" for row in value)
+            rows = ",\n".join(f"    {json.dumps(row, ensure_ascii=False)}" for row in cast("list[object]", value))
             text = f"[\n{rows}\n  ]"
         items.append(f"  {json.dumps(key)}: {text}")
     return _bounded(scene, "{\n" + ",\n".join(items) + "\n}\n", MAX_JSON, "JSON; leave something out")
