@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from flint import arb, fmpq  # type: ignore[attr-defined]
-from numpy.typing import NDArray
+from flint import arb, fmpq
 
 from ..scenarios.numbers.doubles import certain_double
 from ..scenarios.numbers.quantity import Quantity
@@ -17,6 +15,10 @@ from .formulas import advance
 from .machine import Machine, Number
 from .numbers import ball
 from .value import ExactValue, Program
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
@@ -167,6 +169,8 @@ class ExactMotion:
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4), as doubles; times within the run, ascending."""
+        import numpy as np
+
         result = np.empty((len(times), len(self.knots), 4))
         for row, time in enumerate(times):
             exact = Quantity.of(float(time))

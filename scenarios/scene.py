@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from collections.abc import Iterable
 from copy import copy
@@ -181,9 +180,11 @@ class Scene:
     @property
     def digest(self) -> str:
         """SHA-256 of what decides the history: everything but name, description, source and default horizon."""
+        from hashlib import sha256
+
         told = {"name", "description", "source", "until", "events"}
         data = {key: value for key, value in self.data().items() if key not in told}
-        return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+        return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
 
 Thing = TypeVar("Thing", Circle, Wall, Pocket)

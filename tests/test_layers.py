@@ -218,13 +218,13 @@ TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])
             "sympy numpy flint pymunk mpmath click rich jinja2",
         ),
         ("import truebreak as tb; tb.scene('rack').digest", "sympy numpy pymunk mpmath click rich jinja2"),
-        ("import truebreak.scenarios", "sympy numpy pymunk"),
+        ("import truebreak.scenarios", "sympy numpy flint pymunk"),
         (f"from truebreak.scenarios import *; {TINY}", "sympy numpy pymunk"),
         ("import truebreak.exact; truebreak.exact.ExactEngine", "sympy pymunk"),
         (
             f"from truebreak.scenarios import *; from truebreak.exact import ExactEngine; "
             f"run = ExactEngine().run({TINY}, events=5); assert run.events; float(run.final.circles[0].x)",
-            "sympy pymunk",
+            "sympy numpy pymunk",
         ),
         ("import truebreak.floating; truebreak.floating.DoubleEngine", "sympy pymunk"),
         ("import truebreak.compare", "sympy pymunk"),
