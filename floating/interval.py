@@ -66,7 +66,7 @@ class IntervalNumber:
         return digits_of(self.ball(0), count)
 
     def ball(self, bits: int) -> arb:
-        """A ball around the interval, whatever the precision asked for."""
+        """A ball around the interval, whatever the precision asked for; nan if an end is infinite."""
         low, high = (arb(mpmath.mp.make_mpf(end)) for end in self.value._mpi_)
         return hull(low, high)
 

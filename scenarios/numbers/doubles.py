@@ -95,13 +95,15 @@ def _nearest_to_ends(value: arb) -> tuple[float, float, arb, arb]:
 
 
 def digits_of(value: arb, count: int) -> str:
-    """The digits of a ball that are sure (the last may be off by one), at most so many.
+    """The digits of a ball that are sure (the last may be off by one), at most so many; "" if none is.
 
-    >>> digits_of(arb("0.123456 +/- 1e-4"), 10), digits_of(arb(2), 10)
-    ('0.123', '2.000000000')
+    >>> digits_of(arb("0.123456 +/- 1e-4"), 10), digits_of(arb(2), 10), digits_of(arb("1 +/- 2"), 10)
+    ('0.123', '2.000000000', '')
     """
     with at_bits(int(count * BITS_PER_DIGIT) + GUARD_BITS):
-        return value.str(count, radius=False)
+        text = value.str(count, radius=False)
+    known = value.is_zero() or (value.is_finite() and text.partition("e")[0].strip("-0."))
+    return text if known else ""
 
 
 def hull(low: arb, high: arb) -> arb:

@@ -32,7 +32,7 @@ class Real(Protocol):
         ...
 
     def digits(self, count: int) -> str:
-        """The value in decimals: as many digits as are known, and at most `count`."""
+        """The value in decimals: as many digits as are known, and at most `count`; "" if none is."""
         ...
 
     def ball(self, bits: int) -> arb:
