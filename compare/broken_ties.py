@@ -9,7 +9,8 @@ from .divergence import Divergence, Kind
 from .impulse_order import impulses_among, order_reproduces
 
 if TYPE_CHECKING:
-    from ..scenarios.trajectory import Contact, Trajectory
+    from ..scenarios.event import Contact
+    from ..scenarios.trajectory import Trajectory
     from .streams import History
     from .walk import Walk
 

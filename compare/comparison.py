@@ -19,7 +19,7 @@ from .study import Study
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
-    from ..scenarios.quantity import QuantityLike
+    from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
     from .outcomes import Outcome

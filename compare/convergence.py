@@ -50,7 +50,8 @@ class Subject:
 def subjects() -> tuple[Subject, ...]:
     """Scenes whose outcome depends on the policy, and two in which rounding makes circles overlap."""
     from ..scenarios.catalogue import build
-    from ..scenarios.scene import Circle, Scene
+    from ..scenarios.scene import Scene
+    from ..scenarios.things import Circle
 
     two = Scene([Circle(0, 0, vx=1), Circle("3 + sqrt(3)", 1), Circle("3 + sqrt(3)", -1)], name="one onto two")
     three = Scene(

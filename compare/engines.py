@@ -168,7 +168,7 @@ def converted(label: str, text: str, hint: Any) -> Any:
     (Fraction(1, 1000), None)
     """
     from ..scenarios.errors import SceneError
-    from ..scenarios.quantity import Quantity
+    from ..scenarios.numbers.quantity import Quantity
     from ..scenarios.tie_policy import TiePolicy
 
     options = typing.get_args(hint) if typing.get_origin(hint) in (typing.Union, types.UnionType) else (hint,)
@@ -213,7 +213,7 @@ def _boolean(text: str) -> bool:
 
 
 def _fraction(text: str) -> Fraction:
-    from ..scenarios.quantity import Quantity
+    from ..scenarios.numbers.quantity import Quantity
 
     value = Quantity.of(text).fraction
     if value is None:

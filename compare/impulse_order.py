@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 if TYPE_CHECKING:
-    from ..scenarios.trajectory import Contact, State, Trajectory
+    from ..scenarios.event import Contact
+    from ..scenarios.trajectory import State, Trajectory
 
 Velocities: TypeAlias = "dict[str, tuple[float, float]]"
 

@@ -13,7 +13,7 @@ from .deadline import Clock, time_limit, uninterrupted
 if TYPE_CHECKING:
     from ..exact.policies import Policy
     from ..exact.policies.all_orders import Runner
-    from ..scenarios.quantity import QuantityLike
+    from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress, Trajectory
 

@@ -5,10 +5,11 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.trajectory import Contact
+from ..scenarios.event import Contact
 
 if TYPE_CHECKING:
-    from ..scenarios.scene import Scene, Wall
+    from ..scenarios.scene import Scene
+    from ..scenarios.things import Wall
 
 
 class MissingPackage(Exception):

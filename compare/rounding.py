@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..scenarios.errors import SceneError
-from ..scenarios.scene import Circle, Scene, Wall
+from ..scenarios.scene import Scene
+from ..scenarios.things import Circle, Wall
 
 if TYPE_CHECKING:
-    from ..scenarios.quantity import Quantity
+    from ..scenarios.numbers.quantity import Quantity
 
 
 def rounded(scene: Scene) -> Scene:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..scenarios.engine import horizon
 from ..scenarios.errors import SceneError
+from ..scenarios.numbers.doubles import Double
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
 from .align import Alignment, align
 from .candidate import Candidate
@@ -21,7 +22,7 @@ from .separation import return_miss, separation
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
-    from ..scenarios.quantity import QuantityLike
+    from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
     from .divergence import Divergence
@@ -221,6 +222,6 @@ def _unable(scene: Scene, engine: Engine, reason: str) -> Trajectory:
         parameters={},
         events=(),
         stop=Stop(StopReason.UNDECIDED, f"cannot run this scene: {reason}"),
-        final_time=0.0,
+        final_time=Double(0.0),
         motion=_Still(scene),
     )

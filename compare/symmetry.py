@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from .streams import history
 
 if TYPE_CHECKING:
-    from ..scenarios.quantity import Quantity
-    from ..scenarios.scene import Circle, Scene, Wall
+    from ..scenarios.numbers.quantity import Quantity
+    from ..scenarios.scene import Scene
+    from ..scenarios.things import Circle, Wall
     from ..scenarios.trajectory import Trajectory
 
 Axis: TypeAlias = Literal["x", "y"]
@@ -45,7 +46,7 @@ def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
     >>> mirror(Scene([Circle(0, 2, id="a"), Circle(0, -2, id="b")]), "y")[1]
     {'a': 'b', 'b': 'a'}
     """
-    from ..scenarios.quantity import ZERO
+    from ..scenarios.numbers.quantity import ZERO
 
     if len(scene.circles) < 2:
         return None

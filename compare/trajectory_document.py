@@ -8,7 +8,8 @@ from .amounts import bounds, double, plain
 from .exact_texts import ExactTexts
 
 if TYPE_CHECKING:
-    from ..scenarios.trajectory import Assumption, Event, State, Stop, Trajectory
+    from ..scenarios.event import Assumption, Event
+    from ..scenarios.trajectory import State, Stop, Trajectory
 
 TRAJECTORY_SCHEMA = "truebreak/trajectory-1"
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..scenarios.errors import SceneError
-from ..scenarios.quantity import QuantityLike
+from ..scenarios.event import Contact, Event, Pocketing, Reversal
+from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
+from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
 from .certified.decider import CertifiedDecider
 from .numbers import ball
 from .policies import Policy

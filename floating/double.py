@@ -9,7 +9,7 @@ from math import nan, sqrt
 from typing import Any, ClassVar
 
 from ..exact.numbers.system import NumberSystem
-from ..scenarios.quantity import Quantity
+from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import Motion
 from .event_engine import EventEngine
 from .knots import DoubleMotion

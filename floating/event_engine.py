@@ -9,7 +9,8 @@ from typing import Any
 from ..exact.numbers.system import NumberSystem
 from ..exact.policies import Policy
 from ..exact.replay.state import State
-from ..scenarios.quantity import QuantityLike
+from ..scenarios.numbers.doubles import Double
+from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, Trajectory
 from .plain_decider import PlainDecider
@@ -39,7 +40,7 @@ class EventEngine(ABC):
 
     def shown(self, time: Any, instant: int) -> Any:
         """A time of the trajectory, from a number and the number of its instant."""
-        return float(time)
+        return Double(float(time))
 
     def run(
         self,

@@ -12,13 +12,15 @@ from typing import Any, ClassVar
 
 import mpmath  # type: ignore[import-untyped]
 import numpy as np
+from flint import arb
 from mpmath.libmp import to_float  # type: ignore[import-untyped]
 from numpy.typing import NDArray
 
 from ..exact.numbers.undecided import Undecided
 from ..exact.replay.state import State
 from ..scenarios.errors import SceneError
-from ..scenarios.quantity import Quantity, QuantityLike
+from ..scenarios.numbers.doubles import digits_of, hull
+from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
 from .plain_decider import PlainDecider
@@ -51,6 +53,23 @@ class IntervalNumber:
     def high(self) -> float:
         """A double at or above every number in the interval."""
         return bounds(self.value)[1]
+
+    def bounds(self) -> tuple[float, float]:
+        """`low` and `high`."""
+        return bounds(self.value)
+
+    def text(self) -> str | None:
+        """None: an interval is no exact value."""
+        return None
+
+    def digits(self, count: int) -> str:
+        """The decimals that all numbers in the interval share, at most `count`."""
+        return digits_of(self.ball(0), count)
+
+    def ball(self, bits: int) -> arb:
+        """A ball around the interval, whatever the precision asked for; nan if an end is infinite."""
+        low, high = (arb(mpmath.mp.make_mpf(end)) for end in self.value._mpi_)
+        return hull(low, high)
 
     def __mul__(self, other: Any) -> IntervalNumber:
         return IntervalNumber(self.value * other)
@@ -105,16 +124,7 @@ def root(value: Any) -> Any:
 def enclosure(q: Quantity) -> Any:
     """An exact number as an interval at the working precision."""
     iv: Any = mpmath.iv
-    if q.rational is not None:
-        return iv.mpf(int(q.rational.p)) / iv.mpf(int(q.rational.q))
-    if q.op == "sqrt":
-        return root(enclosure(q.args[0]))
-    left, right = (enclosure(argument) for argument in q.args)
-    if q.op == "+":
-        return left + right
-    if q.op == "-":
-        return left - right
-    return left * right if q.op == "*" else left / right
+    return q.evaluated(lambda r: iv.mpf(int(r.p)) / iv.mpf(int(r.q)), root)
 
 
 class Intervals:

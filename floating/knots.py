@@ -11,8 +11,6 @@ from typing import SupportsFloat, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scenarios.trajectory import Real
-
 Knot: TypeAlias = tuple[float, float, float, float, float]
 """(t, x, y, vx, vy) of one circle: from time t on it flies straight from (x, y) at (vx, vy)."""
 
@@ -36,7 +34,7 @@ class DoubleMotion:
     knots: Sequence[Sequence[Knot]]
     end: float = math.inf
 
-    def state(self, time: SupportsFloat) -> list[tuple[Real, Real, Real, Real]]:
+    def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """(x, y, vx, vy) of every circle at a time; at a knot, as it leaves it.
 
         Raises:
@@ -44,7 +42,7 @@ class DoubleMotion:
         """
         t = float(time)
         self._check(t)
-        rows: list[tuple[Real, Real, Real, Real]] = []
+        rows: list[tuple[float, float, float, float]] = []
         for knots in self.knots:
             t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
             rows.append((x + vx * (t - t0), y + vy * (t - t0), vx, vy))

@@ -16,9 +16,9 @@ from ..exact.replay.steps import Link, Step, name_of
 from ..exact.simulation.history import History
 from ..exact.simulation.prediction import Predictor
 from ..exact.simulation.queue import Arrival, ArrivalQueue
-from ..scenarios.quantity import Quantity
+from ..scenarios.event import TieProof
+from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import TieProof
 
 
 class PlainReading:

@@ -9,9 +9,10 @@ from ..exact.policies import Policy
 from ..exact.simulation.history import Mark
 from ..exact.simulation.limits import run_limits
 from ..exact.simulation.loop import Loop
-from ..scenarios.quantity import QuantityLike
+from ..scenarios.event import Contact, Event, Pocketing, Reversal
+from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, Event, Motion, OnProgress, Pocketing, Reversal, StopReason, Trajectory
+from ..scenarios.trajectory import Motion, OnProgress, StopReason, Trajectory
 from .plain_decider import PlainDecider
 
 

@@ -16,16 +16,11 @@ import pymunk
 
 from ..scenarios.engine import horizon
 from ..scenarios.errors import SceneError, TimeIsUp
-from ..scenarios.quantity import QuantityLike
+from ..scenarios.event import Reversal
+from ..scenarios.numbers.doubles import Double
+from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import (
-    OnProgress,
-    Progress,
-    Reversal,
-    Stop,
-    StopReason,
-    Trajectory,
-)
+from ..scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
 from . import pymunk_space
 from .knots import DoubleMotion
 from .pymunk_record import Record
@@ -234,7 +229,7 @@ class _Run:
             parameters=self.engine.parameters,
             events=tuple(self.record.events),
             stop=stop,
-            final_time=final,
+            final_time=Double(final),
             motion=DoubleMotion(self.record.knots, final),
             reversal=self.reversal,
             plan={
@@ -322,7 +317,7 @@ class _Run:
         for body in self.world.moving:
             body.velocity = -body.velocity
         self.record.tie_knots(time)
-        self.reversal = Reversal(self.done, time)
+        self.reversal = Reversal(self.done, Double(time))
         self.last_event_step = self.steps
 
     def tell(self) -> StopReason | None:

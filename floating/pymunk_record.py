@@ -7,8 +7,9 @@ from typing import Any
 
 import pymunk
 
+from ..scenarios.event import Contact, Event, Tie, TieProof
+from ..scenarios.numbers.doubles import Double
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Contact, Event, Tie, TieProof
 from .knots import Knot
 from .pymunk_space import PymunkSpace
 
@@ -94,7 +95,7 @@ class Record:
                 self.settling.update(places)
         if len(pushed) == 1:
             contacts = self._single(pushed[0])
-            self.events.append(Event(len(self.events), time, contacts, contacts))
+            self.events.append(Event(len(self.events), Double(time), contacts, contacts))
         elif pushed:
             self.events.append(self._several(time))
         self.contact_steps += bool(touched)
@@ -119,7 +120,7 @@ class Record:
         impulses = tuple(self._single(pair)[0] for pair in self._pushed)
         contacts = tuple(self._single(pair)[0] for pair in pairs)
         tie = Tie(contacts, TieProof.FLOAT)
-        return Event(len(self.events), time, contacts, impulses, (tie,), self._coupled(pairs))
+        return Event(len(self.events), Double(time), contacts, impulses, (tie,), self._coupled(pairs))
 
     def _coupled(self, pairs: list[tuple[int, int]]) -> bool:
         """Whether a moving circle has two of the contacts, not at right angles in pymunk's own numbers."""

@@ -10,7 +10,8 @@ from typing import TypeAlias
 import pymunk
 
 from ..scenarios.errors import SceneError
-from ..scenarios.scene import Circle, Scene, Wall
+from ..scenarios.scene import Scene
+from ..scenarios.things import Circle, Wall
 
 Point: TypeAlias = tuple[float, float]
 

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exact.numbers.system import NumberSystem
-from ..scenarios.quantity import Quantity
+from ..scenarios.numbers.doubles import Double
+from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import Motion
 from .double_double import DoubleDouble
 from .event_engine import EventEngine
@@ -56,7 +57,7 @@ class Quads:
 QUADS = Quads()
 
 
-class QuadTime(float):
+class QuadTime(Double):
     """The time of something that happened in a run: as a float, the nearest double.
 
     Attributes:

@@ -14,7 +14,7 @@ import numpy as np
 from ..exact.numbers.system import NumberSystem
 from ..exact.policies import Policy
 from ..scenarios.errors import SceneError
-from ..scenarios.quantity import Quantity, QuantityLike
+from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, Trajectory
 from .event_engine import EventEngine

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from .quantity import Quantity, QuantityLike
-from .scene import Scene, positive_count, positive_time
+from .limits import positive_count, positive_time
+from .numbers.quantity import Quantity, QuantityLike
+from .scene import Scene
 from .trajectory import OnProgress, Trajectory
 
 DEFAULT_EVENTS = 1_000

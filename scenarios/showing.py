@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import reprlib
-from typing import Any
 
 SHOWN = 60
 """How much of a bad value an error repeats, in characters."""
@@ -15,7 +14,16 @@ class Bare(str):
     __slots__ = ()
 
 
-def cut(value: Any) -> str:
+def shortened(text: str) -> str:
+    """A long text cut, with its length.
+
+    >>> shortened("1" * 100)[50:]
+    '1111111111... (100 characters)'
+    """
+    return text if len(text) <= SHOWN else f"{text[:SHOWN]}... ({len(text)} characters)"
+
+
+def cut(value: object) -> str:
     """A bad value as an error repeats it.
 
     >>> cut("5" * 1000)[:8], cut(Bare("0.5")), cut(None), cut([1, 2])
@@ -24,7 +32,7 @@ def cut(value: Any) -> str:
     if isinstance(value, bool) or value is None:
         return {True: "true", False: "false", None: "null"}[value]
     if isinstance(value, str):
-        text = value if len(value) <= SHOWN else f"{value[:SHOWN]}... ({len(value)} characters)"
+        text = shortened(value)
         return str(text) if isinstance(value, Bare) else repr(text)
     if isinstance(value, int) and value.bit_length() > 3 * SHOWN:
         return f"a whole number of {value.bit_length()} bits"

@@ -6,130 +6,16 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
+from .event import Assumption, Event, Pocketing, Reversal
+from .numbers.quantity import Quantity
+from .numbers.real import Real, real
+from .scene import Scene
 
 if TYPE_CHECKING:
-    from .scene import Scene
-
-Real: TypeAlias = SupportsFloat
-"""A number of some engine: float() gives its nearest double. The exact engine's also know their exact value."""
-
-
-class Contact(NamedTuple):
-    """Two touching things by id: the circle that comes first in the scene is first, a wall is last."""
-
-    first: str
-    second: str
-
-
-class TieProof(Enum):
-    """How it is known that several contacts fall on one instant; weakest last."""
-
-    CONSTRUCTION = "the same instant by construction"
-    RATIONAL = "computed in rational numbers"
-    FIELD = "signs of coefficients in the field of the state"
-    SYMMETRY = "an isometry maps the causal past of the one to that of the other"
-    WAY_BACK = "the way back retraces a tie of the way out"
-    TOWER = "replayed in nested square roots in normal form"
-    ASSUMED = "agreement to as many bits as the user asked for: an assumption"
-    FLOAT = "equal in the engine's own finite precision"
-
-    @property
-    def proved(self) -> bool:
-        """Whether this is a proof."""
-        return self not in (TieProof.ASSUMED, TieProof.FLOAT)
-
-
-@dataclass(frozen=True)
-class Tie:
-    """Several contacts on one instant, and how that is known.
-
-    Attributes:
-        contacts: the contacts shown to be simultaneous.
-        proof: the kind of evidence.
-        bound: for ASSUMED, the bits of agreement.
-    """
-
-    contacts: tuple[Contact, ...]
-    proof: TieProof
-    bound: int | None = None
-
-
-@dataclass(frozen=True)
-class Assumption:
-    """A decision that rests on less than proof; everything from its event on rests on it.
-
-    Attributes:
-        event: index of the first event that follows from it.
-        question: what was decided, in words.
-        proof: the kind of evidence.
-        bound: as in `Tie`.
-    """
-
-    event: int
-    question: str
-    proof: TieProof
-    bound: int | None = None
-
-    def __str__(self) -> str:
-        return (
-            f"from event {self.event} on, this rests on a zero that is not proved ({self.question}): "
-            f"agreement to {self.bound} bits"
-        )
-
-
-@dataclass(frozen=True)
-class Event:
-    """One instant at which contacts collide.
-
-    Attributes:
-        index: place in the trajectory, from 0.
-        time: the instant; float(time) is the nearest double.
-        contacts: the contacts that took part, in scene order: those that approach as the instant comes, and
-            those that come to approach in its rounds of impulses.
-        impulses: the pairwise impulses in the order applied; their number is the number of collisions.
-        ties: how it is known that the contacts are simultaneous; empty for a single contact.
-        coupled: whether the order of the impulses could matter: some circle takes part in several contacts that
-            are not at right angles to each other.
-    """
-
-    index: int
-    time: Real
-    contacts: tuple[Contact, ...]
-    impulses: tuple[Contact, ...]
-    ties: tuple[Tie, ...] = ()
-    coupled: bool = False
-
-
-@dataclass(frozen=True)
-class Reversal:
-    """The one moment at which every velocity was negated.
-
-    Attributes:
-        after: number of instants before it.
-        time: the moment.
-    """
-
-    after: int
-    time: Real
-
-
-@dataclass(frozen=True)
-class Pocketing:
-    """The centre of a circle enters a pocket.
-
-    Attributes:
-        circle: the circle's id.
-        pocket: the pocket's id.
-        time: the instant.
-    """
-
-    circle: str
-    pocket: str
-    time: Real
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -158,6 +44,8 @@ class State:
 
     def array(self) -> NDArray[np.float64]:
         """Shape (circles, 4): x, y, vx, vy as doubles."""
+        import numpy as np
+
         return np.array([[float(c.x), float(c.y), float(c.vx), float(c.vy)] for c in self.circles])
 
 
@@ -183,8 +71,8 @@ class Stop:
 class Motion(Protocol):
     """The motion between the events, as an engine keeps it."""
 
-    def state(self, time: Any) -> list[tuple[Real, Real, Real, Real]]:
-        """(x, y, vx, vy) of every circle at a time; at an event, as it leaves it."""
+    def state(self, time: Any) -> Sequence[tuple[SupportsFloat, SupportsFloat, SupportsFloat, SupportsFloat]]:
+        """(x, y, vx, vy) of every circle at a time; at an event, as it leaves it. Plain floats are doubles."""
         ...
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -233,10 +121,10 @@ class Trajectory:
     reversal: Reversal | None = None
     pocketings: tuple[Pocketing, ...] = ()
     assumptions: tuple[Assumption, ...] = ()
-    plan: Mapping[str, Any] = field(default_factory=dict)
+    plan: Mapping[str, Any] = field(default_factory=dict[str, Any])
     notes: tuple[str, ...] = ()
 
-    def at(self, time: Any) -> State:
+    def at(self, time: str | SupportsFloat) -> State:
         """The state at a time from 0 to `final_time`; at an event, as it leaves it.
 
         Args:
@@ -246,13 +134,11 @@ class Trajectory:
             ValueError: outside of that range.
         """
         if isinstance(time, str):
-            from .quantity import Quantity
-
             time = Quantity.of(time)
         rows = self.motion.state(time)
         return State(
-            time,
-            tuple(CircleState(str(c.id), *row) for c, row in zip(self.scene.circles, rows, strict=True)),
+            real(time),
+            tuple(CircleState(str(c.id), *map(real, row)) for c, row in zip(self.scene.circles, rows, strict=True)),
         )
 
     @cached_property

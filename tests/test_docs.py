@@ -15,7 +15,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = ("scenarios", "exact", "floating", "compare")
-MODULES = [
+MODULES = ["truebreak"] + [
     "truebreak." + ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
     for folder in FOLDERS
     for path in sorted((ROOT / folder).rglob("*.py"))

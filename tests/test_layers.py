@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
+TESTS = ROOT / "tests" / "scenarios"
 LAYERS = ("scenarios", "exact", "floating", "compare")
 """Lowest first: a layer imports itself and those before it."""
 
@@ -70,6 +71,76 @@ def reached(module: str) -> set[str]:
             found.add(name)
             waiting.append(name)
     return found
+
+
+def used(module: str) -> set[str]:
+    """The files of this project that a file names in its imports: for a name from a package, the name's own file."""
+    path = FILES[module]
+    package = module if path.name == "__init__.py" else module.rpartition(".")[0]
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        names = list(_imports(node, f"truebreak.{package}", True)) if isinstance(node, IMPORTING) else []
+        files = own(iter(names))
+        found |= {name for name in files if not any(other.startswith(f"{name}.") for other in files)}
+    return found - {module}
+
+
+IMPORTING = (ast.Import, ast.ImportFrom, ast.Call)
+
+
+def circles() -> list[frozenset[str]]:
+    """The largest sets of files of which each imports every other, directly or through others."""
+    uses = {module: used(module) for module in FILES}
+    below: dict[str, set[str]] = {}
+    for module in FILES:
+        below[module], waiting = set(), [module]
+        while waiting:
+            new = uses[waiting.pop()] - below[module]
+            below[module] |= new
+            waiting += new
+    together = {frozenset({m, *(n for n in below[m] if m in below[n])}) for m in FILES if m in below[m]}
+    return sorted(together, key=sorted)
+
+
+KNOWN_CIRCLES = [frozenset({"compare.candidate", "compare.causes", "compare.study"})]
+"""Not mended yet: this list may only shrink."""
+
+
+def test_no_two_files_import_each_other() -> None:
+    """Directly or through others, imports inside functions and those for types included."""
+    assert circles() == KNOWN_CIRCLES
+
+
+MOST_LINES = 350
+MOST_METHODS = 20
+KNOWN_LONG_FILES = {"exact.replay.state": 383, "floating.pymunk_engine": 399, "compare.cli": 429}
+KNOWN_LARGE_CLASSES = {"exact.replay.refinable.RefinableState": 25, "exact.replay.state.State": 30}
+"""Not mended yet, with their lines and methods: these lists and their numbers may only shrink."""
+GENERATED = ("exact.laws.formulas",)
+
+
+def test_no_file_is_long() -> None:
+    lines = {module: len(path.read_text("utf-8").splitlines()) for module, path in FILES.items()}
+    lines |= {str(p.relative_to(ROOT)): len(p.read_text("utf-8").splitlines()) for p in sorted(TESTS.rglob("*.py"))}
+    long = {module: n for module, n in lines.items() if n > MOST_LINES and module not in GENERATED}
+    assert long.keys() == KNOWN_LONG_FILES.keys()
+    assert all(n <= KNOWN_LONG_FILES[module] for module, n in long.items())
+
+
+def methods(node: ast.ClassDef) -> int:
+    """How many methods a class has, operators aside."""
+    names = {n.name for n in node.body if isinstance(n, ast.FunctionDef)}
+    return sum(not (name.startswith("__") and name.endswith("__")) for name in names)
+
+
+def test_no_class_is_large() -> None:
+    large: dict[str, int] = {}
+    for module, path in FILES.items():
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(node, ast.ClassDef) and methods(node) > MOST_METHODS:
+                large[f"{module}.{node.name}"] = methods(node)
+    assert large.keys() == KNOWN_LARGE_CLASSES.keys()
+    assert all(n <= KNOWN_LARGE_CLASSES[name] for name, n in large.items())
 
 
 def test_resolver_sees_relative_lazy_and_named_imports() -> None:
@@ -133,13 +204,18 @@ TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])
 @pytest.mark.parametrize(
     ("code", "absent"),
     [
-        ("import truebreak.scenarios", "sympy pymunk"),
-        (f"from truebreak.scenarios import *; {TINY}", "sympy pymunk"),
+        (
+            "import truebreak; dir(truebreak); truebreak.__version__",
+            "sympy numpy flint pymunk mpmath click rich jinja2",
+        ),
+        ("import truebreak as tb; tb.scene('rack').digest", "sympy numpy pymunk mpmath click rich jinja2"),
+        ("import truebreak.scenarios", "sympy numpy flint pymunk"),
+        (f"from truebreak.scenarios import *; {TINY}", "sympy numpy pymunk"),
         ("import truebreak.exact; truebreak.exact.ExactEngine", "sympy pymunk"),
         (
             f"from truebreak.scenarios import *; from truebreak.exact import ExactEngine; "
             f"run = ExactEngine().run({TINY}, events=5); assert run.events; float(run.final.circles[0].x)",
-            "sympy pymunk",
+            "sympy numpy pymunk",
         ),
         ("import truebreak.floating; truebreak.floating.DoubleEngine", "sympy pymunk"),
         ("import truebreak.compare", "sympy pymunk"),
@@ -152,7 +228,7 @@ TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])
             "sympy pymunk",
         ),
     ],
-    ids=["scenarios", "scene", "exact", "exact-run", "floating", "compare", "help", "scenes"],
+    ids=["face", "face-scene", "scenarios", "scene", "exact", "exact-run", "floating", "compare", "help", "scenes"],
 )
 def test_heavy_packages_are_not_imported_before_they_are_needed(code: str, absent: str, tmp_path: Path) -> None:
     script = (

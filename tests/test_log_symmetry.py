@@ -18,7 +18,7 @@ from truebreak.exact.predicates.scene_symmetry import symmetries
 from truebreak.exact.replay.steps import Go, Kick, Take
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
-from truebreak.scenarios.trajectory import TieProof
+from truebreak.scenarios.event import TieProof
 
 FIXED = "oo"
 TINY = Quantity.of("10**-30")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import subprocess
@@ -13,18 +14,25 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-FOLDERS = ("scenarios", "exact", "floating", "compare")
+LAYERS = ("scenarios", "exact", "floating", "compare")
+FOLDERS = (*LAYERS, "truebreak")
+COMMAND = "import sys; sys.argv[:] = ['truebreak', '--help']; from truebreak.compare.cli import main; main()"
 SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 
 
 def sources() -> set[str]:
-    """Every file of the four folders, as a path from the project's top."""
+    """Every file of the packages, as a path from the project's top."""
     return {
         path.relative_to(ROOT).as_posix()
         for folder in FOLDERS
         for path in (ROOT / folder).rglob("*")
         if path.is_file() and "__pycache__" not in path.parts
     }
+
+
+def installed(name: str) -> str:
+    """Where a file of the project is in an installation: all packages are below the face."""
+    return name if name.startswith("truebreak/") else f"truebreak/{name}"
 
 
 @pytest.fixture(scope="module")
@@ -64,15 +72,15 @@ def site(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_every_folder_with_code_is_a_listed_package() -> None:
     packages = set(SETTINGS["tool"]["setuptools"]["packages"])
-    with_code = {"truebreak." + name.rpartition("/")[0].replace("/", ".") for name in sources() if name.endswith(".py")}
+    with_code = {installed(name).rpartition("/")[0].replace("/", ".") for name in sources() if name.endswith(".py")}
     assert with_code == packages
 
 
-def test_wheel_holds_every_file_of_the_four_folders(wheel: Path) -> None:
+def test_wheel_holds_every_file_of_the_folders(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
-    assert names == {f"truebreak/{name}" for name in sources()}
-    assert {f"truebreak/{folder}/py.typed" for folder in FOLDERS} <= names
+    assert names == set(map(installed, sources()))
+    assert {installed(f"{folder}/py.typed") for folder in FOLDERS} <= names
 
 
 def test_wheel_claims_no_general_name(wheel: Path) -> None:
@@ -91,7 +99,7 @@ def test_wheel_carries_the_licence_and_the_command(wheel: Path) -> None:
 
 def user_project(folder: Path) -> Path:
     """Somebody's project whose own folders bear the names of ours."""
-    for name in (*FOLDERS, "tests"):
+    for name in (*LAYERS, "tests"):
         (folder / name).mkdir()
         (folder / name / "__init__.py").write_text(f"mine = {name!r}\n", "utf-8")
     (folder / "tests" / "test_mine.py").write_text(
@@ -128,20 +136,65 @@ def test_users_keep_their_own_folders_of_the_same_names(
 
 def test_general_names_are_not_importable_from_elsewhere(tmp_path: Path) -> None:
     code = "import importlib.util as u, sys; sys.exit(any(u.find_spec(name) for name in sys.argv[1:]))"
-    done = subprocess.run([sys.executable, "-c", code, *FOLDERS], cwd=tmp_path, check=False)
+    done = subprocess.run([sys.executable, "-c", code, *LAYERS], cwd=tmp_path, check=False)
     assert done.returncode == 0, "the installation puts a top-level package of a general name on the path"
 
 
-def test_installed_command_runs_from_anywhere(site: Path, tmp_path: Path) -> None:
-    code = "import sys; sys.argv[:] = ['truebreak', '--help']; from truebreak.compare.cli import main; main()"
-    environment = {**os.environ, "PYTHONPATH": str(site)}
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        cwd=tmp_path,
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+@pytest.mark.parametrize("entry", [["-c", COMMAND], ["-m", "truebreak", "--help"]], ids=["command", "module"])
+@pytest.mark.parametrize("where", ["wheel", "editable"])
+def test_command_runs_from_anywhere(
+    where: str, entry: list[str], tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    done = python(where, entry, tmp_path, request)
     assert done.returncode == 0, done.stderr
-    assert "compare" in done.stdout
+    assert "Usage: truebreak" in done.stdout
+
+
+@pytest.mark.parametrize("where", ["wheel", "editable"])
+def test_the_face_hands_its_names_on(where: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
+    code = (
+        "import truebreak as tb\n"
+        "scene = tb.Scene([tb.Circle(0, 0, vx=1), tb.Circle(4, 1)], [tb.Wall(9, 0, 9, 1)])\n"
+        "assert set(tb.__all__) <= set(dir(tb))\n"
+        "assert all(getattr(tb, name) is not None for name in tb.__all__)\n"
+        "print(tb.__file__, tb.__version__, len(tb.run(scene, until=20).events), len(tb.scene('lee').circles))\n"
+    )
+    done = python(where, ["-c", code], tmp_path, request)
+    assert done.returncode == 0, done.stderr
+    file, *rest = done.stdout.split()
+    assert Path(file).is_relative_to(ROOT if where == "editable" else request.getfixturevalue("site"))
+    assert rest == [SETTINGS["project"]["version"], "2", "3"]
+
+
+USER = """\
+import truebreak as tb
+scene = tb.scene("lee")
+own = tb.Scene([tb.Circle(0, 0, vx=1)], [tb.Wall(9, 0, 9, 1)])
+count: int = len(tb.run(own, "double", until=5).events)
+verdict: str = tb.comparison(own, ["double"]).verdict
+times: list[float] = [float(event.time) for event in tb.run(scene).events]
+version: str = tb.__version__
+wrong: int = tb.load("x.toml")
+"""
+
+
+def test_type_checkers_see_the_names_of_the_face(site: Path, tmp_path: Path) -> None:
+    """In strict mode, in a user's project, with one deliberate mistake."""
+    (tmp_path / "user.py").write_text(USER, "utf-8")
+    settings = {"include": ["user.py"], "strict": ["user.py"], "extraPaths": [str(site)]}
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings), "utf-8")
+    command = [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    found = [(d["range"]["start"]["line"] + 1, d["message"]) for d in json.loads(done.stdout)["generalDiagnostics"]]
+    assert [line for line, _ in found] == [len(USER.splitlines())], found
+
+
+def python(
+    where: str, arguments: list[str], folder: Path, request: pytest.FixtureRequest
+) -> subprocess.CompletedProcess[str]:
+    """Python in an empty folder, with the wheel or with the editable installation."""
+    environment = dict(os.environ)
+    if where == "wheel":
+        environment["PYTHONPATH"] = str(request.getfixturevalue("site"))
+    command = [sys.executable, *arguments]
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)

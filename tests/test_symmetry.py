@@ -20,7 +20,7 @@ from truebreak.exact.predicates.past import Past
 from truebreak.exact.predicates.scene_symmetry import Symmetry, symmetries
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
-from truebreak.scenarios.trajectory import TieProof
+from truebreak.scenarios.event import TieProof
 
 INSTANTS = 300
 TINY = Quantity.of("10**-30")

@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from ...scenarios.catalogue import Entry
+    from ...scenarios.event import Event
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Event, Trajectory
+    from ...scenarios.trajectory import Trajectory
 
 PLAIN_WIDTH = 110
 """Columns of a table where the output is not a terminal."""

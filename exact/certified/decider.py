@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ...scenarios.event import Assumption
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import Assumption
 from ..numbers import ball
 from ..numbers.undecided import BudgetSpent
 from ..predicates.cascade import Cascade

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from typing import Any
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 from ..numbers import ball
 from ..numbers.field import field_text
 from ..numbers.system import Number

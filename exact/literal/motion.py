@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scenarios.quantity import Quantity
-from ...scenarios.trajectory import Real
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.real import Real
 from .laws import Disc
 from .sign import normal, quantity, sign
 

@@ -14,7 +14,7 @@ from typing import Any
 from mpmath.ctx_iv import MPIntervalContext
 from sympy import QQ, Add, Expr, Mul, Pow, Rational, Symbol, ring, sqrt, sqrtdenest
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 
 ENCLOSURE_BITS = (64, 128, 256)
 """Precisions tried before a proof of zero is; 256 bits are 77 digits."""

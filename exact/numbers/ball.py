@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from flint import arb, ctx  # type: ignore[attr-defined]
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 from .undecided import Undecided
 
 ZERO = arb(0)

@@ -6,7 +6,7 @@ from typing import Any
 
 from sympy import Add, Mul, Pow, Rational, sympify
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 
 
 class Expression:

@@ -8,8 +8,11 @@ from typing import Any, ClassVar, TypeAlias
 
 from flint import arb, fmpq  # type: ignore[attr-defined]
 
-from ...scenarios.quantity import Quantity, rational_root
-from ...scenarios.tower import Element, Tower, TowerLimit
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.rationals import rational_root
+from ...scenarios.numbers.tower.element import Element
+from ...scenarios.numbers.tower.field import TowerLimit
+from ...scenarios.numbers.tower.tower import Tower
 from . import ball
 
 FieldNumber: TypeAlias = Any

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import ClassVar
 
-from ...scenarios.quantity import Quantity
-from ...scenarios.tower import Element, Tower
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.tower.element import Element
+from ...scenarios.numbers.tower.tower import Tower
 from ...scenarios.work import Work
 from . import ball
 

@@ -6,7 +6,7 @@ from contextlib import AbstractContextManager
 from importlib import import_module
 from typing import Any, ClassVar, Protocol, TypeAlias
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 
 Number: TypeAlias = Any
 """A number of some system: it has + - * / and unary minus, and combines with numbers of its own system alone."""

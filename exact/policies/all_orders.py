@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from ...scenarios.errors import SceneError
-from ...scenarios.quantity import QuantityLike
+from ...scenarios.event import Contact
+from ...scenarios.numbers.quantity import QuantityLike
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import Contact, OnProgress, Progress, Trajectory
+from ...scenarios.trajectory import OnProgress, Progress, Trajectory
 from ..replay.steps import Link
 from .policy import Policy
 from .scripted import BranchDone, Choice, Scripted

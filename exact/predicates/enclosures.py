@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flint import fmpq  # type: ignore[attr-defined]
 
-from ...scenarios.tower import sign_of_root_sum
-from ...scenarios.trajectory import TieProof
+from ...scenarios.event import TieProof
+from ...scenarios.numbers.tower.root_sum import sign_of_root_sum
 from ..numbers import ball
 from ..numbers.field import LeavesField, field_sign
 from ..replay.refinable import RefinableState

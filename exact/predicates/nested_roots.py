@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...scenarios.numbers.tower import TowerLimit, sign_of_root_sum
 from ...scenarios.scene import Scene
-from ...scenarios.tower import TowerLimit, sign_of_root_sum
 from ...scenarios.work import Work
 from ..numbers.nested import Nested
 from ..replay.state import State, replay

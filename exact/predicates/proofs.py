@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...scenarios.trajectory import TieProof
+from ...scenarios.event import TieProof
 from .grounds import Grounds
 from .log_symmetry import LogSymmetry
 from .question import Decision, Question

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
-from ...scenarios.trajectory import TieProof
+from ...scenarios.event import TieProof
 from ..numbers.system import Number
 from ..replay.state import State
 from ..replay.steps import Link

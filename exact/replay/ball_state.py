@@ -19,7 +19,7 @@ Interval arithmetic pays for every number that it uses twice. So:
 
 from __future__ import annotations
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..laws.formulas import (
     advance,

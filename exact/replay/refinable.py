@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.field import Field, LeavesField, field_ball, height

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple, TypeAlias
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 
 Link: TypeAlias = tuple[int, int]

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from flint import arb, fmpq  # type: ignore[attr-defined]
-from numpy.typing import NDArray
+from flint import arb, fmpq
 
-from ...scenarios.quantity import Quantity, certain_double
-from ...scenarios.tower import Element, Tower
+from ...scenarios.numbers.doubles import certain_double
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.tower.element import Element
+from ...scenarios.numbers.tower.tower import Tower
 from ..laws.formulas import advance
 from ..numbers import ball
 from ..numbers.system import Number
 from ..replay.state import State
 from .run_log import RunLog
 from .value import ExactValue
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
@@ -168,6 +172,8 @@ class ExactMotion:
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4), as doubles; times within the run, ascending."""
+        import numpy as np
+
         result = np.empty((len(times), len(self.knots), 4))
         for row, time in enumerate(times):
             exact = Quantity.of(float(time))

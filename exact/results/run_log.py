@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from ...scenarios.numbers.tower.element import Element
+from ...scenarios.numbers.tower.field import TowerLimit
 from ...scenarios.scene import Scene
-from ...scenarios.tower import Element, TowerLimit
 from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.nested import Nested

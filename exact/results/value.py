@@ -8,8 +8,9 @@ from typing import Any
 
 from flint import arb, fmpq  # type: ignore[attr-defined]
 
-from ...scenarios.quantity import certain_double, nearest_double
-from ...scenarios.tower import Element, Tower
+from ...scenarios.numbers.doubles import BITS_PER_DIGIT, bounds_of, certain_double, nearest_double
+from ...scenarios.numbers.tower.element import Element
+from ...scenarios.numbers.tower.tower import Tower
 from ..numbers import ball
 from ..numbers.system import Number
 from .run_log import Formula, RunLog
@@ -94,6 +95,10 @@ class ExactValue:
                     return nearest_double(fraction)
         return double
 
+    def bounds(self) -> tuple[float, float]:
+        """Doubles at or below, and at or above, the value."""
+        return bounds_of(self.ball(DOUBLE_BITS))
+
     def digits(self, count: int) -> str:
         """The value in decimals, all of them right (the last may be off by one).
 
@@ -143,8 +148,8 @@ class ExactValue:
         return None if exact is None else exact.text()
 
 
-BITS_PER_DIGIT = 3.3219280948873626
-"""log2(10)."""
+DOUBLE_BITS = 64
+"""Accuracy at which a value is held between doubles."""
 
 HALF_WAY_BITS = 512
 """A value that still straddles two doubles at this accuracy is asked whether it is a rational half-way point."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 from ..replay.state import State, replay
 from .value import ExactValue
 

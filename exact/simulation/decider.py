@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Hashable, Iterable, Sequence
 from typing import Any, Protocol
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import Number
 from ..predicates.question import Decision, Question
 from ..replay.body import Body

@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from math import inf
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.event import Contact, Tie
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import Contact, Stop, StopReason, Tie
+from ...scenarios.trajectory import Stop, StopReason
 from ..predicates.hits import BeforeTime, Moment
 from ..predicates.question import Decision
 from .decider import Decider

@@ -6,8 +6,8 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from ...scenarios.quantity import Quantity
-from ...scenarios.trajectory import Tie
+from ...scenarios.event import Tie
+from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import Number
 from ..replay.steps import Link, Step
 

@@ -15,9 +15,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from ...scenarios.quantity import Quantity
+from ...scenarios.event import Tie
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import Tie
 from ..policies.policy import Policy
 from ..predicates.hits import Closing, RelativeSpeed, Rim
 from ..predicates.impulses import Coupling

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...scenarios.engine import horizon
-from ...scenarios.quantity import Quantity, QuantityLike
+from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.scene import Scene
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import lru_cache
 
 from ...scenarios.scene import Scene
-from ...scenarios.validation import rough_circle, surely_apart
 from ..replay.steps import Link
 
 
@@ -18,22 +17,8 @@ def touching_at_start(scene: Scene) -> tuple[Link, ...]:
     ((0, 1),)
     """
     circles = scene.circles
-    rough = [rough_circle(circle) for circle in circles]
-    links: list[Link] = []
-    for i, a in enumerate(circles):
-        for j in range(i + 1, len(circles)):
-            b = circles[j]
-            if (a.fixed and b.fixed) or surely_apart(rough[i], rough[j]):
-                continue
-            dx, dy, reach = b.x - a.x, b.y - a.y, a.r + b.r
-            if (dx * dx + dy * dy - reach * reach).sign() == 0:
-                links.append((i, j))
-        for k, wall in enumerate(scene.walls):
-            nx, ny = wall.normal
-            height = wall.height(a.x, a.y)
-            if (height * height - a.r * a.r * (nx * nx + ny * ny)).sign() == 0:
-                links.append((i, len(circles) + k))
-    return tuple(links)
+    fixed = [circle.fixed for circle in circles]
+    return tuple((i, j) for i, j in scene.touching if not (fixed[i] and j < len(circles) and fixed[j]))
 
 
 @lru_cache(maxsize=8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from ..quantity import Quantity
+from ..numbers.quantity import Quantity
 
 COSINES = {
     0: "1",

@@ -10,7 +10,7 @@ from typing import Any
 from ..errors import SceneError
 from ..scene import Scene
 from ..showing import cut
-from .reading import Reader
+from .settings import Reader
 
 
 @dataclass(frozen=True)

@@ -54,7 +54,7 @@ def entry(name: str) -> Entry:
         near = difflib.get_close_matches(name, FAMILIES, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise SceneError(f"no scene {cut(name)} in the catalogue; {hint}it has: {', '.join(FAMILIES)}")
-    return import_module(f".{FAMILIES[name]}", __package__).SCENES[name]
+    return import_module(f".scenes.{FAMILIES[name]}", __package__).SCENES[name]
 
 
 def build(spec: str, **settings: Any) -> Scene:

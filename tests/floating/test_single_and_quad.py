@@ -19,7 +19,7 @@ from truebreak.floating.quad import QUADS
 from truebreak.floating.single import SINGLES
 from truebreak.scenarios import Circle, Scene, catalogue
 from truebreak.scenarios.errors import SceneError
-from truebreak.scenarios.quantity import Quantity
+from truebreak.scenarios.numbers.quantity import Quantity
 
 
 @given(st.integers(-(2**60), 2**60), st.integers(1, 2**40))

@@ -1,0 +1,1 @@
+"""The scenes of the catalogue, one family a file."""

@@ -1,0 +1,89 @@
+"""Decisions on the edge: a ball that exactly grazes another, and one that runs exactly into a corner."""
+
+from __future__ import annotations
+
+from ...numbers.quantity import Quantity
+from ...scene import Scene
+from ...things import Circle, Wall
+from ...tie_policy import TiePolicy
+from ..angles import cosine, sine
+from ..entry import Entry, Parameter
+from ..settings import number, one_of, tie_policy
+from .article import SOURCE as ARTICLE
+
+EVENTS = 20
+
+DIRECTIONS = ("0", "30", "36", "45", "60", "72", "90")
+
+FAR = 16
+"""Distance of the closing wall from the corner: beyond the start of every ball."""
+
+
+def grazing(miss: Quantity, angle: str) -> Scene:
+    """A ball passes another at the distance of their radii and `miss`, to and fro between two walls.
+
+    Everything is turned by `angle` degrees, which brings in square roots.
+
+    >>> zero = Quantity.of(0)
+    >>> a, b = grazing(zero, "60").circles
+    >>> (a.x - b.x) * a.vy - (a.y - b.y) * a.vx == -2   # the distance of b from a's path is both radii
+    True
+    """
+    c, s = cosine(2 * int(angle)), sine(2 * int(angle))
+    beside = 2 + miss
+    mover = Circle(-5 * c - beside * s, -5 * s + beside * c, vx=c, vy=s, id="mover")
+    walls = [Wall(k * c, k * s, k * c - s, k * s + c, id=name) for k, name in ((-10, "back"), (10, "front"))]
+    return Scene([mover, Circle(0, 0, id="rest")], walls, events=EVENTS)
+
+
+def corner(angle: str, skew: Quantity, tie: TiePolicy) -> Scene:
+    """A ball of radius 1 runs into the corner of two walls, so that it touches both in the same instant.
+
+    The walls meet at the origin, at `angle` degrees, with the x axis between them. The ball starts 8 from
+    where it will touch both, `skew` beside the axis, and a third wall closes the triangle.
+
+    >>> corner("90", Quantity.of(0), TiePolicy()).circles[0].x
+    Quantity('1/(sqrt(2)/2) + 8')
+    """
+    half = int(angle)  # half of the angle, in half degrees
+    c, s = cosine(half), sine(half)
+    walls = [
+        Wall(0, 0, c, s, id="upper"),
+        Wall(0, 0, c, -s, id="lower"),
+        Wall(FAR, 0, FAR, 1, id="end"),
+    ]
+    ball = Circle(1 / s + 8, skew, vx=-1, vy=-skew / 8, id="ball")
+    return Scene([ball], walls, tie_policy=tie, events=EVENTS)
+
+
+SCENES = {
+    "grazing": Entry(
+        name="grazing",
+        summary="A ball that exactly touches another in passing: no collision, with nothing to spare.",
+        parameters=(
+            Parameter("miss", "0", "distance by which it misses, such as 10**-20; negative hits", number()),
+            Parameter("angle", "36", f"direction in degrees: {', '.join(DIRECTIONS)}", one_of(*DIRECTIONS)),
+        ),
+        known=(
+            "The discriminant is exactly zero for miss=0, and a graze is no collision: the mover goes to and "
+            "fro between the walls for ever, and the other stays at rest. With miss < 0 they collide."
+        ),
+        source=f"{ARTICLE} (a circle that grazes is not counted as colliding)",
+        make=grazing,
+    ),
+    "corner": Entry(
+        name="corner",
+        summary="A ball that runs into a corner exactly: both walls in one instant.",
+        parameters=(
+            Parameter("angle", "60", "angle of the corner in degrees", one_of("36", "45", "60", "72", "90")),
+            Parameter("skew", "0", "distance of the start from the bisector", number()),
+            Parameter("tie", "simultaneous", "tie policy, such as sequential:order=scene", tie_policy),
+        ),
+        known=(
+            "With simultaneous, it comes back the way it went on the bisector; at 90 degrees, it does from "
+            "anywhere, the impulses being at right angles. At 60, one wall at a time needs 3 bounces."
+        ),
+        source="the method of images: n bounces unfold a corner of 180/n degrees",
+        make=corner,
+    ),
+}

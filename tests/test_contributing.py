@@ -1,0 +1,95 @@
+"""CONTRIBUTING.md's recipes, followed to the letter in a copy of the project."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
+FOLDERS = ("scenarios", "exact", "floating", "compare")
+BLOCK = re.compile(r"^```python\n# (?P<head>[^\n]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+LINE = re.compile(r"(?P<path>[\w./-]+): in (?P<table>\w+)")
+
+
+class Recipe(NamedTuple):
+    """One section: the new file, the line for a table, and what then holds."""
+
+    title: str
+    file: tuple[str, str]
+    table: tuple[str, str, str]
+    holds: str
+
+
+def recipes() -> list[Recipe]:
+    """The sections that hold code."""
+    found: list[Recipe] = []
+    for section in PAGE.split("\n## ")[1:]:
+        blocks = [(match["head"], match["text"]) for match in BLOCK.finditer(section)]
+        if blocks:
+            (file, row, holds) = blocks
+            place = LINE.fullmatch(row[0])
+            assert place is not None, row[0]
+            assert holds[0] == "holds"
+            found.append(Recipe(section.partition("\n")[0], file, (place["path"], place["table"], row[1]), holds[1]))
+    return found
+
+
+RECIPES = recipes()
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """The packages as an installation has them: all below `truebreak`."""
+    ignored = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(ROOT / "truebreak", tmp_path / "truebreak", ignore=ignored)
+    for folder in FOLDERS:
+        shutil.copytree(ROOT / folder, tmp_path / "truebreak" / folder, ignore=ignored)
+    return tmp_path
+
+
+def run(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Python with the copy in the place of the project."""
+    command = [sys.executable, "-c", code]
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+
+
+def test_there_are_recipes() -> None:
+    assert [recipe.title for recipe in RECIPES] == ["A scene family"]
+
+
+@pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.title)
+def test_a_recipe_is_one_file_and_one_line(recipe: Recipe, copy: Path) -> None:
+    assert run(recipe.holds, copy).returncode != 0, "it must not hold without the recipe"
+    (path, text), (table, name, row) = recipe.file, recipe.table
+    new = copy / "truebreak" / path
+    assert not new.exists()
+    new.write_text(text, "utf-8")
+    assert len(row.splitlines()) == 1
+    place = copy / "truebreak" / table
+    before = place.read_text("utf-8")
+    after = re.sub(rf"^({name}\b[^\n]*[\[{{(])\n", rf"\g<1>\n{row}", before, count=1, flags=re.MULTILINE)
+    assert after != before, f"{table} has no {name}"
+    place.write_text(after, "utf-8")
+    done = run(f"import truebreak\nassert truebreak.__file__.startswith({str(copy)!r})\n{recipe.holds}", copy)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.title)
+def test_a_recipe_is_formatted_and_typed_as_the_project_is(recipe: Recipe, tmp_path: Path) -> None:
+    path = tmp_path / Path(recipe.file[0]).name
+    path.write_text(recipe.file[1], "utf-8")
+    for command in (["check"], ["format", "--check"]):
+        settings = ["--config", str(ROOT / "pyproject.toml")]
+        done = subprocess.run(
+            [sys.executable, "-m", "ruff", *command, *settings, str(path)], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout

@@ -1,0 +1,54 @@
+"""Says, provably, whether and where floating-point error changed what happened in a world of circles and walls.
+
+>>> import truebreak as tb
+>>> cradle = tb.scene("cradle:n=3")
+>>> len(tb.run(cradle, events=4).events)
+4
+>>> tb.comparison(tb.Scene([tb.Circle(0, 0, vx=1), tb.Circle(4, 0)]), ["double"], until=5).verdict
+'agree'
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .compare.comparison import compare as comparison
+    from .compare.run import run
+    from .compare.scene_argument import scene_from as scene
+    from .scenarios.files import load_scene as load
+    from .scenarios.scene import Scene
+    from .scenarios.things import Circle, Pocket, Wall
+
+    __version__: str
+
+__all__ = ["Circle", "Pocket", "Scene", "Wall", "__version__", "comparison", "load", "run", "scene"]
+
+_HOMES = {
+    "Circle": ("scenarios.things", "Circle"),
+    "Pocket": ("scenarios.things", "Pocket"),
+    "Scene": ("scenarios.scene", "Scene"),
+    "Wall": ("scenarios.things", "Wall"),
+    "comparison": ("compare.comparison", "compare"),
+    "load": ("scenarios.files", "load_scene"),
+    "run": ("compare.run", "run"),
+    "scene": ("compare.scene_argument", "scene_from"),
+}
+"""The module of each name, and what it is called there: imported when it is asked for."""
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        value: Any = import_module("importlib.metadata").version(__name__)
+    elif name in _HOMES:
+        module, attribute = _HOMES[name]
+        value = getattr(import_module(f".{module}", __name__), attribute)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
