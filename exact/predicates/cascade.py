@@ -426,7 +426,7 @@ class Cascade:
         if approach is not None and approach >= 0:
             return
         gap = self._ball_sign(Gap(link))
-        if gap is None:
+        if not gap:  # unknown; or zero, as at a rim on which a centre stands still
             approach = self.ask(Approach(link)) if approach is None else approach
             if approach >= 0:
                 return
