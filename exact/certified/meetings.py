@@ -144,7 +144,7 @@ class CertifiedMeetings:
         if approach is not None and approach >= 0:
             return
         gap = self._sign(Gap(link))
-        if gap is None:
+        if not gap:  # unknown; or zero, as at a rim on which a centre stands still
             approach = self._judge.decide(Approach(link)).sign if approach is None else approach
             if approach >= 0:
                 return

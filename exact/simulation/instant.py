@@ -156,7 +156,8 @@ class Resolver:
     def _alone(self, link: Link, ties: tuple[Tie, ...], done: Resolved) -> None:
         """One contact with nothing else at gap zero: it is hit, and parts."""
         i, j = link
-        self.decider.do(Go(link, link if j < self.n else (i,)))
+        if done.number > 0:
+            self.decider.do(Go(link, link if j < self.n else (i,)))
         self.decider.do(Kick((link,), (link,)))
         self.policy.note(link)
         done.moved.update(link if j < self.n else (i,))

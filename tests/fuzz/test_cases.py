@@ -284,3 +284,28 @@ def test_who_arrives_at_a_graze_by_a_reversal_takes_part():
     walls += [Wall(-2, 0, -2, 1, id="L"), Wall(10, 0, 10, 1, id="R")]
     run = played(Scene(circles, walls, tie_policy="sequential:order=scene", reverse_at=3), until=6)
     assert len(run.events[6].impulses) == 4
+
+
+# -- without a field, all is in balls from the start
+
+FAR = Circle("1/2", "5000 + sqrt(2 + sqrt(3 + sqrt(5 + sqrt(7 + sqrt(11)))))", m="oo", id="far")
+"""Its number is too deep for a field."""
+
+
+def test_a_contact_at_time_0_needs_no_hit_time():
+    """The hit time of two that touch at time 0 is a ball around zero, which no number of bits makes sharp."""
+    scene = Scene([Circle(0, 0, "2/5", vy="-2/3", id="a"), Circle(0, "-7/5", m="oo", id="b"), FAR])
+    run = played(scene, until=3)
+    assert told(run) == [(0, [("a", "b")])]
+    assert run.final["a"].vy.text() == "2/3"
+
+
+def test_a_centre_stopped_on_a_rim_does_not_enter():
+    """`struck` is hit and stopped at the rim of p where it stands, in balls: its speed is zero, and not known to be."""
+    half = F(1, 2)
+    circles = [Circle(3, 2, half, m="oo"), Circle(2, 1, half), Circle(1, 1, half, m=3)]
+    circles += [Circle(3, 4, half, -1, 1, m=3), FAR, Circle(2, 2, half, id="struck")]
+    walls = [Wall(0, -1, 1, -1), Wall(-1, 0, -1, 1), Wall(0, 6, 1, 6), Wall(6, 0, 6, 1)]
+    run = played(Scene(circles, walls, pockets=[Pocket(2, -1, 1), Pocket(3, 2, 1, id="p")]), events=6)
+    assert [float(event.time) for event in run.events] == [1.5, 3.5, 5, 6.5, 8, 9.5]
+    assert entries(run) == []
