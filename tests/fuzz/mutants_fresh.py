@@ -151,9 +151,9 @@ CONTACTS = (
         "impulses together are reckoned with the mass of the first circle of a contact",
     ),
     Mutant(
-        "touch_at_start_of_walls", f"{SIMULATION}/start.py",
-        "(height * height - a.r * a.r * (nx * nx + ny * ny)).sign() == 0",
-        "(height - a.r * (nx * nx + ny * ny).sqrt()).sign() == 0",
+        "touch_at_start_of_walls", "scenarios/validation.py",
+        "return sign == 0\n\n\ndef shown_amount",
+        "return sign == 0 and height.sign() > 0\n\n\ndef shown_amount",
         "a circle that touches a wall from its other side is not seen at time 0",
     ),
 )  # fmt: skip
