@@ -96,6 +96,18 @@ class BallState(State):
         self._push(a, -jx, -jy)
         self._push(b, jx, jy)
 
+    def forget_contact(self) -> None:
+        """After an instant reached in another system: clocks are the instant itself, and no d is known beforehand."""
+        self.late, self.met, self._told = None, None, None
+
+    def become(self, other: BallState) -> None:
+        """Takes over the numbers of the same state, computed again; the bodies stay the same objects."""
+        for mine, new in zip(self.bodies, other.bodies, strict=True):
+            mine.become(new)
+        self._lines, self._mirrors, self._told = other._lines, other._mirrors, other._told
+        self.zero, self.one, self.flip_time = other.zero, other.one, other.flip_time
+        self.instant, self.late, self.met = other.instant, other.late, other.met
+
     def gap(self, link: Link) -> Number:
         """As `State.gap`, at the instant of the later of the two: its clock may stand before or after it."""
         i, j = link

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 
-from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.field import Field, LeavesField, field_ball, height
@@ -18,8 +17,8 @@ from ..numbers.system import Number
 from ..predicates.isometry import Projection
 from .ball_state import BallState
 from .body import Body
-from .state import Line, Relation, State
-from .steps import Flip, Go, Kick, Link, Step, Take
+from .state import State
+from .steps import Flip, Go, Kick, Step, Take
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
@@ -79,38 +78,9 @@ class RefinableState:
                 self.numbers.constant((nx * nx + ny * ny).sqrt())
 
     @property
-    def zero(self) -> Number:
-        """Zero as a ball."""
-        return self.balls.zero
-
-    @property
     def flip_time(self) -> Number:
         """The moment of the reversal, as a ball."""
         return self.balls.flip_time
-
-    def constant(self, q: Quantity) -> Number:
-        """An exact number as a ball."""
-        return self.balls.constant(q)
-
-    def line(self, body: Body, wall: int) -> Line:
-        """A wall in balls, as seen from a body."""
-        return self.balls.line(body, wall)
-
-    def relation(self, i: int, j: int) -> Relation:
-        """Two bodies in balls (see `State.relation`); their copies must be up to date."""
-        return self.balls.relation(i, j)
-
-    def root(self, value: Number) -> Number:
-        """The square root of a ball."""
-        return self.balls.root(value)
-
-    def gap(self, link: Link) -> Number:
-        """See `State.gap`."""
-        return self.balls.gap(link)
-
-    def approach(self, link: Link) -> Number:
-        """See `State.approach`."""
-        return self.balls.approach(link)
 
     def all_exact(self, bodies: tuple[int, ...]) -> bool:
         """Whether all of these bodies are exact."""
@@ -214,7 +184,7 @@ class RefinableState:
             if isinstance(step, Kick):
                 body.rest = body.vx == 0 and body.vy == 0
         if isinstance(step, Go):
-            self._forget_contact(self.balls)
+            self.balls.forget_contact()
         self._stale.update(taking_part)
         if isinstance(step, Flip):
             self.sync(taking_part)
@@ -225,11 +195,6 @@ class RefinableState:
                 self._leave(i)
             self.steps.pop()
         return True
-
-    @staticmethod
-    def _forget_contact(state: BallState) -> None:
-        """After an instant reached in the field, clocks are the instant itself, and no d is known beforehand."""
-        state.late, state.met, state._told = None, None, None
 
     def _do_balls(self, step: Step, taking_part: tuple[int, ...]) -> None:
         state = self.balls
@@ -290,7 +255,7 @@ class RefinableState:
                 self.lowest = min(self.lowest, accuracy)
                 ball.use_bits(bits)
             elif isinstance(step, Go):
-                self._forget_contact(state)
+                state.forget_contact()
             elif isinstance(step, Flip):
                 state.flip_time = self.balls.flip_time
         if len(self.steps) in self._left:
@@ -299,13 +264,7 @@ class RefinableState:
             last = next(k for k, step in enumerate(self.steps) if isinstance(step, Flip))
             if self._in_field[last]:
                 state.flip_time = field_ball(self.field.flip_time, bits)
-        for old, new in zip(self.bodies, state.bodies, strict=True):
-            for name in ("x", "y", "vx", "vy", "t", "instant", "late", "acc", "r", "w"):
-                setattr(old, name, getattr(new, name))
-        self.balls._lines = state._lines
-        for name in ("_mirrors", "_told", "zero", "one", "instant", "late", "met"):
-            setattr(self.balls, name, getattr(state, name))
-        self.balls.flip_time = state.flip_time
+        self.balls.become(state)
         self._stale = {i for i in range(self.n) if self.exact[i]}
 
     def _arrive(self, state: State, k: int) -> None:
