@@ -12,14 +12,13 @@ from ..predicates.cascade import Cascade
 from ..predicates.enclosures import Balls
 from ..predicates.grounds import Grounds
 from ..predicates.held import Held
-from ..predicates.isometry import Projection
 from ..predicates.log_symmetry import LogSymmetry
 from ..predicates.past import Past
 from ..predicates.question import Decision, Question
 from ..predicates.retrace import Retrace
 from ..predicates.ties import TieRule
 from ..replay.body import Body
-from ..replay.refinable import RefinableState
+from ..replay.refinable import Projection, RefinableState
 from ..replay.steps import Link, Step, name_of
 from ..simulation.history import History
 from ..simulation.limits import Limits

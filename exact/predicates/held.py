@@ -7,7 +7,8 @@ from flint import arb  # type: ignore[attr-defined]
 from ...scenarios.scene import Scene
 from ..numbers.field import field_ball
 from ..replay.body import Body
-from .isometry import Isometry, Projection
+from ..replay.refinable import Projection
+from .isometry import Isometry
 from .log_symmetry import LogSymmetry
 from .scene_symmetry import Symmetry, symmetries
 

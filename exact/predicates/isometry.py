@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from ...scenarios.scene import Scene
 from ..numbers.field import Field, FieldNumber, field_sign
@@ -158,6 +158,3 @@ def _maps(m: Matrix, source: Vector, image: Vector) -> bool:
 def minus(a: Vector, b: Vector) -> Vector:
     """a - b."""
     return a[0] - b[0], a[1] - b[1]
-
-
-Projection: TypeAlias = tuple[Any, Vector]

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from contextlib import suppress
+from typing import TypeAlias
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.field import Field, LeavesField, field_ball, height
 from ..numbers.system import Number
-from ..predicates.isometry import Projection
 from .ball_state import BallState
 from .body import Body
 from .state import State
@@ -23,6 +23,9 @@ from .steps import Flip, Go, Kick, Step, Take
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
 bits a collision, would soon cost far more."""
+
+Projection: TypeAlias = tuple[tuple[Number, ...], tuple[Number, Number]]
+"""A linear part (a, b, c, d), which is its own square, about a centre: in exact numbers."""
 
 SPARE_BITS = 64
 """Bits of working precision kept beyond the accuracy of the numbers at hand."""

@@ -813,9 +813,9 @@ NUMBERS = (
         "at a rise the circles that left the field start from time 0 instead",
     ),
     Mutant(
-        "met_kept", LIVE,
-        "state.late, state.met, state._told = None, None, None",
-        "state.late = None",
+        "met_kept", BALLS,
+        "self.late, self.met, self._told = None, None, None",
+        "self.late = None",
         "d of an earlier contact is kept through an instant in the field",
         why_it_survives="what is kept is of a pair that met in balls, and no circle comes back from balls to "
         "the field",
@@ -836,7 +836,7 @@ NUMBERS = (
 
 TOLD = (
     Mutant(
-        "wall_from_the_instant", "exact/replay/state.py",
+        "wall_from_the_instant", "exact/replay/flights.py",
         "return a.t, wall_hit_time(self.wall_gap(a, j - self.n, a.x, a.y), self.approach(link))",
         "return a.t, wall_hit_time(self.wall_gap(a, j - self.n, *self.place(a)), self.approach(link))",
         "the time to a wall is reckoned from the instant, and added to the clock",
