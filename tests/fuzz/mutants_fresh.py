@@ -145,9 +145,9 @@ CONTACTS = (
         "impulses together are reckoned with the mass of the first circle of a contact",
     ),
     Mutant(
-        "touch_at_start_of_walls", f"{SIMULATION}/start.py",
-        "(height * height - a.r * a.r * (nx * nx + ny * ny)).sign() == 0",
-        "(height - a.r * (nx * nx + ny * ny).sqrt()).sign() == 0",
+        "touch_at_start_of_walls", "scenarios/validation.py",
+        "move it to one side\")\n    return sign == 0",
+        "move it to one side\")\n    return sign == 0 and height.sign() > 0",
         "a circle that touches a wall from its other side is not seen at time 0",
     ),
 )  # fmt: skip
