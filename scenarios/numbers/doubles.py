@@ -75,8 +75,8 @@ def certain_double(value: arb) -> float | None:
 def bounds_of(value: arb) -> tuple[float, float]:
     """Doubles at or below, and at or above, every number in a ball; the nearest that are.
 
-    >>> bounds_of(arb(1) / 4), bounds_of(arb(1) / 3)
-    ((0.25, 0.25), (0.33333333333333326, 0.33333333333333337))
+    >>> bounds_of(arb(1) / 4), bounds_of(arb(2**60 + 1))
+    ((0.25, 0.25), (1.152921504606847e+18, 1.1529215046068472e+18))
     """
     down, up, low, high = _nearest_to_ends(value)
     if isnan(down) or isnan(up):
