@@ -7,7 +7,7 @@ for, and kept if the checker accepts it. So nothing here is trusted.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import Any
+from typing import Any, cast
 
 from ...tools.arithmetic import ROOTS, WORK, Ball, Exact, Undecided
 from ...tools.verify import Checker
@@ -48,8 +48,8 @@ class Prover(Checker):
             Refuted: if the run is wrong.
         """
         self.check()
-        final = self.told["final"]
-        final["time"] = self.decimal(self.time)
+        final: dict[str, Any] = self.told["final"]
+        final["time"] = self.decimal(cast(Ball, self.time))
         for i in range(self.n):
             x, y, vx, vy, t, _ = self.flights[i]
             wait = self.time - t
@@ -88,15 +88,16 @@ class Prover(Checker):
     def instant(self, entry: dict[str, Any], bits: int | None) -> None:
         """Gathers what falls on an instant, then checks it."""
         self.number += 1
-        width = max(x.r.bit_length() for flight in self.flights for x in flight[:5])
+        width = max(x.r.bit_length() for flight in self.flights for x in cast(tuple[Ball, ...], flight[:5]))
         bits = Ball.bits - (width - GUARD) if width > 2 * GUARD else None
         if bits is not None:
             self.drops.append([self.number, bits])
             self.cut(bits)
+        self.shown = set()
         self._gather(entry, self.contacts[self.number])
-        entry["time"] = "0"
+        entry["time"], self.shown = "0", self.tied
         super().instant(entry, None)
-        entry["time"] = self.decimal(self.time)
+        entry["time"] = self.decimal(cast(Ball, self.time))
 
     # -- what falls on an instant
 
@@ -144,6 +145,8 @@ class Prover(Checker):
 
     def zero(self, question: str, c: Contact, must: bool = True) -> bool:
         """Whether a witness is found; it is kept."""
+        if question == "tie" and c in self.shown:
+            return True
         for witness in self._witnesses(question, c):
             if self._accepts(question, c, witness):
                 told = [question, list(c), witness[0], *map(list, witness[1:])]

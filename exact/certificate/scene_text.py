@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
 from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -56,7 +56,7 @@ def text_of(value: Exact) -> str:
 def _terms(value: Exact) -> list[tuple[Fraction, list[str]]]:
     if value.k == 0:
         return [] if value.zero() else [(value.a, [])]
-    plain, rooted = _terms(value.a), _terms(value.b)
+    plain, rooted = _terms(value.a), _terms(cast(Exact, value.b))
     return plain + [(factor, [*names, f"r{value.k}"]) for factor, names in rooted]
 
 
@@ -92,5 +92,3 @@ def scene_part(scene: Scene) -> dict[str, Any]:
         told["pockets"] = [row(pocket, ("x", "y", "r")) for pocket in scene.pockets]
         told["capture"] = scene.capture
     return {"roots": [text_of(root) for root in Exact.roots], "scene": told}
-
-

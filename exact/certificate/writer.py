@@ -10,8 +10,8 @@ from typing import Any
 from ...scenarios.errors import SceneError
 from ...scenarios.quantity import Quantity
 from ...scenarios.trajectory import StopReason, Trajectory
-from ...tools.arithmetic import Undecided
-from ...tools.verify import BITS, FORMAT, Refuted
+from ...tools.arithmetic import Refuted, Undecided
+from ...tools.verify import BITS, FORMAT
 from .log import instants
 from .prover import Prover
 from .scene_text import exact_number, scene_part, text_of
@@ -21,6 +21,9 @@ DIGITS = 17
 
 LEAST_BITS = 128
 """Bits tried first for the shortest runs."""
+
+ENOUGH = 16
+"""By how much more bits than the engine had are tried, before a zero is said to have no witness."""
 
 MARGIN = 32
 """Bits that a certificate allows beyond those that its writer needed, so that a checker whose intervals are somewhat
@@ -58,6 +61,18 @@ def certify(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
         raise CertificateError(f"the scene's numbers: {doubt}") from None
     log, contacts = instants(trajectory)
     bits = max(LEAST_BITS, int(trajectory.plan.get("bits", 0)) // 2)
+    most = min(
+        BITS // 2,
+        ENOUGH
+        * max(
+            bits,
+            sum(
+                len(row.text())
+                for circle in trajectory.scene.circles
+                for row in (circle.x, circle.y, circle.vx, circle.vy)
+            ),
+        ),
+    )
     while True:
         told = {**deepcopy(frame), "bits": [[0, bits]], "start": deepcopy(log[0]), "instants": deepcopy(log[1:])}
         prover = Prover(told, contacts, digits)
@@ -65,9 +80,9 @@ def certify(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
             prover.run()
             break
         except Undecided as doubt:
+            if bits > most:
+                raise CertificateError(f"no certificate within {bits} bits: {prover.where}: {doubt}") from None
             bits *= 2
-            if bits > BITS:
-                raise CertificateError(f"no certificate within {BITS} bits: {prover.where}: {doubt}") from None
         except Refuted as fault:
             raise AssertionError(f"{prover.where}: {fault}: a defect, of the engine or of the checker") from None
     told["bits"] = [[k, b + MARGIN] for k, b in [[0, bits], *prover.drops]]
