@@ -3,7 +3,7 @@
 // Exit codes: 0 verified, 1 refuted, 2 no certificate, 4 not decided.
 import { readFileSync, statSync } from "node:fs";
 
-const MOST = { bytes: 1 << 24, circles: 1000, roots: 16, text: 20000, bits: 1 << 20, work: 2e9 };
+const MOST = { bytes: 1 << 24, circles: 1000, roots: 16, text: 20000, bits: 1 << 20, size: 2 ** 30, work: 2e9 };
 
 class Verdict extends Error {
   constructor(code, text) {
@@ -405,8 +405,18 @@ class Checker {
     if (![...this.bitsFrom.values()].every((b) => isInt(b) && b > 0 && b <= MOST.bits) || !this.bitsFrom.has(0)) malformed("bits");
   }
 
+  checkData() {
+    const { circles, pockets } = this.scene, nonzero = (k) => circles.map((c) => c[k]).filter((x) => !x.zero);
+    const positive = [...nonzero(4), ...nonzero(5), ...pockets.map((p) => p[2]), this.until, this.reverseAt];
+    if (!positive.every((x) => x === null || I.sign(x.interval()) === 1)) malformed("a size, mass or time is not positive");
+    if (circles.some((c) => c[5].zero && !(c[2].zero && c[3].zero))) malformed("a fixed circle moves");
+    if (this.reverseAt !== null && this.told.scene.reverse_after !== undefined) malformed("there are two reversals");
+  }
+
   check() {
     bits = BigInt(this.bitsFrom.get(0));
+    if (this.contacts.length * Number(bits) > MOST.size) malformed("too many bits for so many circles");
+    this.checkData();
     this.laws = new Laws(I, this.scene);
     Object.assign(this, { age: 0, count: 0, turnedAt: null, flippedFrom: null, levels: null, time: I.zero });
     Object.assign(this, { rows: this.scene.circles.map(() => []), memo: new Map(), gone: new Set(), lasting: new Map() });
@@ -517,7 +527,8 @@ class Checker {
   beforeLimits(clock) {
     let end = this.until && this.until.interval();
     if (this.told.end.reason === "return" && this.turnedAt !== null) end = I.add(this.turnedAt, this.turnedAt);
-    if (end && this.signOf("until", clock, I.sub(end, this.time)) < 0) refuse("it comes after the end");
+    const same = end && !clock && this.until && this.until.sub(this.reverseAt).zero;
+    if (end && !same && this.signOf("until", clock, I.sub(end, this.time)) < 0) refuse("it comes after the end");
     if (this.turnedAt !== null || this.reverseAt === null) return false;
     if (clock === null) return true;
     const sign = this.signOf("reverse", clock, I.sub(this.reverseAt.interval(), this.time));

@@ -40,7 +40,8 @@ from .impulses import Impulses
 from .laws import World, place
 from .witnesses import Block
 
-FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20
+FORMAT, BYTES, CIRCLES, BITS, SIZE = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20, 1 << 30
+BROKEN = (Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, OSError)
 
 
 class Checker(Impulses):
@@ -83,6 +84,18 @@ class Checker(Impulses):
         self.bits = dict(map(tuple, certificate["bits"]))
         if not all(0 < bits <= BITS for bits in self.bits.values()) or 0 not in self.bits:
             raise Malformed("bits out of range")
+        if len(self.meets) * self.bits[0] > SIZE:
+            raise Malformed("too many bits for so many circles")
+        Ball.bits = self.bits[0]
+        positive = [*self.limits.values(), *(p[2] for p in pockets), *(c[4] for c in circles if not c[4].zero())]
+        positive += [c[5] for c in circles if not c[5].zero()]
+        moving = any(not (c[2].zero() and c[3].zero()) for c in circles if c[5].zero())
+        if (
+            moving
+            or len(scene.keys() & {"reverse_at", "reverse_after"}) > 1
+            or any(x.ball().sign() != 1 for x in positive)
+        ):
+            raise Malformed("a size, mass or time is not positive, a fixed circle moves, or there are two reversals")
 
     def check(self, factor=1):
         """Checks all of it, with `factor` times the bits.
@@ -93,7 +106,7 @@ class Checker(Impulses):
         """
         self.age, self.count, self.where, self.levels, self.turned = 0, 0, "at the start", {}, None
         self.rows, self.standing, self.grazed, self.gone = [[] for _ in range(self.n)], {}, set(), set()
-        self.factor, self.coming, self.lasting = factor, {}, set()
+        self.factor, self.coming, self.lasting, self.tied = factor, {}, set(), set()
         Ball.bits = self.bits[0] * factor
         self.balls = World(self.data, Exact.ball)
         self.flights = [(*c[:4], self.balls.zero, 0) for c in self.balls.circles]
@@ -163,7 +176,8 @@ class Checker(Impulses):
         end = self.limits.get("until") and self.limits["until"].ball()
         if self.end["reason"] == "return" and self.turn:
             end = self.turn + self.turn
-        if end and self.sign("until", arrive[0] if arrive else None, end - self.time) < 0:
+        same = end and not arrive and (self.limits["until"] - self.limits["reverse_at"]).zero()
+        if end and not same and self.sign("until", arrive[0] if arrive else None, end - self.time) < 0:
             raise Refuted("it comes after the end")
         if self.turned or "reverse_at" not in self.limits:
             return False
@@ -332,24 +346,31 @@ def verdict(path):
     try:
         if Path(path).stat().st_size > BYTES:
             raise Malformed(f"it is longer than {BYTES} bytes")
-        checker = Checker(json.loads(Path(path).read_bytes()))
-        checker.check()
-        return 0, f"verified: {checker.count} events, to the end: {checker.end['reason']}"
-    except Undecided as doubt:
-        return 4, f"not decided: {checker.where if checker else 'in the scene'}: {doubt}"
+        told = json.loads(Path(path).read_bytes())
+        try:
+            checker = Checker(told)
+            checker.check()
+            return 0, f"verified: {checker.count} events, to the end: {checker.end['reason']}"
+        except Undecided as doubt:
+            where = checker.where if checker else "in the scene"
+            return 4, f"not decided: {where}: {doubt}; {enough(told)}"
     except Refuted as fault:
         return 1, f"refuted: {checker.where}: {fault}"
-    except (
-        Malformed,
-        LookupError,
-        TypeError,
-        ValueError,
-        AttributeError,
-        ArithmeticError,
-        RecursionError,
-        OSError,
-    ) as error:
-        return 2, f"no certificate: {type(error).__name__}: {str(error)[:200]}"
+    except BROKEN as error:
+        return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
+
+
+def enough(told):
+    """How many bits would decide."""
+    for factor in (2, 4):
+        try:
+            Checker(told).check(factor)
+        except Undecided:
+            continue
+        except Refuted as fault:
+            return f"{factor} times the bits refute it: {fault}"
+        return f"{factor} times the bits verify it"
+    return "nor with 4 times the bits"
 
 
 if __name__ == "__main__":

@@ -14,9 +14,9 @@ class Block:
 
 
 class Witnesses:
-    """Proves numbers of a run zero. It reads `rows`, the blocks of each circle; `coming`, the kind of the next meeting of
-    two; `source`, what the instant's time comes of; `tied`, what is shown to meet at it; `standing`, the contacts at gap
-    zero at each instant of the way out, by its age."""
+    """Proves numbers of a run zero. It reads `rows`, the blocks of each circle; `coming`, the kind of the next meeting
+    of two; `source`, what the instant's time comes of; `tied`, what is shown to meet at it; `standing`, the contacts at
+    gap zero at each instant, by its age."""
 
     # -- exact numbers
 

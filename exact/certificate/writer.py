@@ -84,6 +84,8 @@ def certify(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
                 raise CertificateError(f"no certificate within {bits} bits: {prover.where}: {doubt}") from None
             bits *= 2
         except Refuted as fault:
+            if told["end"]["reason"] == "stopped" and not told["instants"]:
+                raise CertificateError("the run stopped within time 0: there is nothing to certify") from None
             raise AssertionError(f"{prover.where}: {fault}: a defect, of the engine or of the checker") from None
     told["bits"] = [[k, b + MARGIN] for k, b in [[0, bits], *prover.drops]]
     return _short(told)
