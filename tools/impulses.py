@@ -65,8 +65,7 @@ class Impulses(Witnesses):
         if 0 < self.age == self.age & -2:  # not at time 0, not after the reversal: the group's own first arrival tells
             source = first, {i: len(self.rows[i]) for i in first if i < self.n}
         for i in bodies:
-            old = self.flights[i]
-            self.flights[i] = (*place(old, self.time), *old[2:4], self.time, self.age)
+            self.flights[i] = self.put(self.flights[i], self.time, self.age)
         while coming := sorted(c for c in group if known[c] < 0):
             push = [tuple(c) for c in next(rounds, ())]
             if self.policy == "simultaneous":

@@ -42,8 +42,7 @@ class Witnesses:
         t, new = self.moment(block.source), {}
         at = {}
         for i in {i for c in block.among for i in c if 0 <= i < self.n} | set(block.places):
-            old = self.after(i, block.places.get(i, 0))
-            at[i] = (*place(old, t), *old[2:4], t, block.age)
+            at[i] = self.put(self.after(i, block.places.get(i, 0)), t, block.age)
         if block.kind == "kick":
             new = self.exact.blow(at.get, block.push)[2]
         for i in block.places:
@@ -52,6 +51,11 @@ class Witnesses:
                 (-vx, -vy) if block.kind == "turn" else (ZERO, ZERO) if block.kind == "take" else new.get(i, (vx, vy))
             )
             yield (i, block.places[i] + 1), (*at[i][:2], vx, vy, t, block.age)
+
+    @staticmethod
+    def put(flight, t, age):
+        """A flight told from another of its places."""
+        return (*place(flight, t), *flight[2:4], t, age)
 
     def moment(self, source):
         """An instant's time in exact numbers: a set one, or that of a contact on flights of then."""
@@ -122,7 +126,9 @@ class Witnesses:
                 )
                 return (self.moment(self.source) - (limit + limit if turn else limit)).zero()
             if question == "slack":
-                return world.blow(self.now, self.push, [c])[1][c].zero()
+                t = self.moment(self.source)
+                there = {i: self.put(self.now(i), t, self.age) for o in (*self.push, c) for i in o if i < self.n}
+                return world.blow(there.get, self.push, [c])[1][c].zero()
             if question == "together":
                 return all(x.zero() for x in world.view(self.now, c)[3:5])
             return {"graze": disc, "still": closing, "rim": gap}[question].zero()
