@@ -27,7 +27,7 @@ class Impulses(Witnesses):
         )
         for first, group in struck:
             bodies = {i for c in group for i in c if i < self.n}
-            if any(bodies & set(c) for c in near):
+            if any(c[1] >= 0 and bodies & set(c) for c in near):
                 raise Undecided(f"a graze may take part in the impulses of {first}")
             moved |= self.settle(first, group, bodies, known, rounds)
         if next(rounds, None) is not None:

@@ -68,9 +68,12 @@ function gcd(a, b) {
   if (a < 0n) a = -a;
   if (b < 0n) b = -b;
   if (a < b) [a, b] = [b, a];
+  let length = size(a);
   while (b >> 64n) {
-    const drop = BigInt(size(a) - 50);
-    let x = Number(a >> drop), y = Number(b >> drop), [p, q, r, s] = [1, 0, 0, 1];
+    let top = a >> BigInt(length - 50);
+    if (top < 1n << 46n) top = a >> BigInt((length = length - 50 + size(top)) - 50);
+    const drop = BigInt(length - 50);
+    let x = Number(top), y = Number(b >> drop), [p, q, r, s] = [1, 0, 0, 1];
     while (y + r !== 0 && y + s !== 0) {
       const k = Math.floor((x + p) / (y + r));
       if (k !== Math.floor((x + q) / (y + s))) break;
@@ -122,17 +125,20 @@ class Exact {
     return this.add(o.neg());
   }
   mul(o) {
-    let total = new Exact(new Map());
-    for (const [m, [p, q]] of this.terms) {
-      for (const [n, [r, s]] of o.terms) {
-        work += 10000 + ((size(p) + size(q)) * (size(r) + size(s))) / 256;
-        if (work > MOST.work) doubt("an exact witness takes too much work");
-        let part = new Exact(new Map([[m ^ n, fraction(p * r, q * s)]]));
-        for (let k = 0, both = m & n; both >> k; k++) if ((both >> k) & 1) part = part.mul(roots[k]);
-        total = total.add(part);
-      }
+    if (this.zero || o.zero) return E.zero;
+    const k = Math.max(this.top(), o.top());
+    if (k < 0) {
+      const [[p, q], [r, s]] = [this.terms.get(0), o.terms.get(0)];
+      work += 10000 + ((size(p) + size(q)) * (size(r) + size(s))) / 256;
+      if (work > MOST.work) doubt("an exact witness takes too much work");
+      return Exact.of(p * r, q * s);
     }
-    return total;
+    const [a, b] = this.split(k), [c, d] = o.split(k);
+    const low = b.zero || d.zero ? a.mul(c) : a.mul(c).add(b.mul(d).mul(roots[k]));
+    return low.add(a.mul(d).add(b.mul(c)).raised(k));
+  }
+  raised(k) {
+    return new Exact(new Map([...this.terms].map(([mask, c]) => [mask | (1 << k), c])));
   }
   top() {
     let mask = 0;
@@ -152,7 +158,7 @@ class Exact {
       return Exact.of(q, p);
     }
     const [a, b] = this.split(k);
-    return a.sub(b.mul(Exact.root(k))).mul(a.mul(a).sub(b.mul(b).mul(roots[k])).inverse());
+    return a.sub(b.raised(k)).mul(a.mul(a).sub(b.mul(b).mul(roots[k])).inverse());
   }
   div(o) {
     return this.mul(o.inverse());
@@ -175,12 +181,12 @@ class Exact {
       return r * r === p && s * s === q ? Exact.of(r, s) : null;
     }
     const k = count - 1, [a, b] = this.split(k);
-    if (b.zero) return a.within(k) ?? a.div(roots[k]).within(k)?.mul(Exact.root(k)) ?? null;
+    if (b.zero) return a.within(k) ?? a.div(roots[k]).within(k)?.raised(k) ?? null;
     const norm = a.mul(a).sub(b.mul(b).mul(roots[k])).within(k);
     if (norm === null) return null;
     for (const n of [norm, norm.neg()]) {
       const c = a.add(n).div(Exact.of(2n)).within(k);
-      if (c !== null && !c.zero) return c.add(b.div(c.add(c)).mul(Exact.root(k)));
+      if (c !== null && !c.zero) return c.add(b.div(c.add(c)).raised(k));
     }
     return null;
   }
@@ -620,7 +626,7 @@ class Checker {
     struck.sort((a, b) => inOrder(a.first, b.first));
     for (const { first, group } of struck) {
       const bodies = new Set(group.flat().filter((i) => i < this.n));
-      if (near.some((c) => bodies.has(c[0]) || bodies.has(c[1]))) doubt("whether a graze takes part");
+      if (near.some((c) => c[1] >= 0 && (bodies.has(c[0]) || bodies.has(c[1])))) doubt("whether a graze takes part");
       this.rounds(first, group, bodies, known, rounds, moved);
     }
     if (rounds.length > 0) refuse("rounds are left over");
