@@ -2,16 +2,67 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
+import tempfile
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
 from .writing import check_writable, write_whole
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class Certified:
+    """A certificate and what the checker says of it.
+
+    Attributes:
+        text: the certificate.
+        code: the checker's exit code; 0: independently checked.
+        sentence: its verdict in words.
+    """
+
+    text: str
+    code: int
+    sentence: str
+
+    @property
+    def checked(self) -> bool:
+        """Whether the checker verified it."""
+        return self.code == 0
+
+    @property
+    def told(self) -> str:
+        """What a report says of it."""
+        return f"{'Independently checked' if self.checked else 'Not independently checked'}: {self.sentence}."
+
+    def data(self) -> dict[str, Any]:
+        """What JSON says of it, the certificate included."""
+        return {
+            "independently_checked": self.checked,
+            "checker": self.sentence,
+            "certificate": json.loads(self.text),
+        }
+
+
+def certified(trajectory: Trajectory) -> Certified:
+    """The certificate of a run, checked.
+
+    Raises:
+        SceneError: if the run has none.
+    """
+    from ..exact.certificate import certificate_json, certify
+
+    text = certificate_json(certify(trajectory))
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "certificate.json"
+        file.write_text(text, encoding="utf-8")
+        return Certified(text, *verdict_on(str(file)))
 
 
 def check_certifiable(engine: str, path: str) -> None:

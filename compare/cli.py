@@ -1,9 +1,10 @@
-"""The command line: `truebreak scenes | show | run | verify | compare | orders | bench`. Data on stdout, progress on stderr."""
+"""The command line: `truebreak scenes | show | run | verify | compare | orders | bench`. Data on stdout, rest on stderr."""
 
 from __future__ import annotations
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -224,6 +225,7 @@ def verify(file: str) -> int:
 @SYMMETRIC
 @JSON
 @click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
+@click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
 def compare(
     scene: str,
@@ -239,6 +241,7 @@ def compare(
     symmetric: bool,
     as_json: bool,
     html: str | None,
+    certify: bool,
     exit_zero: bool,
 ) -> int:
     """Run a scene in several engines and say whether they tell the same history.
@@ -267,6 +270,10 @@ def compare(
             max_seconds=max_seconds,
             progress=progress,
         )
+    if certify:
+        from .certificates import certified
+
+        comparison = replace(comparison, certificate=certified(comparison.reference))
     if html is not None:
         from .report.html import html_report
 

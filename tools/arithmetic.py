@@ -4,7 +4,7 @@ import re
 from fractions import Fraction
 from math import isqrt
 
-TEXT, ROOTS, WORK = 20_000, 16, 1 << 38
+TEXT, ROOTS, SCENE_ROOTS, WORK = 20_000, 16, 12, 1 << 38
 TERM = r"\d+(?:/0*[1-9]\d*)?(?:\*r\d+)*"
 
 

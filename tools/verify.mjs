@@ -1,4 +1,4 @@
-// Checks a certificate: node verify.mjs FILE. Written from docs/certificates.md; it shares no line with verify.py, and
+// Checks certificates: node verify.mjs FILE... Written from docs/certificates.md; it shares no line with verify.py, and
 // differs from it where it can: intervals by their ends, exact numbers as sums over sets of roots.
 // Exit codes: 0 verified, 1 refuted, 2 no certificate, 4 not decided.
 import { readFileSync, statSync } from "node:fs";
@@ -400,6 +400,7 @@ class Checker {
     if (told?.format !== "truebreak/certificate-1") malformed("the format is not truebreak/certificate-1");
     this.told = told;
     const { scene } = told;
+    roots.length = work = 0;
     for (const text of told.roots) roots.push(number(text));
     const n = scene.circles.length;
     if (!(n >= 1 && n <= MOST.circles) || roots.length > MOST.roots - 4) malformed("it has no circle, or too much of something");
@@ -1049,6 +1050,7 @@ function verdict(path) {
   }
 }
 
-const [code, sentence] = process.argv.length === 3 ? verdict(process.argv[2]) : [2, "usage: verify.mjs FILE"];
-console.log(sentence);
-process.exit(code);
+const files = process.argv.slice(2);
+const verdicts = files.length > 0 ? files.map(verdict) : [[2, "usage: verify.mjs FILE..."]];
+for (const [, sentence] of verdicts) console.log(sentence.replace(/\s+/g, " "));
+process.exit(Math.max(...verdicts.map(([code]) => code)));

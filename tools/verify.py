@@ -35,7 +35,7 @@ if not __package__:  # run as a program
     sys.path.insert(0, str(folder.parent))
     __package__ = folder.name
 
-from .arithmetic import ONE, ROOTS, ZERO, Ball, Exact, Malformed, Refuted, Undecided, number
+from .arithmetic import ONE, ROOTS, SCENE_ROOTS, WORK, ZERO, Ball, Exact, Malformed, Refuted, Undecided, number
 from .impulses import Impulses
 from .laws import World, place
 from .witnesses import Block
@@ -54,8 +54,8 @@ class Checker(Impulses):
             raise Malformed(f"the format is not {FORMAT}")
         self.told = certificate
         self.scene = scene = certificate["scene"]
-        Exact.roots, Exact.work = [], 0
-        if len(certificate["roots"]) > ROOTS - 4 or not 0 < len(scene["circles"]) <= CIRCLES:
+        Exact.roots, Exact.most, Exact.work, Exact.budget = [], ROOTS, 0, WORK
+        if len(certificate["roots"]) > SCENE_ROOTS or not 0 < len(scene["circles"]) <= CIRCLES:
             raise Malformed("it has no circle, or too many, or too many roots")
         for text in certificate["roots"]:
             Exact.roots.append(number(text))

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...tools.arithmetic import ZERO, Ball, Exact, Undecided
+from ...tools.arithmetic import SCENE_ROOTS, WORK, ZERO, Ball, Exact, Undecided
 
 MOST_BITS = 1 << 14
 """Bits to which the sign of a root is sought before a scene is given up."""
@@ -61,17 +61,17 @@ def _terms(value: Exact) -> list[tuple[Fraction, list[str]]]:
 
 
 def scene_part(scene: Scene) -> dict[str, Any]:
-    """The parts `roots` and `scene` of a certificate.
+    """The part `scene` of a certificate; its roots are in `Exact.roots`, to which later numbers may add.
 
     Raises:
         Undecided: if the scene's numbers need more roots than a certificate may hold.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> part = scene_part(Scene([Circle("1/2 + sqrt(8)", 0)]))
-    >>> part["roots"], part["scene"]["circles"][0]["x"]
+    >>> [text_of(root) for root in Exact.roots], part["circles"][0]["x"]
     (['8'], '1/2+1*r1')
     """
-    Exact.roots, Exact.work = [], 0
+    Exact.roots, Exact.most, Exact.work, Exact.budget = [], SCENE_ROOTS, 0, WORK
 
     def row(thing: Any, keys: tuple[str, ...]) -> dict[str, str]:
         return {"id": str(thing.id), **{key: text_of(exact_number(getattr(thing, key))) for key in keys}}
@@ -91,4 +91,4 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     if scene.pockets:
         told["pockets"] = [row(pocket, ("x", "y", "r")) for pocket in scene.pockets]
         told["capture"] = scene.capture
-    return {"roots": [text_of(root) for root in Exact.roots], "scene": told}
+    return told

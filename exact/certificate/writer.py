@@ -10,8 +10,8 @@ from typing import Any
 from ...scenarios.errors import SceneError
 from ...scenarios.quantity import Quantity
 from ...scenarios.trajectory import StopReason, Trajectory
-from ...tools.arithmetic import Refuted, Undecided
-from ...tools.verify import BITS, FORMAT
+from ...tools.arithmetic import Exact, Refuted, Undecided
+from ...tools.verify import BITS, CIRCLES, FORMAT
 from ..predicates.cascade import FIRST_BITS
 from .log import instants
 from .prover import Prover
@@ -21,8 +21,8 @@ DIGITS = 17
 """Decimals after the point of times and of the final state, unless others are asked for."""
 
 LEAST_BITS = 128
-"""Bits tried first for the shortest runs. Others begin with a quarter more than the engine had: its forms lose 0.79 bits
-an event in a gas, the plain ones 0.96 (docs/how-it-is-exact.md)."""
+"""Bits tried first for the shortest runs. Others begin with a quarter more than the engine had: in a gas its forms lose
+0.79 bits an event, the plain ones 0.96 (docs/how-it-is-exact.md)."""
 
 ENOUGH = 16
 """By how much more bits than the engine had are tried, before a zero is said to have no witness."""
@@ -55,6 +55,10 @@ def certify(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
     """
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
+    if len(trajectory.scene.circles) > CIRCLES:
+        raise CertificateError(
+            f"the scene has {len(trajectory.scene.circles)} circles; a certificate at most {CIRCLES}"
+        )
     if not trajectory.certified:
         raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
     try:
@@ -96,7 +100,7 @@ def certify(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
 
 def _frame(trajectory: Trajectory) -> dict[str, Any]:
     """All but the log."""
-    part = scene_part(trajectory.scene)
+    scene = scene_part(trajectory.scene)
     reason, final_time = trajectory.stop.reason, trajectory.final_time
     end: dict[str, Any] = {"reason": "stopped"}
     if reason is StopReason.HORIZON and isinstance(final_time, Quantity):
@@ -110,7 +114,8 @@ def _frame(trajectory: Trajectory) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "writer": f"truebreak {version('truebreak')}",
-        **part,
+        "roots": [text_of(root) for root in Exact.roots],
+        "scene": scene,
         "isometries": [],
         "end": end,
         "final": {"time": "0", "circles": [["0"] * 4 for _ in trajectory.scene.circles]},
