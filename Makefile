@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow stress coverage lint format bench docs clean
+.PHONY: demo test slow stress coverage lint format bench docs reference-set clean
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -39,6 +39,10 @@ bench: .venv/ready
 # Runs every example of the README, of docs/ and of the docstrings.
 docs: .venv/ready
 	$(BIN)/python -m pytest -n auto tests/test_docs.py
+
+# Writes docs/reference-set-1.zip; a test proves that it is current.
+reference-set: .venv/ready
+	$(BIN)/python tests/certificate/reference_set.py
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

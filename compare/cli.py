@@ -1,4 +1,4 @@
-"""The command line: `truebreak scenes | show | run | verify | compare | orders | bench`. Data on stdout, rest on stderr."""
+"""The command line: `truebreak scenes | show | run | verify | compare | orders | bench`. Data on stdout."""
 
 from __future__ import annotations
 

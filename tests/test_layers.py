@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-LAYERS = ("scenarios", "exact", "floating", "compare")
+LAYERS = ("scenarios", "tools", "exact", "floating", "compare")
 """Lowest first: a layer imports itself and those before it."""
 
 FILES = {

@@ -512,6 +512,7 @@ class Checker {
   instant(entry, last) {
     this.age += 2;
     const arrive = entry.arrive ?? [], grazes = entry.grazes ?? [];
+    if (!Array.isArray(arrive) || !Array.isArray(grazes)) malformed("an instant is none");
     let source;
     if (arrive.length > 0) {
       const clock = this.get(arrive[0]);

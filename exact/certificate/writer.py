@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from copy import deepcopy
-from importlib.metadata import version
 from typing import Any
 
 from ...scenarios.errors import SceneError
@@ -113,7 +112,7 @@ def _frame(trajectory: Trajectory) -> dict[str, Any]:
         end = {"reason": "quiet"}
     return {
         "format": FORMAT,
-        "writer": f"truebreak {version('truebreak')}",
+        "writer": "truebreak",
         "roots": [text_of(root) for root in Exact.roots],
         "scene": scene,
         "isometries": [],
@@ -143,7 +142,7 @@ def _short(told: dict[str, Any]) -> dict[str, Any]:
 
 
 def certificate_json(certificate: dict[str, Any]) -> str:
-    """A certificate as text: one line an instant, a circle, an isometry.
+    r"""A certificate as text: one line an instant, a circle, an isometry.
 
     >>> certificate_json({"format": "f", "instants": [{"time": "1"}, {"time": "2"}]})
     '{"format":"f",\n"instants":[\n{"time":"1"},\n{"time":"2"}]}\n'
