@@ -24,7 +24,7 @@ stress: .venv/ready
 	$(BIN)/python tests/fuzz/stress.py --scenes $(or $(SCENES),100000) --jobs 2 --out fuzz.jsonl
 
 coverage: .venv/ready
-	$(BIN)/python -m pytest -n auto --cov=scenarios --cov=exact --cov=floating --cov=compare --cov-report=term
+	$(BIN)/python -m pytest -n auto --cov=scenarios --cov=tools --cov=exact --cov=floating --cov=compare --cov-report=term
 
 lint: .venv/ready
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/pyright

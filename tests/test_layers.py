@@ -1,4 +1,4 @@
-"""Imports run one way, scenarios, exact, floating, compare, and nothing heavy comes before it is needed."""
+"""Imports run one way, scenarios, tools, exact, floating, compare, and nothing heavy comes before it is needed."""
 
 from __future__ import annotations
 
