@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from copy import deepcopy
 from typing import Any
 
@@ -60,6 +63,23 @@ def certify(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
         )
     if not trajectory.certified:
         raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
+    with _long_numbers():
+        return _certified(trajectory, digits)
+
+
+@contextmanager
+def _long_numbers() -> Iterator[None]:
+    """Whole numbers of any length are written and read as decimals: a scene may have them."""
+    saved = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(0)
+    try:
+        yield
+    finally:
+        sys.set_int_max_str_digits(saved)
+
+
+def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
+    """As `certify`, of a run that may have a certificate."""
     try:
         frame = _frame(trajectory)
     except Undecided as doubt:

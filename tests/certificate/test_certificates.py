@@ -107,6 +107,14 @@ def test_limits_and_the_reversal_on_one_instant(tmp_path: Path) -> None:
     assert [len(run.events) for run in runs.values()] == [2, 1, 0, 0]
 
 
+def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
+    scene = Scene([Circle(0, 0, vx=1), Circle("4 + 10**-5000", 1), Circle(0, 9, vx=1), Circle(4, 10)])
+    run = ExactEngine().run(scene, events=2)
+    told = certify(run)
+    assert [entry["arrive"] for entry in told["instants"]] == [[[2, 3]], [[0, 1]]] and told["bits"][0][1] > 5000
+    both_verify([("long", told)], tmp_path)
+
+
 def test_more_digits_are_had_for_the_asking(tmp_path: Path) -> None:
     told = certify(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])), digits=40)
     assert told["instants"][0]["time"] == "2.2679491924311227064725536584941276330572"
