@@ -145,7 +145,7 @@ class Checker extends Impulses {
   }
 
   listAt(c, kind) {
-    if (this.get(c)?.kind === "doubt") this.set(c, this.settled(c));
+    if (this.get(c)?.kind === "doubt") this.set(c, this.settled(c, null));
     const known = this.get(c);
     if (known?.kind !== kind || this.listed.has(key(c))) refuse(`${c} do not meet at this instant`);
     const order = I.sign(I.sub(known.when, this.time));
@@ -169,9 +169,8 @@ class Checker extends Impulses {
   // step 3; true: a graze that may fall on the time
   mayGrazeNow(c, time) {
     if (this.get(c).kind === "doubt") {
-      if (time && this.notYet(c, time)) return false;
-      this.set(c, this.settled(c));
-      if (this.get(c) === null) return false;
+      this.set(c, this.settled(c, time));
+      if (this.get(c) === null || this.get(c).kind === "doubt") return false;
     }
     const { kind, when } = this.get(c);
     const order = time ? I.sign(I.sub(when, time)) : -1;
@@ -184,13 +183,15 @@ class Checker extends Impulses {
     return doubt(`whether ${c} meet after it`);
   }
 
-  settled(c) {
+  settled(c, time) {
     const sign = I.sign(this.see(c).closing);
     if (sign === -1 && this.zero("graze", c, false)) {
       this.grazed.add(this.heights(c));
       return { kind: "graze", when: this.laws.graze(this.fly, c) };
     }
-    if (sign === null && this.zero("still", c, false)) return null;
+    const still = this.witnesses.get(`still ${key(c)}`) ?? [];
+    if (sign === null && still.some(([how, other]) => this.proves("still", c, how, other))) return null;
+    if (time && this.notYet(c, time)) return { kind: "doubt" };
     return doubt(`whether ${c} meet, graze or miss`);
   }
 

@@ -41,6 +41,7 @@ from .laws import World, place
 from .witnesses import Block
 
 FORMAT, BYTES, CIRCLES, BITS, SIZE = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20, 1 << 30
+DOUBT = "doubt", None
 BROKEN = (Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, OSError)
 
 
@@ -190,7 +191,7 @@ class Checker(Impulses):
     def join(self, c, time, kind):
         """That a listed contact meets, or grazes, at this very instant."""
         if (self.coming.get(c) or ("none", None))[0] == "doubt":
-            self.coming[c] = self.settled(c)
+            self.coming[c] = self.settled(c, None)
         known, when = self.coming.get(c) or ("none", None)
         if known != kind or c in self.tied or (when - time).sign() in (-1, 1):
             raise Refuted(f"{c} do not meet at this instant")
@@ -202,10 +203,8 @@ class Checker(Impulses):
         """Proves that the next meeting of two comes after a time (None: that there is none); or else whether it is a
         graze that may fall on it."""
         if self.coming[c][0] == "doubt":
-            if time and self.apart(c, time):
-                return False
-            self.coming[c] = self.settled(c)
-            if self.coming[c] is None:
+            self.coming[c] = self.settled(c, time)
+            if self.coming[c] in (None, DOUBT):
                 return False
         kind, when = self.coming[c]
         order = (when - time).sign() if time else -1
@@ -217,14 +216,17 @@ class Checker(Impulses):
             return order != -1
         raise (Refuted if order == -1 else Undecided)(f"{c} meet before it, or may")
 
-    def settled(self, c):
-        """A doubtful meeting, by witness: a graze, or none as the two do not come nearer."""
+    def settled(self, c, time):
+        """A doubtful meeting: by a witness a graze, or none as the two do not come nearer; else still in doubt, if they
+        have surely not met until a time."""
         closing = self.balls.meeting(self.fly, c)[2].sign()
         if closing == -1 and self.zero("graze", c, must=False):
             self.grazed.add(self.heights(c))
             return "graze", self.balls.time(self.fly, c, graze=True)
-        if closing is None and self.zero("still", c, must=False):
+        if closing is None and any(self.proves("still", c, *w) for w in self.witnesses.get(("still", c), ())):
             return None
+        if time and self.apart(c, time):
+            return DOUBT
         raise Undecided(f"whether {c} meet, graze or miss")
 
     def apart(self, c, time):
@@ -252,7 +254,7 @@ class Checker(Impulses):
         if sign == -1:
             return None
         if closing.sign() is None or sign is None:
-            return "doubt", None
+            return DOUBT
         return ("hit" if sign else "graze"), self.balls.time(self.fly, c, graze=not sign)
 
     # -- the reversal

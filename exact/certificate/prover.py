@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, cast
 
 from ...tools.arithmetic import ROOTS, WORK, Ball, Exact, Undecided
-from ...tools.verify import Checker
+from ...tools.verify import DOUBT, Checker
 from .candidates import Candidates, Contact
 
 GUARD = 64
@@ -136,10 +136,18 @@ class Prover(Checker):
 
     def _grazes(self, c: Contact, time: Ball) -> bool:
         """Whether two graze at a time, as far as intervals tell."""
-        if self.coming[c][0] == "doubt" and not self.apart(c, time):
-            self.coming[c] = self.settled(c)
+        if self.coming[c][0] == "doubt":
+            self.coming[c] = self.settled(c, time)
         known = self.coming[c]
         return known is not None and known[0] == "graze" and (known[1] - time).sign() in (None, 0)
+
+    def settled(self, c: Contact, time: Ball | None) -> Any:
+        """As the checker does it, but a witness is looked for only where it is needed."""
+        if time and self.apart(c, time):
+            return DOUBT
+        if self.balls.meeting(self.fly, c)[2].sign() is None and self.zero("still", c, must=False):
+            return None
+        return super().settled(c, None)
 
     # -- witnesses
 
