@@ -120,11 +120,15 @@ class Prover(Checker):
         bodies = {i for c in contacts for i in c if i < self.n}
         grown = bool(contacts)
         while grown:
-            grown = False
+            before = len(bodies)
             for c in met:
-                if 0 <= c[1] < self.n and c not in self.tied and bodies & set(c) and self._grazes(c, time):
-                    grown = self._list(entry["grazes"], c, self.coming[c][1] - time) or grown
-                    bodies |= set(c) if c in self.tied else set()
+                near = 0 <= c[1] < self.n and c not in self.tied and bodies & set(c)
+                if near and self._grazes(c, time) and self._list(entry["grazes"], c, self.coming[c][1] - time):
+                    bodies |= set(c)
+            for c in self.lasting:
+                if bodies & set(c):
+                    bodies |= {i for i in c if i < self.n}
+            grown = len(bodies) > before
 
     def _list(self, listed: list[list[int]], c: Contact, wait: Ball) -> bool:
         """Lists a contact whose meeting is proved to be at the instant; whether it is."""

@@ -87,18 +87,7 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
     log, contacts = instants(trajectory)
     had = int(trajectory.plan["bits"])
     bits = LEAST_BITS if had <= FIRST_BITS else had * 5 // 4
-    most = min(
-        BITS // 2,
-        ENOUGH
-        * max(
-            bits,
-            sum(
-                len(row.text())
-                for circle in trajectory.scene.circles
-                for row in (circle.x, circle.y, circle.vx, circle.vy)
-            ),
-        ),
-    )
+    most = min(BITS // 2, ENOUGH * bits + 4 * len(json.dumps(frame["scene"])))
     while True:
         told = {**deepcopy(frame), "bits": [[0, bits]], "start": deepcopy(log[0]), "instants": deepcopy(log[1:])}
         prover = Prover(told, contacts, digits)
