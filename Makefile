@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow stress coverage lint format bench docs clean
+.PHONY: demo test slow stress coverage lint format bench docs reference-set clean
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -24,7 +24,7 @@ stress: .venv/ready
 	$(BIN)/python tests/fuzz/stress.py --scenes $(or $(SCENES),100000) --jobs 2 --out fuzz.jsonl
 
 coverage: .venv/ready
-	$(BIN)/python -m pytest -n auto --cov=scenarios --cov=exact --cov=floating --cov=compare --cov-report=term
+	$(BIN)/python -m pytest -n auto --cov=scenarios --cov=tools --cov=exact --cov=floating --cov=compare --cov-report=term
 
 lint: .venv/ready
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/pyright
@@ -39,6 +39,10 @@ bench: .venv/ready
 # Runs every example of the README, of docs/ and of the docstrings.
 docs: .venv/ready
 	$(BIN)/python -m pytest -n auto tests/test_docs.py
+
+# Writes docs/reference-set-1.zip; a test proves that it is current.
+reference-set: .venv/ready
+	$(BIN)/python tests/certificate/reference_set.py
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

@@ -1,9 +1,10 @@
-"""The command line: `truebreak scenes | show | run | compare | orders | bench`. Data on stdout, progress on stderr."""
+"""The command line: `truebreak scenes | show | run | verify | compare | orders | bench`. Data on stdout."""
 
 from __future__ import annotations
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ Examples:
   truebreak compare gas:n=10,seed=1 --events 200 --html report.html
   truebreak run galperin:n=2 --engine exact --json
   truebreak run tennis --engine exact --exact     every number as an exact expression
+  truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
   truebreak orders lee                            every outcome that some order of impulses leads to
   truebreak show rack:rows=3 --plot rack.svg
 
@@ -141,6 +143,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 @EVENTS
 @click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
 @JSON
+@click.option("--certificate", metavar="FILE", help="Also write a certificate that `truebreak verify` checks.")
 @TIES
 @WORK
 @SECONDS
@@ -154,6 +157,7 @@ def run(
     events: int | None,
     exact: bool,
     as_json: bool,
+    certificate: str | None,
     ties: str | None,
     work: int | None,
     max_seconds: float | None,
@@ -170,13 +174,35 @@ def run(
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     chosen = engine(with_settings(engine_text, ties=ties, work=work))
+    if certificate is not None:
+        from .certificates import check_certifiable
+
+        check_certifiable(chosen.name, certificate)
     with showing_progress(f"{loaded.name} in {chosen.name}") as progress, time_limit(max_seconds) as watch:
         trajectory = chosen.run(loaded, until=until, events=events, progress=watch.watched(progress))
+    if certificate is not None:
+        from .certificates import write_certificate
+
+        write_certificate(trajectory, certificate)
     if as_json:
         print_json(trajectory_json(trajectory, exact=exact))
     else:
         print_trajectory(trajectory, exact=exact)
     return of_stop(trajectory.stop)
+
+
+@cli.command()
+@click.argument("file", metavar="FILE")
+def verify(file: str) -> int:
+    """Check a certificate (`run --certificate FILE`) by a program of its own, which shares nothing with the engines.
+
+    Exit codes: 0 verified, 1 refuted, 2 no certificate, 4 not decided with the bits that it allows.
+    """
+    from .certificates import verdict_on
+
+    code, sentence = verdict_on(file)
+    click.echo(sentence, err=code == ExitCode.USAGE)
+    return code
 
 
 @cli.command(epilog=SCENE_HELP)
@@ -199,6 +225,7 @@ def run(
 @SYMMETRIC
 @JSON
 @click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
+@click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
 def compare(
     scene: str,
@@ -214,6 +241,7 @@ def compare(
     symmetric: bool,
     as_json: bool,
     html: str | None,
+    certify: bool,
     exit_zero: bool,
 ) -> int:
     """Run a scene in several engines and say whether they tell the same history.
@@ -242,6 +270,10 @@ def compare(
             max_seconds=max_seconds,
             progress=progress,
         )
+    if certify:
+        from .certificates import certified
+
+        comparison = replace(comparison, certificate=certified(comparison.reference))
     if html is not None:
         from .report.html import html_report
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
+    from .certificates import Certified
     from .outcomes import Outcome
 
 DEFAULT_ENGINES = ("double", "interval", "pymunk")
@@ -43,6 +44,7 @@ class Comparison:
         permitted: break patterns under several tie policies, for a scene that has one and in which an engine
             comes to another.
         seconds: wall time of the reference's run.
+        certificate: of the reference's run, checked, where it was asked for.
     """
 
     scene: Scene
@@ -53,6 +55,7 @@ class Comparison:
     return_miss: float | None = None
     permitted: PermittedPatterns | None = None
     seconds: float = 0.0
+    certificate: Certified | None = field(default=None, repr=False)
 
     @property
     def verdict(self) -> Verdict:

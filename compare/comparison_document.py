@@ -43,6 +43,7 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
             "return_miss": comparison.return_miss,
             "notes": list(reference.notes),
             "seconds": comparison.seconds,
+            **({} if comparison.certificate is None else comparison.certificate.data()),
         },
         "candidates": [
             _marked(candidate_json(candidate, comparison.permitted), reference) for candidate in comparison.candidates

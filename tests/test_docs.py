@@ -14,7 +14,7 @@ from typing import NamedTuple
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
-FOLDERS = ("scenarios", "exact", "floating", "compare")
+FOLDERS = ("scenarios", "tools", "exact", "floating", "compare")
 MODULES = ["truebreak"] + [
     "truebreak." + ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
     for folder in FOLDERS

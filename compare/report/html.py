@@ -64,6 +64,8 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
         ("Tie policy", str(scene.tie_policy)),
         ("Scene digest", scene.digest),
     ]
+    if comparison.certificate is not None:
+        facts.append(("Certificate", comparison.certificate.told))
     facts += [("Not proved", str(assumption)) for assumption in reference.assumptions[:1]]
     facts += [("Note", note) for note in reference.notes]
     if scene.source:

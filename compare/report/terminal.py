@@ -31,6 +31,8 @@ def print_comparison(comparison: Comparison) -> None:
         f"to time {comparison.span:.9g} ({reference.stop.message}). "
         f"{'Every decision is proved.' if reference.certified else 'Not every tie in it is proved.'}",
     )
+    if comparison.certificate is not None:
+        say(out, comparison.certificate.told)
     if reference.assumptions:
         say(out, str(reference.assumptions[0]), "bold yellow")
     for note in reference.notes:

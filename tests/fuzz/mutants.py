@@ -36,7 +36,7 @@ from fuzz.mutant import Mutant  # noqa: E402
 from fuzz.mutants_fresh import FRESH  # noqa: E402
 from fuzz.mutants_old import OLD  # noqa: E402
 
-PACKAGES = ("scenarios", "exact", "floating", "compare")
+PACKAGES = ("scenarios", "tools", "exact", "floating", "compare")
 MUTANTS: tuple[Mutant, ...] = (*OLD, *FRESH)
 SCENES = 1200
 PATIENCE = 20.0
