@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
-    from .align import Alignment
-    from .causes import Cause
-    from .margin import Margin
-    from .separation import Separation
+    from .alignment.align import Alignment
+    from .alignment.separation import Separation
+    from .causes.causes import Cause
+    from .causes.margin import Margin
 
 Verdict: TypeAlias = Literal["agree", "diverged", "undecided"]
 

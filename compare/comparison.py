@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import Progress, StopReason, Trajectory
+from .alignment.separation import return_miss
 from .candidate import Candidate, Verdict
 from .deadline import time_limit, uninterrupted
 from .engines import engine as engine_named
-from .outcomes import outcomes_of
-from .permitted import PermittedPatterns, permitted_patterns
-from .separation import return_miss
+from .outcomes.permitted import PermittedPatterns, permitted_patterns
+from .outcomes.table import outcomes_of
 from .study import Study
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..scenarios.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
-    from .outcomes import Outcome
+    from .outcomes.table import Outcome
 
 DEFAULT_ENGINES = ("double", "interval", "pymunk")
 

@@ -10,22 +10,22 @@ from typing import TYPE_CHECKING, Any
 from ..scenarios.engine import horizon
 from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
-from .align import Alignment, align
+from .alignment.align import Alignment, align
+from .alignment.separation import return_miss, separation
 from .candidate import Candidate
-from .causes import cause_of, cause_of_stop
+from .causes.causes import cause_of, cause_of_stop
+from .causes.margin import margin
 from .deadline import OutOfTime, limited, time_limit, uninterrupted
 from .engines import is_stepped
-from .margin import margin
-from .outcomes import changed_outcomes, outcomes_of
-from .separation import return_miss, separation
+from .outcomes.table import changed_outcomes, outcomes_of
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
     from ..scenarios.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
-    from .divergence import Divergence
-    from .outcomes import Outcome
+    from .alignment.divergence import Divergence
+    from .outcomes.table import Outcome
 
 OVERRUN = 1 / 32
 """Candidates run this share of the span past its end, so that an event which they have a little late is

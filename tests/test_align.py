@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from truebreak.compare.align import align
-from truebreak.compare.divergence import Kind
-from truebreak.compare.streams import history
+from truebreak.compare.alignment.align import align
+from truebreak.compare.alignment.divergence import Kind
+from truebreak.compare.alignment.streams import history
 from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall
 
 WALL = "w"

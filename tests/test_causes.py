@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.causes import CauseName
+from truebreak.compare.causes.causes import CauseName
+from truebreak.compare.causes.margin import margin
+from truebreak.compare.causes.rounding import rounded
 from truebreak.compare.comparison import Comparison
 from truebreak.compare.deadline import OutOfTime, limited
-from truebreak.compare.margin import margin
-from truebreak.compare.rounding import rounded
 from truebreak.scenarios import Circle, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.trajectory import Progress
 
@@ -78,7 +78,7 @@ def test_the_margin_of_a_miss_is_its_distance() -> None:
     assert divergence is None
     from dataclasses import replace
 
-    from truebreak.compare.divergence import Divergence, Kind
+    from truebreak.compare.alignment.divergence import Divergence, Kind
 
     told = Divergence(0, 8.0, "a", "w", "b", Kind.DIFFERENT)
     close = margin(comparison.reference, told)

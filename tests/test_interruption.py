@@ -21,8 +21,8 @@ import pytest
 
 from truebreak.compare import compare, engine, trajectory_json
 from truebreak.compare.deadline import Clock, OutOfTime, time_limit, uninterrupted
-from truebreak.compare.order_search import search_orders
-from truebreak.compare.schemas import schema
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.outcomes.order_search import search_orders
 from truebreak.exact import ExactEngine
 from truebreak.exact.all_orders import all_orders
 from truebreak.exact.engine import DEFAULT_WORK

@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from truebreak.compare import compare, engine
-from truebreak.compare.break_pattern import table
-from truebreak.compare.outcomes import OUTCOMES, changed_outcomes, outcomes_of
-from truebreak.compare.permitted import Relation, permitted_patterns
-from truebreak.compare.symmetry import mirror
+from truebreak.compare.outcomes.break_pattern import table
+from truebreak.compare.outcomes.permitted import Relation, permitted_patterns
+from truebreak.compare.outcomes.symmetry import mirror
+from truebreak.compare.outcomes.table import OUTCOMES, changed_outcomes, outcomes_of
 from truebreak.scenarios import Circle, Pocket, Scene, Trajectory, Wall, catalogue
 
 

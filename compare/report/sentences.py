@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..divergence import Kind
+from ..alignment.divergence import Kind
 from ..engines import is_stepped
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def verdict_sentence(comparison: Comparison) -> str:
 
 def _is_rounding(candidate: Candidate) -> bool:
     """Whether rounding is to blame, as far as is known: not a time step, not a difference of model."""
-    from ..causes import CauseName
+    from ..causes.causes import CauseName
 
     cause = candidate.cause
     if cause is None:
@@ -59,7 +59,7 @@ def _is_rounding(candidate: Candidate) -> bool:
 
 
 def _head(candidate: Candidate) -> str:
-    from ..causes import CauseName
+    from ..causes.causes import CauseName
 
     if _is_rounding(candidate):
         return "Floating point changed what happened"
@@ -159,7 +159,7 @@ def short(value: float | None) -> str:
 
 def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
     """What the engine's break pattern is among those that the physics permits, if those are several."""
-    from ..permitted import Relation
+    from ..outcomes.permitted import Relation
 
     permitted, pattern = comparison.permitted, candidate.outcomes.get("break_pattern")
     if permitted is None or pattern is None or candidate.verdict == "undecided":
