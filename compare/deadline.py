@@ -86,6 +86,12 @@ class Clock:
         """Whether they have gone by."""
         return self._deadline is not None and clock.monotonic() >= self._deadline
 
+    def left(self, share: float = 1.0) -> float | None:
+        """Seconds that are left, or a share of them; None: no limit. A moment is left always, to end in good order."""
+        if self._deadline is None:
+            return None
+        return max(share * (self._deadline - clock.monotonic()), AGAIN_SECONDS)
+
     def is_up(self) -> TimeIsUp:
         """What ends a run then."""
         return TimeIsUp(f"{self.seconds:g} second{'' if self.seconds == 1 else 's'} (--max-seconds)")

@@ -7,6 +7,7 @@ from typing import Any
 
 from flint import ctx  # type: ignore[attr-defined]
 
+from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
@@ -30,7 +31,7 @@ proof in six nested roots takes about as many: fifteen times that leaves room, a
 
 
 @dataclass(frozen=True)
-class ExactEngine:
+class ExactEngine(Declared):
     """Runs a scene so that every event, its order and its partners are proved.
 
     Attributes:

@@ -24,7 +24,7 @@ from typing import Any
 
 from sympy import Expr, Integer
 
-from ..scenarios.engine import horizon
+from ..scenarios.engine import SCENE_KEYS, Declared, horizon
 from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Circle, Scene
@@ -49,7 +49,7 @@ ZERO: Any = Integer(0)
 
 
 @dataclass(frozen=True)
-class SymbolicEngine:
+class SymbolicEngine(Declared):
     """Runs a scene in SymPy numbers, with the laws as derived and every pair predicted.
 
     Each pair costs milliseconds while numbers are rational, and more with every square root that nests in
@@ -65,6 +65,11 @@ class SymbolicEngine:
     def name(self) -> str:
         """The name by which the command line and reports call the engine."""
         return "sympy"
+
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """All but `capture`: no circle is ever taken out of play."""
+        return SCENE_KEYS - {"capture"}
 
     def run(
         self,

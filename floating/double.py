@@ -7,6 +7,7 @@ from math import nan, sqrt
 
 from ..exact.machine import Machine
 from ..exact.policies import Policy
+from ..scenarios.engine import Declared
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
@@ -31,7 +32,7 @@ def bounds(time: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class DoubleEngine:
+class DoubleEngine(Declared):
     """The event loop of the exact engine, fed doubles.
 
     Inputs are rounded to the nearest doubles; every sign is taken at its word; equal event times are a tie; an
@@ -46,6 +47,16 @@ class DoubleEngine:
     def name(self) -> str:
         """The engine's name."""
         return "double"
+
+    @property
+    def bits(self) -> int:
+        """53."""
+        return 53
+
+    @property
+    def rounds_input(self) -> bool:
+        """True: a scene is rounded to the nearest doubles."""
+        return True
 
     def run(
         self,

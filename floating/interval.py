@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..exact.machine import Machine
 from ..exact.undecided import Undecided
+from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError
 from ..scenarios.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
@@ -191,7 +192,7 @@ def _interval(time: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class IntervalEngine:
+class IntervalEngine(Declared):
     """The event loop of the exact engine, fed `mpmath.iv` intervals of a fixed precision.
 
     Attributes:
@@ -216,6 +217,10 @@ class IntervalEngine:
     def name(self) -> str:
         """The engine's name."""
         return "interval"
+
+    def wider(self) -> IntervalEngine | None:
+        """Intervals of twice the bits; None beyond the most that there can be."""
+        return IntervalEngine(2 * self.bits) if 2 * self.bits <= MAX_BITS else None
 
     def run(
         self,

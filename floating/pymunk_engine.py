@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pymunk
 
-from ..scenarios.engine import horizon
+from ..scenarios.engine import SCENE_KEYS, Declared, horizon
 from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.quantity import QuantityLike
 from ..scenarios.scene import Scene
@@ -28,6 +28,7 @@ from ..scenarios.trajectory import (
 )
 from . import pymunk_space
 from .knots import DoubleMotion
+from .pymunk_pockets import entries
 from .pymunk_record import Record
 from .pymunk_space import PymunkSpace, build_space
 
@@ -41,7 +42,7 @@ DEFAULT_MAX_STEPS = 10_000_000
 
 
 @dataclass(frozen=True)
-class PymunkEngine:
+class PymunkEngine(Declared):
     """Plays scenes in pymunk, the one engine here that shares no formula with the others.
 
     Pymunk knows no collision times. At every step it moves each circle on by `dt`, finds the circles that
@@ -103,6 +104,34 @@ class PymunkEngine:
         return "pymunk"
 
     @property
+    def step(self) -> float:
+        """`dt`."""
+        return self.dt
+
+    @property
+    def bits(self) -> int:
+        """53: Chipmunk counts in doubles."""
+        return 53
+
+    @property
+    def rounds_input(self) -> bool:
+        """True: a scene is rounded to the nearest doubles."""
+        return True
+
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """All but `capture`, which pymunk has no notion of, and `tie_policy`: it solves all contacts of a step."""
+        return SCENE_KEYS - {"capture", "tie_policy"}
+
+    def finer(self) -> PymunkEngine:
+        """Half the time step, and room for twice the steps."""
+        return replace(self, dt=self.dt / 2, max_steps=2 * self.max_steps)
+
+    def firmer(self) -> PymunkEngine:
+        """Twice the iterations of pymunk's solver."""
+        return replace(self, iterations=2 * self.iterations)
+
+    @property
     def parameters(self) -> dict[str, Any]:
         """All that decides how pymunk plays a scene: the fields, and what is the same in every run."""
         return {
@@ -116,12 +145,16 @@ class PymunkEngine:
             "chipmunk": pymunk.chipmunk_version,
         }
 
-    def space(self, scene: Scene, duration: float) -> PymunkSpace:
-        """The scene as a pymunk space, for a run of at most `duration`; see `build_space`."""
+    def space(self, scene: Scene) -> PymunkSpace:
+        """The scene as a pymunk space; see `build_space`.
+
+        It is made for the longest run that `max_steps` allow, never for a limit of the caller's: the ends of its walls
+        depend on it, to the last bit, and a history must not depend on when it is to end.
+        """
         return build_space(
             scene,
             dt=self.dt,
-            duration=duration,
+            duration=self.max_steps * self.dt,
             iterations=self.iterations,
             slop=self.collision_slop,
             bias=self.collision_bias,
@@ -204,7 +237,7 @@ class _Run:
         self.returns = turns and until is None and events is None
         if self.returns:
             self.end, self.event_limit = 2 * self.turn_at, None
-        self.world = engine.space(scene, min(self.end, engine.max_steps * engine.dt))
+        self.world = engine.space(scene)
         self.record = Record(scene, self.world)
         self.reversal: Reversal | None = None
         self.steps = self.last_event_step = 0
@@ -237,6 +270,7 @@ class _Run:
             final_time=final,
             motion=DoubleMotion(self.record.knots, final),
             reversal=self.reversal,
+            pocketings=entries(self.scene, self.record.knots, final) if self.scene.pockets else (),
             plan={
                 "steps": self.steps,
                 "steps with contacts": self.record.contact_steps,
@@ -393,7 +427,7 @@ def bench_overhead(
     recorded: list[float] = []
     for _ in range(rounds):
         begin = clock.perf_counter()
-        step, dt = engine.space(scene, duration).space.step, engine.dt
+        step, dt = engine.space(scene).space.step, engine.dt
         for _ in range(steps):
             step(dt)
         bare.append(clock.perf_counter() - begin)

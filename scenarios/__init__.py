@@ -1,6 +1,6 @@
 """The shared words: exact numbers, circles, walls, scenes, events, trajectories, and the engine contract."""
 
-from .engine import Engine
+from .engine import Declared, Engine
 from .errors import SceneError
 from .quantity import Quantity
 from .scene import Circle, Pocket, Scene, Wall
@@ -10,6 +10,7 @@ from .trajectory import Contact, Event, State, Stop, StopReason, Trajectory
 __all__ = [
     "Circle",
     "Contact",
+    "Declared",
     "Engine",
     "Event",
     "Pocket",

@@ -205,7 +205,7 @@ def test_free_circles_keep_momentum() -> None:
 def test_sampled_motion_is_that_of_the_space(bias: float) -> None:
     engine = PymunkEngine(dt=1 / 64, collision_bias=bias)
     run = engine.run(gas(7), until=20)
-    world = engine.space(gas(7), 20.0)
+    world = engine.space(gas(7))
     expected = []
     for _ in range(64 * 20):
         world.space.step(1 / 64)

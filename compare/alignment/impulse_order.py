@@ -19,9 +19,7 @@ handful of operations in doubles (2**-53 each), while a different order of coupl
 their first digits: half of a double's digits lies far from both."""
 
 
-def order_reproduces(
-    trajectory: Trajectory, index: int, groups: Sequence[Sequence[Contact]], step: float = 0.0
-) -> bool:
+def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequence[Contact]]) -> bool:
     """Whether the impulses of `groups`, in order, lead from the state before an event to the state after it.
 
     A run that took an instant's contacts apart (or took several instants as one) has not changed what
@@ -32,15 +30,12 @@ def order_reproduces(
         trajectory: the run that took the contacts as one instant.
         index: the event in that run.
         groups: the pairs as the other run took them: a group for each of its instants.
-        step: the time step of either run. It leaves the direction of an impact uncertain by speed * step /
-            reach, and so each impulse by twice that share of the speed, once for each of two bodies.
     """
     event = trajectory.events[index]
     before, after = _velocities_before(trajectory, index), trajectory.at(event.time)
     impact = _Impact(trajectory, {c.id: (float(c.x), float(c.y)) for c in after.circles}, before)
     scale = max((math.hypot(*v) for v in before.values()), default=0.0)
-    count = sum(map(len, groups))
-    room = SAME_VELOCITY * scale + (4 * count * scale * scale * step / impact.least_reach if step else 0.0)
+    room = SAME_VELOCITY * scale
     at_once = trajectory.scene.tie_policy.name == "simultaneous"
     if not all(impact.take(group, at_once) for group in groups):
         return False
@@ -50,6 +45,29 @@ def order_reproduces(
         for c in after.circles
         if c.id in touched
     )
+
+
+def merging_changes(trajectory: Trajectory, indices: Sequence[int], groups: Sequence[Sequence[Contact]]) -> float:
+    """By how much velocities differ if the impulses of several instants are given at once; 0 if by no law.
+
+    Args:
+        trajectory: the run that has the instants one after the other.
+        indices: the events.
+        groups: their impulses.
+    """
+    before = _velocities_before(trajectory, indices[0])
+    first, last = trajectory.events[indices[0]].time, trajectory.events[indices[-1]].time
+    places = {c.id: (float(c.x), float(c.y)) for c in trajectory.at(first).circles}
+    one, other = _Impact(trajectory, places, before), _Impact(trajectory, places, before)
+    everything = [*dict.fromkeys(pair for group in groups for pair in group)]
+    in_turn = all(one.take([pair], False) for group in groups for pair in group)
+    at_once = other.take([pair for pair in everything if other.closing(pair) > 0], True)
+    scale = max((math.hypot(*v) for v in before.values()), default=0.0)
+    if not (in_turn and at_once):
+        return scale
+    apart = max(math.dist(one.velocities[name], other.velocities[name]) for name in before)
+    way = scale * (float(last) - float(first))
+    return apart if apart > SAME_VELOCITY * scale + 4 * len(everything) * scale * way / one.least_reach else 0.0
 
 
 def impulses_among(events: Iterable[Sequence[Contact]], pairs: Sequence[Contact]) -> list[list[Contact]]:
@@ -90,7 +108,7 @@ class _Impact:
         left = list(group)
         while left:
             count = 1 if at_once else 0
-            while at_once and count < len(left) and left[count] not in left[:count] and self._closing(left[count]) > 0:
+            while at_once and count < len(left) and left[count] not in left[:count] and self.closing(left[count]) > 0:
                 count += 1
             together, left = left[: max(count, 1)], left[max(count, 1) :]
             if not self._kick(together):
@@ -110,7 +128,7 @@ class _Impact:
         length = math.hypot(nx, ny)
         return (nx / length, ny / length) if length else (0.0, 0.0)
 
-    def _closing(self, pair: Contact) -> float:
+    def closing(self, pair: Contact) -> float:
         """The speed at which two approach."""
         nx, ny = self._normal(pair)
         vx, vy = self.velocities[pair.first]
@@ -119,7 +137,7 @@ class _Impact:
 
     def _kick(self, pairs: Sequence[Contact]) -> bool:
         """Impulses along each pair's normal such that all separate as fast as they approached."""
-        closing = np.array([self._closing(pair) for pair in pairs])
+        closing = np.array([self.closing(pair) for pair in pairs])
         if not (closing > 0).all():
             return False
         normals = [self._normal(pair) for pair in pairs]

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
+from .patience import Patience
 from .streams import Meeting
+
+REPEATED = 64
+"""Time steps within which an engine comes to all rounds of one instant: a round takes few, and a dozen touching circles
+take as many rounds."""
 
 
 @dataclass(frozen=True)
@@ -15,14 +21,16 @@ class Mismatch:
 
     Attributes:
         mine, expected: the reference's next event for the body and its partner; None at the end of the
-            sequence.
+            sequence, or if it comes too late for the candidate's.
         theirs, got: the same for the candidate.
+        final: whether more of either run would not change it.
     """
 
     mine: int | None
     expected: str | None
     theirs: int | None
     got: str | None
+    final: bool = False
 
 
 @dataclass
@@ -44,109 +52,172 @@ class Walk:
     mismatch: Mismatch | None = None
 
 
+@dataclass
+class _Side:
+    """One run's meetings of the body, taken up one after the other.
+
+    Attributes:
+        open: partners of the current instants that are not matched yet, with their events.
+        coming: how many more times that instant has each partner, in later rounds of impulses.
+        past: for each partner matched in the last instant that both have, the last event that had it.
+        spare: as `coming`, for that instant.
+    """
+
+    meetings: Sequence[Meeting]
+    times: Sequence[float]
+    stepped: bool
+    place: int = 0
+    open: list[tuple[str, int]] = field(default_factory=list)
+    coming: Counter[str] = field(default_factory=Counter)
+    past: dict[str, int] = field(default_factory=dict)
+    spare: Counter[str] = field(default_factory=Counter)
+
+    def fill(self) -> None:
+        """Takes up the next instant if none is open."""
+        if self.open or self.place >= len(self.meetings):
+            return
+        meeting = self.meetings[self.place]
+        self.place += 1
+        names = dict.fromkeys(meeting.partners) if self.stepped else meeting.partners
+        self.open = [(name, meeting.event) for name in names]
+        self.coming = Counter(meeting.partners) - Counter([*names]) if self.stepped else Counter()
+
+    def begin(self) -> None:
+        """A new instant: what is past of the last one is no longer repeated."""
+        self.past, self.spare = {}, Counter()
+
+    def matched(self, name: str, event: int) -> None:
+        """Notes that a partner was matched in an event."""
+        self.spare += self.coming
+        self.coming = Counter()
+        self.past[name] = event
+
+
 def walk(
     mine: Sequence[Meeting],
     theirs: Sequence[Meeting],
     my_times: Sequence[float],
     their_times: Sequence[float],
-    step: float,
+    step: float = 0.0,
+    patience: Patience | None = None,
 ) -> Walk:
     """Matches partners in order; those of one instant in any order, and over several instants.
 
-    With a time step, a partner met in several rounds of one instant counts once, and an impulse that
-    repeats one within the last step is taken as part of it.
+    With a time step, the rounds of one instant may come in any number of steps, or all in one: a partner that the
+    last instant of one run has is not missed where the other has it again, as often as that instant has it, or
+    within two steps.
 
-    >>> walk([Meeting(0, ("j", "k"))], [Meeting(0, ("k",)), Meeting(1, ("j",))], [1.0], [1.0, 1.0], 0.0).split
+    >>> walk([Meeting(0, ("j", "k"))], [Meeting(0, ("k",)), Meeting(1, ("j",))], [1.0], [1.0, 1.0]).split
     {0: {0, 1}}
-    >>> walk([Meeting(0, ("j",))], [Meeting(0, ("k",))], [1.0], [1.0], 0.0).mismatch
-    Mismatch(mine=0, expected='j', theirs=0, got='k')
+    >>> walk([Meeting(0, ("j",))], [Meeting(0, ("k",))], [1.0], [1.0]).mismatch
+    Mismatch(mine=0, expected='j', theirs=0, got='k', final=True)
     """
     walked = Walk()
-    waiting: list[tuple[str, int]] = []  # the reference's partners of the current instants, not yet matched
-    coming: list[tuple[str, int]] = []  # the candidate's
-    last_mine: tuple[int, frozenset[str]] | None = None
-    last_theirs: tuple[int, frozenset[str]] | None = None
-    i = j = 0
+    ours, other = _Side(mine, my_times, step > 0), _Side(theirs, their_times, step > 0)
     while True:
-        if not waiting and i < len(mine):
-            meeting = mine[i]
-            i += 1
-            if (
-                step
-                and last_theirs is not None
-                and not _next_has(coming, theirs, j, meeting.partners)
-                and last_theirs[1].issuperset(meeting.partners)
-                and abs(my_times[meeting.event] - their_times[last_theirs[0]]) <= 2 * step
-            ):
-                walked.pairs.append((meeting.event, last_theirs[0]))
-                continue
-            waiting = _partners(meeting, step)
-            last_mine = (meeting.event, frozenset(meeting.partners))
-        if not coming and j < len(theirs):
-            meeting = theirs[j]
-            j += 1
-            if (
-                step
-                and last_mine is not None
-                and not (waiting and _shares(waiting, meeting.partners))
-                and last_mine[1].issuperset(meeting.partners)
-                and abs(their_times[meeting.event] - my_times[last_mine[0]]) <= 2 * step
-            ):
-                walked.pairs.append((last_mine[0], meeting.event))
-                continue
-            coming = _partners(meeting, step)
-            last_theirs = (meeting.event, frozenset(meeting.partners))
-        if not waiting or not coming:
-            if waiting:
-                walked.mismatch = Mismatch(waiting[0][1], waiting[0][0], None, None)
-            elif coming:
-                walked.mismatch = Mismatch(None, None, coming[0][1], coming[0][0])
+        ours.fill()
+        other.fill()
+        if step and _absorbed(walked, ours, other, step):
+            continue
+        if not ours.open or not other.open:
+            if ours.open:
+                walked.mismatch = Mismatch(ours.open[0][1], ours.open[0][0], None, None)
+            elif other.open:
+                walked.mismatch = Mismatch(None, None, other.open[0][1], other.open[0][0])
             break
-        waiting, coming = _cancel(walked, waiting, coming)
-        if waiting and coming:
-            walked.mismatch = Mismatch(waiting[0][1], waiting[0][0], coming[0][1], coming[0][0])
+        late = None if patience is None else _late(ours, other, patience)
+        if late is not None:
+            walked.mismatch = late
+            break
+        _cancel(walked, ours, other)
+        if ours.open and other.open and not (step and _again(ours, other, step)):
+            (expected, m), (got, c) = ours.open[0], other.open[0]
+            walked.mismatch = Mismatch(m, expected, c, got, final=True)
             break
     _group(walked)
     return walked
 
 
-def _partners(meeting: Meeting, step: float) -> list[tuple[str, int]]:
-    names = dict.fromkeys(meeting.partners) if step else meeting.partners
-    return [(name, meeting.event) for name in names]
+def _late(ours: _Side, other: _Side, patience: Patience) -> Mismatch | None:
+    """A meeting that one run has long before the other has its next: the other does not have it."""
+    (expected, m), (got, c) = ours.open[0], other.open[0]
+    if other.times[c] > patience.latest(ours.times[m]):
+        return Mismatch(m, expected, None, None, final=True)
+    if ours.times[m] > patience.latest(other.times[c]):
+        return Mismatch(None, None, c, got, final=True)
+    return None
 
 
-def _shares(waiting: Sequence[tuple[str, int]], partners: Sequence[str]) -> bool:
-    return any(name in partners for name, _ in waiting)
+def _again(ours: _Side, other: _Side, step: float) -> bool:
+    """Whether the next partner of either run is one that the last instant of the other has again."""
+    return _repeats(ours, other, step) or _repeats(other, ours, step)
 
 
-def _next_has(coming: Sequence[tuple[str, int]], theirs: Sequence[Meeting], j: int, partners: Sequence[str]) -> bool:
-    """Whether the candidate's next meeting has one of the partners."""
-    if coming:
-        return _shares(coming, partners)
-    return j < len(theirs) and any(name in theirs[j].partners for name in partners)
+def _repeats(side: _Side, other: _Side, step: float) -> bool:
+    """Whether a side's next partner is part of the instant that the other has just taken up.
+
+    Where the other's next instant has that partner too, it belongs to the one that is nearer in time.
+    """
+    if not side.open or not side.past or not other.past:
+        return False
+    name, event = side.open[0]
+    if name not in side.past or name not in other.past:
+        return False
+    lag = side.times[event] - side.times[side.past[name]]
+    if lag > 2 * step and (other.spare[name] <= 0 or lag > REPEATED * step):
+        return False
+    rival = next((e for n, e in other.open if n == name), None)
+    if rival is None:
+        return True
+    time = side.times[event]
+    return abs(time - other.times[other.past[name]]) < abs(time - other.times[rival])
 
 
-def _cancel(
-    walked: Walk, waiting: list[tuple[str, int]], coming: list[tuple[str, int]]
-) -> tuple[list[tuple[str, int]], list[tuple[str, int]]]:
+def _absorbed(walked: Walk, ours: _Side, other: _Side, step: float) -> bool:
+    """Counts a repeated contact of one run as part of the other's last instant; whether there was one."""
+    if _repeats(other, ours, step):
+        name, event = other.open.pop(0)
+        walked.pairs.append((ours.past[name], event))
+        ours.spare[name] -= 1
+        other.past[name] = event
+        return True
+    if _repeats(ours, other, step):
+        name, event = ours.open.pop(0)
+        walked.pairs.append((event, other.past[name]))
+        other.spare[name] -= 1
+        ours.past[name] = event
+        return True
+    return False
+
+
+def _cancel(walked: Walk, ours: _Side, other: _Side) -> None:
     """Removes the partners that both have, and records who was matched with whom."""
-    if len(waiting) == 1 == len(coming):  # nearly always
-        if waiting[0][0] != coming[0][0]:
-            return waiting, coming
-        walked.pairs.append((waiting[0][1], coming[0][1]))
-        return [], []
-    expected, got = [name for name, _ in waiting], [name for name, _ in coming]
-    if expected != got and sorted(expected) == sorted(got):
-        walked.reordered.setdefault(waiting[0][1], set()).add(coming[0][1])
+    if len(ours.open) == 1 == len(other.open):  # nearly always
+        (name, m), (got, c) = ours.open[0], other.open[0]
+        if name == got:
+            _match(walked, ours, other, name, m, c)
+            ours.open, other.open = [], []
+        return
+    expected, got_names = [name for name, _ in ours.open], [name for name, _ in other.open]
+    if expected != got_names and sorted(expected) == sorted(got_names):
+        walked.reordered.setdefault(ours.open[0][1], set()).add(other.open[0][1])
     left: list[tuple[str, int]] = []
-    for name, theirs in coming:
-        place = next((p for p, (other, _) in enumerate(waiting) if other == name), None)
+    for name, c in other.open:
+        place = next((p for p, (mine, _) in enumerate(ours.open) if mine == name), None)
         if place is None:
-            left.append((name, theirs))
+            left.append((name, c))
             continue
-        mine = waiting.pop(place)[1]
-        walked.pairs.append((mine, theirs))
-    return waiting, left
+        _match(walked, ours, other, name, ours.open.pop(place)[1], c)
+    other.open = left
+
+
+def _match(walked: Walk, ours: _Side, other: _Side, name: str, mine: int, theirs: int) -> None:
+    walked.pairs.append((mine, theirs))
+    if mine not in ours.past.values() and theirs not in other.past.values():
+        ours.begin()
+        other.begin()
+    ours.matched(name, mine)
+    other.matched(name, theirs)
 
 
 def _group(walked: Walk) -> None:

@@ -197,7 +197,7 @@ def pymunk_overhead(size: Size) -> Figure:
     until = size.steps * runner.dt
 
     def bare() -> None:
-        step, dt = runner.space(scene, until).space.step, runner.dt
+        step, dt = runner.space(scene).space.step, runner.dt
         for _ in range(size.steps):
             step(dt)
 

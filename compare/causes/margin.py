@@ -1,127 +1,131 @@
-"""How close the two competing events at a divergence were, in the reference's own exact motion."""
+"""The margin of the decision at a divergence, beside the engine's error."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import mpmath
+from flint import arb  # type: ignore[attr-defined]
 
+from ...exact.numbers import ball
 from ..alignment.divergence import Kind
+from .numbers import ends
 
 if TYPE_CHECKING:
-    from ...scenarios.trajectory import State, Trajectory
-    from ..alignment.divergence import Divergence
+    from ..study import Study
+    from .experiments import Laboratory
 
-DIGITS = 120
-"""Decimal digits of the arithmetic here: gaps of 10**-40 come out to 80 digits."""
+Bounds = tuple[float, float]
+"""Doubles around a number that is known exactly."""
 
 
 @dataclass(frozen=True)
 class Margin:
-    """What decided between the expected and the got event, at the divergence.
+    """How close the decision was in the exact motion, and how far off the engine was by then.
 
     Attributes:
-        gap: the time between the two in the reference's motion, taken as if neither hindered the other;
-            None if only one of the two would come to pass there.
-        ulps: the same in units of a double's spacing at that time: an engine of doubles cannot tell events
-            apart that are nearer than about one.
-        miss: where one of them is a matter of hit or miss, by what distance: positive for a miss, negative
-            for the depth of the hit.
+        gap: the time between the two meetings, each taken as if nothing hindered it; None for hit or miss.
+        distance: for hit or miss, the least distance of the surfaces in free flight, negative for the depth of a hit;
+            for an order, how far apart the pair that comes second is when the first one meets.
+        ulps: `gap` in units of a double's spacing at that time.
+        error: the largest distance between the engine's place and the exact one of the circles in question, at the
+            earlier of the two events.
+        growth: bits an event by which a small error grows along the exact run up to there; None if not known.
+        bits: the fewest bits with which intervals decide what comes next there, found by running them; None if not
+            tried.
     """
 
-    gap: float | None
+    gap: Bounds | None
+    distance: Bounds | None
     ulps: float | None
-    miss: float | None = None
+    error: float | None = None
+    growth: float | None = None
+    bits: int | None = None
+
+    @property
+    def ratio(self) -> float | None:
+        """The error over the distance: above about 1, the error explains the divergence."""
+        if self.error is None or self.distance is None:
+            return None
+        middle = abs(self.distance[0] + self.distance[1]) / 2
+        return self.error / middle if middle else math.inf if self.error else None
 
 
-def margin(reference: Trajectory, divergence: Divergence) -> Margin:
-    """The margin of a divergence, from the reference's state just before it, in 120 digits.
+def margin_of(study: Study, lab: Laboratory) -> Margin:
+    """The margin of a candidate's divergence.
 
-    From that state all fly freely: the time at which the body would meet the expected partner, the time at
-        which
-    it would meet the one that it got, and by how much it would miss one of them.
+    Raises:
+        OutOfTime: if the user's seconds are over.
     """
-    index = divergence.event
-    if divergence.kind is Kind.TIE and divergence.expected and " + " in divergence.expected:
-        return Margin(0.0, 0.0)
-    before = _state_before(reference, min(index, len(reference.events)))
-    with mpmath.workdps(DIGITS):
-        expected = _meeting(reference, before, divergence.body, divergence.expected)
-        got = _meeting(reference, before, divergence.body, divergence.got)
-        if divergence.kind is Kind.TIE and divergence.expected:
-            names = divergence.expected.split(" then ")
-            expected = _meeting(reference, before, divergence.body, names[0])
-            got = _meeting(reference, before, divergence.body, names[-1])
-        times = [m[0] for m in (expected, got) if m is not None and m[0] is not None]
-        misses = [m[1] for m in (expected, got) if m is not None and m[1] is not None]
-        gap = abs(times[0] - times[1]) if len(times) == 2 else None
-        if gap is None:
-            return Margin(None, None, float(max(misses)) if misses else None)
-        ulp = math.ulp(max(abs(divergence.time), math.ulp(0.0)))
-        return Margin(float(gap), float(gap / ulp))
+    from ...exact.growth import error_growth
+
+    divergence = lab.divergence
+    gap = distance = None
+    ulps: float | None = None
+    if lab.decision is not None and lab.margin is not None:
+        if lab.decision.kind == "hit":
+            distance = ends(lab.margin)
+        else:
+            gap, distance = ends(_together(lab) or lab.margin), _second_gap(lab)
+            ulps = max(abs(gap[0] + gap[1]) / 2, 0.0) / math.ulp(max(abs(divergence.time), math.ulp(0.0)))
+    growth = error_growth(lab.reference, divergence.event)
+    return Margin(gap, distance, ulps, _error(lab), growth, _bits(study, lab))
 
 
-def _state_before(reference: Trajectory, index: int) -> State:
-    """The state that the event before an event leaves; after a reversal between them, the one that that
-    leaves."""
-    if reference.reversal is not None and reference.reversal.after == index:
-        return reference.at(reference.reversal.time)
-    return reference.at(reference.events[index - 1].time if index else 0)
+def _together(lab: Laboratory) -> arb | None:
+    """Exactly zero, where the reference has both meetings at one instant."""
+    assert lab.decision is not None and lab.decision.second is not None
+    events, event = lab.reference.events, lab.divergence.event
+    if event < len(events):
+        pairs = {frozenset(pair) for pair in events[event].contacts}
+        if {frozenset((p.body, p.partner)) for p in (lab.decision.first, lab.decision.second)} <= pairs:
+            return arb(0)
+    return None
 
 
-def precise(value: Any) -> Any:
-    """An engine's number in mpmath, to the digits at work where the engine knows them.
-
-    >>> precise(0.5)
-    mpf('0.5')
-    """
-    if hasattr(value, "ball"):
-        middle = value.ball(int(mpmath.mp.prec)).mid()
-        mantissa, exponent = middle.man_exp()
-        return mpmath.ldexp(mpmath.mpf(int(mantissa)), int(exponent))
-    if hasattr(value, "free_symbols"):
-        return mpmath.mpf(value.evalf(mpmath.mp.dps)._mpf_)
-    if isinstance(value, int | float):
-        return mpmath.mpf(value)
-    return mpmath.mpf(float(value))
+def _second_gap(lab: Laboratory) -> Bounds | None:
+    """How far the pair that meets second is apart when the first one meets."""
+    assert lab.decision is not None and lab.decision.second is not None
+    if _together(lab) is not None:
+        return 0.0, 0.0
+    one, other = lab.decision.first, lab.decision.second
+    with ball.precision(4096):
+        times = lab.truth.hit_time(one, 1024), lab.truth.hit_time(other, 1024)
+        if times[0] is None or times[1] is None:
+            return None
+        later, time = (other, times[0]) if ball.sign_of(times[1] - times[0]) != -1 else (one, times[1])
+        found = lab.truth.gap_at(later, time, 1024)
+    return None if found is None else ends(found)
 
 
-def _meeting(reference: Trajectory, state: State, body: str, partner: str | None) -> tuple[Any, Any] | None:
-    """In free flight from a state: the time until two touch (or None), and the least gap between them."""
-    if partner is None:
+def _error(lab: Laboratory) -> float | None:
+    """The engine's position error at the earlier of the two events, over the circles in question."""
+    run, reference, time = lab.candidate.trajectory, lab.reference, lab.divergence.time
+    last = min(float(run.final_time), float(reference.final_time), time)
+    if not last > 0:
+        return 0.0 if lab.divergence.time == 0 else None
+    at = math.nextafter(last, 0.0)
+    names = {lab.divergence.body, lab.divergence.expected, lab.divergence.got}
+    rows = [k for k, c in enumerate(lab.study.scene.circles) if c.id in names and not c.fixed]
+    mine, theirs = reference.sample([at])[0], run.sample([at])[0]
+    return max((math.dist(mine[k][:2], theirs[k][:2]) for k in rows), default=None)
+
+
+def _bits(study: Study, lab: Laboratory) -> int | None:
+    """The bits with which intervals decide what comes next at the divergence."""
+    from ..engines import engine
+    from .stops import bits_enough
+
+    event = lab.divergence.event
+    events = lab.reference.events
+    if event >= len(events) or (lab.divergence.kind is Kind.TIE and len(events[event].contacts) > 1):
         return None
-    scene = reference.scene
-    circles = {str(c.id): c for c in scene.circles}
-    a = state[body]
-    x, y, vx, vy = (precise(v) for v in (a.x, a.y, a.vx, a.vy))
-    own = precise(circles[body].r)
-    if partner in circles:
-        b = state[partner]
-        bx, by, bvx, bvy = (precise(v) for v in (b.x, b.y, b.vx, b.vy))
-        return _pair(bx - x, by - y, bvx - vx, bvy - vy, own + precise(circles[partner].r))
-    wall = next((w for w in scene.walls if w.id == partner), None)
-    if wall is None:
+    if event > MOST_EVENTS or study.watch.over:
         return None
-    nx, ny = (precise(n) for n in wall.normal)
-    length = mpmath.sqrt(nx * nx + ny * ny)
-    height = (nx * (x - precise(wall.x0)) + ny * (y - precise(wall.y0))) / length
-    speed = (nx * vx + ny * vy) / length
-    gap = abs(height) - own
-    closing = -speed if height > 0 else speed
-    return (gap / closing, None) if closing > 0 else (None, gap)
+    least = engine("interval:bits=24")
+    return bits_enough(study, least, event)[0]
 
 
-def _pair(dx: Any, dy: Any, vx: Any, vy: Any, reach: Any) -> tuple[Any, Any]:
-    """Touch time of two circles in the stable form, and least distance less the sum of radii."""
-    approach, speed2 = dx * vx + dy * vy, vx * vx + vy * vy
-    if approach >= 0:
-        return None, mpmath.sqrt(dx * dx + dy * dy) - reach
-    cross = dx * vy - dy * vx
-    least = abs(cross) / mpmath.sqrt(speed2) - reach
-    discriminant = speed2 * reach * reach - cross * cross
-    if discriminant < 0:
-        return None, least
-    gap = dx * dx + dy * dy - reach * reach
-    return gap / (-approach + mpmath.sqrt(discriminant)), least
+MOST_EVENTS = 60
+"""Events up to which the fewest bits are looked for: a dozen interval runs."""

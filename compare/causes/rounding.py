@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...scenarios.errors import SceneError
+from ...scenarios.quantity import Quantity
 from ...scenarios.scene import Circle, Scene, Wall
-
-if TYPE_CHECKING:
-    from ...scenarios.quantity import Quantity
 
 
 def rounded(scene: Scene) -> Scene:
@@ -31,6 +27,33 @@ def rounded(scene: Scene) -> Scene:
         for c in scene.circles
     ]
     walls = [Wall(*(_double(value) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
+    return scene.with_changes(circles=circles, walls=walls)
+
+
+def shifted(scene: Scene, share: Quantity) -> Scene:
+    """The scene with every number a share of the way to its nearest double.
+
+    Raises:
+        SceneError: as `rounded`.
+
+    >>> scene = Scene([Circle("1/3", 0)])
+    >>> shifted(scene, Quantity.of(1)).circles == rounded(scene).circles
+    True
+    """
+
+    def moved(value: Quantity) -> Quantity:
+        return value + (Quantity.of(_double(value)) - value) * share
+
+    circles = [
+        Circle(
+            *(moved(value) for value in (c.x, c.y, c.r, c.vx, c.vy)),
+            m=c.m if isinstance(c.m, str) else moved(c.m),
+            id=c.id,
+            point=c.point,
+        )
+        for c in scene.circles
+    ]
+    walls = [Wall(*(moved(value) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
     return scene.with_changes(circles=circles, walls=walls)
 
 

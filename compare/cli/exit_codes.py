@@ -35,6 +35,6 @@ def of_stop(stop: Stop) -> ExitCode:
 
 
 def of_comparison(comparison: Comparison) -> ExitCode:
-    """The code of a comparison: 1 if any engine diverged, else 4 if anything is undecided, else 0."""
-    codes = {"agree": ExitCode.DONE, "diverged": ExitCode.DIVERGED, "undecided": ExitCode.UNDECIDED}
-    return codes[comparison.verdict]
+    """The code of a comparison: 1 if any engine diverged, else 4 if anything is not settled or undecided, else 0."""
+    codes = {"agree": ExitCode.DONE, "diverged": ExitCode.DIVERGED}
+    return codes.get(comparison.verdict, ExitCode.UNDECIDED)

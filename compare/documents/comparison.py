@@ -1,4 +1,4 @@
-"""A comparison as the JSON object `truebreak/comparison-1`."""
+"""A comparison as the JSON object `truebreak/comparison-2`."""
 
 from __future__ import annotations
 
@@ -12,10 +12,11 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
     from ..alignment.separation import Separation
     from ..candidate import Candidate
+    from ..causes.margin import Margin
     from ..comparison import Comparison
     from ..outcomes.permitted import PermittedPatterns
 
-COMPARISON_SCHEMA = "truebreak/comparison-1"
+COMPARISON_SCHEMA = "truebreak/comparison-2"
 
 REPORTED_SAMPLES = 50
 """Times at which the JSON gives the separation."""
@@ -31,13 +32,13 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "verdict": comparison.verdict,
         "sentence": verdict_sentence(comparison),
         "scene": scene_json(reference),
-        "span": comparison.span,
+        "span": comparison.span if math.isfinite(comparison.span) else None,
         "reference": {
             "engine": reference.engine,
             "parameters": plain(reference.parameters),
             "events": len(reference.events),
             "stop": stop_json(reference.stop),
-            "certified": reference.certified,
+            "certified": reference.certified and comparison.certain,
             "assumptions": assumptions_json(reference),
             "outcomes": plain(comparison.outcomes),
             "return_miss": comparison.return_miss,
@@ -47,7 +48,8 @@ def comparison_json(comparison: Comparison) -> dict[str, Any]:
         "candidates": [
             _marked(candidate_json(candidate, comparison.permitted), reference) for candidate in comparison.candidates
         ],
-        "break_patterns": _patterns_json(comparison.permitted),
+        "patterns": _patterns_json(comparison.permitted),
+        "left_out": list(comparison.cut),
     }
 
 
@@ -71,12 +73,12 @@ def candidate_json(candidate: Candidate, permitted: PermittedPatterns | None = N
         "verdict": candidate.verdict,
         "events_agreed": alignment.agreed,
         "first_divergence": _divergence_json(candidate),
-        "cause": _cause_json(candidate),
+        "causes": _causes_json(candidate),
         "harmless_swaps": alignment.harmless_swaps,
         "harmless_splits": alignment.harmless_splits,
         "position_error": _separation_json(candidate.separation),
         "outcomes": plain(candidate.outcomes),
-        "break_pattern": _relation_json(candidate, permitted),
+        "pattern": _relation_json(candidate, permitted),
         "changed_outcomes": list(candidate.changed),
         "return_miss": candidate.return_miss,
         "stop": stop_json(run.stop),
@@ -97,36 +99,70 @@ def _divergence_json(candidate: Candidate) -> dict[str, Any] | None:
         "kind": divergence.kind.value,
         "expected_time": divergence.expected_time,
         "got_time": divergence.got_time,
-        "cause": str(candidate.cause) if candidate.cause else None,
-        "margin": margin.gap if margin else None,
-        "margin_ulps": margin.ulps if margin else None,
-        "miss_distance": margin.miss if margin else None,
+        "cause": str(candidate.diagnosis) if candidate.diagnosis else None,
+        "margin": None if margin is None else _margin_json(margin),
     }
 
 
-def _relation_json(candidate: Candidate, permitted: PermittedPatterns | None) -> dict[str, str | None] | None:
-    """What the candidate's break pattern is among those that the exact engine has under several policies."""
-    pattern = candidate.outcomes.get("break_pattern")
-    if permitted is None or pattern is None or candidate.verdict == "undecided":
+def _margin_json(margin: Margin) -> dict[str, Any]:
+    ratio = margin.ratio
+    return {
+        "time": None if margin.gap is None else list(margin.gap),
+        "ulps": margin.ulps,
+        "distance": None if margin.distance is None else list(margin.distance),
+        "position_error": margin.error,
+        "ratio": ratio if ratio is not None and math.isfinite(ratio) else None,
+        "growth_bits_per_event": margin.growth,
+        "bits_enough": margin.bits,
+    }
+
+
+def _relation_json(candidate: Candidate, permitted: PermittedPatterns | None) -> dict[str, Any] | None:
+    """Which class the candidate's pattern is in, and the policy or the nearby scene that leads to it."""
+    pattern = candidate.pattern
+    if permitted is None or pattern is None or candidate.verdict != "diverged":
         return None
-    return {"relation": permitted.relation(pattern).name.lower(), "policy": permitted.policy(pattern)}
+    witness = permitted.witness(pattern)
+    return {
+        "relation": permitted.relation(pattern).name.lower(),
+        "policy": permitted.policy(pattern),
+        "witness": None if witness is None else witness.scene.data(),
+    }
 
 
 def _patterns_json(permitted: PermittedPatterns | None) -> dict[str, Any] | None:
-    """The break patterns that the reference engine has under other orders of simultaneous impulses."""
+    """The patterns that the reference engine has under other policies and orders, and in nearby scenes."""
     if permitted is None:
         return None
     return {
         "by_policy": plain(permitted.by_policy),
         "all_orders": plain(permitted.orders),
         "complete": permitted.complete,
+        "orders_followed": permitted.followed,
+        "realisable": [plain(w.pattern) for w in permitted.witnesses],
+        "nearby_tried": permitted.tried,
     }
 
 
-def _cause_json(candidate: Candidate) -> dict[str, str] | None:
-    if candidate.cause is None:
+def _causes_json(candidate: Candidate) -> dict[str, Any] | None:
+    found = candidate.diagnosis
+    if found is None:
         return None
-    return {"name": candidate.cause.name.value, "evidence": candidate.cause.evidence}
+    return {
+        "name": found.name.value,
+        "evidence": found.evidence,
+        "sufficient": [cause.value for cause in found.sufficient],
+        "experiments": [
+            {
+                "cause": e.cause.value,
+                "suffices": e.suffices,
+                "displacement": e.displacement,
+                "share": e.share,
+                "result": e.result,
+            }
+            for e in found.experiments
+        ],
+    }
 
 
 def _separation_json(separation: Separation) -> dict[str, Any]:

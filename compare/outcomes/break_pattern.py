@@ -44,18 +44,31 @@ def table(scene: Scene) -> Table | None:
     return Table(min(upright), min(level), max(upright), max(level))
 
 
+def is_break(scene: Scene) -> bool:
+    """Whether a scene is one of a break: it has pockets, or a table on which all balls but one are at rest.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> is_break(catalogue.build("rack:rows=2,pockets=no")), is_break(catalogue.build("gas"))
+    (True, False)
+    """
+    movable = [c for c in scene.circles if not c.fixed]
+    struck = [c for c in movable if not c.at_rest]
+    return len(movable) > 1 and table(scene) is not None and (bool(scene.pockets) or len(struck) == 1)
+
+
 def break_pattern(trajectory: Trajectory) -> dict[str, Any] | None:
     """For each circle that can move, the partners that it met and the cell (or pocket) that it ended in.
 
-    Cells are those of a grid of 5 by 3 on the table, A1 at the lower left. None for a scene without a
-    table, or with a single ball.
+    Cells are those of a grid of 5 by 3 on the table, A1 at the lower left. None unless the scene is one of a break.
     """
+    return pattern(trajectory) if is_break(trajectory.scene) else None
+
+
+def pattern(trajectory: Trajectory) -> dict[str, Any]:
+    """For each circle that can move, the partners that it met; on a table, where it ended too."""
     scene = trajectory.scene
     bounds = table(scene)
-    movable = [str(c.id) for c in scene.circles if not c.fixed]
-    if bounds is None or len(movable) < 2:
-        return None
-    met: dict[str, set[str]] = {name: set() for name in movable}
+    met: dict[str, set[str]] = {str(c.id): set() for c in scene.circles if not c.fixed}
     for event in trajectory.events:
         for first, second in event.impulses:
             if first in met:
@@ -63,12 +76,13 @@ def break_pattern(trajectory: Trajectory) -> dict[str, Any] | None:
             if second in met:
                 met[second].add(first)
     pockets = pocketed(trajectory) or {}
-    pattern: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     for circle in trajectory.final.circles:
         if circle.id not in met:
             continue
-        place = bounds.cell(float(circle.x), float(circle.y))
-        entry = pockets.get(circle.id)
-        partners = [name for name in scene.ids if name in met[circle.id]]
-        pattern[circle.id] = {"met": partners, "ended": entry["pocket"] if entry else place}
-    return pattern
+        found[circle.id] = {"met": [name for name in scene.ids if name in met[circle.id]]}
+        if bounds is not None:
+            entry = pockets.get(circle.id)
+            place = bounds.cell(float(circle.x), float(circle.y))
+            found[circle.id]["ended"] = entry["pocket"] if entry else place
+    return found

@@ -1,36 +1,41 @@
-"""Whether a break pattern is the exact one, another that the physics permits, or neither.
+"""Which patterns the physics permits, in four classes.
 
-Where several contacts fall on one instant and their order matters, the physics permits several histories,
-one for each order. A float engine's pattern outside of that set was changed by its error; one inside was only
-chosen by it.
+Where several contacts fall on one instant and their order matters, nearby scenes in which they do not come to
+different ends. The policy names one outcome; the sequential orders are a superset of what nearby scenes do; and the
+default policy's own outcome may be the limit of none.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ...scenarios.trajectory import StopReason
-from ..deadline import OutOfTime, limited, uninterrupted
-from ..engines import is_stepped
-from .break_pattern import break_pattern
+from ...exact.all_orders import all_orders
+from ...exact.numbers import ball
+from ...exact.policies.guided import Guided
+from ...scenarios.errors import SceneError
+from ...scenarios.quantity import Quantity
+from ...scenarios.trajectory import StopReason, Trajectory
+from ..deadline import OutOfTime
+from .break_pattern import pattern as pattern_of
+from .nearby import Witness, nearby_scenes
+from .order_search import Attended
 
 if TYPE_CHECKING:
-    from ...scenarios.engine import Engine
-    from ...scenarios.trajectory import OnProgress, Trajectory
+    from ...scenarios.trajectory import OnProgress
+    from ..study import Study
 
 Pattern: TypeAlias = "Mapping[str, Any]"
 
 POLICIES = ("simultaneous", "sequential:order=scene")
 """Policies whose patterns are always told."""
 
-SEARCH_SECONDS = 10.0
-"""Time that following the orders may take; from the reference's own run follows how many can be followed in
-it."""
+ORDER_WORK = 20_000
+"""Events times circles that following the orders may take: some ten seconds of the exact engine."""
 
-LEAST_CAP, GREATEST_CAP = 8, 256
+LEAST_CAP, GREATEST_CAP = 32, 256
 """Least and greatest number of outcomes that are followed."""
 
 SAMPLE_SHARE = 4
@@ -40,38 +45,50 @@ DECIDED = (StopReason.HORIZON, StopReason.EVENTS, StopReason.QUIET)
 
 
 class Relation(Enum):
-    """What a candidate's break pattern is; the value is what a person reads."""
+    """What a candidate's pattern is; the value is what a person reads."""
 
-    EXACT = "the exact one"
-    PERMITTED = "permitted"
-    IMPOSSIBLE = "impossible"
-    UNSEEN = "not seen"
+    OWN = "the policy's own"
+    REALISABLE = "realisable: a nearby scene does it"
+    SOME_ORDER = "some order of the impulses leads to it, no nearby scene that was tried does"
+    NO_ORDER = "no order of the impulses leads to it"
+    NOT_FOUND = "not found among the orders followed; there are more"
 
 
 @dataclass(frozen=True)
 class PermittedPatterns:
-    """Break patterns that the reference engine has under several orders of simultaneous impulses.
+    """Patterns over the exact span: the policy's own, those of nearby scenes, and of all sequential orders.
 
     Attributes:
         exact: the pattern under the scene's own policy.
         by_policy: the pattern under each named policy.
-        orders: the distinct patterns over all sequential orders.
-        complete: whether `orders` are all that there are; if not, there are more orders than could be
-            followed.
+        orders: the distinct patterns over the sequential orders followed.
+        complete: whether those are all orders.
+        followed: how many orders, or draws, were followed.
+        witnesses: nearby scenes, each with its certified pattern.
+        tried: how many nearby scenes were tried.
     """
 
     exact: Pattern
     by_policy: Mapping[str, Pattern] = field(default_factory=dict)
     orders: tuple[Pattern, ...] = ()
     complete: bool = True
+    followed: int = 0
+    witnesses: tuple[Witness, ...] = ()
+    tried: int = 0
 
     def relation(self, pattern: Pattern) -> Relation:
-        """What a pattern is."""
+        """The class of a pattern."""
         if pattern == self.exact:
-            return Relation.EXACT
-        if pattern in self.orders or pattern in self.by_policy.values():
-            return Relation.PERMITTED
-        return Relation.IMPOSSIBLE if self.complete else Relation.UNSEEN
+            return Relation.OWN
+        if self.witness(pattern) is not None:
+            return Relation.REALISABLE
+        if pattern in self.orders:
+            return Relation.SOME_ORDER
+        return Relation.NO_ORDER if self.complete else Relation.NOT_FOUND
+
+    def witness(self, pattern: Pattern) -> Witness | None:
+        """A nearby scene that comes to a pattern."""
+        return next((w for w in self.witnesses if w.pattern == pattern), None)
 
     def policy(self, pattern: Pattern) -> str | None:
         """The named policy that leads to a pattern, if one does."""
@@ -79,64 +96,102 @@ class PermittedPatterns:
 
 
 def permitted_patterns(
-    truth: Engine,
-    reference: Trajectory,
-    seconds: float,
-    histories: Sequence[Trajectory] = (),
-    progress: OnProgress | None = None,
-    max_seconds: float | None = None,
+    study: Study, histories: Sequence[tuple[Trajectory, bool]] = (), progress: OnProgress | None = None
 ) -> PermittedPatterns | None:
-    """The patterns under each policy and over all sequential orders.
+    """The patterns under each policy, of nearby scenes, and over all sequential orders, over the reference's span.
 
-    None for a scene without a break pattern.
+    A pattern is whom each circle met, and on a table where it ended. None if the reference engine takes no policy from
+    its caller.
 
     Args:
-        seconds: how long the reference's run took.
-        histories: runs whose own order of impulses is followed as far as the exact engine allows it, so that a
-            permitted pattern is found even where the orders are too many to enumerate.
-        max_seconds: what the user allows any one run; the search gets no more.
+        histories: runs, and whether each goes by time steps. Their own order of impulses is followed as far as the
+            exact engine allows it, so that a pattern is found even where the orders are too many to enumerate.
     """
-    exact = break_pattern(reference)
-    if exact is None:
+    reference, scene, truth = study.reference, study.scene, study.truth
+    if not hasattr(truth, "run_with"):
         return None
-    scene, end = reference.scene, float(reference.final_time)
+    exact = pattern_of(reference)
     by_policy: dict[str, Pattern] = {str(scene.tie_policy): exact}
     if not any(event.coupled for event in reference.events):
-        return PermittedPatterns(exact, by_policy, (exact,))
-    watched = limited(progress, SEARCH_SECONDS, max_seconds)
+        return PermittedPatterns(exact, by_policy, (exact,), True, 1)
+    span = _ExactSpan(reference)
     patterns: list[Pattern] = []
-    complete = False
+    witnesses: list[Witness] = []
+    complete, followed, tried = False, 0, 0
+    wanted = [pattern_of(span.cut(history)) for history, _ in histories]
     try:
         for policy in POLICIES:
             if policy not in by_policy:
-                run = truth.run(scene.with_changes(tie_policy=policy), until=end, progress=watched)
-                pattern = _pattern(uninterrupted(run))
+                pattern = span.pattern(study.run(truth, scene.with_changes(tie_policy=policy), span.past, progress))
                 if pattern is not None:
                     by_policy[policy] = pattern
-        if hasattr(truth, "run_with"):
-            from ...exact.all_orders import all_orders
-            from ...exact.policies.guided import Guided
-            from .order_search import Attended
-
-            for history in histories:
-                policy = Guided(scene, history, is_stepped(history.engine))
-                guided = truth.run_with(scene, policy, until=end, progress=watched)  # type: ignore[attr-defined]
-                pattern = _pattern(uninterrupted(guided))
-                if pattern is not None and pattern not in patterns:
-                    patterns.append(pattern)
-            cap = max(LEAST_CAP, min(GREATEST_CAP, int(SEARCH_SECONDS / 2 / max(seconds, 1e-3))))
-            attended = Attended(truth)  # type: ignore[arg-type]
-            tree = all_orders(attended, scene, until=end, cap=cap, samples=cap // SAMPLE_SHARE, progress=watched)
-            found = [_pattern(outcome.trajectory) for outcome in tree.outcomes]
-            complete = tree.complete and None not in found
-            for pattern in found:
-                if pattern is not None and pattern not in patterns:
-                    patterns.append(pattern)
+        for history, stepped in histories:
+            guide = Guided(scene, history, stepped)
+            run = truth.run_with(scene, guide, until=span.past, progress=study.watch.watched(progress))  # type: ignore[attr-defined]
+            _add(patterns, span.pattern(run))
+        work = max(1, len(reference.events) * len(scene.circles))
+        cap = max(LEAST_CAP, min(GREATEST_CAP, ORDER_WORK // work))
+        attended = Attended(truth, study.watch)  # type: ignore[arg-type]
+        tree = all_orders(attended, scene, until=span.past, cap=cap, samples=cap // SAMPLE_SHARE, progress=progress)
+        found = [span.pattern(outcome.trajectory) for outcome in tree.outcomes]
+        complete = tree.complete and None not in found and not attended.cut
+        followed = len(tree.outcomes)
+        for pattern in found:
+            _add(patterns, pattern)
+        for nearby in nearby_scenes(scene, work):
+            if all(any(w.pattern == p for w in witnesses) for p in wanted if p != exact):
+                break
+            tried += 1
+            try:
+                run = study.run(truth, nearby, span.past, progress)
+            except SceneError:
+                continue
+            pattern = span.pattern(run)
+            if pattern is not None and run.certified and not any(w.pattern == pattern for w in witnesses):
+                witnesses.append(Witness(nearby, pattern))
     except OutOfTime:
         complete = False
-    return PermittedPatterns(exact, by_policy, tuple(patterns), complete)
+    return PermittedPatterns(exact, by_policy, tuple(patterns), complete, followed, tuple(witnesses), tried)
 
 
-def _pattern(run: Trajectory) -> Pattern | None:
-    """The break pattern of a run that went to its end."""
-    return break_pattern(run) if run.stop.reason in DECIDED else None
+def _add(patterns: list[Pattern], pattern: Pattern | None) -> None:
+    if pattern is not None and pattern not in patterns:
+        patterns.append(pattern)
+
+
+class _ExactSpan:
+    """The end of the reference's run, exactly: an event on it belongs to the span, one after it does not.
+
+    Attributes:
+        past: a time to which other runs are made: the end itself if it is a set time, else a little past it.
+    """
+
+    def __init__(self, reference: Trajectory) -> None:
+        self.end: Any = reference.final_time
+        self.set = isinstance(self.end, Quantity)
+        self.open = reference.stop.reason is StopReason.QUIET
+        self.past: Any = self.end if self.set else float(self.end) * (1 + PAST)
+
+    def pattern(self, run: Trajectory) -> Pattern | None:
+        """The pattern of a run that went to the end of the span."""
+        return pattern_of(self.cut(run)) if run.stop.reason in DECIDED else None
+
+    def cut(self, run: Trajectory) -> Trajectory:
+        """A run up to the end."""
+        if self.set and run.final_time is self.end:
+            return run
+        events = tuple(event for event in run.events if not self._after(event.time))
+        return replace(run, events=events, final_time=min(float(run.final_time), float(self.end)))
+
+    def _after(self, time: Any) -> bool:
+        """Whether a time is after the end; one that agrees with it to `SAME_BITS` bits is on it."""
+        if hasattr(time, "ball") and hasattr(self.end, "ball"):
+            return ball.sign_of(time.ball(SAME_BITS) - self.end.ball(SAME_BITS)) == 1
+        return float(time) > float(self.end)
+
+
+PAST = 2.0**-30
+"""Share of the span by which other runs go past an end that is no set time; what they have there is cut off."""
+
+SAME_BITS = 1024
+"""Bits to which times of different runs are compared: an event on the end itself agrees with it to any number."""
