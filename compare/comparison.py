@@ -14,13 +14,13 @@ from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
 from .alignment.separation import return_miss, separation
 from .candidate import Candidate
-from .deadline import Clock, OutOfTime, checked_seconds, time_limit
+from .deadline import Clock, OutOfTime, checked_seconds, time_limit, uninterrupted
 from .engines import engine as engine_named
 from .outcomes.break_pattern import pattern as pattern_of
 from .outcomes.matched import matched_history
 from .outcomes.permitted import PermittedPatterns, permitted_patterns
 from .outcomes.table import changed_outcomes, outcomes_of
-from .study import Study, run_or_unable, uninterrupted_of
+from .study import Study, run_or_unable
 from .validation import check_engine, check_trajectory
 
 if TYPE_CHECKING:
@@ -131,8 +131,8 @@ def compare(
     watch, began = Clock(checked_seconds(max_seconds)), clock.perf_counter()
     with time_limit(watch.left(REFERENCE_SHARE)) as limit:
         noted = limit.watched(_noted(progress, truth.name))
-        told = uninterrupted_of(truth.run(scene, until=until, events=events, progress=noted))
-    told = check_trajectory(told, scene, truth.name)
+        ran = truth.run(scene, until=until, events=events, progress=noted)
+    told = uninterrupted(check_trajectory(ran, scene, truth.name))
     seconds = clock.perf_counter() - began
     study = Study(scene, truth, told, watch)
     found = outcomes_of(told, outcomes)

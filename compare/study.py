@@ -85,7 +85,7 @@ class Study:
                 events=self.cap,
                 progress=watch.watched(progress),
             )
-        return check_trajectory(uninterrupted_of(told), scene, engine.name)
+        return uninterrupted(check_trajectory(told, scene, engine.name))
 
     def until_event(self, event: int) -> float:
         """A time a little past an event of the reference, or past its end."""
@@ -173,11 +173,6 @@ def finer_by(engine: Engine, halvings: int) -> Engine | None:
     for _ in range(halvings):
         chosen = None if chosen is None else chosen.finer()
     return chosen
-
-
-def uninterrupted_of(told: Any) -> Any:
-    """As `uninterrupted`, for what may be no trajectory at all."""
-    return uninterrupted(told) if isinstance(told, Trajectory) else told
 
 
 def run_or_unable(study: Study, engine: Engine, progress: OnProgress | None) -> tuple[Trajectory, Alignment, bool]:

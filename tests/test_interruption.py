@@ -140,7 +140,7 @@ def test_a_comparison_out_of_time_goes_over_what_there_is(tmp_path: Path) -> Non
     said = done(*words, "--json", "--html", str(path))
     assert said.returncode == 1
     told = json.loads(said.stdout)
-    jsonschema.Draft202012Validator(schema("comparison-1")).validate(told)
+    jsonschema.Draft202012Validator(schema("comparison-2")).validate(told)
     assert told["reference"]["stop"]["reason"] == "budget"
     assert told["reference"]["events"] > 100
     interval, double = told["candidates"]

@@ -11,7 +11,7 @@ EXAMPLES = """
 \b
 Examples:
   truebreak scenes                                what there is to play with
-  truebreak compare cradle                        did floating point change what happened?
+  truebreak compare cradle --engines double       did floating point change what happened?
   truebreak compare gas:n=10,seed=1 --events 200 --html report.html
   truebreak run galperin:n=2 --engine exact --json
   truebreak run tennis --engine exact --exact     every number as an exact expression

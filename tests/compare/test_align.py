@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pytest
 
-from truebreak.compare.alignment.align import align
+from truebreak.compare.alignment.align import VERDICTS, Span, Wanted, align
 from truebreak.compare.alignment.divergence import Kind
+from truebreak.compare.alignment.patience import Patience
 from truebreak.compare.alignment.streams import history
 from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall
 
@@ -90,19 +92,41 @@ def test_a_dependent_swap_is_a_divergence() -> None:
 
 
 def test_a_missing_meeting_is_one_well_before_the_end_only() -> None:
-    missing = align(told((1.0, "ab"), (2.0, "cd")), told((1.0, "ab")))
+    missing = align(told((1.0, "ab"), (2.0, "cd")), told((1.0, "ab")), patience=Patience())
     assert missing.divergence is not None
     assert (missing.divergence.kind, missing.divergence.expected, missing.divergence.got) == (
         Kind.MISSING,
         "d",
         None,
     )
-    late = align(told((1.0, "ab"), (100.0, "cd")), told((1.0, "ab"), end=100.0))
-    assert (late.verdict, late.unsettled) == ("agree", True)
+    late = align(told((1.0, "ab"), (100.0, "cd")), told((1.0, "ab"), end=100.0), patience=Patience())
+    assert (late.verdict, late.wanted) == ("unsettled", Wanted(None, 200.0))
+    late = align(told((1.0, "ab"), (100.0, "cd")), told((1.0, "ab"), end=200.0), patience=Patience())
+    assert late.divergence is not None
+    assert late.divergence.kind is Kind.MISSING
+
+
+def test_a_meeting_twice_as_late_is_another_one() -> None:
+    run = told((1.0, "ab"), (10.0, "cd"), end=50.0)
+    assert align(run, told((1.0, "ab"), (20.0, "cd"), end=50.0), patience=Patience()).verdict == "agree"
+    late = align(run, told((1.0, "ab"), (20.5, "cd"), end=50.0), patience=Patience()).divergence
+    assert late is not None
+    assert (late.kind, late.expected, late.got) == (Kind.MISSING, "d", None)
+    early = align(told((1.0, "ab"), (20.5, "cd"), end=50.0), run, patience=Patience()).divergence
+    assert early is not None
+    assert (early.kind, early.expected, early.got) == (Kind.EXTRA, None, "d")
+
+
+def test_a_history_that_is_over_has_no_late_meeting() -> None:
+    over = told((1.0, "ab"), end=1.0, stop=StopReason.QUIET)
+    extra = align(over, told((1.0, "ab"), (9.0, "cw"), end=9.0, stop=StopReason.QUIET), patience=Patience())
+    assert extra.divergence is not None
+    assert (extra.divergence.kind, extra.divergence.time) == (Kind.EXTRA, 9.0)
+    assert align(over, told((1.0, "ab"), end=50.0), patience=Patience()).wanted.candidate == math.inf
 
 
 def test_an_extra_meeting_is_one_unless_beyond_the_span() -> None:
-    extra = align(told((1.0, "ab")), told((1.0, "ab"), (2.0, "cw")))
+    extra = align(told((1.0, "ab")), told((1.0, "ab"), (2.0, "cw")), patience=Patience())
     assert extra.divergence is not None
     assert (extra.divergence.kind, extra.divergence.expected, extra.divergence.got) == (Kind.EXTRA, None, "w")
     assert align(told((1.0, "ab")), told((1.0, "ab"), (101.0, "cw"), end=103.0)).verdict == "agree"
@@ -110,12 +134,34 @@ def test_an_extra_meeting_is_one_unless_beyond_the_span() -> None:
 
 def test_a_reference_that_runs_on_settles_the_end() -> None:
     candidate = told((1.0, "ab"), (99.99999999, "cw"), end=103.0)
-    assert align(told((1.0, "ab")), candidate).unsettled
+    assert align(told((1.0, "ab")), candidate, patience=Patience()).wanted.reference == 199.99999998
     longer = told((1.0, "ab"), (100.00000001, "cw"), end=110.0)
-    alignment = align(longer, candidate, span=100.0)
+    alignment = align(longer, candidate, span=Span(1, 100.0))
     assert (alignment.verdict, alignment.unsettled) == ("agree", False)
     other = told((1.0, "ab"), (100.00000001, "cd"), end=110.0)
-    assert align(other, candidate, span=100.0).unsettled
+    found = align(other, candidate, span=Span(1, 100.0)).divergence
+    assert found is not None
+    assert (found.time, found.expected, found.got) == (99.99999999, "d", "w")
+
+
+def test_a_meeting_matched_across_the_end_counts_in_both() -> None:
+    reference = told((1.0, "ab"), (100.0, "cd"), end=100.0)
+    late = told((1.0, "ab"), (100.00000000000001, "cd"), end=103.0)
+    alignment = align(reference, late, span=Span(2, 100.0))
+    assert (alignment.verdict, alignment.agreed) == ("agree", 2)
+    early = told((1.0, "ab"), (99.99999999999999, "cd"), end=103.0)
+    beyond = told((1.0, "ab"), (100.0, "cd"), end=110.0)
+    alignment = align(beyond, early, span=Span(1, 100.0))
+    assert (alignment.verdict, alignment.agreed) == ("agree", 1)
+
+
+def test_a_candidate_that_does_not_reach_the_end_is_not_settled() -> None:
+    alignment = align(told((1.0, "ab")), told((1.0, "ab"), end=50.0))
+    assert (alignment.verdict, alignment.wanted) == ("unsettled", Wanted(None, 100.0))
+
+
+def test_verdicts_come_in_order_of_precedence() -> None:
+    assert VERDICTS == ("diverged", "unsettled", "undecided", "agree")
 
 
 @pytest.mark.parametrize("stop", [StopReason.UNDECIDED, StopReason.BUDGET])
@@ -143,6 +189,9 @@ def test_rounds_of_impulses_are_partners_in_order() -> None:
     assert [m.partners for m in history(reference).meetings["b"]] == [("a", "c", "a")]
     assert align(reference, told((1.0, "ab bc"))).divergence is not None
     assert align(reference, told((1.0, "ab bc")), step=0.01).verdict == "agree"
+    several = told((1.0, "ab"), (1.1, "bc"), (1.2, "ab"), (5.0, "bw"))
+    assert align(told((1.0, "ab bc ab"), (5.0, "bw")), several, step=0.01).verdict == "agree"
+    assert align(told((1.0, "ab bc"), (5.0, "bw")), several, step=0.01).verdict == "diverged"
 
 
 def test_an_engine_with_a_step_may_report_a_contact_twice_within_it() -> None:
