@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
-from ..scenarios.scene import Scene, positive_time
+from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
 from .alignment.separation import return_miss, separation
@@ -21,7 +20,7 @@ from .outcomes.matched import matched_history
 from .outcomes.permitted import PermittedPatterns, permitted_patterns
 from .outcomes.table import changed_outcomes, outcomes_of
 from .study import Study, run_or_unable
-from .validation import check_engine, check_trajectory
+from .validation import check_engine, check_trajectory, check_until
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
@@ -122,17 +121,18 @@ def compare(
     'agree'
     """
     scene = _checked_scene(scene)
-    _check_until(scene, until)
     listed: list[Any] = [engines] if isinstance(engines, str) or hasattr(engines, "run") else list(engines)  # type: ignore[arg-type]
     if not listed:
         raise SceneError("no engine to compare; name at least one, such as double")
     chosen: list[tuple[str, Engine]] = [(_label(e), check_engine(_engine(e))) for e in listed]
     truth = check_engine(_engine(reference))
+    for _, engine in [("", truth), *chosen]:
+        check_until(engine, scene, until)
     watch, began = Clock(checked_seconds(max_seconds)), clock.perf_counter()
-    with time_limit(watch.left(REFERENCE_SHARE)) as limit:
+    with time_limit(watch.left(REFERENCE_SHARE), max_seconds) as limit:
         noted = limit.watched(_noted(progress, truth.name))
         ran = truth.run(scene, until=until, events=events, progress=noted)
-    told = uninterrupted(check_trajectory(ran, scene, truth.name))
+    told = uninterrupted(check_trajectory(ran, scene, truth.name, truth.bits))
     seconds = clock.perf_counter() - began
     study = Study(scene, truth, told, watch)
     found = outcomes_of(told, outcomes)
@@ -226,21 +226,6 @@ def _checked_scene(scene: Any) -> Scene:
         return scene
     hint = f"; write scenarios.catalogue.build({scene!r})" if isinstance(scene, str) else ""
     raise SceneError(f"scene = {str(scene)[:60]!r} is not a Scene{hint}")
-
-
-def _check_until(scene: Scene, until: QuantityLike | None) -> None:
-    """A limit in time that every engine can be given.
-
-    Raises:
-        SceneError: for one that is not above zero, or beyond the doubles.
-    """
-    time = positive_time("until", until) or scene.until
-    try:
-        large = time is not None and not math.isfinite(float(time))
-    except OverflowError:
-        large = True
-    if large:
-        raise SceneError("until: is beyond 1.8e308, and engines of doubles know no such time; choose an earlier one")
 
 
 def _engine(engine: str | Engine) -> Engine:

@@ -78,14 +78,14 @@ class Study:
             OutOfTime: if the user's seconds are over.
         """
         left = self.watch.left()
-        with time_limit(left) as watch:
+        with time_limit(left, self.watch.seconds) as watch:
             told = engine.run(
                 scene,
                 until=until if math.isfinite(until) else None,
                 events=self.cap,
                 progress=watch.watched(progress),
             )
-        return uninterrupted(check_trajectory(told, scene, engine.name))
+        return uninterrupted(check_trajectory(told, scene, engine.name, engine.bits))
 
     def until_event(self, event: int) -> float:
         """A time a little past an event of the reference, or past its end."""

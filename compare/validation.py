@@ -8,10 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from ..scenarios.engine import SCENE_KEYS
 from ..scenarios.errors import SceneError
+from ..scenarios.scene import positive_time
 from ..scenarios.trajectory import Event, StopReason, Trajectory
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
+    from ..scenarios.quantity import QuantityLike
     from ..scenarios.scene import Scene
 
 
@@ -54,6 +56,25 @@ def check_engine(engine: Any) -> Engine:
     return engine
 
 
+def check_until(engine: Engine, scene: Scene, until: QuantityLike | None) -> None:
+    """Refuses a limit in time that an engine cannot count to.
+
+    Raises:
+        SceneError: for one that is not above zero, or, for an engine of a finite precision, beyond the doubles.
+    """
+    time = positive_time("until", until) or scene.until
+    if time is None or engine.bits is None:
+        return
+    try:
+        large = not math.isfinite(float(time))
+    except OverflowError:
+        large = True
+    if large:
+        raise SceneError(
+            f"until: is beyond 1.8e308, and engine {engine.name!r} knows no such time; choose an earlier one"
+        )
+
+
 def unsupported(engine: Engine, scene: Scene) -> str | None:
     """The first key of a scene that an engine says it does not follow; a tie policy of its own is no hindrance."""
     uses = {
@@ -66,8 +87,11 @@ def unsupported(engine: Engine, scene: Scene) -> str | None:
     return next((key for key, used in uses.items() if used and key not in engine.scene_keys), None)
 
 
-def check_trajectory(trajectory: Any, scene: Scene, name: str) -> Trajectory:
+def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None = None) -> Trajectory:
     """What an engine handed back, if it can be judged.
+
+    Args:
+        bits: of the engine's numbers: times that fall by less than half of their digits are rounding, and may.
 
     Raises:
         EngineError: naming the engine, the event, the field and the remedy.
@@ -85,13 +109,14 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str) -> Trajectory:
     for place, event in enumerate(trajectory.events):
         times.append(_checked_event(f"{where}: event {place}", event, place, scene))
     end = _number(f"{where}: final_time", trajectory.final_time)
+    share = 0.0 if bits is None else 2.0 ** -(bits // 2)
     for place, (before, after) in enumerate(pairwise(times)):
-        if after < before:
+        if after < before - share * before:
             raise EngineError(
                 f"{where}: event {place + 1}: time = {after!r} comes before {before!r}, the time of event {place}; "
                 "sort the events"
             )
-    if end < max([0.0, *times]):
+    if end < (1 - share) * max([0.0, *times]):
         raise EngineError(
             f"{where}: final_time = {end!r} is before its last event, at {max([0.0, *times])!r}; "
             "give the end of the run"

@@ -105,11 +105,13 @@ def run(
     from ..documents.trajectory import trajectory_json
     from ..engines import engine
     from ..report.listing import print_json, print_trajectory
+    from ..validation import check_until
     from .progress import showing_progress
     from .scene_argument import changed, with_settings
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     chosen = engine(with_settings(engine_text, ties=ties, work=work))
+    check_until(chosen, loaded, until)
     with showing_progress(f"{loaded.name} in {chosen.name}") as progress, time_limit(max_seconds) as watch:
         trajectory = chosen.run(loaded, until=until, events=events, progress=watch.watched(progress))
     if as_json:
@@ -158,8 +160,8 @@ def compare(
 ) -> int:
     """Run a scene in several engines and say whether they tell the same history.
 
-    With --max-seconds the reference's run ends after S seconds, and what it has by then is compared; each of the
-    other engines gets S seconds too.
+    With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
+    each run has by then is compared, and what was left out is named.
     """
     from ..comparison import compare as compare_engines
     from ..documents.comparison import comparison_json
@@ -229,10 +231,12 @@ def orders(
     from ..engines import engine
     from ..outcomes.order_search import search_orders
     from ..report.listing import print_json
+    from ..validation import check_until
     from .progress import showing_progress
     from .scene_argument import scene_from, with_settings
 
     loaded, chosen = scene_from(scene), engine(with_settings(engine_text, work=work))
+    check_until(chosen, loaded, until)
     if not hasattr(chosen, "run_with"):
         raise SceneError(f"engine {engine_text!r} takes no tie policy from its caller; choose exact or double")
     with showing_progress(f"{loaded.name}: all orders") as progress:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import sys
 from pathlib import Path
@@ -20,6 +21,7 @@ def main(arguments: list[str] | None = None) -> None:
     given = list(sys.argv[1:] if arguments is None else arguments)
     if "_TRUEBREAK_COMPLETE" in os.environ:
         cli.main(given, prog_name="truebreak")
+    _open_streams()
     debug = "--debug" in given
     words = [word for word in given if word != "--debug"]
     try:
@@ -29,17 +31,41 @@ def main(arguments: list[str] | None = None) -> None:
         _say("truebreak: interrupted")
         code = ExitCode.INTERRUPTED
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_stdout()
         code = ExitCode.PIPE_CLOSED
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EFBIG) or error.filename is not None:
+            code = _internal(error, debug)
+        else:
+            _drop_stdout()
+            _say(f"truebreak: error: standard output: {error.strerror}; write to another place")
+            code = ExitCode.USAGE
     except Exception as error:
-        if debug:
-            import traceback
-
-            traceback.print_exc()
-        reason = " ".join(str(error).split())
-        _say(f"truebreak: internal error: {type(error).__name__}: {reason} (add --debug for the traceback)")
-        code = ExitCode.INTERNAL
+        code = _internal(error, debug)
     sys.exit(int(code))
+
+
+def _internal(error: Exception, debug: bool) -> ExitCode:
+    """One line about an error that should not have come about, or its traceback."""
+    if debug:
+        import traceback
+
+        traceback.print_exc()
+    reason = " ".join(str(error).split())
+    _say(f"truebreak: internal error: {type(error).__name__}: {reason} (add --debug for the traceback)")
+    return ExitCode.INTERNAL
+
+
+def _open_streams() -> None:
+    """Gives a stream that the caller has closed a place that forgets: the exit code is still to be had."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+
+
+def _drop_stdout() -> None:
+    """Has what is still to be written to stdout forgotten, so that nothing fails a second time at the end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _run(words: list[str]) -> int:
