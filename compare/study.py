@@ -120,26 +120,25 @@ class Study:
         if not math.isfinite(end):
             end = patience.latest(float(self.reference.final_time))
         past = OVERRUN * (end or patience.slack)
-        run = self.run(engine, scene, end + past, progress)
-        mine = self.reference
+        mine, run, asked = self.reference, self.run(engine, scene, end + past, progress), end + past
         finer = self._series(engine, scene) if series else None
         while True:
             alignment = align(mine, run, span=self.span, step=step, patience=patience, finer=finer)
-            wanted, before = alignment.wanted, (float(mine.final_time), float(run.final_time))
-            if wanted.reference is None and wanted.candidate is None:
-                return run, alignment
-            past *= FARTHER
+            wanted, past = alignment.wanted, past * FARTHER
+            longer, goal = None, None
             if wanted.reference is not None:
-                mine = self.reference_to(min(wanted.reference, end + past), progress)
-            if wanted.candidate is not None and run.stop.reason not in UNKNOWING and len(run.events) < self.cap:
-                if self.watch.over:
-                    return run, alignment
+                longer = self.reference_to(min(wanted.reference, end + past), progress)
+            over = run.stop.reason in UNKNOWING or len(run.events) >= self.cap or self.watch.over
+            if wanted.candidate is not None and not over and asked < wanted.candidate:
                 goal = wanted.candidate if math.isinf(wanted.candidate) else min(wanted.candidate, end + past)
-                run = self.run(engine, scene, max(goal, end), progress)
-            if before == (float(mine.final_time), float(run.final_time)) and end + past >= max(
-                wanted.reference or 0.0, wanted.candidate or 0.0
-            ):
+            if goal is None and (longer is None or (longer is mine and end + past >= (wanted.reference or 0.0))):
                 return run, alignment
+            mine = longer or mine
+            if goal is not None:
+                try:
+                    run, asked = self.run(engine, scene, max(goal, end), progress), max(goal, end)
+                except OutOfTime:
+                    return run, alignment
 
     def _series(self, engine: Engine, scene: Scene) -> Any:
         """Tells how far the velocities after an instant are from the reference's at a finer step."""

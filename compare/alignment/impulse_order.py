@@ -6,9 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-import numpy as np
+from ...exact.complementarity import pushing_contacts
+from ...exact.machine import Machine
+from ...floating.double import bounds, root, sign
+from ...floating.plain_decider import PlainDecider
 
 if TYPE_CHECKING:
+    from ...exact.machine import Link
     from ...scenarios.trajectory import Contact, State, Trajectory
 
 Velocities: TypeAlias = "dict[str, tuple[float, float]]"
@@ -93,15 +97,22 @@ def _velocities(state: State) -> Velocities:
 
 
 class _Impact:
-    """Circles at fixed places whose velocities change by impulses, in doubles."""
+    """The circles of a scene at one instant, in doubles, and the exact engine's laws upon them."""
 
     def __init__(self, trajectory: Trajectory, places: Velocities, velocities: Velocities) -> None:
         scene = trajectory.scene
-        self.places = places
-        self.velocities = dict(velocities)
-        self.weights = {str(c.id): float(c.inverse_mass) for c in scene.circles}
-        self.walls = {str(w.id): w for w in scene.walls}
         self.least_reach = min((r for c in scene.circles if (r := float(c.r)) > 0), default=1.0)
+        self._places = {name: place for place, name in enumerate(scene.ids)}
+        self._machine = Machine(scene, float, root)
+        self._names = [str(c.id) for c in scene.circles]
+        for name, body in zip(self._names, self._machine.bodies, strict=False):
+            (body.x, body.y), (body.vx, body.vy) = places[name], velocities[name]
+        self._decider = PlainDecider(scene, self._machine, sign, bounds)
+
+    @property
+    def velocities(self) -> Velocities:
+        """(vx, vy) of every circle."""
+        return {name: (b.vx, b.vy) for name, b in zip(self._names, self._machine.bodies, strict=False)}
 
     def take(self, group: Sequence[Contact], at_once: bool) -> bool:
         """Applies the impulses of a group in rounds; False if one of them could not have come about."""
@@ -111,55 +122,14 @@ class _Impact:
             while at_once and count < len(left) and left[count] not in left[:count] and self.closing(left[count]) > 0:
                 count += 1
             together, left = left[: max(count, 1)], left[max(count, 1) :]
-            if not self._kick(together):
+            if not all(self.closing(pair) > 0 for pair in together):
                 return False
+            self._machine.kick(pushing_contacts([self._link(pair) for pair in together], self._decider.ask))
         return True
-
-    def _normal(self, pair: Contact) -> tuple[float, float]:
-        """The unit vector from the first to the second, or to the wall."""
-        x, y = self.places[pair.first]
-        if pair.second in self.places:
-            nx, ny = (self.places[pair.second][0] - x, self.places[pair.second][1] - y)
-        else:
-            wall = self.walls[pair.second]
-            nx, ny = (float(n) for n in wall.normal)
-            if nx * (float(wall.x0) - x) + ny * (float(wall.y0) - y) < 0:
-                nx, ny = -nx, -ny
-        length = math.hypot(nx, ny)
-        return (nx / length, ny / length) if length else (0.0, 0.0)
 
     def closing(self, pair: Contact) -> float:
-        """The speed at which two approach."""
-        nx, ny = self._normal(pair)
-        vx, vy = self.velocities[pair.first]
-        ux, uy = self.velocities.get(pair.second, (0.0, 0.0))
-        return (vx - ux) * nx + (vy - uy) * ny
+        """Positive while two approach."""
+        return -float(self._machine.approach(self._link(pair)))
 
-    def _kick(self, pairs: Sequence[Contact]) -> bool:
-        """Impulses along each pair's normal such that all separate as fast as they approached."""
-        closing = np.array([self.closing(pair) for pair in pairs])
-        if not (closing > 0).all():
-            return False
-        normals = [self._normal(pair) for pair in pairs]
-        pushes = [
-            {name: (sign * self.weights[name] * n[0], sign * self.weights[name] * n[1])
-             for name, sign in ((pair.first, -1.0), (pair.second, 1.0)) if name in self.weights}
-            for pair, n in zip(pairs, normals, strict=True)
-        ]  # fmt: skip
-        matrix = np.array(
-            [[_opening(pair, normal, push) for push in pushes] for pair, normal in zip(pairs, normals, strict=True)]
-        )
-        sizes = np.linalg.lstsq(matrix, 2 * closing, rcond=None)[0]
-        if not (sizes > -SAME_VELOCITY * np.abs(sizes).max()).all():
-            return False
-        for size, push in zip(sizes, pushes, strict=True):
-            for name, (px, py) in push.items():
-                vx, vy = self.velocities[name]
-                self.velocities[name] = (vx + float(size) * px, vy + float(size) * py)
-        return True
-
-
-def _opening(pair: Contact, normal: tuple[float, float], push: Velocities) -> float:
-    """How much faster a pair separates along its normal after a unit of an impulse."""
-    (ax, ay), (bx, by) = push.get(pair.first, (0.0, 0.0)), push.get(pair.second, (0.0, 0.0))
-    return (bx - ax) * normal[0] + (by - ay) * normal[1]
+    def _link(self, pair: Contact) -> Link:
+        return self._places[pair.first], self._places[pair.second]

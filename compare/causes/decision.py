@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 from flint import arb  # type: ignore[attr-defined]
 
 from ...exact.numbers import ball
-
-if TYPE_CHECKING:
-    pass
 
 FIRST_BITS, MOST_BITS = 256, 1 << 14
 """Precision at which a decision is first looked at, and the most: beyond it is called zero to so many bits."""

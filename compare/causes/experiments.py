@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 from flint import arb  # type: ignore[attr-defined]
 
@@ -18,10 +17,6 @@ from .laboratory import ROUNDING_SHARE, Laboratory, verb
 from .reader import Reader
 from .rounding import rounded, shifted
 from .stepped import stepped
-
-if TYPE_CHECKING:
-    pass
-
 
 MODEL_FACTOR = 2.0**16
 """An engine whose numbers are this many times farther off than those of doubles does not only round: rounding in
