@@ -119,7 +119,7 @@ def error_growth(trajectory: Trajectory, events: int) -> float | None:
     >>> from truebreak.scenarios import Circle, Scene
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, "1/2")])
     >>> round(error_growth(ExactEngine().run(scene), 1), 3)
-    2.054
+    2.003
     """
     turned = trajectory.reversal is not None and trajectory.reversal.after <= events
     if turned or trajectory.scene.capture or not 0 < events <= len(trajectory.events):

@@ -42,6 +42,8 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
         rows += _arithmetic(lab, entered, by_input)
     else:
         rows += stepped(lab, entered, by_input, tie)
+    if any(e.cause is CauseName.ITERATIONS and e.suffices for e in rows):
+        tie = Experiment(CauseName.TIE, "with more iterations it resolves the instant as the policy does", None, False)
     rows.append(tie)
     untried = [e for e in rows if e.suffices is None and e.cause in (CauseName.STEP, CauseName.INPUT)]
     if any(e.suffices for e in rows):

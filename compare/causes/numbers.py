@@ -14,7 +14,7 @@ def enclosure(value: Any, bits: int) -> arb:
     """A number of any engine as a ball: exact numbers to so many bits, a double as the dyadic number that it is.
 
     >>> from truebreak.scenarios import Quantity
-    >>> enclosure(Quantity.of("1/3"), 64).contains(arb(1) / 3), enclosure(0.5, 64).is_exact()
+    >>> enclosure(Quantity.of("1/3"), 64).overlaps(arb(1) / 3), enclosure(0.5, 64).is_exact()
     (True, True)
     """
     if hasattr(value, "low") and hasattr(value, "high"):

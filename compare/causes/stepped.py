@@ -9,6 +9,8 @@ from flint import arb  # type: ignore[attr-defined]
 
 from ..alignment.align import align
 from ..alignment.divergence import Kind
+from ..alignment.instants import NEARER, instants, velocity_difference
+from ..alignment.walk import REPEATED
 from ..study import SERIES_STEPS, finer_by
 from .decisions import decisions
 from .diagnosis import CauseName, Experiment
@@ -17,6 +19,7 @@ from .reader import Reader
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
+    from ..alignment.align import Alignment
 
 
 MOST_HALVINGS = 8
@@ -44,14 +47,31 @@ def stepped(lab: Laboratory, entered: Reader | None, by_input: Experiment, tie: 
 
 
 def _gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
-    """Whether a variant does not have the divergence."""
+    """Whether a variant does not have the divergence.
+
+    Where velocities after one exact instant are in question, they must have come nearer by what a series demands.
+    """
     alignment = align(lab.reference, run, span=lab.span, step=step)
+    if lab.divergence.kind is Kind.TIE:
+        own = _difference(lab, lab.candidate.trajectory, lab.candidate.alignment)
+        nearer = _difference(lab, run, alignment)
+        if own is not None:
+            return nearer is not None and nearer <= own / NEARER
     found = alignment.divergence
     if lab.divergence.kind is Kind.MISSING or lab.divergence.kind is Kind.DIFFERENT:
         walked = alignment.walks[lab.divergence.body]
         if lab.divergence.event not in {m for m, _ in walked.pairs}:
             return False
     return found is None or found.event > lab.divergence.event
+
+
+def _difference(lab: Laboratory, run: Trajectory, alignment: Alignment) -> float | None:
+    """How far the velocities after the instant in question are from the exact ones; None if it is not one instant."""
+    event = lab.divergence.event
+    for found in instants(alignment.walks):
+        if event in found.mine:
+            return velocity_difference(lab.reference, run, found) if len(found.mine) == 1 else None
+    return None
 
 
 def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | None]:
@@ -126,9 +146,8 @@ def _iterations(lab: Laboratory) -> Experiment:
     firmer = lab.engine.firmer()
     if firmer is None:
         return Experiment(CauseName.ITERATIONS, "it iterates nothing", None, False)
-    earlier = [
-        e for e in lab.candidate.trajectory.events if float(e.time) <= lab.divergence.time + (lab.engine.step or 0)
-    ]
+    last = lab.divergence.time + REPEATED * (lab.engine.step or 0.0)
+    earlier = [e for e in lab.candidate.trajectory.events if float(e.time) <= last]
     if not any(len(e.contacts) > 1 for e in earlier):
         return Experiment(CauseName.ITERATIONS, "no step had several contacts", None, False)
     firmer = firmer.firmer() or firmer
