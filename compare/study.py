@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..scenarios.errors import SceneError
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
 from .alignment.align import UNKNOWING, Alignment, Span, align
-from .alignment.instants import Instant, instants, velocity_difference
+from .alignment.instants import Finer, Instant, instants, velocity_difference
 from .alignment.patience import Patience, patience_for
 from .deadline import Clock, OutOfTime, time_limit, uninterrupted
 from .still import Still
@@ -107,21 +107,14 @@ class Study:
             self.longest = more
         return self.longest or self.reference
 
-    def settled(
-        self, engine: Engine, scene: Scene, progress: OnProgress | None = None, *, series: bool = True
-    ) -> tuple[Trajectory, Alignment]:
-        """An engine's run and its alignment, both runs taken on until it is settled or cannot be.
-
-        Args:
-            scene: what the engine is given: the scene compared, or a variant of it.
-            series: whether finer runs may be made to tell what a time step blurs.
-        """
+    def settled(self, engine: Engine, progress: OnProgress | None = None) -> tuple[Trajectory, Alignment]:
+        """An engine's run and its alignment, both runs taken on until it is settled or cannot be."""
         end, step, patience = self.span.time, engine.step, self.patience(engine.step)
         if not math.isfinite(end):
             end = patience.latest(float(self.reference.final_time))
         past = OVERRUN * (end or patience.slack)
-        mine, run, asked = self.reference, self.run(engine, scene, end + past, progress), end + past
-        finer = self._series(engine, scene) if series else None
+        mine, run, asked = self.reference, self.run(engine, self.scene, end + past, progress), end + past
+        finer = self._series(engine)
         while True:
             alignment = align(mine, run, span=self.span, step=step, patience=patience, finer=finer)
             wanted, past = alignment.wanted, past * FARTHER
@@ -136,11 +129,11 @@ class Study:
             mine = longer or mine
             if goal is not None:
                 try:
-                    run, asked = self.run(engine, scene, max(goal, end), progress), max(goal, end)
+                    run, asked = self.run(engine, self.scene, max(goal, end), progress), max(goal, end)
                 except OutOfTime:
                     return run, alignment
 
-    def _series(self, engine: Engine, scene: Scene) -> Any:
+    def _series(self, engine: Engine) -> Finer | None:
         """Tells how far the velocities after an instant are from the reference's at a finer step."""
         if engine.step is None or engine.finer() is None:
             return None
@@ -155,7 +148,7 @@ class Study:
             if until > SERIES_STEPS * chosen.step:
                 return None
             if halvings not in runs or float(runs[halvings][0].final_time) < until:
-                run = self.run(chosen, scene, until)
+                run = self.run(chosen, self.scene, until)
                 runs[halvings] = run, align(mine, run, span=self.span, step=chosen.step, instants=False)
             run, alignment = runs[halvings]
             for found in instants(alignment.walks):
@@ -180,7 +173,7 @@ def run_or_unable(study: Study, engine: Engine, progress: OnProgress | None) -> 
     reason = None if key is None else f"it does not follow {key!r}"
     if reason is None:
         try:
-            return (*study.settled(engine, study.scene, progress), False)
+            return (*study.settled(engine, progress), False)
         except EngineError:
             raise
         except OutOfTime as error:

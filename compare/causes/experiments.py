@@ -186,8 +186,6 @@ def _other_law(lab: Laboratory, start: arb | None) -> bool:
 
     if lab.decision is None or start is None or lab.engine.bits is None or lab.engine.bits < 53:
         return False
-    if lab.got is None and lab.own.run.reversal is None and lab.decision is None:
-        return False
     control = engine("double")
     if type(control) is type(lab.engine):
         return False

@@ -34,15 +34,17 @@ class Search:
 class Attended:
     """An engine for `all_orders`, whose runs are taken for outcomes only if they went to their own end.
 
-    Once the seconds are over, it has no more outcomes: a branch ends at once, and a draw repeats what is known.
+    Once the seconds are over, or so many runs were made, it has no more outcomes: a branch ends at once, and a draw
+    repeats what is known.
 
     Attributes:
         cut: whether that has happened.
         drawn: how many orders were drawn at random before.
     """
 
-    def __init__(self, engine: Runner, watch: Clock | None = None) -> None:
+    def __init__(self, engine: Runner, watch: Clock | None = None, runs: int | None = None) -> None:
         self._engine = engine
+        self._left = runs
         self._watch = Clock(None) if watch is None else watch
         self._last: Trajectory | None = None
         self.cut = False
@@ -62,7 +64,8 @@ class Attended:
         Raises:
             KeyboardInterrupt: if the user interrupts the run.
         """
-        if not self._watch.over:
+        if not self._watch.over and self._left != 0:
+            self._left = None if self._left is None else self._left - 1
             watched = self._watch.watched(progress)
             run = uninterrupted(self._engine.run_with(scene, policy, until=until, events=events, progress=watched))
             if not (run.stop.reason is StopReason.BUDGET and self._watch.over):

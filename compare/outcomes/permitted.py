@@ -7,6 +7,7 @@ default policy's own outcome may be the limit of none.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -24,6 +25,7 @@ from .nearby import Witness, nearby_scenes
 from .order_search import Attended
 
 if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
     from ...scenarios.trajectory import OnProgress
     from ..study import Study
 
@@ -32,11 +34,17 @@ Pattern: TypeAlias = "Mapping[str, Any]"
 POLICIES = ("simultaneous", "sequential:order=scene")
 """Policies whose patterns are always told."""
 
-ORDER_WORK = 20_000
-"""Events times circles that following the orders may take: some ten seconds of the exact engine."""
+ORDER_WORK = 6_000
+"""Events times circles that following the orders may take: some seconds of the exact engine."""
 
-LEAST_CAP, GREATEST_CAP = 32, 256
+LEAST_RUNS = 96
+"""Runs that are made in any case, those included whose branch comes to a state that is known."""
+
+LEAST_CAP, GREATEST_CAP = 8, 256
 """Least and greatest number of outcomes that are followed."""
+
+QUESTION_WORK = 20_000
+"""Counted work that one question may take in these runs: what is not told by then leaves them incomplete."""
 
 SAMPLE_SHARE = 4
 """Beyond the cap, one order is drawn at random for this many outcomes followed."""
@@ -107,7 +115,7 @@ def permitted_patterns(
         histories: runs, and whether each goes by time steps. Their own order of impulses is followed as far as the
             exact engine allows it, so that a pattern is found even where the orders are too many to enumerate.
     """
-    reference, scene, truth = study.reference, study.scene, study.truth
+    reference, scene, truth = study.reference, study.scene, _thrifty(study.truth)
     if not hasattr(truth, "run_with"):
         return None
     exact = pattern_of(reference)
@@ -131,7 +139,7 @@ def permitted_patterns(
             _add(patterns, span.pattern(run))
         work = max(1, len(reference.events) * len(scene.circles))
         cap = max(LEAST_CAP, min(GREATEST_CAP, ORDER_WORK // work))
-        attended = Attended(truth, study.watch)  # type: ignore[arg-type]
+        attended = Attended(truth, study.watch, max(LEAST_RUNS, ORDER_WORK // work))  # type: ignore[arg-type]
         tree = all_orders(attended, scene, until=span.past, cap=cap, samples=cap // SAMPLE_SHARE, progress=progress)
         found = [span.pattern(outcome.trajectory) for outcome in tree.outcomes]
         complete = tree.complete and None not in found and not attended.cut
@@ -152,6 +160,14 @@ def permitted_patterns(
     except OutOfTime:
         complete = False
     return PermittedPatterns(exact, by_policy, tuple(patterns), complete, followed, tuple(witnesses), tried)
+
+
+def _thrifty(truth: Engine) -> Engine:
+    """The reference engine with less work for each question, if it counts any."""
+    work = getattr(truth, "work", None)
+    if not dataclasses.is_dataclass(truth) or not isinstance(work, int):
+        return truth
+    return dataclasses.replace(truth, work=min(work, QUESTION_WORK))  # type: ignore[type-var]
 
 
 def _add(patterns: list[Pattern], pattern: Pattern | None) -> None:
