@@ -22,10 +22,10 @@ NEARBY = Fraction(1, 10**20)
 GRAIN = 1000
 """Displacements are drawn in steps of `NEARBY` divided by this."""
 
-WITNESS_WORK = 40_000
+WITNESS_WORK = 3_000
 """Events times circles that trying nearby scenes may take."""
 
-LEAST_TRIED, MOST_TRIED = 8, 256
+LEAST_TRIED, MOST_TRIED = 8, 32
 
 
 @dataclass(frozen=True)

@@ -200,10 +200,16 @@ class _ExactSpan:
         return replace(run, events=events, final_time=min(float(run.final_time), float(self.end)))
 
     def _after(self, time: Any) -> bool:
-        """Whether a time is after the end; one that agrees with it to `SAME_BITS` bits is on it."""
+        """Whether a time is after the end; one that agrees with it to `SAME_BITS` bits is on it.
+
+        Rounding to the nearest double keeps the order, so that unequal doubles tell.
+        """
+        near, end = float(time), float(self.end)
+        if near != end:
+            return near > end
         if hasattr(time, "ball") and hasattr(self.end, "ball"):
             return ball.sign_of(time.ball(SAME_BITS) - self.end.ball(SAME_BITS)) == 1
-        return float(time) > float(self.end)
+        return False
 
 
 PAST = 2.0**-30
