@@ -139,6 +139,7 @@ def compare(
     cut: list[str] = []
     results = []
     for label, engine in chosen:
+        study.share = 1 / (len(chosen) - len(results))
         result = _candidate(study, label, engine, found, outcomes, _noted(progress, label))
         if causes and not watch.over:
             try:

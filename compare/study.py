@@ -48,6 +48,7 @@ class Study:
         reference: the run, as far as the user asked for.
         watch: the seconds that the user allows for all.
         longest: the reference's longest run so far.
+        share: of the seconds that are left, what one run may take: others are still to come.
     """
 
     scene: Scene
@@ -55,6 +56,7 @@ class Study:
     reference: Trajectory
     watch: Clock = field(default_factory=lambda: Clock(None))
     longest: Trajectory | None = None
+    share: float = 1.0
 
     @property
     def span(self) -> Span:
@@ -77,7 +79,7 @@ class Study:
             SceneError: if the engine refuses the scene, or hands back what cannot be judged.
             OutOfTime: if the user's seconds are over.
         """
-        left = self.watch.left()
+        left = self.watch.left(self.share)
         with time_limit(left, self.watch.seconds) as watch:
             told = engine.run(
                 scene,

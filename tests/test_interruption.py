@@ -136,7 +136,7 @@ def test_a_run_in_time_does_not_notice() -> None:
 
 def test_a_comparison_out_of_time_goes_over_what_there_is(tmp_path: Path) -> None:
     path = tmp_path / "report.html"
-    words = ["compare", "gas", *ENDLESS["exact"], "--engines", "interval:bits=4000,double", "--max-seconds", "1"]
+    words = ["compare", "gas", *ENDLESS["exact"], "--engines", "interval:bits=4000,double", "--max-seconds", "3"]
     said = done(*words, "--json", "--html", str(path))
     assert said.returncode == 1
     told = json.loads(said.stdout)
