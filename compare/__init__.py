@@ -12,15 +12,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .align import Alignment
+    from .alignment.align import Alignment
+    from .alignment.divergence import Divergence
     from .candidate import Candidate
     from .comparison import Comparison, compare
-    from .comparison_document import comparison_json
-    from .divergence import Divergence
+    from .documents.comparison import comparison_json
+    from .documents.trajectory import trajectory_json
     from .engines import ENGINES, engine
-    from .outcomes import OUTCOMES, Outcome
+    from .outcomes.table import OUTCOMES, Outcome
     from .report.html import html_report
-    from .trajectory_document import trajectory_json
 
 __all__ = [
     "ENGINES",
@@ -39,17 +39,17 @@ __all__ = [
 
 _HOMES = {
     "ENGINES": "engines",
-    "OUTCOMES": "outcomes",
-    "Alignment": "align",
+    "OUTCOMES": "outcomes.table",
+    "Alignment": "alignment.align",
     "Candidate": "candidate",
     "Comparison": "comparison",
-    "Divergence": "divergence",
-    "Outcome": "outcomes",
+    "Divergence": "alignment.divergence",
+    "Outcome": "outcomes.table",
     "compare": "comparison",
-    "comparison_json": "comparison_document",
+    "comparison_json": "documents.comparison",
     "engine": "engines",
     "html_report": "report.html",
-    "trajectory_json": "trajectory_document",
+    "trajectory_json": "documents.trajectory",
 }
 """The module of each name: imported when it is asked for, so that `truebreak --help` loads no engine."""
 

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
-    from .align import Alignment
-    from .causes import Cause
-    from .margin import Margin
-    from .separation import Separation
-
-Verdict: TypeAlias = Literal["agree", "diverged", "undecided"]
+    from .alignment.align import Alignment, Verdict
+    from .alignment.separation import Separation
+    from .causes.diagnosis import Diagnosis
+    from .causes.margin import Margin
 
 
 @dataclass(frozen=True)
@@ -27,11 +25,13 @@ class Candidate:
         separation: how far its circles are from the reference's, over time.
         outcomes: its outcomes over the span compared.
         changed: names of the outcomes that differ from the reference's.
-        cause: why it diverged, or could not decide; None if it agrees, or if causes were not asked for.
+        diagnosis: why it diverged, or could not decide; None if it agrees, or if causes were not asked for.
         margin: how close the competing events were, at a divergence.
         return_miss: after a reversal, the largest distance from the start at the return.
         seconds: wall time of the run.
         unable: whether the engine cannot take the scene at all.
+        stepped: whether it declares a time step.
+        pattern: whom each circle met, and on a table where it ended.
     """
 
     engine: str
@@ -40,15 +40,15 @@ class Candidate:
     separation: Separation = field(repr=False)
     outcomes: Mapping[str, Any] = field(repr=False)
     changed: tuple[str, ...]
-    cause: Cause | None = None
+    diagnosis: Diagnosis | None = None
     margin: Margin | None = None
     return_miss: float | None = None
     seconds: float = 0.0
     unable: bool = False
+    stepped: bool = False
+    pattern: Mapping[str, Any] | None = field(repr=False, default=None)
 
     @property
     def verdict(self) -> Verdict:
         """Whether this engine tells the reference's history."""
-        if self.alignment.divergence is not None:
-            return "diverged"
-        return "undecided" if self.alignment.undecided else "agree"
+        return self.alignment.verdict

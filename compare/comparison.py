@@ -1,4 +1,4 @@
-"""Runs one scene through several engines and holds their histories against a reference."""
+"""Holds several engines against a reference."""
 
 from __future__ import annotations
 
@@ -8,26 +8,32 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
-from ..scenarios.trajectory import Progress, StopReason, Trajectory
-from .candidate import Candidate, Verdict
-from .deadline import time_limit, uninterrupted
+from ..scenarios.scene import Scene
+from ..scenarios.trajectory import Progress, Trajectory
+from .alignment.align import UNKNOWING, VERDICTS
+from .alignment.separation import return_miss, separation
+from .candidate import Candidate
+from .deadline import Clock, OutOfTime, checked_seconds, time_limit, uninterrupted
 from .engines import engine as engine_named
-from .outcomes import outcomes_of
-from .permitted import PermittedPatterns, permitted_patterns
-from .separation import return_miss
-from .study import Study
+from .outcomes.break_pattern import pattern as pattern_of
+from .outcomes.matched import matched_history
+from .outcomes.permitted import PermittedPatterns, permitted_patterns
+from .outcomes.table import changed_outcomes, outcomes_of
+from .study import Study, run_or_unable
+from .validation import check_engine, check_trajectory, check_until
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
     from ..scenarios.numbers.quantity import QuantityLike
-    from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
+    from .alignment.align import Verdict
     from .certificates import Certified
-    from .outcomes import Outcome
+    from .outcomes.table import Outcome
 
 DEFAULT_ENGINES = ("double", "interval", "pymunk")
 
-UNDONE = (StopReason.UNDECIDED, StopReason.BUDGET, StopReason.INTERRUPTED)
+REFERENCE_SHARE = 0.5
+"""Share of the user's seconds that the reference's run may take: the rest is for what is held against it."""
 
 
 @dataclass(frozen=True)
@@ -39,11 +45,13 @@ class Comparison:
         reference: the run taken as the truth.
         candidates: the engines compared, in the order asked for.
         outcomes: the reference's outcomes.
-        span: the time up to which histories were compared.
+        span: the time up to which histories were compared; infinite where the reference's is known to be over.
         return_miss: after a reversal, the reference's own distance from the start at the return.
         permitted: break patterns under several tie policies, for a scene that has one and in which an engine
             comes to another.
         seconds: wall time of the reference's run.
+        cut: what was left out as the user's seconds were over.
+        certain: whether the reference counts in numbers that prove their decisions: exact ones, or enclosures.
         certificate: of the reference's run, checked, where it was asked for.
     """
 
@@ -55,18 +63,20 @@ class Comparison:
     return_miss: float | None = None
     permitted: PermittedPatterns | None = None
     seconds: float = 0.0
+    cut: tuple[str, ...] = ()
+    certain: bool = True
     certificate: Certified | None = field(default=None, repr=False)
 
     @property
     def verdict(self) -> Verdict:
-        """`diverged` if any engine did; else `undecided` if anything, the reference included, is; else
-        `agree`."""
+        """The first of `diverged`, `unsettled`, `undecided`, `agree` that holds for any engine.
+
+        A reference that stopped not knowing makes at least `undecided` of it.
+        """
         verdicts = {candidate.verdict for candidate in self.candidates}
-        if "diverged" in verdicts:
-            return "diverged"
-        if "undecided" in verdicts or self.reference.stop.reason in UNDONE:
-            return "undecided"
-        return "agree"
+        if self.reference.stop.reason in UNKNOWING:
+            verdicts.add("undecided")
+        return next(verdict for verdict in VERDICTS if verdict in verdicts)
 
     def __getitem__(self, engine: str) -> Candidate:
         """The candidate of an engine, by the text with which it was asked for."""
@@ -78,7 +88,7 @@ class Comparison:
 
 def compare(
     scene: Scene,
-    engines: Sequence[str | Engine] = DEFAULT_ENGINES,
+    engines: Sequence[str | Engine] | str | Engine = DEFAULT_ENGINES,
     *,
     until: QuantityLike | None = None,
     events: int | None = None,
@@ -90,9 +100,8 @@ def compare(
 ) -> Comparison:
     """Runs `scene` in a reference engine and in others, and says where their histories part.
 
-    The span compared ends where the reference ends. Candidates run a little past it; what they have there is
-    looked at only to tell a late event from a missing one. Where that is not enough, the reference is run
-    on too.
+    The span compared ends where the reference ends. What lies near its end in one run is told from what is missing
+    by running both on, as far as it takes.
 
     Args:
         engines: names, with parameters as in `pymunk:dt=1/1000`, or engines.
@@ -100,13 +109,13 @@ def compare(
         reference: the engine taken as the truth.
         outcomes: further outcomes by name.
         causes: whether to find out, by further runs, why an engine diverged.
-        max_seconds: ends the reference's run after so many seconds, and each candidate's; what they have by then is
-            compared. No experiment on causes gets more either.
+        max_seconds: ends the whole comparison after about so many seconds; half of them at most are the
+            reference's. What each run has by then is compared.
         progress: called now and then with how far a run is.
 
     Raises:
-        SceneError: for an unknown engine or parameter, a limit that is not positive, or a scene that the
-            reference cannot run.
+        SceneError: for an unknown engine or parameter, a limit that is not positive, a scene that the reference
+            cannot run, or an engine that hands back what cannot be judged.
         OutOfTime: if `max_seconds` are over and there is nothing yet to compare.
         KeyboardInterrupt: if the user interrupts it.
 
@@ -114,34 +123,122 @@ def compare(
     >>> compare(Scene([Circle(0, 0, vx=1), Circle(4, 0)]), ["double"], until=5).verdict
     'agree'
     """
-    if not engines:
+    scene = _checked_scene(scene)
+    listed: list[Any] = [engines] if isinstance(engines, str) or hasattr(engines, "run") else list(engines)  # type: ignore[arg-type]
+    if not listed:
         raise SceneError("no engine to compare; name at least one, such as double")
-    if isinstance(engines, str):
-        engines = [engines]
-    chosen = [(_label(e), engine_named(e) if isinstance(e, str) else e) for e in engines]
-    truth = engine_named(reference) if isinstance(reference, str) else reference
-    began = clock.perf_counter()
-    with time_limit(max_seconds) as watch:
-        noted = watch.watched(_noted(progress, truth.name))
-        told = uninterrupted(truth.run(scene, until=until, events=events, progress=noted))
+    chosen: list[tuple[str, Engine]] = [(_label(e), check_engine(_engine(e))) for e in listed]
+    truth = check_engine(_engine(reference))
+    for _, engine in [("", truth), *chosen]:
+        check_until(engine, scene, until)
+    watch, began = Clock(checked_seconds(max_seconds)), clock.perf_counter()
+    with time_limit(watch.left(REFERENCE_SHARE), max_seconds) as limit:
+        noted = limit.watched(_noted(progress, truth.name))
+        ran = truth.run(scene, until=until, events=events, progress=noted)
+    told = uninterrupted(check_trajectory(ran, scene, truth.name, truth.bits))
     seconds = clock.perf_counter() - began
-    study = Study(scene, truth, told, until, events, seconds, max_seconds)
+    study = Study(scene, truth, told, watch)
     found = outcomes_of(told, outcomes)
+    cut: list[str] = []
     results = []
     for label, engine in chosen:
-        result = study.candidate(label, engine, found, outcomes, _noted(progress, label))
-        results.append(study.explained(result, engine, _noted(progress, f"why {label}")) if causes else result)
-    other = any("break_pattern" in c.changed and c.verdict != "undecided" for c in results)
-    search = causes and other and told.stop.reason not in UNDONE
-    histories = [c.trajectory for c in results if c.alignment.divergence is not None]
-    orders = _noted(progress, "orders")
-    permitted = permitted_patterns(truth, told, seconds, histories, orders, max_seconds) if search else None
+        study.share = 1 / (len(chosen) - len(results))
+        result = _candidate(study, label, engine, found, outcomes, _noted(progress, label))
+        if causes and not watch.over:
+            try:
+                result = explained(study, result, engine, _noted(progress, f"why {label}"))
+            except OutOfTime:
+                cut.append(f"why {label}")
+        elif causes and result.verdict != "agree":
+            cut.append(f"why {label}")
+        results.append(result)
+    permitted = None
+    if causes and told.stop.reason not in UNKNOWING:
+        own = pattern_of(told)
+        others = [
+            (c.trajectory, e.step is not None)
+            for c, (_, e) in zip(results, chosen, strict=True)
+            if c.verdict == "diverged" and c.pattern != own
+        ]
+        if others and not watch.over:
+            permitted = permitted_patterns(study, others, _noted(progress, "orders"))
+        elif others:
+            cut.append("which patterns are permitted")
     miss = return_miss(told, told)
-    return Comparison(scene, told, tuple(results), found, study.span, miss, permitted, seconds)
+    return Comparison(
+        scene,
+        told,
+        tuple(results),
+        found,
+        study.span.time,
+        miss,
+        permitted,
+        seconds,
+        tuple(cut),
+        not truth.rounds_input,
+    )
+
+
+def _candidate(
+    study: Study,
+    label: str,
+    engine: Engine,
+    expected: Mapping[str, Any],
+    outcomes: Mapping[str, Outcome] | None,
+    progress: OnProgress | None,
+) -> Candidate:
+    """One engine held against the reference, without causes."""
+    began = clock.perf_counter()
+    run, alignment, unable = run_or_unable(study, engine, progress)
+    seconds = clock.perf_counter() - began
+    reference = study.longest or study.reference
+    matched = matched_history(run, reference, alignment, study.span)
+    values = outcomes_of(matched, outcomes)
+    end = min(study.span.time, float(study.reference.final_time)) or float(run.final_time)
+    return Candidate(
+        engine=label,
+        trajectory=run,
+        alignment=alignment,
+        separation=separation(study.reference, run, end),
+        outcomes=values,
+        changed=tuple(changed_outcomes(expected, values, agrees=alignment.divergence is None)),
+        return_miss=return_miss(run, study.reference),
+        seconds=seconds,
+        unable=unable,
+        stepped=engine.step is not None,
+        pattern=pattern_of(matched),
+    )
+
+
+def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Candidate:
+    """The same with causes and margin."""
+    from .causes.experiments import diagnosis_of
+    from .causes.laboratory import Laboratory
+    from .causes.margin import margin_of
+    from .causes.stops import diagnosis_of_stop
+
+    if candidate.alignment.divergence is not None:
+        lab = Laboratory(study, candidate, engine, progress)
+        return replace(candidate, diagnosis=diagnosis_of(lab), margin=margin_of(study, lab))
+    if candidate.alignment.undecided:
+        return replace(candidate, diagnosis=diagnosis_of_stop(study, candidate, engine, progress))
+    return candidate
+
+
+def _checked_scene(scene: Any) -> Scene:
+    """A scene; text is refused with what to write instead."""
+    if isinstance(scene, Scene):
+        return scene
+    hint = f"; write scenarios.catalogue.build({scene!r})" if isinstance(scene, str) else ""
+    raise SceneError(f"scene = {str(scene)[:60]!r} is not a Scene{hint}")
+
+
+def _engine(engine: str | Engine) -> Engine:
+    return engine_named(engine) if isinstance(engine, str) else engine
 
 
 def _label(engine: str | Engine) -> str:
-    return engine.strip() if isinstance(engine, str) else engine.name
+    return engine.strip() if isinstance(engine, str) else getattr(engine, "name", type(engine).__name__)
 
 
 def _noted(progress: OnProgress | None, name: str) -> OnProgress | None:

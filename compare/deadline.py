@@ -1,4 +1,4 @@
-"""Ends runs: experiments that take too long, and runs for which the user allowed no more seconds or pressed Ctrl-C."""
+"""Ends runs for which the user allowed no more seconds, or pressed Ctrl-C."""
 
 from __future__ import annotations
 
@@ -27,23 +27,6 @@ ENGINES = (f"{_ROOT}.exact.", f"{_ROOT}.floating.")
 
 class OutOfTime(Exception):
     """A run went past its deadline, and nothing of it is to be had."""
-
-
-def limited(progress: OnProgress | None, seconds: float, max_seconds: float | None = None) -> OnProgress:
-    """A callback that raises `OutOfTime` once that many seconds have gone by, or `max_seconds` if those are fewer,
-    and hands progress on until then.
-
-    Engines call it between events, several times a second, so a run ends soon after its deadline.
-    """
-    deadline = clock.monotonic() + (seconds if max_seconds is None else min(seconds, max_seconds))
-
-    def checked(state: Progress) -> None:
-        if clock.monotonic() > deadline:
-            raise OutOfTime
-        if progress is not None:
-            progress(state)
-
-    return checked
 
 
 def uninterrupted(trajectory: Trajectory) -> Trajectory:
@@ -75,10 +58,12 @@ class Clock:
 
     Attributes:
         seconds: how many; None: no limit.
+        told: what a message says instead: the user's seconds, of which these are a part.
     """
 
-    def __init__(self, seconds: float | None) -> None:
+    def __init__(self, seconds: float | None, told: float | None = None) -> None:
         self.seconds = seconds
+        self.told = seconds if told is None else told
         self._deadline = None if seconds is None else clock.monotonic() + seconds
 
     @property
@@ -86,9 +71,15 @@ class Clock:
         """Whether they have gone by."""
         return self._deadline is not None and clock.monotonic() >= self._deadline
 
+    def left(self, share: float = 1.0) -> float | None:
+        """Seconds that are left, or a share of them; None: no limit. A moment is left always, to end in good order."""
+        if self._deadline is None:
+            return None
+        return max(share * (self._deadline - clock.monotonic()), AGAIN_SECONDS)
+
     def is_up(self) -> TimeIsUp:
         """What ends a run then."""
-        return TimeIsUp(f"{self.seconds:g} second{'' if self.seconds == 1 else 's'} (--max-seconds)")
+        return TimeIsUp(f"{self.told:g} second{'' if self.told == 1 else 's'} (--max-seconds)")
 
     def watched(self, progress: OnProgress | None) -> OnProgress | None:
         """A callback that ends a run once they are over, and hands progress on until then."""
@@ -105,7 +96,7 @@ class Clock:
 
 
 @contextmanager
-def time_limit(seconds: float | None) -> Iterator[Clock]:
+def time_limit(seconds: float | None, told: float | None = None) -> Iterator[Clock]:
     """Ends the runs of engines in its body after so many seconds, all told: they come back with a stop for BUDGET.
 
     In the main thread, where the platform has timers, a run ends wherever it is. Elsewhere, and in pymunk, it ends
@@ -115,7 +106,7 @@ def time_limit(seconds: float | None) -> Iterator[Clock]:
         OutOfTime: if the seconds are over and there is no partial result, which is unlikely.
         SceneError: for seconds that are not above zero.
     """
-    watch = Clock(checked_seconds(seconds))
+    watch = Clock(checked_seconds(seconds), told)
     try:
         with _alarm(watch):
             yield watch

@@ -25,14 +25,12 @@ class EngineEntry:
         module: dotted path of the module that has the class.
         attribute: name of the class, a frozen dataclass whose fields are the engine's parameters.
         summary: one line for a listing.
-        stepped: whether it advances by time steps, and so reports several collisions as one instant.
     """
 
     name: str
     module: str
     attribute: str
     summary: str
-    stepped: bool = False
 
     def load(self) -> type[Any]:
         """The engine's class, imported now."""
@@ -65,7 +63,6 @@ ENGINES: dict[str, EngineEntry] = {
             f"{ROOT}.floating.pymunk_engine",
             "PymunkEngine",
             "the game engine Chipmunk, by time steps",
-            stepped=True,
         ),
     )
 }
@@ -108,11 +105,6 @@ def build(entry: EngineEntry, settings: Mapping[str, str]) -> Engine:
             raise SceneError(f"engine {entry.name!r} has no parameter {key!r}; {suggestion(key, list(known))}")
         values[key] = converted(f"engine {entry.name!r}: {key}", value, known[key])
     return kind(**values)
-
-
-def is_stepped(name: str) -> bool:
-    """Whether the engine of that name advances by time steps."""
-    return name in ENGINES and ENGINES[name].stepped
 
 
 def split_engines(text: str) -> list[str]:

@@ -1,46 +1,43 @@
-"""Holds other runs of a scene against one reference run."""
+"""One reference run, and the runs held against it, each taken as far as it takes to settle what is compared."""
 
 from __future__ import annotations
 
-import time as clock
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from ..scenarios.engine import horizon
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
-from .align import Alignment, align
-from .candidate import Candidate
-from .causes import cause_of, cause_of_stop
-from .deadline import OutOfTime, limited, time_limit, uninterrupted
-from .engines import is_stepped
-from .margin import margin
-from .outcomes import changed_outcomes, outcomes_of
-from .separation import return_miss, separation
+from .alignment.align import UNKNOWING, Alignment, Span, align
+from .alignment.instants import Finer, Instant, instants, velocity_difference
+from .alignment.patience import Patience, patience_for
+from .deadline import Clock, OutOfTime, time_limit, uninterrupted
+from .still import Still
+from .validation import EngineError, check_trajectory, unsupported
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
-    from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.scene import Scene
     from ..scenarios.trajectory import OnProgress
-    from .divergence import Divergence
-    from .outcomes import Outcome
 
 OVERRUN = 1 / 32
-"""Candidates run this share of the span past its end, so that an event which they have a little late is
-seen."""
+"""Share of the span by which a run goes on past its end at first, so that an event which it has a little late is
+seen; each time that does not settle it, four times as far."""
+
+FARTHER = 4.0
 
 EVENTS_FACTOR, EVENTS_MORE = 4, 1_000
-"""A candidate with this many times the reference's events, and this many more, has left it long before."""
+"""A run with this many times the reference's events, and this many more, has left it long before; and the reference
+itself is never run on for longer than that."""
 
-MORE_REFERENCE = 1 / 16
-"""Share of further reference events by which a doubt at the end of the span is settled; at least one a
-circle."""
 
-PATIENCE_LEAST = 5.0
-"""Seconds that settling a doubt at the end may take, or as long as the reference took."""
+SERIES_STEPS = 1_000_000
+"""Time steps of the longest run by which a series in the step is told: about a second of pymunk."""
+
+SERIES_MORE = 64
+"""Steps of the engine in question by which such a run goes on past the instant: as many as an impact through a dozen
+touching circles takes."""
 
 
 @dataclass
@@ -48,180 +45,148 @@ class Study:
     """One reference run, with what is needed to hold others against it.
 
     Attributes:
-        seconds: how long it took.
-        max_seconds: what the user allows any one run; None: no limit.
+        truth: the engine that made it.
+        reference: the run, as far as the user asked for.
+        watch: the seconds that the user allows for all.
+        longest: the reference's longest run so far.
+        share: of the seconds that are left, what one run may take: others are still to come.
     """
 
     scene: Scene
     truth: Engine
     reference: Trajectory
-    until: QuantityLike | None
-    events: int | None
-    seconds: float = 0.0
-    max_seconds: float | None = None
-    longer: Trajectory | None = None
+    watch: Clock = field(default_factory=lambda: Clock(None))
+    longest: Trajectory | None = None
+    share: float = 1.0
 
     @property
-    def span(self) -> float:
-        """The end of the time compared."""
-        end = float(self.reference.final_time)
-        if self.reference.stop.reason is StopReason.QUIET and self.limit is not None:
-            return max(end, self.limit)
-        return end
-
-    @property
-    def limit(self) -> float | None:
-        """The time limit that the reference ran under, if any."""
-        time, _ = horizon(self.scene, self.until, self.events)
-        return None if time is None else float(time)
-
-    def run(
-        self, engine: Engine, scene: Scene, progress: OnProgress | None, seconds: float | None = None
-    ) -> Trajectory:
-        """Another engine's run over the span and a little more.
-
-        Args:
-            seconds: for an experiment, of which a part is of no use.
-
-        Raises:
-            OutOfTime: if it takes longer than `seconds`.
-        """
-        length = (self.span or self.limit or 1.0) * (1 + OVERRUN)
-        if seconds is not None:
-            watched = limited(progress, seconds, self.max_seconds)
-            return uninterrupted(engine.run(scene, until=length, events=self.cap, progress=watched))
-        with time_limit(self.max_seconds) as watch:
-            return uninterrupted(engine.run(scene, until=length, events=self.cap, progress=watch.watched(progress)))
-
-    def experiment(
-        self,
-        engine: Engine,
-        scene: Scene,
-        divergence: Divergence,
-        progress: OnProgress | None,
-        longer: float,
-        seconds: float,
-    ) -> Trajectory:
-        """A run to `longer` times the time of a divergence.
-
-        Raises:
-            OutOfTime: if it takes longer than `seconds`.
-        """
-        length = longer * divergence.time or self.span or self.limit or 1.0
-        count = EVENTS_FACTOR * divergence.event + EVENTS_MORE
-        watched = limited(progress, seconds, self.max_seconds)
-        return uninterrupted(engine.run(scene, until=length, events=min(count, self.cap), progress=watched))
+    def span(self) -> Span:
+        """What is compared."""
+        return Span.of(self.reference)
 
     @property
     def cap(self) -> int:
-        """The number of events after which a candidate is ended."""
+        """The number of events after which a run is ended."""
         return EVENTS_FACTOR * len(self.reference.events) + EVENTS_MORE
 
-    def aligned(self, trajectory: Trajectory, progress: OnProgress | None) -> Alignment:
-        """The causal comparison, with the reference run on where the end of the span leaves a doubt."""
-        step = step_of(trajectory)
-        alignment = align(self.reference, trajectory, span=self.span, step=step)
-        if alignment.unsettled and self.reference.stop.reason in (StopReason.EVENTS, StopReason.HORIZON):
-            if self.longer is None:
-                done = len(self.reference.events)
-                more = done + max(len(self.scene.circles), int(done * MORE_REFERENCE))
-                try:
-                    watched = limited(progress, self.patience, self.max_seconds)
-                    self.longer = uninterrupted(self.truth.run(self.scene, events=more, progress=watched))
-                except OutOfTime:
-                    self.longer = self.reference
-            alignment = align(self.longer, trajectory, span=self.span, step=step)
-        return alignment
+    def patience(self, step: float | None) -> Patience:
+        """How late an engine with such a step may be."""
+        return patience_for(self.scene, step)
 
-    @property
-    def patience(self) -> float:
-        """Seconds that running the reference on may take."""
-        return max(PATIENCE_LEAST, self.seconds)
+    def run(self, engine: Engine, scene: Scene, until: float, progress: OnProgress | None = None) -> Trajectory:
+        """A checked run of an engine up to a time (infinite: to its quiet end), or to `cap` events.
 
-    def candidate(
-        self,
-        label: str,
-        engine: Engine,
-        expected: Mapping[str, Any],
-        outcomes: Mapping[str, Outcome] | None,
-        progress: OnProgress | None,
-    ) -> Candidate:
-        """One engine held against the reference, without causes."""
-        began, unable = clock.perf_counter(), False
-        try:
-            trajectory = self.run(engine, self.scene, progress)
-        except SceneError as error:
-            trajectory, unable = _unable(self.scene, engine, str(error)), True
-        seconds = clock.perf_counter() - began
-        alignment = self.aligned(trajectory, progress)
-        values = outcomes_of(_within(trajectory, alignment, self.span, self.reference), outcomes)
-        return Candidate(
-            engine=label,
-            trajectory=trajectory,
-            alignment=alignment,
-            separation=separation(self.reference, trajectory, self.span),
-            outcomes=values,
-            changed=tuple(changed_outcomes(expected, values)),
-            return_miss=return_miss(trajectory, self.reference),
-            seconds=seconds,
-            unable=unable,
-        )
-
-    def explained(self, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Candidate:
-        """The same with cause and margin."""
-        divergence = candidate.alignment.divergence
-        if divergence is not None:
-            return replace(
-                candidate,
-                margin=margin(self.reference, divergence),
-                cause=cause_of(self, candidate, engine, progress),
+        Raises:
+            SceneError: if the engine refuses the scene, or hands back what cannot be judged.
+            OutOfTime: if the user's seconds are over.
+        """
+        left = self.watch.left(self.share)
+        with time_limit(left, self.watch.seconds) as watch:
+            told = engine.run(
+                scene,
+                until=until if math.isfinite(until) else None,
+                events=self.cap,
+                progress=watch.watched(progress),
             )
-        if candidate.alignment.undecided:
-            return replace(candidate, cause=cause_of_stop(self, candidate, engine, progress))
-        return candidate
+        return uninterrupted(check_trajectory(told, scene, engine.name, engine.bits))
+
+    def until_event(self, event: int) -> float:
+        """A time a little past an event of the reference, or past its end."""
+        events = (self.longest or self.reference).events
+        time = float(events[event].time) if event < len(events) else float(self.reference.final_time)
+        return time + OVERRUN * (time or self.patience(None).slack)
+
+    def reference_to(self, time: float, progress: OnProgress | None = None) -> Trajectory:
+        """The reference, run on to a time if it can be."""
+        longest = self.longest or self.reference
+        over = longest.stop.reason is StopReason.QUIET or longest.stop.reason in UNKNOWING
+        if over or float(longest.final_time) >= time or len(longest.events) >= self.cap or self.watch.over:
+            return longest
+        try:
+            more = self.run(self.truth, self.scene, time, progress)
+        except OutOfTime:
+            return longest
+        if float(more.final_time) >= float(longest.final_time):
+            self.longest = more
+        return self.longest or self.reference
+
+    def settled(self, engine: Engine, progress: OnProgress | None = None) -> tuple[Trajectory, Alignment]:
+        """An engine's run and its alignment, both runs taken on until it is settled or cannot be."""
+        end, step, patience = self.span.time, engine.step, self.patience(engine.step)
+        if not math.isfinite(end):
+            end = patience.latest(float(self.reference.final_time))
+        past = OVERRUN * (end or patience.slack)
+        mine, run, asked = self.reference, self.run(engine, self.scene, end + past, progress), end + past
+        finer = self._series(engine)
+        while True:
+            alignment = align(mine, run, span=self.span, step=step, patience=patience, finer=finer)
+            wanted, past = alignment.wanted, past * FARTHER
+            longer, goal = None, None
+            if wanted.reference is not None:
+                longer = self.reference_to(min(wanted.reference, end + past), progress)
+            over = run.stop.reason in UNKNOWING or len(run.events) >= self.cap or self.watch.over
+            if wanted.candidate is not None and not over and asked < wanted.candidate:
+                goal = wanted.candidate if math.isinf(wanted.candidate) else min(wanted.candidate, end + past)
+            if goal is None and (longer is None or (longer is mine and end + past >= (wanted.reference or 0.0))):
+                return run, alignment
+            mine = longer or mine
+            if goal is not None:
+                try:
+                    run, asked = self.run(engine, self.scene, max(goal, end), progress), max(goal, end)
+                except OutOfTime:
+                    return run, alignment
+
+    def _series(self, engine: Engine) -> Finer | None:
+        """Tells how far the velocities after an instant are from the reference's at a finer step."""
+        if engine.step is None or engine.finer() is None:
+            return None
+
+        runs: dict[int, tuple[Trajectory, Alignment]] = {}
+
+        def difference(halvings: int, instant: Instant) -> float | None:
+            mine, chosen = self.longest or self.reference, finer_by(engine, halvings)
+            if chosen is None or chosen.step is None or self.watch.over:
+                return None
+            until = float(mine.events[instant.mine[-1]].time) + SERIES_MORE * (engine.step or 0.0)
+            if until > SERIES_STEPS * chosen.step:
+                return None
+            if halvings not in runs or float(runs[halvings][0].final_time) < until:
+                run = self.run(chosen, self.scene, until)
+                runs[halvings] = run, align(mine, run, span=self.span, step=chosen.step, instants=False)
+            run, alignment = runs[halvings]
+            for found in instants(alignment.walks):
+                if set(instant.mine) <= set(found.mine):
+                    return velocity_difference(mine, run, found)
+            return None
+
+        return difference
 
 
-def step_of(trajectory: Trajectory) -> float:
-    """The time step of a run by time steps; 0 for one by events."""
-    step = trajectory.parameters.get("dt") if is_stepped(trajectory.engine) else None
-    return 0.0 if step is None else float(step)
+def finer_by(engine: Engine, halvings: int) -> Engine | None:
+    """The engine with its step halved so many times; None if it does not go that far."""
+    chosen: Engine | None = engine
+    for _ in range(halvings):
+        chosen = None if chosen is None else chosen.finer()
+    return chosen
 
 
-def _within(trajectory: Trajectory, alignment: Alignment, end: float, reference: Trajectory) -> Trajectory:
-    """The run up to the end of the span: events matched with the reference's, and others within the time."""
-    inside = len(reference.events)
-    events = tuple(
-        event
-        for index, event in enumerate(trajectory.events)
-        if alignment.matches.get(index, inside) < inside or float(event.time) <= end
-    )
-    return replace(trajectory, events=events, final_time=min(end, float(trajectory.final_time)))
+def run_or_unable(study: Study, engine: Engine, progress: OnProgress | None) -> tuple[Trajectory, Alignment, bool]:
+    """The settled run of an engine, and whether it could not take the scene at all."""
+    key = unsupported(engine, study.scene)
+    reason = None if key is None else f"it does not follow {key!r}"
+    if reason is None:
+        try:
+            return (*study.settled(engine, progress), False)
+        except EngineError:
+            raise
+        except OutOfTime as error:
+            return (*_nothing(study, engine, StopReason.BUDGET, f"{StopReason.BUDGET.value}: {error}"), False)
+        except SceneError as error:
+            reason = str(error)
+    return (*_nothing(study, engine, StopReason.UNDECIDED, f"cannot run this scene: {reason}"), True)
 
 
-@dataclass(frozen=True)
-class _Still:
-    """The motion of a run that did not begin: the start."""
-
-    scene: Scene
-
-    def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
-        return [(c.x, c.y, c.vx, c.vy) for c in self.scene.circles]
-
-    def sample(self, times: Sequence[float]) -> Any:
-        import numpy as np
-
-        row = [[float(value) for value in values] for values in self.state(0)]
-        return np.array([row for _ in times])
-
-
-def _unable(scene: Scene, engine: Engine, reason: str) -> Trajectory:
-    """The run of an engine that cannot take a scene: it ends, undecided, before it begins."""
-    return Trajectory(
-        scene=scene,
-        engine=engine.name,
-        parameters={},
-        events=(),
-        stop=Stop(StopReason.UNDECIDED, f"cannot run this scene: {reason}"),
-        final_time=Double(0.0),
-        motion=_Still(scene),
-    )
+def _nothing(study: Study, engine: Engine, reason: StopReason, message: str) -> tuple[Trajectory, Alignment]:
+    """The run of an engine that did not come to begin."""
+    run = Trajectory(study.scene, engine.name, {}, (), Stop(reason, message), Double(0.0), Still(study.scene))
+    return run, align(study.reference, run, span=study.span)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError
 from ..scenarios.event import Contact, Event, Pocketing, Reversal
 from ..scenarios.numbers.quantity import QuantityLike
@@ -31,7 +32,7 @@ proof in six nested roots takes about as many: fifteen times that leaves room, a
 
 
 @dataclass(frozen=True)
-class ExactEngine:
+class ExactEngine(Declared):
     """Runs a scene so that every event, its order and its partners are proved.
 
     Attributes:

@@ -59,6 +59,11 @@ class DoubleEngine(EventEngine):
         return "double"
 
     @property
+    def bits(self) -> int:
+        """53."""
+        return 53
+
+    @property
     def numbers(self) -> NumberSystem:
         """Doubles."""
         return DOUBLES

@@ -9,6 +9,7 @@ from typing import Any
 from ..exact.numbers.system import NumberSystem
 from ..exact.policies import Policy
 from ..exact.replay.state import State
+from ..scenarios.engine import Declared
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
@@ -17,7 +18,7 @@ from .plain_decider import PlainDecider
 from .plain_run import run_plain
 
 
-class EventEngine(ABC):
+class EventEngine(Declared, ABC):
     """The event loop of the exact engine in one number system.
 
     Inputs are rounded to the system's nearest numbers; every sign is taken at its word; equal event times are a tie;
@@ -33,6 +34,11 @@ class EventEngine(ABC):
     @abstractmethod
     def numbers(self) -> NumberSystem:
         """The system."""
+
+    @property
+    def rounds_input(self) -> bool:
+        """True: a scene is rounded to the system's nearest numbers."""
+        return True
 
     @abstractmethod
     def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..exact.numbers.undecided import Undecided
 from ..exact.replay.state import State
+from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.doubles import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -236,7 +237,7 @@ def _interval(time: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class IntervalEngine:
+class IntervalEngine(Declared):
     """The event loop of the exact engine, fed `mpmath.iv` intervals of a fixed precision.
 
     Attributes:
@@ -256,6 +257,10 @@ class IntervalEngine:
     def __post_init__(self) -> None:
         if isinstance(self.bits, bool) or not isinstance(self.bits, int) or not MIN_BITS <= self.bits <= MAX_BITS:
             raise SceneError(f"bits = {self.bits!r}: must be a whole number from {MIN_BITS} to {MAX_BITS}")
+
+    def wider(self) -> IntervalEngine | None:
+        """Intervals of twice the bits; None beyond the most that there can be."""
+        return IntervalEngine(2 * self.bits) if 2 * self.bits <= MAX_BITS else None
 
     @property
     def name(self) -> str:

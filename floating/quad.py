@@ -147,6 +147,11 @@ class QuadEngine(EventEngine):
         return "quad"
 
     @property
+    def bits(self) -> int:
+        """106."""
+        return 106
+
+    @property
     def numbers(self) -> NumberSystem:
         """Double-doubles."""
         return QUADS

@@ -83,6 +83,11 @@ class SingleEngine(EventEngine):
         return "single"
 
     @property
+    def bits(self) -> int:
+        """24."""
+        return 24
+
+    @property
     def numbers(self) -> NumberSystem:
         """Singles."""
         return SINGLES

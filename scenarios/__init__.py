@@ -6,7 +6,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .engine import Engine
+    from .engine import Declared, Engine
     from .errors import SceneError
     from .event import Contact, Event
     from .numbers.quantity import Quantity
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Circle",
     "Contact",
+    "Declared",
     "Engine",
     "Event",
     "Pocket",
@@ -35,6 +36,7 @@ __all__ = [
 _HOMES = {
     "Circle": "things",
     "Contact": "event",
+    "Declared": "engine",
     "Engine": "engine",
     "Event": "event",
     "Pocket": "things",

@@ -13,12 +13,52 @@ DEFAULT_EVENTS = 1_000
 """Limit on instants where neither the caller nor the scene sets a horizon."""
 
 
+SCENE_KEYS = frozenset({"wall", "pocket", "capture", "reverse_at", "reverse_after", "tie_policy"})
+"""What a scene may ask of an engine beyond its circles: keys of a scene file."""
+
+
 class Engine(Protocol):
-    """Runs scenes. Engines are frozen dataclasses: their fields are their parameters."""
+    """Runs scenes, and declares what it is. Engines are frozen dataclasses: their fields are their parameters.
+
+    Whoever judges an engine goes by what it declares, never by its name. `Declared` has the declarations of an
+    event-driven engine that follows every key of a scene; an engine derived from it states only what differs.
+    """
 
     @property
     def name(self) -> str:
         """The name by which the command line and reports call the engine."""
+        ...
+
+    @property
+    def step(self) -> float | None:
+        """The time step of an engine that advances by steps; None for an event-driven one."""
+        ...
+
+    @property
+    def bits(self) -> int | None:
+        """Bits of its numbers, 53 for doubles; None for numbers that are exact, or as wide as they need to be."""
+        ...
+
+    @property
+    def rounds_input(self) -> bool:
+        """Whether it replaces every number of a scene by the nearest one of its own `bits`."""
+        ...
+
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """Those of `SCENE_KEYS` that it follows."""
+        ...
+
+    def finer(self) -> Engine | None:
+        """The same with half the time step, everything else as it is; None if there is none."""
+        ...
+
+    def wider(self) -> Engine | None:
+        """The same with twice the bits; None if there is none."""
+        ...
+
+    def firmer(self) -> Engine | None:
+        """The same with twice the solver's iterations; None if it iterates nothing."""
         ...
 
     def run(
@@ -31,9 +71,50 @@ class Engine(Protocol):
     ) -> Trajectory:
         """The history of `scene` up to a time, a number of instants, or both, whichever comes first.
 
-        With neither, the scene's own default horizon holds, and if it has none, `DEFAULT_EVENTS` instants.
+        With neither, the scene's own default horizon holds, and if it has none, `DEFAULT_EVENTS` instants. Limits
+        only end a run: what it has before does not depend on them.
         """
         ...
+
+
+class Declared:
+    """The declarations of an event-driven engine of exact numbers, for engines to derive from.
+
+    >>> Declared().step, Declared().rounds_input, Declared().finer()
+    (None, False, None)
+    """
+
+    @property
+    def step(self) -> float | None:
+        """No time step: event-driven (see `Engine.step`)."""
+        return None
+
+    @property
+    def bits(self) -> int | None:
+        """As many as it takes (see `Engine.bits`)."""
+        return None
+
+    @property
+    def rounds_input(self) -> bool:
+        """Takes a scene's numbers as they are (see `Engine.rounds_input`)."""
+        return False
+
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """Follows every key (see `Engine.scene_keys`)."""
+        return SCENE_KEYS
+
+    def finer(self) -> Engine | None:
+        """None: there is no step to halve."""
+        return None
+
+    def wider(self) -> Engine | None:
+        """None: no wider numbers are to be had."""
+        return None
+
+    def firmer(self) -> Engine | None:
+        """None: nothing is iterated."""
+        return None
 
 
 def horizon(scene: Scene, until: QuantityLike | None, events: int | None) -> tuple[Quantity | None, int | None]:

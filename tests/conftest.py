@@ -28,6 +28,10 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+# A shell starts what runs in the background deaf to Ctrl-C; what the tests interrupt must hear it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The project's top folder."""

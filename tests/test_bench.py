@@ -9,10 +9,11 @@ from importlib.util import find_spec
 import click
 import pytest
 
-from truebreak.compare import bench, rivals
-from truebreak.compare.bench import TRADEOFFS, measure
-from truebreak.compare.figures import BENCHMARKS, GAS, TINY, Figure, Target, interleaved
-from truebreak.compare.tradeoff import SETTINGS, tradeoffs
+from truebreak.compare.bench import command as bench
+from truebreak.compare.bench import rivals
+from truebreak.compare.bench.command import TRADEOFFS, measure
+from truebreak.compare.bench.figures import BENCHMARKS, GAS, TINY, Figure, Target, interleaved
+from truebreak.compare.bench.tradeoff import SETTINGS, tradeoffs
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build

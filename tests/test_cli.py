@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -286,3 +287,49 @@ def test_the_python_of_the_command_line() -> None:
         truebreak.compare.nonesuch  # noqa: B018
     with pytest.raises(KeyError):
         comparison["pymunk"]
+
+
+@pytest.mark.parametrize("words", [["scenes"], ["run", "lee", "--json"], ["compare", "lee", "--engines", "double"]])
+def test_a_full_disk_is_one_line(words: list[str]) -> None:
+    full = Path("/dev/full")
+    if not full.exists():
+        pytest.skip("no /dev/full here")
+    with full.open("w", encoding="utf-8") as out:
+        done = subprocess.run([*COMMAND, *words], stdout=out, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "truebreak: error: standard output: No space left on device; write to another place\n"
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
+@pytest.mark.parametrize(("words", "code"), [("run lee", 0), ("run lee --json", 0), ("run nonesuch", 2)])
+def test_a_closed_stream_does_not_change_the_code(words: str, closed: str, code: int) -> None:
+    command = f"{shlex.quote(sys.executable)} -m truebreak.compare.cli {words} {closed}"
+    done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
+    assert done.returncode == code
+    assert "Traceback" not in done.stderr
+    assert "Exception" not in done.stderr
+
+
+@pytest.mark.parametrize("engine_name", ["double", "interval", "pymunk"])
+def test_a_time_beyond_the_doubles_is_refused(truebreak: Any, engine_name: str) -> None:
+    for words in (["run", "lee", "--engine", engine_name], ["compare", "lee", "--engines", engine_name]):
+        said = truebreak(*words, "--until", "1e400")
+        assert said.code == 2
+        assert "beyond" in said.err
+    assert truebreak("run", "lee", "--until", "1e400").code == 0
+
+
+def test_the_code_of_what_is_not_settled() -> None:
+    from dataclasses import replace
+
+    from truebreak.compare import compare
+    from truebreak.compare.cli.exit_codes import ExitCode, of_comparison
+    from truebreak.scenarios import catalogue
+
+    comparison = compare(catalogue.build("lee"), ["double"])
+    assert of_comparison(comparison) is ExitCode.DONE
+    (candidate,) = comparison.candidates
+    open_end = replace(candidate, alignment=replace(candidate.alignment, unsettled=True))
+    unsettled = replace(comparison, candidates=(open_end,))
+    assert unsettled.verdict == "unsettled"
+    assert of_comparison(unsettled) is ExitCode.UNDECIDED

@@ -21,8 +21,8 @@ import pytest
 
 from truebreak.compare import compare, engine, trajectory_json
 from truebreak.compare.deadline import Clock, OutOfTime, time_limit, uninterrupted
-from truebreak.compare.order_search import search_orders
-from truebreak.compare.schemas import schema
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.outcomes.order_search import search_orders
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified.decider import CertifiedDecider
 from truebreak.exact.engine import DEFAULT_WORK
@@ -139,11 +139,11 @@ def test_a_run_in_time_does_not_notice() -> None:
 
 def test_a_comparison_out_of_time_goes_over_what_there_is(tmp_path: Path) -> None:
     path = tmp_path / "report.html"
-    words = ["compare", "gas", *ENDLESS["exact"], "--engines", "interval:bits=4000,double", "--max-seconds", "1"]
+    words = ["compare", "gas", *ENDLESS["exact"], "--engines", "interval:bits=4000,double", "--max-seconds", "3"]
     said = done(*words, "--json", "--html", str(path))
     assert said.returncode == 1
     told = json.loads(said.stdout)
-    jsonschema.Draft202012Validator(schema("comparison-1")).validate(told)
+    jsonschema.Draft202012Validator(schema("comparison-2")).validate(told)
     assert told["reference"]["stop"]["reason"] == "budget"
     assert told["reference"]["events"] > 100
     interval, double = told["candidates"]

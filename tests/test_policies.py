@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from truebreak.compare import convergence
+from truebreak.compare.bench import convergence
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers.field import Field
 from truebreak.exact.policies import policy_for

@@ -14,7 +14,7 @@ import numpy as np
 import pymunk
 import pytest
 
-from truebreak.floating import pymunk_engine
+from truebreak.floating import pymunk_engine, pymunk_run
 from truebreak.floating.knots import DoubleMotion
 from truebreak.floating.pymunk_engine import PymunkEngine, bench_overhead
 from truebreak.scenarios import Circle, Contact, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
@@ -205,7 +205,7 @@ def test_free_circles_keep_momentum() -> None:
 def test_sampled_motion_is_that_of_the_space(bias: float) -> None:
     engine = PymunkEngine(dt=1 / 64, collision_bias=bias)
     run = engine.run(gas(7), until=20)
-    world = engine.space(gas(7), 20.0)
+    world = engine.space(gas(7))
     expected = []
     for _ in range(64 * 20):
         world.space.step(1 / 64)
@@ -436,15 +436,15 @@ def assert_begins_like(part: Trajectory, whole: Trajectory) -> None:
 
 
 def test_an_interrupt_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pymunk_engine, "PROGRESS_SECONDS", 0.0)
+    monkeypatch.setattr(pymunk_run, "PROGRESS_SECONDS", 0.0)
     run = PymunkEngine().run(gas(), until=100, progress=failing(KeyboardInterrupt()))
     assert run.stop.reason is StopReason.INTERRUPTED
-    assert run.final_time == pymunk_engine.STRETCH / 256
+    assert run.final_time == pymunk_run.STRETCH / 256
     assert_begins_like(run, PymunkEngine().run(gas(), until=100))
 
 
 def test_the_end_of_the_users_time_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pymunk_engine, "PROGRESS_SECONDS", 0.0)
+    monkeypatch.setattr(pymunk_run, "PROGRESS_SECONDS", 0.0)
     told: list[Progress] = []
 
     def progress(state: Progress) -> None:

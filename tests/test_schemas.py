@@ -8,7 +8,7 @@ import jsonschema
 import pytest
 
 from truebreak.compare import compare, comparison_json, engine, trajectory_json
-from truebreak.compare.schemas import NAMES, schema
+from truebreak.compare.documents.schemas import NAMES, schema
 from truebreak.scenarios import Scene, catalogue
 
 
@@ -106,7 +106,7 @@ def test_a_comparison_is_printed(text: str) -> None:
 
 @pytest.mark.parametrize("scene", ["lee", "rack:rows=3"])
 def test_orders_are_what_their_schema_says(scene: str) -> None:
-    from truebreak.compare.orders_document import orders_json
+    from truebreak.compare.documents.orders import orders_json
     from truebreak.exact import ExactEngine
     from truebreak.exact.policies.all_orders import all_orders
 

@@ -9,7 +9,17 @@ from markupsafe import Markup
 
 from .picture import STYLE, divergence_picture, scene_picture
 from .plot import separation_plot
-from .sentences import counted, divergence_phrase, margin_phrase, pattern_phrase, short, verdict_sentence
+from .sentences import (
+    counted,
+    divergence_phrase,
+    experiment_rows,
+    margin_phrase,
+    pattern_phrase,
+    proof_phrase,
+    short,
+    span_phrase,
+    verdict_sentence,
+)
 from .side_by_side import side_by_side
 
 if TYPE_CHECKING:
@@ -59,8 +69,8 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
             f"{reference.engine}: {counted(len(reference.events), 'event')}, "
             f"{counted(reference.collisions, 'collision')}",
         ),
-        ("Compared", f"from time 0 to {comparison.span:.9g}; {reference.stop.message}"),
-        ("Proof", "every decision is proved" if reference.certified else "not every tie is proved"),
+        ("Compared", f"{span_phrase(comparison)}; {reference.stop.message}"),
+        ("Proof", proof_phrase(comparison)),
         ("Tie policy", str(scene.tie_policy)),
         ("Scene digest", scene.digest),
     ]
@@ -80,12 +90,12 @@ def _row(candidate: Candidate) -> dict[str, Any]:
         "verdict": candidate.verdict,
         "agreed": f"{candidate.alignment.agreed:,}",
         "differs": f"event {divergence.event:,}, t = {divergence.time:.9g}" if divergence else "",
-        "cause": str(candidate.cause) if candidate.cause else "",
-        "evidence": candidate.cause.evidence if candidate.cause else "",
+        "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
+        "evidence": candidate.diagnosis.evidence if candidate.diagnosis else "",
         "swaps": candidate.alignment.harmless_swaps,
         "error": short(candidate.separation.maximum),
         "changed": ", ".join(n.replace("_", " ") for n in candidate.changed)
-        if candidate.verdict != "undecided"
+        if candidate.verdict not in ("undecided", "unsettled")
         else "",
         "miss": short(candidate.return_miss),
         "stop": candidate.trajectory.stop.message,
@@ -99,10 +109,11 @@ def _divergence(comparison: Comparison, candidate: Candidate) -> dict[str, Any]:
         "engine": candidate.engine,
         "phrase": divergence_phrase(comparison, candidate),
         "body": candidate.alignment.divergence.body if candidate.alignment.divergence else "",
-        "cause": str(candidate.cause) if candidate.cause else "",
-        "evidence": sentence_case(candidate.cause.evidence) if candidate.cause else "",
+        "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
+        "evidence": sentence_case(candidate.diagnosis.evidence) if candidate.diagnosis else "",
         "pattern": pattern_phrase(comparison, candidate),
         "margin": margin_phrase(candidate),
+        "experiments": experiment_rows(candidate),
         "rows": side_by_side(comparison, candidate),
         "picture": Markup(divergence_picture(comparison, candidate)) if drawn else "",
     }

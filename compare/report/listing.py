@@ -6,7 +6,7 @@ import json
 import sys
 from typing import TYPE_CHECKING, Any
 
-from ..amounts import bounds, double, exact_text
+from ..documents.amounts import bounds, double, exact_text
 from .sentences import counted
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def print_catalogue(as_json: bool) -> None:
 
     entries = [catalogue.entry(name) for name in catalogue.names()]
     if as_json:
-        from ..amounts import plain
+        from ..documents.amounts import plain
 
         print_json({"scenes": [plain(catalogue_row(entry)) for entry in entries]})
         return

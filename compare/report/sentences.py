@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
-from ..divergence import Kind
-from ..engines import is_stepped
+from ..alignment.align import VERDICTS
+from ..alignment.divergence import Kind
+from ..causes.diagnosis import ROUNDING, CauseName
+from ..outcomes.permitted import Relation
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -16,59 +19,60 @@ if TYPE_CHECKING:
 def verdict_sentence(comparison: Comparison) -> str:
     """The one sentence that a report leads with.
 
-    A time step or a difference of model is not called floating-point error.
+    A time step or a difference of model is not called floating-point error, and "did not change what happened" is said
+    only where every outcome is the same too.
     """
-    by_verdict = {
-        verdict: [c for c in comparison.candidates if c.verdict == verdict]
-        for verdict in ("agree", "diverged", "undecided")
-    }
+    by_verdict = {verdict: [c for c in comparison.candidates if c.verdict == verdict] for verdict in VERDICTS}
     reference, events = comparison.reference, counted(len(comparison.reference.events), "event")
     rounding = [c for c in by_verdict["diverged"] if _is_rounding(c)]
+    agreeing = [c.engine for c in by_verdict["agree"]]
     if by_verdict["diverged"]:
         first = min(rounding or by_verdict["diverged"], key=_place)
-        agreeing = [c.engine for c in by_verdict["agree"]]
         spared = f"{listed(agreeing)} {'agrees' if len(agreeing) == 1 else 'agree'}, but " if agreeing else ""
         return f"{_head(first)}: {spared}{divergence_phrase(comparison, first)}"
     stopped = f"the {reference.engine} run itself stopped after {events}: {reference.stop.message}"
+    unsettled = listed([c.engine for c in by_verdict["unsettled"]])
+    undecided = listed([c.engine for c in by_verdict["undecided"]])
+    if by_verdict["unsettled"]:
+        where = f"the {reference.engine} run near its end"
+        return f"Not settled: the runs at hand do not tell whether {unsettled} leaves {where}."
     if comparison.verdict == "undecided" and not by_verdict["undecided"]:
         return f"Undecided: {stopped}."
-    undecided = listed([c.engine for c in by_verdict["undecided"]])
-    if by_verdict["agree"]:
-        agreeing = [c.engine for c in by_verdict["agree"]]
-        verb = "agrees" if len(agreeing) == 1 else "agree"
-        rest = f"; {undecided} could not follow to the end" if by_verdict["undecided"] else ""
-        return (
-            f"Floating point did not change what happened: {listed(agreeing)} {verb} with the "
-            f"{reference.engine} run in {all_of(len(reference.events))}{rest}."
-        )
-    return f"Undecided: {undecided} could not follow the {reference.engine} run to the end."
+    if not agreeing:
+        return f"Undecided: {undecided} could not follow the {reference.engine} run to the end."
+    verb = "agrees" if len(agreeing) == 1 else "agree"
+    rest = f"; {undecided} could not follow to the end" if by_verdict["undecided"] else ""
+    same = f"{listed(agreeing)} {verb} with the {reference.engine} run in {all_of(len(reference.events))}{rest}."
+    changed = sorted({name.replace("_", " ") for c in by_verdict["agree"] for name in c.changed})
+    if changed:
+        return f"Floating point changed no collision, but an outcome ({', '.join(changed)}): {same}"
+    return f"Floating point did not change what happened: {same}"
 
 
 def _is_rounding(candidate: Candidate) -> bool:
     """Whether rounding is to blame, as far as is known: not a time step, not a difference of model."""
-    from ..causes import CauseName
+    found = candidate.diagnosis
+    if found is None:
+        return not candidate.stepped
+    if found.name in (CauseName.TIE, CauseName.UNKNOWN):
+        return not candidate.stepped
+    return found.name in ROUNDING
 
-    cause = candidate.cause
-    if cause is None:
-        return not is_stepped(candidate.trajectory.engine)
-    if cause.name is CauseName.TIE:
-        return not is_stepped(candidate.trajectory.engine)
-    return cause.name in (CauseName.INPUT, CauseName.ARITHMETIC) or (
-        cause.name is CauseName.UNKNOWN and not is_stepped(candidate.trajectory.engine)
-    )
+
+HEADS = {
+    CauseName.STEP: "The time step changed what happened",
+    CauseName.TUNNELLING: "The time step let circles pass through each other",
+    CauseName.ITERATIONS: "The solver's iterations changed what happened",
+    CauseName.TIE: "A tie was resolved differently",
+    CauseName.MODEL: "The engine follows another law",
+}
 
 
 def _head(candidate: Candidate) -> str:
-    from ..causes import CauseName
-
     if _is_rounding(candidate):
         return "Floating point changed what happened"
-    name = candidate.cause.name if candidate.cause else None
-    if name is CauseName.STEP:
-        return "The time step changed what happened"
-    if name is CauseName.TIE:
-        return "A tie was resolved differently"
-    return "The histories differ"
+    name = candidate.diagnosis.name if candidate.diagnosis else None
+    return HEADS.get(name, "The histories differ") if name else "The histories differ"
 
 
 def _place(candidate: Candidate) -> tuple[float, int]:
@@ -158,39 +162,92 @@ def short(value: float | None) -> str:
 
 
 def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
-    """What the engine's break pattern is among those that the physics permits, if those are several."""
-    from ..permitted import Relation
-
-    permitted, pattern = comparison.permitted, candidate.outcomes.get("break_pattern")
-    if permitted is None or pattern is None or candidate.verdict == "undecided":
+    """Which of the four classes the engine's pattern is in, if several are permitted."""
+    permitted, pattern = comparison.permitted, candidate.pattern
+    if permitted is None or pattern is None or candidate.verdict != "diverged":
         return None
     if permitted.orders == (permitted.exact,):  # no order matters, so that there is nothing to choose from
         return None
-    policy, found = permitted.policy(pattern), counted(len(permitted.orders), "pattern")
-    match permitted.relation(pattern):
-        case Relation.EXACT:
-            return "the exact one"
-        case Relation.PERMITTED if policy is not None:
-            return f"not the exact one, but permitted: the exact engine has it under {policy}"
-        case Relation.PERMITTED:
-            return f"not the exact one, but permitted: one of {found} over all orders of simultaneous impulses"
-        case Relation.IMPOSSIBLE:
-            return f"impossible: not among {found} over all orders of simultaneous impulses"
-        case Relation.UNSEEN:
-            return f"not the exact one, and not among {found} over the orders followed; there are more"
+    policy = permitted.policy(pattern)
+    found = counted(len(permitted.orders), "pattern")
+    witness = permitted.witness(pattern)
+    told = {
+        Relation.OWN: "the policy's own",
+        Relation.REALISABLE: f"realisable: {witness.scene.name if witness else ''} comes to it, certified",
+        Relation.SOME_ORDER: f"some order of the impulses leads to it, but none of {permitted.tried} nearby scenes",
+        Relation.NO_ORDER: f"no order of the impulses leads to it: not among {found} over all orders",
+        Relation.NOT_FOUND: f"not found among {counted(permitted.followed, 'order')} followed; there are more",
+    }[permitted.relation(pattern)]
+    return f"{told}; the exact engine has it under {policy}" if policy and pattern != permitted.exact else told
 
 
 def margin_phrase(candidate: Candidate) -> str | None:
-    """How close it was, in words."""
+    """How close it was, how far off the engine was by then, and what that makes of it, in words."""
     margin = candidate.margin
     if margin is None:
         return None
-    if margin.gap is not None and margin.gap == 0:
-        return "the two fall on exactly the same instant"
+    parts: list[str] = []
     if margin.gap is not None:
-        ulps = f" ({margin.ulps:.3g} spacings of a double)" if margin.ulps is not None else ""
-        return f"in the exact motion the two are {margin.gap:.3g} apart in time{ulps}"
-    if margin.miss is not None:
-        kind = "a hit by a depth of" if margin.miss < 0 else "a miss by"
-        return f"in the exact motion it is {kind} {abs(margin.miss):.3g}"
-    return None
+        if margin.gap == (0.0, 0.0):
+            parts.append("the two fall on exactly the same instant")
+        else:
+            ulps = f" ({margin.ulps:.3g} spacings of a double)" if margin.ulps is not None else ""
+            parts.append(f"in the exact motion the two are {abs(middle(margin.gap)):.3g} apart in time{ulps}")
+    elif margin.distance is not None:
+        away = middle(margin.distance)
+        if margin.distance == (0.0, 0.0):
+            parts.append("in the exact motion it is a graze, a miss by exactly 0")
+        else:
+            kind = "a hit by a depth of" if away < 0 else "a miss by"
+            parts.append(f"in the exact motion it is {kind} {abs(away):.3g}")
+    if margin.error is not None:
+        told = margin.gap is None and margin.ratio is not None and math.isfinite(margin.ratio)
+        ratio = f", {margin.ratio:.3g} times as much" if told else ""
+        parts.append(f"the engine is {margin.error:.3g} off by then{ratio}")
+    if margin.growth is not None and margin.growth > 0:
+        parts.append(f"errors grow by {margin.growth:.3g} bits an event")
+    if margin.bits is not None:
+        parts.append(f"{margin.bits} bits decide it")
+    return "; ".join(parts) or None
+
+
+def span_phrase(comparison: Comparison) -> str:
+    """How far histories were compared."""
+    if math.isfinite(comparison.span):
+        return f"to time {comparison.span:.9g}"
+    return "for all time"
+
+
+def proof_phrase(comparison: Comparison) -> str:
+    """What the reference's history rests on."""
+    reference = comparison.reference
+    if not comparison.certain:
+        return f"{reference.engine} proves nothing: it is taken at its word."
+    return "Every decision is proved." if reference.certified else "Not every tie in it is proved."
+
+
+def middle(bounds: tuple[float, float]) -> float:
+    """The middle of two bounds.
+
+    >>> middle((1.0, 2.0))
+    1.5
+    """
+    return bounds[0] + (bounds[1] - bounds[0]) / 2
+
+
+def experiment_rows(candidate: Candidate) -> list[tuple[str, str, str, str, str]]:
+    """The table of experiments: cause, whether it suffices, displacement, share, result."""
+    found = candidate.diagnosis
+    if found is None:
+        return []
+    words = {True: "suffices", False: "no", None: "not tried"}
+    return [
+        (
+            e.cause.value,
+            words[e.suffices],
+            short(e.displacement),
+            "-" if e.share is None else f"{e.share:.0%}",
+            e.result,
+        )
+        for e in found.experiments
+    ]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
-from ..streams import history
+from ..alignment.streams import history
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory

@@ -5,7 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .listing import console, grid, say
-from .sentences import counted, divergence_phrase, margin_phrase, pattern_phrase, short, verdict_sentence
+from .sentences import (
+    counted,
+    divergence_phrase,
+    experiment_rows,
+    listed,
+    margin_phrase,
+    pattern_phrase,
+    proof_phrase,
+    short,
+    span_phrase,
+    verdict_sentence,
+)
 from .side_by_side import side_by_side
 
 if TYPE_CHECKING:
@@ -14,7 +25,7 @@ if TYPE_CHECKING:
     from ..candidate import Candidate
     from ..comparison import Comparison
 
-COLOURS = {"agree": "green", "diverged": "red", "undecided": "yellow"}
+COLOURS = {"agree": "green", "diverged": "red", "unsettled": "yellow", "undecided": "yellow"}
 
 
 def print_comparison(comparison: Comparison) -> None:
@@ -28,8 +39,7 @@ def print_comparison(comparison: Comparison) -> None:
         out,
         f"{comparison.scene.name}: {counted(len(reference.events), 'event')}, "
         f"{counted(reference.collisions, 'collision')} in the {reference.engine} run, "
-        f"to time {comparison.span:.9g} ({reference.stop.message}). "
-        f"{'Every decision is proved.' if reference.certified else 'Not every tie in it is proved.'}",
+        f"{span_phrase(comparison)} ({reference.stop.message}). {proof_phrase(comparison)}",
     )
     if comparison.certificate is not None:
         say(out, comparison.certificate.told)
@@ -38,13 +48,15 @@ def print_comparison(comparison: Comparison) -> None:
     for note in reference.notes:
         say(out, note)
     out.print(engines_table(comparison))
+    if comparison.cut:
+        say(out, f"Left out, as the time was up: {listed([*comparison.cut])}.", "yellow")
     for candidate in comparison.candidates:
         if candidate.alignment.divergence is not None:
             _print_divergence(comparison, candidate)
         elif candidate.verdict == "undecided":
             say(out, f"{candidate.engine}: {candidate.trajectory.stop.message}")
-            if candidate.cause is not None:
-                say(out, f"  cause: {candidate.cause}: {candidate.cause.evidence}")
+            if candidate.diagnosis is not None:
+                say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.evidence}")
 
 
 def engines_table(comparison: Comparison) -> Table:
@@ -74,7 +86,7 @@ def engines_table(comparison: Comparison) -> Table:
             f"[{colour}]{candidate.verdict}[/]",
             f"{candidate.alignment.agreed:,}",
             f"event {divergence.event:,}" if divergence else "",
-            escape(str(candidate.cause)) if candidate.cause else "",
+            escape(str(candidate.diagnosis)) if candidate.diagnosis else "",
             str(candidate.alignment.harmless_swaps),
             short(candidate.separation.maximum),
             escape(changed_text(candidate)),
@@ -85,7 +97,7 @@ def engines_table(comparison: Comparison) -> Table:
 
 def changed_text(candidate: Candidate) -> str:
     """The outcomes that differ, or a word for none; for a run that stopped early they say nothing."""
-    if candidate.verdict == "undecided":
+    if candidate.verdict in ("undecided", "unsettled"):
         return ""
     return ", ".join(name.replace("_", " ") for name in candidate.changed) or "none"
 
@@ -97,14 +109,23 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
     divergence = candidate.alignment.divergence
     assert divergence is not None
     say(out, divergence_phrase(comparison, candidate), "bold")
-    if candidate.cause is not None:
-        say(out, f"  cause: {candidate.cause}: {candidate.cause.evidence}")
+    if candidate.diagnosis is not None:
+        say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.evidence}")
+        also = [cause.value for cause in candidate.diagnosis.sufficient if cause is not candidate.diagnosis.name]
+        if also:
+            say(out, f"  suffices by itself too: {listed(also)}")
     pattern = pattern_phrase(comparison, candidate)
     if pattern is not None:
-        say(out, f"  break pattern: {pattern}")
+        say(out, f"  whom each circle meets, and where it ends: {pattern}")
     close = margin_phrase(candidate)
     if close is not None:
         say(out, f"  margin: {close}")
+    rows = experiment_rows(candidate)
+    if rows:
+        experiments = grid("tried", "alone", "moves it by", "share", "result")
+        for cells in rows:
+            experiments.add_row(*map(escape, cells))
+        out.print(experiments)
     names = comparison.reference.engine, candidate.engine
     table = grid("", f"{names[0]} time", f"{names[0]}: {divergence.body} meets", f"{names[1]} time",
                  f"{names[1]}: {divergence.body} meets")  # fmt: skip

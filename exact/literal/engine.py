@@ -24,7 +24,7 @@ from typing import Any
 
 from sympy import Expr, Integer
 
-from ...scenarios.engine import horizon
+from ...scenarios.engine import SCENE_KEYS, Declared, horizon
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.event import Contact, Event, Reversal, Tie, TieProof
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
@@ -40,7 +40,7 @@ ZERO: Any = Integer(0)
 
 
 @dataclass(frozen=True)
-class SymbolicEngine:
+class SymbolicEngine(Declared):
     """Runs a scene in SymPy numbers, with the laws as derived and every pair predicted.
 
     Each pair costs milliseconds while numbers are rational, and more with every square root that nests in
@@ -51,6 +51,11 @@ class SymbolicEngine:
     >>> trajectory.events[0].time, trajectory.stop.reason.name
     (Quantity('1'), 'QUIET')
     """
+
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """All but `capture`: no circle is ever taken out of play."""
+        return SCENE_KEYS - {"capture"}
 
     @property
     def name(self) -> str:

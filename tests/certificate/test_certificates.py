@@ -13,7 +13,7 @@ import pytest
 
 from certificate.checkers import TOOLS, both_verify, by_program
 from certificate.samples import built, coincidence, rows, samples, there_and_back
-from truebreak.compare.schemas import schema
+from truebreak.compare.documents.schemas import schema
 from truebreak.exact import ExactEngine
 from truebreak.exact.certificate import CertificateError, certificate_json, certify
 from truebreak.floating import DoubleEngine

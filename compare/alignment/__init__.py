@@ -1,0 +1,1 @@
+"""Whether two histories agree, and the first event at which they do not."""

@@ -1,0 +1,280 @@
+"""Causal comparison of two runs: the first event at which some body's next partner differs.
+
+Two runs agree while each body meets the same partners in the same order (they are equal as traces). Far-apart
+collisions that merely swap their order change nothing; they are counted, not reported as a difference.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, TypeAlias
+
+from ...scenarios.trajectory import StopReason
+from .divergence import Divergence, Kind
+from .instants import Finer, Instant, first_changed_instant
+from .instants import instants as grouped
+from .patience import Patience, patience_for
+from .streams import History, history
+from .walk import REPEATED, Mismatch, Walk, walk
+
+if TYPE_CHECKING:
+    from ...scenarios.trajectory import Trajectory
+
+Verdict: TypeAlias = Literal["diverged", "unsettled", "undecided", "agree"]
+
+VERDICTS: tuple[Verdict, ...] = ("diverged", "unsettled", "undecided", "agree")
+"""In order of precedence."""
+
+UNKNOWING = (StopReason.UNDECIDED, StopReason.BUDGET, StopReason.INTERRUPTED)
+"""Stops after which an engine would not go on, whatever the limits."""
+
+
+@dataclass(frozen=True)
+class Span:
+    """What is compared: a beginning of the reference's history.
+
+    Attributes:
+        events: how many of the reference's events lie inside.
+        time: its end; infinite where the reference's history is known to be over.
+    """
+
+    events: int
+    time: float
+
+    @classmethod
+    def of(cls, reference: Trajectory) -> Span:
+        """All that a run has."""
+        quiet = reference.stop.reason is StopReason.QUIET
+        return cls(len(reference.events), math.inf if quiet else float(reference.final_time))
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """How far each run has to go on before the comparison is settled; None: as far as it is."""
+
+    reference: float | None = None
+    candidate: float | None = None
+
+
+@dataclass(frozen=True)
+class Alignment:
+    """What the causal comparison of two runs found.
+
+    Attributes:
+        divergence: the first divergence, or None.
+        undecided: whether the candidate stopped not knowing, before all of the span was matched.
+        unsettled: whether something in the span can only be told by going on, and a run cannot.
+        wanted: how far the runs have to go on to settle all that is open before the divergence, or the span's end.
+        agreed: number of reference events before the divergence (or the candidate's stop) found in the
+            candidate.
+        harmless_swaps: independent events that the candidate has in another order.
+        harmless_splits: instants with several contacts that the candidate took apart without consequence.
+        merged: candidate events that hold several reference events.
+        time_error: largest difference between the two times of one event, over the events agreed.
+        matches: for each candidate event that was matched, the reference event.
+        whole: the reference events that are matched for all that take part.
+        walks: each body's meetings as matched.
+    """
+
+    divergence: Divergence | None
+    undecided: bool
+    unsettled: bool
+    wanted: Wanted
+    agreed: int
+    harmless_swaps: int
+    harmless_splits: int
+    merged: int
+    time_error: float
+    matches: dict[int, int] = field(repr=False, default_factory=dict)
+    whole: frozenset[int] = field(repr=False, default=frozenset())
+    walks: dict[str, Walk] = field(repr=False, default_factory=dict)
+
+    @property
+    def verdict(self) -> Verdict:
+        """See `VERDICTS`."""
+        if self.divergence is not None:
+            return "diverged"
+        return "unsettled" if self.unsettled else "undecided" if self.undecided else "agree"
+
+
+def align(
+    reference: Trajectory,
+    candidate: Trajectory,
+    *,
+    span: Span | None = None,
+    step: float | None = None,
+    patience: Patience | None = None,
+    finer: Finer | None = None,
+    instants: bool = True,
+) -> Alignment:
+    """Compares two runs of one scene by cause, in time linear in the number of events.
+
+    Contacts that the reference has at one instant may come one after the other in the candidate if that
+    changes nothing: if the event is not `coupled`, or if taking them in the candidate's order leads to the
+    reference's velocities. In the same way the candidate may have several reference events at one instant.
+
+    Both runs should go on beyond the span: a meeting near its end is told from a missing one by its partner.
+
+    Args:
+        span: what is compared; by default, all of the reference.
+        step: the candidate's time step, if it has one: it reports a contact once, however many impulses pass
+            through it within a step, and takes several events as one instant.
+        patience: how late a meeting may be; by default, what the scene's measures grant.
+        finer: tells whether velocities after an instant of several contacts come nearer as the step is made finer.
+        instants: whether such instants are looked at; without, partners alone are compared.
+    """
+    span = Span.of(reference) if span is None else span
+    patience = patience_for(reference.scene, step) if patience is None else patience
+    mine, theirs = history(reference), history(candidate)
+    walks = {
+        body: walk(mine.meetings[body], theirs.meetings.get(body, []), mine.times, theirs.times, step or 0.0, patience)
+        for body in mine.meetings
+    }
+    groups = grouped(walks)
+    judge = _Judge(reference, candidate, mine, theirs, span, patience)
+    judge.look_round(groups, step or 0.0)
+    found = [d for body, walked in walks.items() if (d := judge.divergence(body, walked.mismatch)) is not None]
+    first = min(found, key=lambda d: (d.time, d.event), default=None)
+    before = (first.time, first.event) if first else (span.time, span.events - 1)
+    if instants:
+        tie = first_changed_instant(reference, candidate, walks, groups, before, step or 0.0, finer)
+        if tie is not None and (first is None or (tie.time, tie.event) <= (first.time, first.event)):
+            first, before = tie, (tie.time, tie.event)
+    matches = _matches(walks)
+    kept = {c: r for c, r in matches.items() if ((mine.times[r], r) < before if first else r < span.events)}
+    open_ones = [w for w in judge.open if w.before(before)]
+    wanted = Wanted(
+        max((w.until for w in open_ones if w.of_reference), default=None),
+        max((w.until for w in open_ones if not w.of_reference), default=judge.uncovered(first)),
+    )
+    whole = _complete(walks, {r for w in walks.values() for r, c in w.pairs if c in kept}, span.events)
+    stuck = candidate.stop.reason in UNKNOWING and wanted.candidate is not None
+    more = wanted.reference is not None or (wanted.candidate is not None and not stuck)
+    return Alignment(
+        divergence=first,
+        undecided=stuck and first is None,
+        unsettled=more and first is None,
+        wanted=wanted,
+        agreed=len(whole),
+        harmless_swaps=_overtaken(kept),
+        harmless_splits=len({r for w in walks.values() for r in w.split if (mine.times[r], r) <= before}),
+        merged=len({c for w in walks.values() for c in w.merged if c in kept}),
+        time_error=max((abs(mine.times[r] - theirs.times[c]) for c, r in kept.items()), default=0.0),
+        matches=kept,
+        whole=frozenset(whole),
+        walks=walks,
+    )
+
+
+def _matches(walks: dict[str, Walk]) -> dict[int, int]:
+    """For each candidate event, the earliest reference event that a body matched with it."""
+    matches: dict[int, int] = {}
+    for walked in walks.values():
+        for mine, theirs in walked.pairs:
+            if mine < matches.get(theirs, mine + 1):
+                matches[theirs] = mine
+    return matches
+
+
+def _complete(walks: dict[str, Walk], within: set[int], events: int) -> set[int]:
+    """The reference events inside the span that the candidate has for every body that takes part."""
+    found = {r for w in walks.values() for r, _ in w.pairs if r < events}
+    for walked in walks.values():
+        if walked.mismatch is not None and walked.mismatch.mine is not None:
+            found.discard(walked.mismatch.mine)
+    return found & within
+
+
+def _overtaken(matches: dict[int, int]) -> int:
+    """Number of candidate events that come after one which the reference has later."""
+    latest, count = -1, 0
+    for theirs in sorted(matches):
+        mine = matches[theirs]
+        count += mine < latest
+        latest = max(latest, mine)
+    return count
+
+
+@dataclass(frozen=True)
+class _Open:
+    """A meeting inside the span that one run has and the other may still come to."""
+
+    time: float
+    event: int
+    of_reference: bool
+    until: float
+
+    def before(self, place: tuple[float, int]) -> bool:
+        """Whether it could be the first divergence, in place of one that is known."""
+        return (self.time, self.event) <= place or self.time <= place[0]
+
+
+class _Judge:
+    """Says what a mismatch is, with regard to how far each run goes.
+
+    Attributes:
+        open: the mismatches that more of a run would settle.
+    """
+
+    def __init__(
+        self,
+        reference: Trajectory,
+        candidate: Trajectory,
+        mine: History,
+        theirs: History,
+        span: Span,
+        patience: Patience,
+    ) -> None:
+        self.reference, self.candidate = reference, candidate
+        self.mine, self.theirs = mine, theirs
+        self.span, self.patience = span, patience
+        self.open: list[_Open] = []
+        self._mine: set[int] = set()
+        self._theirs: set[int] = set()
+
+    def look_round(self, groups: Sequence[Instant], step: float) -> None:
+        """Notes the instants that reach into the span: what belongs to them counts as inside, wherever it lies.
+
+        With a time step, an instant of several contacts may go on for some steps, so both runs must.
+        """
+        for group in groups:
+            first, last = self.mine.times[group.mine[0]], self.mine.times[group.mine[-1]]
+            start, end = self.theirs.times[group.theirs[0]], self.theirs.times[group.theirs[-1]]
+            if group.mine[0] >= self.span.events and start > self.span.time:
+                continue
+            self._mine.update(group.mine)
+            self._theirs.update(group.theirs)
+            if step and group.coupled(self.reference, self.candidate):
+                until = max(last, end) + REPEATED * step
+                for run in (self.reference, self.candidate):
+                    if run.stop.reason is not StopReason.QUIET and float(run.final_time) < until:
+                        self.open.append(_Open(min(first, start), group.mine[0], run is self.reference, until))
+
+    def divergence(self, body: str, mismatch: Mismatch | None) -> Divergence | None:
+        """The divergence that a mismatch is, if it lies in the span and is settled."""
+        if mismatch is None:
+            return None
+        mine = None if mismatch.mine is None else self.mine.times[mismatch.mine]
+        theirs = None if mismatch.theirs is None else self.theirs.times[mismatch.theirs]
+        inside = mismatch.mine is not None and (mismatch.mine < self.span.events or mismatch.mine in self._mine)
+        met = theirs is not None and (theirs <= self.span.time or mismatch.theirs in self._theirs)
+        if not inside and not met:
+            return None
+        time = min(t for t in (mine, theirs) if t is not None)
+        event = mismatch.mine if mismatch.mine is not None else bisect_left(self.mine.times, time)
+        if not mismatch.final:
+            waits, until = (self.candidate if theirs is None else self.reference), self.patience.latest(time)
+            if waits.stop.reason is not StopReason.QUIET and float(waits.final_time) < until:
+                self.open.append(_Open(time, event, waits is self.reference, until))
+                return None
+        kind = Kind.MISSING if theirs is None else Kind.EXTRA if mine is None else Kind.DIFFERENT
+        return Divergence(event, time, body, mismatch.expected, mismatch.got, kind, mine, theirs, mismatch.theirs)
+
+    def uncovered(self, first: Divergence | None) -> float | None:
+        """The end of what is compared, if the candidate does not go that far."""
+        end = self.span.time if first is None else min(first.time, self.span.time)
+        over = self.candidate.stop.reason is StopReason.QUIET
+        return None if over or float(self.candidate.final_time) >= end else end

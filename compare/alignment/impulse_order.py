@@ -1,0 +1,136 @@
+"""Whether taking the contacts of one instant as another run took them leads to the same velocities."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, TypeAlias
+
+from ...exact.policies.complementarity import pushing_contacts
+from ...exact.replay import state as exact_state
+from ...floating.double import DOUBLES
+from ...floating.plain_decider import PlainDecider
+
+if TYPE_CHECKING:
+    from ...exact.replay.steps import Link
+    from ...scenarios.event import Contact
+    from ...scenarios.trajectory import State, Trajectory
+
+Velocities: TypeAlias = "dict[str, tuple[float, float]]"
+
+SAME_VELOCITY = 2.0**-26
+"""Velocities closer than this share of the largest speed are the same. Both come from one state by a
+handful of operations in doubles (2**-53 each), while a different order of coupled impulses changes them in
+their first digits: half of a double's digits lies far from both."""
+
+
+def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequence[Contact]]) -> bool:
+    """Whether the impulses of `groups`, in order, lead from the state before an event to the state after it.
+
+    A run that took an instant's contacts apart (or took several instants as one) has not changed what
+    happened if the way in which it took them leads to the same velocities. Contacts of one group that
+    approach together get their impulses together, unless the scene's tie policy is sequential.
+
+    Args:
+        trajectory: the run that took the contacts as one instant.
+        index: the event in that run.
+        groups: the pairs as the other run took them: a group for each of its instants.
+    """
+    event = trajectory.events[index]
+    before, after = _velocities_before(trajectory, index), trajectory.at(event.time)
+    impact = _Impact(trajectory, {c.id: (float(c.x), float(c.y)) for c in after.circles}, before)
+    scale = max((math.hypot(*v) for v in before.values()), default=0.0)
+    room = SAME_VELOCITY * scale
+    at_once = trajectory.scene.tie_policy.name == "simultaneous"
+    if not all(impact.take(group, at_once) for group in groups):
+        return False
+    touched = {name for pair in (*event.impulses, *(p for g in groups for p in g)) for name in pair}
+    return all(
+        math.hypot(impact.velocities[c.id][0] - float(c.vx), impact.velocities[c.id][1] - float(c.vy)) <= room
+        for c in after.circles
+        if c.id in touched
+    )
+
+
+def merging_changes(trajectory: Trajectory, indices: Sequence[int], groups: Sequence[Sequence[Contact]]) -> float:
+    """By how much velocities differ if the impulses of several instants are given at once; 0 if by no law.
+
+    Args:
+        trajectory: the run that has the instants one after the other.
+        indices: the events.
+        groups: their impulses.
+    """
+    before = _velocities_before(trajectory, indices[0])
+    first, last = trajectory.events[indices[0]].time, trajectory.events[indices[-1]].time
+    places = {c.id: (float(c.x), float(c.y)) for c in trajectory.at(first).circles}
+    one, other = _Impact(trajectory, places, before), _Impact(trajectory, places, before)
+    everything = [*dict.fromkeys(pair for group in groups for pair in group)]
+    in_turn = all(one.take([pair], False) for group in groups for pair in group)
+    at_once = other.take([pair for pair in everything if other.closing(pair) > 0], True)
+    scale = max((math.hypot(*v) for v in before.values()), default=0.0)
+    if not (in_turn and at_once):
+        return scale
+    apart = max(math.dist(one.velocities[name], other.velocities[name]) for name in before)
+    way = scale * (float(last) - float(first))
+    return apart if apart > SAME_VELOCITY * scale + 4 * len(everything) * scale * way / one.least_reach else 0.0
+
+
+def impulses_among(events: Iterable[Sequence[Contact]], pairs: Sequence[Contact]) -> list[list[Contact]]:
+    """For each of some events, its impulses that are between the given pairs; events without any left out."""
+    wanted = {frozenset(pair) for pair in pairs}
+    groups = [[pair for pair in impulses if frozenset(pair) in wanted] for impulses in events]
+    return [group for group in groups if group]
+
+
+def _velocities_before(trajectory: Trajectory, index: int) -> Velocities:
+    """Velocities as an event comes: those that the event before it left."""
+    reversal = trajectory.reversal
+    if reversal is not None and reversal.after == index:
+        middle = (float(reversal.time) + float(trajectory.events[index].time)) / 2
+        return _velocities(trajectory.at(middle))
+    if index == 0:
+        return {str(c.id): (float(c.vx), float(c.vy)) for c in trajectory.scene.circles}
+    return _velocities(trajectory.at(trajectory.events[index - 1].time))
+
+
+def _velocities(state: State) -> Velocities:
+    return {c.id: (float(c.vx), float(c.vy)) for c in state.circles}
+
+
+class _Impact:
+    """The circles of a scene at one instant, in doubles, and the exact engine's laws upon them."""
+
+    def __init__(self, trajectory: Trajectory, places: Velocities, velocities: Velocities) -> None:
+        scene = trajectory.scene
+        self.least_reach = min((r for c in scene.circles if (r := float(c.r)) > 0), default=1.0)
+        self._places = {name: place for place, name in enumerate(scene.ids)}
+        self._state = exact_state.State(scene, DOUBLES)
+        self._names = [str(c.id) for c in scene.circles]
+        for name, body in zip(self._names, self._state.bodies, strict=False):
+            (body.x, body.y), (body.vx, body.vy) = places[name], velocities[name]
+        self._decider = PlainDecider(scene, self._state, DOUBLES)
+
+    @property
+    def velocities(self) -> Velocities:
+        """(vx, vy) of every circle."""
+        return {name: (b.vx, b.vy) for name, b in zip(self._names, self._state.bodies, strict=False)}
+
+    def take(self, group: Sequence[Contact], at_once: bool) -> bool:
+        """Applies the impulses of a group in rounds; False if one of them could not have come about."""
+        left = list(group)
+        while left:
+            count = 1 if at_once else 0
+            while at_once and count < len(left) and left[count] not in left[:count] and self.closing(left[count]) > 0:
+                count += 1
+            together, left = left[: max(count, 1)], left[max(count, 1) :]
+            if not all(self.closing(pair) > 0 for pair in together):
+                return False
+            self._state.kick(pushing_contacts([self._link(pair) for pair in together], self._decider.ask))
+        return True
+
+    def closing(self, pair: Contact) -> float:
+        """Positive while two approach."""
+        return -float(self._state.approach(self._link(pair)))
+
+    def _link(self, pair: Contact) -> Link:
+        return self._places[pair.first], self._places[pair.second]

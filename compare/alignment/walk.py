@@ -1,0 +1,232 @@
+"""Walks one body's meetings in two runs side by side, up to the first partner that differs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from .patience import Patience
+from .streams import Meeting
+
+REPEATED = 64
+"""Time steps within which an engine comes to all rounds of one instant: a round takes few, and a dozen touching circles
+take as many rounds."""
+
+
+@dataclass(frozen=True)
+class Mismatch:
+    """Where one body's two sequences of partners part.
+
+    Attributes:
+        mine, expected: the reference's next event for the body and its partner; None at the end of the
+            sequence, or if it comes too late for the candidate's.
+        theirs, got: the same for the candidate.
+        final: whether more of either run would not change it.
+    """
+
+    mine: int | None
+    expected: str | None
+    theirs: int | None
+    got: str | None
+    final: bool = False
+
+
+@dataclass
+class Walk:
+    """One body's meetings, matched.
+
+    Attributes:
+        pairs: (reference event, candidate event) for every partner matched.
+        split: reference events whose partners the candidate meets in several events, with those.
+        merged: candidate events that hold partners of several reference events, with those.
+        reordered: reference events whose partners the candidate meets at one instant too, in another order.
+        mismatch: where the sequences part, or None if they end together.
+    """
+
+    pairs: list[tuple[int, int]] = field(default_factory=list)
+    split: dict[int, set[int]] = field(default_factory=dict)
+    merged: dict[int, set[int]] = field(default_factory=dict)
+    reordered: dict[int, set[int]] = field(default_factory=dict)
+    mismatch: Mismatch | None = None
+
+
+@dataclass
+class _Side:
+    """One run's meetings of the body, taken up one after the other.
+
+    Attributes:
+        open: partners of the current instants that are not matched yet, with their events.
+        coming: how many more times that instant has each partner, in later rounds of impulses.
+        past: for each partner matched in the last instant that both have, the last event that had it.
+        spare: as `coming`, for that instant.
+    """
+
+    meetings: Sequence[Meeting]
+    times: Sequence[float]
+    stepped: bool
+    place: int = 0
+    open: list[tuple[str, int]] = field(default_factory=list)
+    coming: Counter[str] = field(default_factory=Counter)
+    past: dict[str, int] = field(default_factory=dict)
+    spare: Counter[str] = field(default_factory=Counter)
+
+    def fill(self) -> None:
+        """Takes up the next instant if none is open."""
+        if self.open or self.place >= len(self.meetings):
+            return
+        meeting = self.meetings[self.place]
+        self.place += 1
+        names = dict.fromkeys(meeting.partners) if self.stepped else meeting.partners
+        self.open = [(name, meeting.event) for name in names]
+        self.coming = Counter(meeting.partners) - Counter([*names]) if self.stepped else Counter()
+
+    def begin(self) -> None:
+        """A new instant: what is past of the last one is no longer repeated."""
+        self.past, self.spare = {}, Counter()
+
+    def matched(self, name: str, event: int) -> None:
+        """Notes that a partner was matched in an event."""
+        self.spare += self.coming
+        self.coming = Counter()
+        self.past[name] = event
+
+
+def walk(
+    mine: Sequence[Meeting],
+    theirs: Sequence[Meeting],
+    my_times: Sequence[float],
+    their_times: Sequence[float],
+    step: float = 0.0,
+    patience: Patience | None = None,
+) -> Walk:
+    """Matches partners in order; those of one instant in any order, and over several instants.
+
+    With a time step, the rounds of one instant may come in any number of steps, or all in one: a partner that the
+    last instant of one run has is not missed where the other has it again, as often as that instant has it, or
+    within two steps.
+
+    >>> walk([Meeting(0, ("j", "k"))], [Meeting(0, ("k",)), Meeting(1, ("j",))], [1.0], [1.0, 1.0]).split
+    {0: {0, 1}}
+    >>> walk([Meeting(0, ("j",))], [Meeting(0, ("k",))], [1.0], [1.0]).mismatch
+    Mismatch(mine=0, expected='j', theirs=0, got='k', final=True)
+    """
+    walked = Walk()
+    ours, other = _Side(mine, my_times, step > 0), _Side(theirs, their_times, step > 0)
+    while True:
+        ours.fill()
+        other.fill()
+        if step and _absorbed(walked, ours, other, step):
+            continue
+        if not ours.open or not other.open:
+            if ours.open:
+                walked.mismatch = Mismatch(ours.open[0][1], ours.open[0][0], None, None)
+            elif other.open:
+                walked.mismatch = Mismatch(None, None, other.open[0][1], other.open[0][0])
+            break
+        late = None if patience is None else _late(ours, other, patience)
+        if late is not None:
+            walked.mismatch = late
+            break
+        _cancel(walked, ours, other)
+        if ours.open and other.open and not (step and _again(ours, other, step)):
+            (expected, m), (got, c) = ours.open[0], other.open[0]
+            walked.mismatch = Mismatch(m, expected, c, got, final=True)
+            break
+    _group(walked)
+    return walked
+
+
+def _late(ours: _Side, other: _Side, patience: Patience) -> Mismatch | None:
+    """A meeting that one run has long before the other has its next: the other does not have it."""
+    (expected, m), (got, c) = ours.open[0], other.open[0]
+    if other.times[c] > patience.latest(ours.times[m]):
+        return Mismatch(m, expected, None, None, final=True)
+    if ours.times[m] > patience.latest(other.times[c]):
+        return Mismatch(None, None, c, got, final=True)
+    return None
+
+
+def _again(ours: _Side, other: _Side, step: float) -> bool:
+    """Whether the next partner of either run is one that the last instant of the other has again."""
+    return _repeats(ours, other, step) or _repeats(other, ours, step)
+
+
+def _repeats(side: _Side, other: _Side, step: float) -> bool:
+    """Whether a side's next partner is part of the instant that the other has just taken up.
+
+    Where the other's next instant has that partner too, it belongs to the one that is nearer in time.
+    """
+    if not side.open or not side.past or not other.past:
+        return False
+    name, event = side.open[0]
+    if name not in side.past or name not in other.past:
+        return False
+    lag = side.times[event] - side.times[side.past[name]]
+    if lag > 2 * step and (other.spare[name] <= 0 or lag > REPEATED * step):
+        return False
+    rival = next((e for n, e in other.open if n == name), None)
+    if rival is None:
+        return True
+    time = side.times[event]
+    return abs(time - other.times[other.past[name]]) < abs(time - other.times[rival])
+
+
+def _absorbed(walked: Walk, ours: _Side, other: _Side, step: float) -> bool:
+    """Counts a repeated contact of one run as part of the other's last instant; whether there was one."""
+    if _repeats(other, ours, step):
+        name, event = other.open.pop(0)
+        walked.pairs.append((ours.past[name], event))
+        ours.spare[name] -= 1
+        other.past[name] = event
+        return True
+    if _repeats(ours, other, step):
+        name, event = ours.open.pop(0)
+        walked.pairs.append((event, other.past[name]))
+        other.spare[name] -= 1
+        ours.past[name] = event
+        return True
+    return False
+
+
+def _cancel(walked: Walk, ours: _Side, other: _Side) -> None:
+    """Removes the partners that both have, and records who was matched with whom."""
+    if len(ours.open) == 1 == len(other.open):  # nearly always
+        (name, m), (got, c) = ours.open[0], other.open[0]
+        if name == got:
+            _match(walked, ours, other, name, m, c)
+            ours.open, other.open = [], []
+        return
+    expected, got_names = [name for name, _ in ours.open], [name for name, _ in other.open]
+    if expected != got_names and sorted(expected) == sorted(got_names):
+        walked.reordered.setdefault(ours.open[0][1], set()).add(other.open[0][1])
+    left: list[tuple[str, int]] = []
+    for name, c in other.open:
+        place = next((p for p, (mine, _) in enumerate(ours.open) if mine == name), None)
+        if place is None:
+            left.append((name, c))
+            continue
+        _match(walked, ours, other, name, ours.open.pop(place)[1], c)
+    other.open = left
+
+
+def _match(walked: Walk, ours: _Side, other: _Side, name: str, mine: int, theirs: int) -> None:
+    walked.pairs.append((mine, theirs))
+    if mine not in ours.past.values() and theirs not in other.past.values():
+        ours.begin()
+        other.begin()
+    ours.matched(name, mine)
+    other.matched(name, theirs)
+
+
+def _group(walked: Walk) -> None:
+    """Notes the events that were matched with several events of the other run.
+
+    The pairs of one event follow each other, so that one look back suffices.
+    """
+    for (mine, theirs), (next_mine, next_theirs) in pairwise(walked.pairs):
+        if mine == next_mine and theirs != next_theirs:
+            walked.split.setdefault(mine, set()).update((theirs, next_theirs))
+        if theirs == next_theirs and mine != next_mine:
+            walked.merged.setdefault(theirs, set()).update((mine, next_mine))

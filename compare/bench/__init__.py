@@ -1,0 +1,1 @@
+"""Figures of speed, each beside something timed in the same run."""

@@ -1,0 +1,107 @@
+"""How pymunk's outcome nears that of a tie policy as its step shrinks: `python -m truebreak.compare.convergence`.
+
+Prints a table: for each scene and step, the largest difference between pymunk's final velocities, and final
+positions, and those of the exact engine under each policy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..deadline import uninterrupted
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+
+POLICIES = ("simultaneous", "sequential:order=scene")
+
+STEPS = tuple(Fraction(1, 2**power) for power in (6, 8, 10, 12, 14))
+"""Powers of two, so that the times of steps are exact in doubles."""
+
+
+@dataclass(frozen=True)
+class Distance:
+    """How far pymunk ends from the exact engine under one policy.
+
+    Attributes:
+        policy: the tie policy.
+        velocity: largest difference of a component of a velocity.
+        position: largest difference of a coordinate.
+    """
+
+    policy: str
+    velocity: float
+    position: float
+
+
+@dataclass(frozen=True)
+class Subject:
+    """A scene and the time at which outcomes are compared."""
+
+    scene: Scene
+    until: int
+
+
+def subjects() -> tuple[Subject, ...]:
+    """Scenes whose outcome depends on the policy, and two in which rounding makes circles overlap."""
+    from ...scenarios.catalogue import build
+    from ...scenarios.scene import Scene
+    from ...scenarios.things import Circle
+
+    two = Scene([Circle(0, 0, vx=1), Circle("3 + sqrt(3)", 1), Circle("3 + sqrt(3)", -1)], name="one onto two")
+    three = Scene(
+        [Circle(-5, 0, vx=1), Circle(0, 0), Circle("sqrt(3)", 1), Circle("sqrt(3)", -1)],
+        name="one onto three that touch",
+    )
+    return (
+        Subject(build("lee"), 3),
+        Subject(two, 6),
+        Subject(build("rack:rows=2"), 60),
+        Subject(build("rack:rows=4"), 60),
+        Subject(build("rack:rows=4,gap=1/50"), 60),
+        Subject(three, 6),
+        Subject(build("cradle:gap=0,r=3/10"), 6),
+    )
+
+
+def distances(subject: Subject, step: Fraction) -> Iterator[Distance]:
+    """How far pymunk with one step ends from each policy's outcome.
+
+    >>> lee = subjects()[0]
+    >>> [distance.velocity < 1e-9 for distance in distances(lee, Fraction(1, 64))]
+    [True, False]
+    """
+    from ...exact.engine import ExactEngine
+    from ...floating.pymunk_engine import PymunkEngine
+
+    played = uninterrupted(PymunkEngine(dt=float(step)).run(subject.scene, until=subject.until)).final.array()
+    for policy in POLICIES:
+        exact = uninterrupted(ExactEngine().run(subject.scene.with_changes(tie_policy=policy), until=subject.until))
+        apart = np.abs(played - exact.final.array())
+        yield Distance(policy, float(apart[:, 2:].max()), float(apart[:, :2].max()))
+
+
+def rows(chosen: Sequence[Subject], steps: Sequence[Fraction]) -> Iterator[str]:
+    """The lines of the table."""
+    ends = " | ".join(f"velocity, from `{policy}` | position" for policy in POLICIES)
+    yield f"| scene, until | step | {ends} |"
+    yield "|---|---|" + "---:|" * (2 * len(POLICIES))
+    for subject in chosen:
+        for step in steps:
+            cells = [f"{amount:.1e}" for d in distances(subject, step) for amount in (d.velocity, d.position)]
+            yield f"| {subject.scene.name}, {subject.until} | {step} | {' | '.join(cells)} |"
+
+
+def main() -> None:
+    """Prints the table, line by line as it is found."""
+    for line in rows(subjects(), STEPS):
+        print(line, flush=True)
+
+
+if __name__ == "__main__":
+    main()

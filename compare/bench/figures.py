@@ -1,0 +1,231 @@
+"""The figures that `truebreak bench` measures: each is a ratio of two things timed in one run."""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, TypeAlias
+
+from ..deadline import uninterrupted
+from ..engines import engine
+from .rivals import run_billiards, run_perfect_physics
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a figure has to reach."""
+
+    of: Literal["ratio", "seconds"]
+    bound: Literal["at most", "at least"]
+    value: float
+
+    def __str__(self) -> str:
+        unit = " s" if self.of == "seconds" else ""
+        return f"{'<=' if self.bound == 'at most' else '>='} {self.value:,g}{unit}"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One result: two things timed side by side.
+
+    Attributes:
+        name: what the command line calls it.
+        what: what is divided by what.
+        numerator: seconds of the first thing (median of the repeats).
+        denominator: seconds of the second.
+        target: what to reach, if anything; `seconds` means the numerator.
+    """
+
+    name: str
+    what: str
+    numerator: float
+    denominator: float
+    target: Target | None = None
+
+    @property
+    def ratio(self) -> float:
+        """Numerator / denominator.
+
+        >>> Figure("x", "this / that", 3.0, 2.0).ratio
+        1.5
+        """
+        return self.numerator / self.denominator
+
+    @property
+    def met(self) -> bool | None:
+        """Whether the target is reached; None without one.
+
+        >>> Figure("x", "this / that", 3.0, 2.0, Target("ratio", "at most", 2)).met
+        True
+        """
+        if self.target is None:
+            return None
+        value = self.ratio if self.target.of == "ratio" else self.numerator
+        return value <= self.target.value if self.target.bound == "at most" else value >= self.target.value
+
+    def data(self) -> dict[str, Any]:
+        """The figure as JSON has it."""
+        return {**asdict(self), "ratio": self.ratio, "met": self.met}
+
+
+@dataclass(frozen=True)
+class Size:
+    """How much work each figure does.
+
+    Attributes:
+        repeats: interleaved repeats of which the median counts; three times as many of what is short.
+        gas: collisions of the short gas.
+        long_gas: collisions of the long gas.
+        digits: Galperin's n for the engines of this project.
+        rival_digits: Galperin's n for perfect-physics (n = 2 takes it about a minute).
+        steps: time steps of pymunk.
+        traded: collisions of the gas whose run time is set against its error.
+    """
+
+    repeats: int = 5
+    gas: int = 1_000
+    long_gas: int = 10_000
+    digits: int = 4
+    rival_digits: int = 1
+    steps: int = 100_000
+    traded: int = 300
+
+
+SHORT = Size()
+FULL = Size(rival_digits=2)
+TINY = Size(repeats=1, gas=5, long_gas=10, digits=0, rival_digits=0, steps=20, traded=5)
+
+GAS = "gas:n=10,seed=1"
+"""Ten equal discs in a box: chaotic, so that nothing can be guessed ahead."""
+
+
+def interleaved(
+    first: Callable[[], object], second: Callable[[], object], repeats: int, once: bool = False
+) -> tuple[float, float]:
+    """Median seconds of two actions, timed in turns so that a slow moment of the machine meets both.
+
+    With `once` the first, a slow one, is timed a single time.
+    """
+    times: tuple[list[float], list[float]] = ([], [])
+    for repeat in range(repeats):
+        for action, spent in ((first, times[0]), (second, times[1])):
+            if once and repeat and action is first:
+                continue
+            start = time.perf_counter()
+            action()
+            spent.append(time.perf_counter() - start)
+    return statistics.median(times[0]), statistics.median(times[1])
+
+
+def scene_of(text: str) -> Any:
+    """A scene of the catalogue."""
+    from ...scenarios.catalogue import build
+
+    return build(text)
+
+
+def running(name: str, scene: Any, events: int) -> Callable[[], object]:
+    """A run of one engine, ready to be timed; it must reach the number of instants asked for."""
+    runner = engine(name)
+
+    def run() -> None:
+        reached = len(uninterrupted(runner.run(scene, events=events)).events)
+        if reached != events:
+            raise RuntimeError(f"{name} reached {reached} of {events} instants of {scene.name}")
+
+    return run
+
+
+def gas_against_billiards(size: Size) -> Figure:
+    """Certified, against plain double precision in another project's engine, in Python both."""
+    scene = scene_of(GAS)
+    pair = interleaved(running("exact", scene, size.gas), lambda: run_billiards(scene, size.gas), 3 * size.repeats)
+    what = f"10 discs, {size.gas:,} collisions: exact / billiards (float64)"
+    return Figure("gas-billiards", what, *pair, Target("ratio", "at most", 2))
+
+
+def gas_against_double(size: Size) -> Figure:
+    """What certainty costs over this project's own double engine."""
+    scene = scene_of(GAS)
+    pair = interleaved(running("exact", scene, size.gas), running("double", scene, size.gas), size.repeats)
+    return Figure("gas-double", f"10 discs, {size.gas:,} collisions: exact / double", *pair)
+
+
+def long_gas(size: Size) -> Figure:
+    """A long chaotic run, where the precision must keep growing."""
+    scene = scene_of(GAS)
+    pair = interleaved(running("exact", scene, size.long_gas), running("double", scene, size.long_gas), 1)
+    what = f"10 discs, {size.long_gas:,} collisions: exact / double"
+    return Figure("gas-long", what, *pair, Target("seconds", "at most", 60))
+
+
+def galperin_against_perfect_physics(size: Size) -> Figure:
+    """The article's own engine on the scene whose collisions count the digits of pi."""
+    scene, collisions = galperin(size.rival_digits)
+    pair = interleaved(
+        lambda: run_perfect_physics(scene, collisions),
+        running("exact", scene, collisions),
+        size.repeats,
+        once=True,
+    )
+    what = f"Galperin mass {100**size.rival_digits:,}, {collisions:,} collisions: perfect-physics / exact"
+    return Figure("galperin-perfect-physics", what, *pair, Target("ratio", "at least", 1_000))
+
+
+def long_galperin(size: Size) -> Figure:
+    """Tens of thousands of collisions between two bodies and a wall."""
+    scene, collisions = galperin(size.digits)
+    pair = interleaved(running("exact", scene, collisions), running("double", scene, collisions), 1)
+    what = f"Galperin mass {100**size.digits:,}, {collisions:,} collisions: exact / double"
+    return Figure("galperin-long", what, *pair, Target("seconds", "at most", 60))
+
+
+def galperin(digits: int) -> tuple[Any, int]:
+    """The scene and its number of collisions, floor(pi * 10**n)."""
+    return scene_of(f"galperin:n={digits}"), int("31415926535"[: digits + 1])
+
+
+def pymunk_overhead(size: Size) -> Figure:
+    """The pymunk engine, with all that it records, against the bare loop of time steps that it wraps."""
+    from ...floating.pymunk_engine import PymunkEngine
+
+    scene, runner = scene_of(GAS), PymunkEngine()
+    until = size.steps * runner.dt
+
+    def bare() -> None:
+        step, dt = runner.space(scene).space.step, runner.dt
+        for _ in range(size.steps):
+            step(dt)
+
+    pair = interleaved(lambda: uninterrupted(runner.run(scene, until=until)), bare, 3 * size.repeats)
+    what = f"10 discs, {size.steps:,} time steps: pymunk engine / bare space.step"
+    return Figure("pymunk-overhead", what, *pair, Target("ratio", "at most", 1.2))
+
+
+def start_up(size: Size) -> Figure:
+    """How long the command line keeps a person waiting before it does anything."""
+    command = [sys.executable, "-m", f"{__name__.rpartition('.bench')[0]}.cli", "--help"]
+    pair = interleaved(
+        lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL),
+        lambda: subprocess.run([sys.executable, "-c", "pass"], check=True),
+        size.repeats,
+    )
+    return Figure("start-up", "truebreak --help / python -c pass", *pair)
+
+
+Benchmark: TypeAlias = Callable[[Size], Figure]
+
+BENCHMARKS: dict[str, Benchmark] = {
+    "gas-billiards": gas_against_billiards,
+    "gas-double": gas_against_double,
+    "gas-long": long_gas,
+    "galperin-perfect-physics": galperin_against_perfect_physics,
+    "galperin-long": long_galperin,
+    "pymunk-overhead": pymunk_overhead,
+    "start-up": start_up,
+}
+"""Every figure by name. A new one adds its function and one line here."""

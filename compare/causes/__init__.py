@@ -1,0 +1,1 @@
+"""Why an engine left the history: experiments, and the margin that decided."""

@@ -1,0 +1,80 @@
+"""Which decisions a divergence may come of."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ..alignment.divergence import Kind
+from .decision import Decision, Pairing
+
+if TYPE_CHECKING:
+    from ...scenarios.trajectory import Trajectory
+    from ..alignment.align import Alignment
+    from ..alignment.divergence import Divergence
+    from ..alignment.walk import Walk
+
+
+def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment) -> list[Decision]:
+    """What may have been decided otherwise at the first divergence, likeliest first."""
+    divergence = alignment.divergence
+    assert divergence is not None
+    walks, body = alignment.walks, divergence.body
+    if divergence.kind is Kind.TIE:
+        return _of_tie(reference, candidate, alignment, divergence)
+    expected = got = None
+    if divergence.expected is not None:
+        expected = _pairing(reference, walks, body, divergence.expected, divergence.event, None)
+    if divergence.got is not None and divergence.candidate_event is not None:
+        got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
+    found: list[Decision] = []
+    found += [Decision("hit", got)] if got is not None else []
+    found += [Decision("hit", expected)] if expected is not None else []
+    if expected is not None and got is not None:
+        found.append(Decision("order", expected, got))
+    return found
+
+
+def _pairing(
+    reference: Trajectory, walks: Mapping[str, Walk], body: str, partner: str, event: int | None, theirs: int | None
+) -> Pairing | None:
+    """Both as their last matched meetings before an event of either run left them."""
+    anchors: dict[str, int | None] = {}
+    for name in (body, partner):
+        if name not in walks:
+            continue
+        pairs = walks[name].pairs
+        if event is not None and name != body:
+            before = [m for m in _own_events(reference, name) if m < event]
+            anchors[name] = before[-1] if before else None
+            continue
+        known = [m for m, c in pairs if (m < event if event is not None else theirs is None or c < theirs)]
+        if name == body:
+            known = [m for m, c in pairs if (event is None or m < event) and (theirs is None or c < theirs)]
+        elif theirs is not None and any(c < theirs for c in _unmatched(walks[name])):
+            return None
+        anchors[name] = max(known, default=None)
+    return Pairing(body, partner, anchors)
+
+
+def _unmatched(walked: Walk) -> list[int]:
+    mismatch = walked.mismatch
+    return [] if mismatch is None or mismatch.theirs is None else [mismatch.theirs]
+
+
+def _own_events(reference: Trajectory, name: str) -> list[int]:
+    return [e.index for e in reference.events if any(name in pair for pair in e.impulses)]
+
+
+def _of_tie(
+    reference: Trajectory, candidate: Trajectory, alignment: Alignment, divergence: Divergence
+) -> list[Decision]:
+    """The order of the first two partners that the body meets at the instant, or in the instants taken as one."""
+    told = divergence.expected if divergence.expected and " then " in divergence.expected else divergence.got or ""
+    names = list(dict.fromkeys(told.replace(" + ", " then ").split(" then ")))
+    pairings = [
+        _pairing(reference, alignment.walks, divergence.body, name, divergence.event, None) for name in names[:2]
+    ]
+    if len(pairings) < 2 or pairings[0] is None or pairings[1] is None:
+        return []
+    return [Decision("order", pairings[0], pairings[1])]

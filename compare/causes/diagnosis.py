@@ -1,0 +1,92 @@
+"""Why an engine left the reference's history: a table of experiments, and what of them suffices."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class CauseName(Enum):
+    """The classes of causes; the value is what a person reads."""
+
+    INPUT = "input rounding"
+    ARITHMETIC = "arithmetic rounding"
+    TOGETHER = "input and arithmetic rounding together"
+    STEP = "time step"
+    TUNNELLING = "tunnelling"
+    ITERATIONS = "solver iterations"
+    TIE = "tie"
+    WIDTH = "enclosure width"
+    ZERO = "exact zero"
+    BUDGET = "budget"
+    UNABLE = "scene not possible in this engine"
+    MODEL = "model"
+    UNKNOWN = "not determined"
+
+
+ROUNDING = (CauseName.INPUT, CauseName.ARITHMETIC, CauseName.TOGETHER)
+"""What is floating-point error. A time step, a tie policy or another model is not."""
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """One experiment, and what it showed at the decision in question.
+
+    Attributes:
+        cause: the class of cause that it tries.
+        result: what came out, in words; "not tried" with the reason, where it was not.
+        displacement: by how much it moves the number that decides; None where that is not to be had.
+        suffices: whether it alone changes the decision; None if it was not tried.
+        share: its part of all displacements measured; None where there is none.
+    """
+
+    cause: CauseName
+    result: str
+    displacement: float | None = None
+    suffices: bool | None = None
+    share: float | None = None
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """Why, with all that was tried.
+
+    Attributes:
+        name: the cause: of those that suffice, the one with the largest share.
+        experiments: all of them, those not tried too.
+        evidence: what the experiment behind `name` showed.
+    """
+
+    name: CauseName
+    experiments: tuple[Experiment, ...]
+    evidence: str
+
+    def __str__(self) -> str:
+        return self.name.value
+
+    @property
+    def sufficient(self) -> tuple[CauseName, ...]:
+        """Every cause that suffices, the largest share first."""
+        enough = [e for e in self.experiments if e.suffices]
+        return tuple(e.cause for e in sorted(enough, key=lambda e: -(e.share or 0.0)))
+
+
+def diagnosed(experiments: list[Experiment]) -> Diagnosis:
+    """The diagnosis that a table of experiments gives. Shares are told where all that suffices was measured.
+
+    >>> diagnosed([Experiment(CauseName.INPUT, "moves it by 3", 3.0, True, 0.75)]).name.value
+    'input rounding'
+    """
+    measured = all(e.displacement is not None for e in experiments if e.suffices)
+    total = sum(abs(e.displacement) for e in experiments if e.displacement is not None) if measured else 0.0
+    rows = tuple(
+        e
+        if e.share is not None or e.displacement is None or not total
+        else Experiment(e.cause, e.result, e.displacement, e.suffices, abs(e.displacement) / total)
+        for e in experiments
+    )
+    enough = [e for e in rows if e.suffices]
+    if not enough:
+        return Diagnosis(CauseName.UNKNOWN, rows, "nothing that was tried changes the decision by itself")
+    first = max(enough, key=lambda e: e.share or 0.0)
+    return Diagnosis(first.cause, rows, first.result)

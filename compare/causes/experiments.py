@@ -1,0 +1,205 @@
+"""The experiments on a divergence, each held against the exact margin of the decision."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+from flint import arb  # type: ignore[attr-defined]
+
+from ...exact.numbers import ball
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
+from ..alignment.align import align
+from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
+from .laboratory import ROUNDING_SHARE, Laboratory, verb
+from .reader import Reader
+from .rounding import rounded, shifted
+from .stepped import stepped
+
+MODEL_FACTOR = 2.0**16
+"""An engine whose numbers are this many times farther off than those of doubles does not only round: rounding in
+another order of operations changes an error by its digits, not by five orders of magnitude."""
+
+SMALLER = 200
+"""Halvings by which the input's rounding is made small, so that the exact run on it stays in the same history."""
+
+
+def diagnosis_of(lab: Laboratory) -> Diagnosis:
+    """The cause of a divergence, by what suffices at the contact in question.
+
+    Each experiment moves the number that decides: input rounding alone (the reference engine on the scene in doubles),
+    arithmetic alone (from there to the engine), both together; for an engine with a time step, the step, in a series,
+    passing through within a step, and the iterations of its solver; another resolution of an exact tie; and, where
+    none of these, the engine's law. One that moves it past zero suffices.
+    """
+    tie = _tie(lab)
+    rows: list[Experiment] = []
+    entered, by_input = _input(lab)
+    rows.append(by_input)
+    if lab.engine.step is None:
+        rows += _arithmetic(lab, entered, by_input)
+    else:
+        rows += stepped(lab, entered, by_input, tie)
+    if any(e.cause is CauseName.ITERATIONS and e.suffices for e in rows):
+        tie = Experiment(CauseName.TIE, "with more iterations it resolves the instant as the policy does", None, False)
+    rows.append(tie)
+    untried = [e for e in rows if e.suffices is None and e.cause in (CauseName.STEP, CauseName.INPUT)]
+    if any(e.suffices for e in rows):
+        rows.append(Experiment(CauseName.MODEL, "not tried: something else suffices"))
+    elif untried:
+        rows.append(Experiment(CauseName.MODEL, "not tried: what else there could be was not all tried"))
+    else:
+        rows.append(_model(lab))
+    return diagnosed(rows)
+
+
+def _tie(lab: Laboratory) -> Experiment:
+    """Contacts of one exact instant, which the engine resolves otherwise."""
+    divergence, events = lab.divergence, lab.reference.events
+    if lab.decision is not None and lab.decision.kind == "order":
+        names = {lab.decision.first.partner, lab.decision.second.partner} if lab.decision.second else set()
+    else:
+        names = {divergence.got, divergence.expected} - {None}
+    here = events[divergence.event] if divergence.event < len(events) else None
+    together = {name for pair in here.contacts for name in pair} if here is not None else set()
+    exact = here is not None and here.coupled and divergence.body in together and names <= together and len(names) > 0
+    if not exact:
+        return Experiment(CauseName.TIE, "no contacts of one exact instant are in question", None, False)
+    assert here is not None
+    policy = lab.study.scene.tie_policy
+    own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow {policy}"
+    return Experiment(
+        CauseName.TIE,
+        f"{len(here.contacts)} contacts fall on exactly one instant, the order of their impulses matters, and "
+        f"{lab.name} has another{own}",
+        None,
+        True,
+        1.0,
+    )
+
+
+def _input(lab: Laboratory) -> tuple[Reader | None, Experiment]:
+    """The reference engine on the scene in doubles."""
+    if not lab.engine.rounds_input:
+        return lab.truth, Experiment(CauseName.INPUT, "no input is rounded", 0.0, False)
+    if lab.given is None:
+        try:
+            rounded(lab.study.scene)
+        except SceneError as error:
+            return None, Experiment(
+                CauseName.INPUT, f"rounded to doubles, the scene is no longer valid: {error}", None, True, 1.0
+            )
+    assert lab.given is not None
+    if lab.given.digest == lab.study.scene.digest:
+        return lab.truth, Experiment(
+            CauseName.INPUT, "the scene is exact in doubles, so no input was rounded", 0.0, False
+        )
+    run = lab.study.run(lab.study.truth, lab.given, lab.until(None), lab.progress)
+    reader = lab.reader(run, lab.given, None)
+    if lab.decision is None:
+        return reader, Experiment(CauseName.INPUT, "not tried: no contact can be named")
+    told = _told(lab, CauseName.INPUT, reader, "the reference engine on the scene in doubles")
+    if told.displacement is None:
+        told = replace(told, displacement=_linear(lab))
+    return reader, told
+
+
+def _linear(lab: Laboratory) -> float | None:
+    """What input rounding moves the decision by, to the first order: by the response to a 2**-`SMALLER` part of it."""
+    assert lab.decision is not None
+    try:
+        scene = shifted(lab.study.scene, Quantity.of(Fraction(1, 2**SMALLER)))
+    except SceneError:
+        return None
+    run = lab.study.run(lab.study.truth, scene, lab.until(None), lab.progress)
+    moved = lab.moved(lab.reader(run, scene, None).value(lab.decision), lab.margin)
+    return None if moved is None else math.ldexp(moved, SMALLER)
+
+
+def _told(lab: Laboratory, cause: CauseName, reader: Reader, what: str) -> Experiment:
+    """What a run shows at the decision."""
+    assert lab.decision is not None
+    pairings = [p for p in (lab.decision.first, lab.decision.second) if p is not None]
+    if not all(reader.follows(p) for p in pairings):
+        return Experiment(cause, f"{what} leaves the history before that, among what leads to the contact", None, True)
+    value = reader.value(lab.decision)
+    if value is None:
+        return Experiment(cause, f"{what} does not have both meetings", None, True)
+    moved = lab.moved(value, lab.margin)
+    flips = lab.changes(value)
+    return Experiment(cause, f"{what} {verb(moved, flips)}", moved, flips)
+
+
+def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -> list[Experiment]:
+    """From the exact run of what the engine is given to the engine itself, and both roundings together."""
+    if lab.engine.bits is None:
+        return [Experiment(CauseName.ARITHMETIC, "its numbers are exact", 0.0, False)]
+    if lab.decision is None or entered is None:
+        reason = "no contact can be named" if lab.decision is None else "there is no exact run of the scene in doubles"
+        return [Experiment(CauseName.ARITHMETIC, f"not tried: {reason}")]
+    start = entered.value(lab.decision)
+    if _other_law(lab, start):
+        return [Experiment(CauseName.ARITHMETIC, "not by rounding: doubles stay far nearer", None, False)]
+    what = f"{lab.name} against the exact run of {'the scene in doubles' if entered is not lab.truth else 'the scene'}"
+    if start is None or lab.got is None:
+        whole = lab.moved(lab.got, lab.margin)
+        moved = None if whole is None or by_input.displacement is None else whole - by_input.displacement
+        if moved is not None:
+            assert lab.margin is not None
+            flips = lab.changes(lab.margin + arb(moved))
+            return [Experiment(CauseName.ARITHMETIC, f"what is left of its error {verb(moved, flips)}", moved, flips)]
+        rest = align(entered.run, lab.candidate.trajectory, span=lab.span, instants=True)
+        leaves = rest.divergence is not None and rest.divergence.time <= lab.divergence.time
+        told = f"{what} {'leaves it before or there' if leaves else 'does not leave it up to there'}"
+        return [Experiment(CauseName.ARITHMETIC, told, moved, leaves)]
+    moved = lab.moved(lab.got, start)
+    assert lab.margin is not None
+    with ball.precision(4096):
+        alone = lab.margin + (lab.got - start)
+    flips = lab.changes(alone)
+    rows = [Experiment(CauseName.ARITHMETIC, f"{what} {verb(moved, flips)}", moved, flips)]
+    if by_input.suffices or flips:
+        return rows
+    if lab.changes(lab.got):
+        rows.append(
+            Experiment(
+                CauseName.TOGETHER,
+                "neither suffices alone; both together do",
+                lab.moved(lab.got, lab.margin),
+                True,
+                1.0,
+            )
+        )
+        return rows
+    if abs(float(lab.got.mid())) > ROUNDING_SHARE * max(lab.scale, lab.divergence.time):
+        clear = f"{what}: its flights up to the contact decide as the exact ones do, and clearly"
+        return [Experiment(CauseName.ARITHMETIC, clear, moved, False)]
+    last = f"{what}: its flights up to the contact would decide as the exact ones do; its decision rounds otherwise"
+    return [Experiment(CauseName.ARITHMETIC, last, moved, True)]
+
+
+def _other_law(lab: Laboratory, start: arb | None) -> bool:
+    """Whether the engine is farther off than doubles by more than rounding in another order can explain."""
+    from ..engines import engine
+
+    if lab.decision is None or start is None or lab.engine.bits is None or lab.engine.bits < 53:
+        return False
+    control = engine("double")
+    if type(control) is type(lab.engine):
+        return False
+    run = lab.study.run(control, lab.study.scene, lab.until(None), lab.progress)
+    value = lab.reader(run, lab.given, None).value(lab.decision)
+    off = lab.moved(lab.got, start)
+    by_doubles = lab.moved(value, start)
+    if off is None or by_doubles is None:
+        return False
+    least = lab.scale * 2.0**-50
+    return abs(off) > MODEL_FACTOR * max(abs(by_doubles), least)
+
+
+def _model(lab: Laboratory) -> Experiment:
+    """What is left: the engine's law."""
+    moved = lab.moved(lab.got, lab.margin)
+    return Experiment(CauseName.MODEL, "no rounding, no step and no tie explains it: its law differs", moved, True)

@@ -1,0 +1,108 @@
+"""What every experiment on one divergence needs: the decision, and how each run has it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flint import arb  # type: ignore[attr-defined]
+
+from ...exact.numbers import ball
+from ...scenarios.errors import SceneError
+from ..alignment.align import Span, align
+from ..study import SERIES_MORE
+from .decision import Decision, answer
+from .decisions import decisions
+from .reader import Reader
+from .rounding import rounded
+
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress, Trajectory
+    from ..candidate import Candidate
+    from ..study import Study
+
+
+ROUNDING_SHARE = 2.0**-40
+"""Displacements below this share of the scene's measures are what rounding does in a short run."""
+
+
+class Laboratory:
+    """What every experiment on one divergence needs.
+
+    Attributes:
+        decision: what was decided; None where no contact could be named.
+        truth, own: the reference and the candidate at it.
+    """
+
+    def __init__(self, study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> None:
+        divergence = candidate.alignment.divergence
+        assert divergence is not None
+        self.study, self.candidate, self.engine, self.progress = study, candidate, engine, progress
+        self.divergence = divergence
+        self.reference = study.longest or study.reference
+        self.name = engine.name
+        self.given = rounded_or_none(study.scene) if engine.rounds_input else study.scene
+        turned = self.reference.reversal
+        self.turned = None if turned is None or turned.after > divergence.event else turned.after
+        self.truth = Reader(self.reference, turned_after=self.turned)
+        self.own = Reader(candidate.trajectory, candidate.alignment.walks, self.given, self.turned)
+        self.decision = self._decision()
+        self.margin = None if self.decision is None else self.truth.value(self.decision)
+        self.got = None if self.decision is None else self.own.value(self.decision)
+
+    def _decision(self) -> Decision | None:
+        """The decision that the candidate has otherwise; where its own flights have none, the closest."""
+        found = decisions(self.reference, self.candidate.trajectory, self.candidate.alignment)
+        told = [(d, v) for d in found if (v := self.truth.value(d)) is not None]
+        for decision, value in told:
+            other = self.own.value(decision)
+            if other is not None and answer(decision, other) != answer(decision, value):
+                return decision
+        return min(told, key=lambda pair: abs(float(pair[1].mid())), default=(None, None))[0]
+
+    @property
+    def scale(self) -> float:
+        """The largest coordinate or radius of the scene."""
+        return max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in self.study.scene.circles)
+
+    def reader(self, run: Trajectory, scene: Scene | None, step: float | None) -> Reader:
+        """Another run at the decision."""
+        walks = align(self.reference, run, span=self.span, step=step, instants=False).walks
+        return Reader(run, walks, scene, self.turned)
+
+    @property
+    def span(self) -> Span:
+        """Up to the divergence."""
+        return Span(min(self.divergence.event + 1, len(self.reference.events)), self.divergence.time)
+
+    def until(self, step: float | None) -> float:
+        """How far an experiment has to run: past both meetings, by what an error may delay them."""
+        times = (self.divergence.time, self.divergence.expected_time or 0.0)
+        return max(times) * 1.125 + SERIES_MORE * (step or 0.0) + self.study.patience(None).slack / 8
+
+    def changes(self, value: arb | None) -> bool:
+        """Whether a value of the decision is another answer than the exact one."""
+        told = None if self.decision is None else answer(self.decision, value)
+        return self.decision is not None and told is not None and told != answer(self.decision, self.margin)
+
+    def moved(self, value: arb | None, start: arb | None) -> float | None:
+        """How far a value lies from another."""
+        if value is None or start is None:
+            return None
+        with ball.precision(4096):
+            return float((value - start).mid())
+
+
+def rounded_or_none(scene: Scene) -> Scene | None:
+    """The scene in doubles; None if it is no longer valid."""
+    try:
+        return rounded(scene)
+    except SceneError:
+        return None
+
+
+def verb(moved: float | None, flips: bool) -> str:
+    """What a displacement does, in words."""
+    by = "decides otherwise" if moved is None else f"moves the decision by {abs(moved):.3g}"
+    return f"{by}, which {'changes it' if flips else 'does not change it'}"

@@ -1,0 +1,243 @@
+"""Reads flights, and the number that decides, off one run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from flint import arb  # type: ignore[attr-defined]
+
+from ...exact.laws.formulas import (
+    advance,
+    pair_approach,
+    pair_discriminant,
+    pair_gap,
+    pair_hit_time,
+    wall_approach,
+    wall_gap,
+    wall_hit_time,
+)
+from ...exact.numbers import ball
+from ...scenarios.numbers.quantity import Quantity
+from .decision import FIRST_BITS, MOST_BITS, Decision, Flight, Pairing
+from .numbers import enclosure
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+    from ..alignment.walk import Walk
+
+
+class Reader:
+    """Reads flights and decisions off one run.
+
+    Args:
+        run: the run.
+        walks: how its meetings were matched with the reference's; None for the reference itself.
+        scene: whose walls and radii it reckons with, if not those of the scene that it says.
+        turned_after: number of the reference's events before its reversal, if that lies before the decision.
+    """
+
+    def __init__(
+        self,
+        run: Trajectory,
+        walks: Mapping[str, Walk] | None = None,
+        scene: Scene | None = None,
+        turned_after: int | None = None,
+    ) -> None:
+        self.run = run
+        self.scene = run.scene if scene is None else scene
+        self.turned_after = turned_after
+        self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
+        self._states: dict[int, Any] = {}
+
+    def follows(self, pairing: Pairing) -> bool:
+        """Whether the run has every meeting that leads to a pairing."""
+        return all(anchor is None or self._event(name, anchor) is not None for name, anchor in pairing.anchors.items())
+
+    def _event(self, name: str, anchor: int) -> int | None:
+        return anchor if self._events is None else self._events.get(name, {}).get(anchor)
+
+    def flight(self, name: str, anchor: int | None, *, turned: bool) -> Flight | None:
+        """A circle as its last meeting left it; None if the run does not have that meeting.
+
+        Args:
+            turned: whether the velocities were negated since.
+        """
+        index = None if anchor is None else self._event(name, anchor)
+        if anchor is not None and index is None:
+            return None
+        reversal = self.run.reversal
+        if turned and reversal is not None:
+            time, key = reversal.time, -2
+        else:
+            time, key = (0, -1) if index is None else (self.run.events[index].time, index)
+        if key not in self._states:
+            self._states[key] = self.run.at(time)
+        state = self._states[key][name]
+        if key == -1:
+            return Flight(0, state.x, state.y, state.vx, state.vy)
+        return Flight(time, state.x, state.y, state.vx, state.vy)
+
+    def _exact(self) -> bool:
+        """Whether the run's numbers at the start are those of the scene."""
+        return hasattr(self.run.final_time, "ball") or hasattr(self.run.at(0).circles[0].x, "ball")
+
+    def value(self, decision: Decision, bits: int = FIRST_BITS) -> arb | None:
+        """The number that decides, as a ball of a sign that is known if it can be; None if the run does not come to it.
+
+        A hit that the other meeting's pair does not have at all leaves an order without a value.
+        """
+        while True:
+            with ball.precision(2 * bits):
+                found = self._value(decision, bits)
+            if found is None or ball.sign_of(found) is not None or not self._sharper(bits):
+                return found
+            bits *= 4
+
+    def _sharper(self, bits: int) -> bool:
+        return bits < MOST_BITS and self._exact()
+
+    def _value(self, decision: Decision, bits: int) -> arb | None:
+        if decision.kind == "hit":
+            return self.least_gap(decision.first, bits)
+        assert decision.second is not None
+        one, other = self.hit_time(decision.first, bits), self.hit_time(decision.second, bits)
+        return None if one is None or other is None else other - one
+
+    # -- one pairing
+
+    def _relative(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb, arb, arb] | None:
+        """t, d, v and R of two circles at the later of their flights' times."""
+        flights = []
+        for name in (pairing.body, pairing.partner):
+            flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
+            if flight is None:
+                return None
+            flights.append([enclosure(v, bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy)])
+        (at, ax, ay, avx, avy), (bt, bx, by, bvx, bvy) = flights
+        later = at if ball.sign_of(at - bt) in (0, 1) else bt
+        ax, ay = advance(ax, avx, later - at), advance(ay, avy, later - at)
+        bx, by = advance(bx, bvx, later - bt), advance(by, bvy, later - bt)
+        radii = [enclosure(c.r, bits) for c in self.scene.circles if c.id in (pairing.body, pairing.partner)]
+        return later, bx - ax, by - ay, bvx - avx, bvy - avy, radii[0] + radii[1]
+
+    def _turned(self, pairing: Pairing) -> bool:
+        """Whether the reversal lies between the last meetings and the decision."""
+        reversal = self.run.reversal
+        if reversal is None or self.turned_after is None:
+            return False
+        return all(anchor is None or anchor < self.turned_after for anchor in pairing.anchors.values())
+
+    def _wall(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb] | None:
+        """t, the gap to a wall, the approach to it, and the length of its normal."""
+        wall = next(w for w in self.scene.walls if w.id == pairing.partner)
+        flight = self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing))
+        if flight is None:
+            return None
+        circle = next(c for c in self.scene.circles if c.id == pairing.body)
+        nx, ny = wall.normal
+        if wall.height(circle.x, circle.y).sign() < 0:
+            nx, ny = -nx, -ny
+        t, x, y, vx, vy = (enclosure(v, bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
+        x0, y0, mx, my = (enclosure(v, bits) for v in (wall.x0, wall.y0, nx, ny))
+        length = ball.root(mx * mx + my * my)
+        gap = wall_gap(x, y, x0, y0, mx, my, enclosure(circle.r, bits) * length)
+        return t, gap, wall_approach(vx, vy, mx, my), length
+
+    def is_wall(self, pairing: Pairing) -> bool:
+        """Whether the partner is a wall."""
+        return any(w.id == pairing.partner for w in self.scene.walls)
+
+    def hit_time(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
+        """When the two touch in free flight; None if they do not, or if it is not known."""
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            if told is None or ball.sign_of(told[2]) != -1:
+                return None
+            return told[0] + wall_hit_time(told[1], told[2])
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        t, dx, dy, vx, vy, reach = relative
+        approach, discriminant = pair_approach(dx, dy, vx, vy), pair_discriminant(dx, dy, vx, vy, reach)
+        if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
+            return None
+        return t + pair_hit_time(pair_gap(dx, dy, reach), approach, ball.root(discriminant))
+
+    def stay(self, pairing: Pairing) -> tuple[float, float] | None:
+        """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""
+        enter = self.hit_time(pairing)
+        if enter is None or self.is_wall(pairing):
+            return None if enter is None else (float(enter), math.inf)
+        relative = self._relative(pairing, FIRST_BITS)
+        assert relative is not None
+        _, dx, dy, vx, vy, reach = relative
+        root = ball.root(pair_discriminant(dx, dy, vx, vy, reach))
+        return float(enter), float(enter + (root + root) / (vx * vx + vy * vy))
+
+    def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
+        """The least distance between two surfaces in free flight; negative: how deep they would sink in.
+
+        For a wall, which every approaching circle hits, the speed at which the circle leaves it.
+        """
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            return None if told is None else told[2] / told[3]
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        _, dx, dy, vx, vy, reach = relative
+        if ball.sign_of(pair_approach(dx, dy, vx, vy)) in (0, 1):
+            return ball.root(dx * dx + dy * dy) - reach
+        cross = abs(dx * vy - dy * vx)
+        if self._exactly_grazing(pairing):
+            return arb(0)
+        return cross / ball.root(vx * vx + vy * vy) - reach
+
+    def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
+        """The distance between two surfaces at a time of their free flight."""
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            return None if told is None else (told[1] + told[2] * (time - told[0])) / told[3]
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        t, dx, dy, vx, vy, reach = relative
+        x, y = advance(dx, vx, time - t), advance(dy, vy, time - t)
+        return ball.root(x * x + y * y) - reach
+
+    def _exactly_grazing(self, pairing: Pairing) -> bool:
+        """Whether the discriminant is proved to be zero, where the flights' exact values are short."""
+        if not self._exact():
+            return False
+        numbers: list[list[Quantity]] = []
+        for name in (pairing.body, pairing.partner):
+            flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
+            assert flight is not None
+            texts = [exact_quantity(v) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy)]
+            if any(q is None for q in texts):
+                return False
+            numbers.append([q for q in texts if q is not None])
+        (at, ax, ay, avx, avy), (bt, bx, by, bvx, bvy) = numbers
+        dx, dy = (bx - bvx * bt) - (ax - avx * at), (by - bvy * bt) - (ay - avy * at)
+        radii = [c.r for c in self.scene.circles if c.id in (pairing.body, pairing.partner)]
+        try:
+            return pair_discriminant(dx, dy, bvx - avx, bvy - avy, radii[0] + radii[1]).sign() == 0
+        except ValueError:
+            return False
+
+
+def exact_quantity(value: Any) -> Quantity | None:
+    """An engine's number as a `Quantity`, if it is exact and short."""
+    if isinstance(value, Quantity):
+        return value
+    if isinstance(value, int):
+        return Quantity.of(value)
+    text = value.text() if hasattr(value, "text") else None
+    return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
+
+
+LONGEST_TEXT = 400
+"""Characters of an exact value that is still calculated with as text."""

@@ -1,0 +1,161 @@
+"""Experiments on an engine with a time step: finer steps in a series, passing through, its solver."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from flint import arb  # type: ignore[attr-defined]
+
+from ..alignment.align import align
+from ..alignment.divergence import Kind
+from ..alignment.instants import NEARER, instants, velocity_difference
+from ..alignment.walk import REPEATED
+from ..study import SERIES_STEPS, finer_by
+from .decisions import decisions
+from .diagnosis import CauseName, Experiment
+from .laboratory import ROUNDING_SHARE, Laboratory
+from .reader import Reader
+
+if TYPE_CHECKING:
+    from ...scenarios.trajectory import Trajectory
+    from ..alignment.align import Alignment
+
+
+MOST_HALVINGS = 8
+"""A time step is halved up to so many times, as far as `SERIES_STEPS` allow."""
+
+
+def stepped(lab: Laboratory, entered: Reader | None, by_input: Experiment, tie: Experiment) -> list[Experiment]:
+    """What a time step does: its series, passing through, the solver, and rounding where the series leaves the rest."""
+    passed = _tunnelling(lab)
+    series, finest = _series(lab, stays_tied=bool(tie.suffices))
+    firmer = _iterations(lab)
+    rows = [series, passed, firmer]
+    if any(e.suffices for e in rows) or by_input.suffices or lab.decision is None:
+        rows.append(Experiment(CauseName.ARITHMETIC, "not tried: something else suffices"))
+        return rows
+    start = None if entered is None else entered.value(lab.decision)
+    rest = lab.moved(finest, start)
+    if rest is None:
+        rows.append(Experiment(CauseName.ARITHMETIC, "not tried: the finest step does not come to the contact"))
+    else:
+        small = abs(rest) <= ROUNDING_SHARE * lab.scale
+        told = f"at the finest step, {lab.name} is {abs(rest):.3g} off the exact run of the scene in doubles"
+        rows.append(Experiment(CauseName.ARITHMETIC, told, rest, small and lab.changes(finest)))
+    return rows
+
+
+def _gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
+    """Whether a variant does not have the divergence.
+
+    Where velocities after one exact instant are in question, they must have come nearer by what a series demands.
+    """
+    alignment = align(lab.reference, run, span=lab.span, step=step)
+    if lab.divergence.kind is Kind.TIE:
+        own = _difference(lab, lab.candidate.trajectory, lab.candidate.alignment)
+        nearer = _difference(lab, run, alignment)
+        if own is not None:
+            return nearer is not None and nearer <= own / NEARER
+    found = alignment.divergence
+    if lab.divergence.kind is Kind.MISSING or lab.divergence.kind is Kind.DIFFERENT:
+        walked = alignment.walks[lab.divergence.body]
+        if lab.divergence.event not in {m for m, _ in walked.pairs}:
+            return False
+    return found is None or found.event > lab.divergence.event
+
+
+def _difference(lab: Laboratory, run: Trajectory, alignment: Alignment) -> float | None:
+    """How far the velocities after the instant in question are from the exact ones; None if it is not one instant."""
+    event = lab.divergence.event
+    for found in instants(alignment.walks):
+        if event in found.mine:
+            return velocity_difference(lab.reference, run, found) if len(found.mine) == 1 else None
+    return None
+
+
+def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | None]:
+    """The step halved again and again, as far as counted work allows; and the decision's number at the finest."""
+    assert lab.engine.step is not None
+    until, told, last = lab.until(lab.engine.step), [], lab.got
+    gone: list[bool] = []
+    for halvings in range(1, MOST_HALVINGS + 1):
+        finer = finer_by(lab.engine, halvings)
+        if finer is None or finer.step is None or until > SERIES_STEPS * finer.step:
+            break
+        run = lab.study.run(finer, lab.study.scene, until, lab.progress)
+        gone.append(_gone(lab, run, finer.step))
+        told.append(f"{finer.step:.3g}")
+        if lab.decision is not None:
+            reader = lab.reader(run, lab.given, finer.step)
+            last = (
+                reader.value(lab.decision)
+                if all(reader.follows(p) for p in (lab.decision.first, lab.decision.second) if p is not None)
+                else None
+            )
+        if gone[-2:] == [True, True]:
+            break
+    if not gone:
+        return Experiment(CauseName.STEP, f"not tried: a finer step takes more than {SERIES_STEPS:,} steps"), None
+    moved = lab.moved(lab.got, last)
+    within = _within_a_step(lab, lab.engine.step / 2 ** len(gone))
+    enough = (gone[-1] or within) and not stays_tied
+    runs = [f"{step} {'agrees' if flag else 'differs'}" for step, flag in zip(told, gone, strict=True)]
+    first = gone.index(True) if True in gone else len(gone)
+    if first > 1 and all(gone[first:]):
+        runs = [f"{told[0]} to {told[first - 1]} differs", *runs[first:]]
+    if within:
+        runs.append("and the two meetings are nearer than that")
+    return Experiment(CauseName.STEP, f"with a step of {', '.join(runs)}", moved, enough), last
+
+
+def _within_a_step(lab: Laboratory, step: float) -> bool:
+    """Whether the engine takes as one what the exact motion has one after the other, nearer than a step."""
+    if lab.divergence.kind is not Kind.TIE or lab.margin is None or lab.decision is None:
+        return False
+    return lab.decision.kind == "order" and 0 < abs(float(lab.margin.mid())) < step
+
+
+def _tunnelling(lab: Laboratory) -> Experiment:
+    """Whether the two overlap for less than a step, and between two of its instants."""
+    cause, step = CauseName.TUNNELLING, lab.engine.step
+    assert step is not None
+    missed = [d for d in decisions(lab.reference, lab.candidate.trajectory, lab.candidate.alignment) if d.kind == "hit"]
+    for decision in missed:
+        if decision.first.partner != lab.divergence.expected:
+            continue
+        stay = lab.own.stay(decision.first)
+        if stay is None or not math.isfinite(stay[1]):
+            continue
+        enter, leave = stay
+        base = 0.0
+        reversal = lab.candidate.trajectory.reversal
+        if reversal is not None and lab.study.scene.reverse_at is not None and float(reversal.time) < enter:
+            base = float(reversal.time)
+        whole = math.floor((leave - base) / step) * step + base
+        body, partner = decision.first.body, decision.first.partner
+        told = f"{body} and {partner} overlap for {leave - enter:.3g}, a step takes {step:.3g}"
+        if whole < enter:
+            return Experiment(cause, f"{told}, and none ends in between: they pass through each other", None, True, 1.0)
+        return Experiment(cause, told, None, False)
+    return Experiment(cause, "no circle that it should meet is passed through", None, False)
+
+
+def _iterations(lab: Laboratory) -> Experiment:
+    """The solver's iterations doubled, twice over."""
+    firmer = lab.engine.firmer()
+    if firmer is None:
+        return Experiment(CauseName.ITERATIONS, "it iterates nothing", None, False)
+    last = lab.divergence.time + REPEATED * (lab.engine.step or 0.0)
+    earlier = [e for e in lab.candidate.trajectory.events if float(e.time) <= last]
+    if not any(len(e.contacts) > 1 for e in earlier):
+        return Experiment(CauseName.ITERATIONS, "no step had several contacts", None, False)
+    firmer = firmer.firmer() or firmer
+    until = lab.until(lab.engine.step)
+    if until > SERIES_STEPS * (lab.engine.step or math.inf):
+        return Experiment(CauseName.ITERATIONS, f"not tried: it takes more than {SERIES_STEPS:,} steps")
+    run = lab.study.run(firmer, lab.study.scene, until, lab.progress)
+    gone = _gone(lab, run, firmer.step)
+    return Experiment(
+        CauseName.ITERATIONS, f"with four times as many it {'agrees' if gone else 'differs too'}", None, gone
+    )

@@ -1,0 +1,7 @@
+"""The command line: `truebreak scenes | show | run | compare | orders | bench`."""
+
+from __future__ import annotations
+
+from .entry import main
+
+__all__ = ["main"]

@@ -1,0 +1,104 @@
+"""Runs the command line: one line for what went wrong, and the exit code."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from pathlib import Path
+
+import click
+
+from .commands import cli
+from .exit_codes import DONE, ExitCode
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Runs the command line and exits with its code; see `ExitCode`.
+
+    Bad input is one line on stderr. Other errors are one line too, and a traceback with `--debug`.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    if "_TRUEBREAK_COMPLETE" in os.environ:
+        cli.main(given, prog_name="truebreak")
+    _open_streams()
+    debug = "--debug" in given
+    words = [word for word in given if word != "--debug"]
+    try:
+        code = _run(words)
+        sys.stdout.flush()
+    except KeyboardInterrupt:
+        _say("truebreak: interrupted")
+        code = ExitCode.INTERRUPTED
+    except BrokenPipeError:
+        _drop_stdout()
+        code = ExitCode.PIPE_CLOSED
+    except OSError as error:
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EFBIG) or error.filename is not None:
+            code = _internal(error, debug)
+        else:
+            _drop_stdout()
+            _say(f"truebreak: error: standard output: {error.strerror}; write to another place")
+            code = ExitCode.USAGE
+    except Exception as error:
+        code = _internal(error, debug)
+    sys.exit(int(code))
+
+
+def _internal(error: Exception, debug: bool) -> ExitCode:
+    """One line about an error that should not have come about, or its traceback."""
+    if debug:
+        import traceback
+
+        traceback.print_exc()
+    reason = " ".join(str(error).split())
+    _say(f"truebreak: internal error: {type(error).__name__}: {reason} (add --debug for the traceback)")
+    return ExitCode.INTERNAL
+
+
+def _open_streams() -> None:
+    """Gives a stream that the caller has closed a place that forgets: the exit code is still to be had."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+
+
+def _drop_stdout() -> None:
+    """Has what is still to be written to stdout forgotten, so that nothing fails a second time at the end."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _run(words: list[str]) -> int:
+    """One command; click's own errors and bad scenes become one line and a code."""
+    try:
+        with cli.make_context("truebreak", words) as context:
+            code = cli.invoke(context)
+        return code if isinstance(code, int) else DONE
+    except click.exceptions.Exit as stop:
+        return stop.exit_code
+    except click.exceptions.NoArgsIsHelpError as error:
+        click.echo(error.format_message(), err=True)
+        return ExitCode.USAGE
+    except click.UsageError as error:
+        command = error.ctx.command_path if error.ctx else Path("truebreak").name
+        _say(f"truebreak: error: {' '.join(error.format_message().split())} (see {command} --help)")
+        return ExitCode.USAGE
+    except Exception as error:
+        from ...scenarios.errors import SceneError
+        from ..deadline import OutOfTime
+
+        if isinstance(error, OutOfTime):
+            _say(f"truebreak: out of time, with nothing to show yet: {error}")
+            return ExitCode.UNDECIDED
+        if not isinstance(error, SceneError):
+            raise
+        _say(f"truebreak: error: {' '.join(str(error).split())}")
+        return ExitCode.USAGE
+
+
+def _say(line: str) -> None:
+    """One line on stderr, which may be closed."""
+    try:
+        click.echo(line, err=True)
+    except OSError:
+        return

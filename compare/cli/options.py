@@ -1,0 +1,59 @@
+"""The options and arguments that several commands share."""
+
+from __future__ import annotations
+
+import click
+
+
+class WithDefaultWork(click.Option):
+    """An option whose help ends with the exact engine's default of `work`; the engine is loaded when that is read."""
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        from ...exact.engine import DEFAULT_WORK
+
+        names, text = super().get_help_record(ctx) or ("", "")
+        return names, f"{text} ({DEFAULT_WORK:,})."
+
+
+SCENE_HELP = (
+    "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), or a .toml or .json file."
+)
+
+SCENE = click.argument("scene", metavar="SCENE")
+UNTIL = click.option("--until", metavar="T", help='Stop at this time: exact text such as 12, 9/4 or "10*sqrt(2)".')
+EVENTS = click.option("--events", type=click.IntRange(min=1), metavar="N", help="Stop after N instants of collision.")
+REVERSE = click.option(
+    "--reverse-after",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Negate every velocity once, after N instants.",
+)
+POLICY = click.option(
+    "--tie-policy",
+    metavar="P",
+    help="simultaneous, sequential:order=scene or sequential:seed=N; else the scene's own.",
+)
+TIES = click.option(
+    "--ties",
+    metavar="RULE",
+    help="What the exact engine takes for a tie: proved (default), or assume:BITS where proof fails.",
+)
+WORK = click.option(
+    "--work",
+    type=click.IntRange(min=1),
+    metavar="N",
+    cls=WithDefaultWork,
+    help="What one question may cost the exact engine before it is undecided, in counted units of about a microsecond",
+)
+SECONDS = click.option(
+    "--max-seconds",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="S",
+    help="End a run after S seconds, show what it has by then, and exit with 4.",
+)
+SYMMETRIC = click.option(
+    "--symmetric",
+    is_flag=True,
+    help="Refuse a scene that no mirror and no rotation maps to itself: its ties could not be proved by symmetry.",
+)
+JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")

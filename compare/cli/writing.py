@@ -1,0 +1,56 @@
+"""Writes files whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from pathlib import Path
+
+
+def check_writable(path: str | Path) -> None:
+    """Refuses a place that cannot be written to, before any work is done for it.
+
+    Raises:
+        SceneError: naming the file and the reason.
+    """
+    from ...scenarios.errors import SceneError
+
+    target = Path(path)
+    if target.is_dir():
+        raise SceneError(f"file {str(path)!r}: is a folder; name a file in it")
+    if not target.parent.is_dir():
+        raise SceneError(f"file {str(path)!r}: there is no folder {str(target.parent)!r}; create it first")
+    if not os.access(target if target.exists() else target.parent, os.W_OK):
+        raise SceneError(f"file {str(path)!r}: writing there is not permitted; choose another place to write to")
+
+
+def write_whole(path: str | Path, text: str) -> None:
+    """Writes UTF-8 text beside its place first, then moves it there: an interruption leaves no half-written
+    file.
+
+    Raises:
+        SceneError: if the place cannot be written to.
+    """
+    from ...scenarios.errors import SceneError
+
+    target = Path(path)
+    try:
+        if target.exists() and not target.is_file():
+            target.write_text(text, encoding="utf-8")  # a device or a pipe, such as /dev/stdout
+            return
+        descriptor, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+    except OSError as error:
+        raise SceneError(f"file {str(path)!r}: {error.strerror or error}; choose another place to write to") from None
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            file.write(text)
+        umask = os.umask(0)
+        os.umask(umask)
+        Path(name).chmod(0o666 & ~umask)
+        Path(name).replace(target)
+    except OSError as error:
+        raise SceneError(f"file {str(path)!r}: {error.strerror or error}; choose another place to write to") from None
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            Path(name).unlink()

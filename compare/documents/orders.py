@@ -1,0 +1,87 @@
+"""The tree of all orders as the JSON object `truebreak/orders-1`, and for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .amounts import double
+from .trajectory import stop_json
+
+if TYPE_CHECKING:
+    from ...exact.policies.all_orders import OrderTree, Outcome
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Stop
+
+ORDERS_SCHEMA = "truebreak/orders-1"
+
+
+def orders_json(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> dict[str, Any]:
+    """The object that `truebreak orders --json` prints; with a stop if the search was ended before it was done."""
+    return {
+        "schema": ORDERS_SCHEMA,
+        "scene": {"name": scene.name, "digest": scene.digest},
+        "complete": tree.complete,
+        "cap": tree.cap,
+        "merged": tree.merged,
+        "swapped": tree.swapped,
+        "sampled": tree.sampled,
+        **({} if stop is None else {"stop": stop_json(stop)}),
+        "outcomes": [_outcome_json(outcome) for outcome in tree.outcomes],
+    }
+
+
+def _outcome_json(outcome: Outcome) -> dict[str, Any]:
+    run = outcome.trajectory
+    return {
+        "decisions": [
+            {
+                "instant": decision.instant,
+                "offered": [list(contact) for contact in decision.offered],
+                "chosen": list(decision.chosen),
+            }
+            for decision in outcome.decisions
+        ],
+        "seed": outcome.seed,
+        "stop": stop_json(run.stop),
+        "collisions": run.collisions,
+        "impulses": [[list(contact) for contact in event.impulses] for event in run.events],
+        "final": {
+            "time": double(run.final_time),
+            "circles": [
+                {"id": c.id, "x": double(c.x), "y": double(c.y), "vx": double(c.vx), "vy": double(c.vy)}
+                for c in run.final.circles
+            ],
+        },
+    }
+
+
+def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> None:
+    """The outcomes, one a row, with the choices that lead to each and the velocities at the end."""
+    from rich.markup import escape
+
+    from ..report.listing import console, grid, say
+    from ..report.sentences import counted
+
+    out = console()
+    found = counted(len(tree.outcomes), "outcome")
+    if tree.complete:
+        say(out, f"{scene.name}: {found}, over all orders of simultaneous impulses.", "bold")
+    elif stop is not None:
+        drawn = f", {counted(tree.sampled, 'order')} drawn at random among them" if tree.sampled else ""
+        say(out, f"{scene.name}: {found} so far{drawn}: {stop.message}. There may be more.", "bold")
+    else:
+        say(
+            out,
+            f"{scene.name}: {found} so far: the cap of {tree.cap} was hit, and {counted(tree.sampled, 'order')} "
+            "drawn at random beyond it. There are more.",
+            "bold",
+        )
+    say(out, f"merged into an equal state: {tree.merged}; swaps of independent contacts left out: {tree.swapped}")
+    table = grid("outcome", "first among several", "collisions", "velocities at the end")
+    for number, outcome in enumerate(tree.outcomes):
+        choices = " ".join(f"{first}-{second}" for first, second in (d.chosen for d in outcome.decisions))
+        if outcome.seed is not None:
+            choices = f"sequential:seed={outcome.seed}"
+        ends = " ".join(f"{c.id} ({float(c.vx):.6g}, {float(c.vy):.6g})" for c in outcome.trajectory.final.circles)
+        table.add_row(str(number), escape(choices), str(outcome.trajectory.collisions), escape(ends))
+    out.print(table)

@@ -1,0 +1,23 @@
+"""The JSON Schemas of what the command line prints, by name."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from typing import Any
+
+NAMES = ("trajectory-1", "comparison-2", "orders-1", "certificate-1")
+
+
+def schema(name: str) -> dict[str, Any]:
+    """The schema of `truebreak/NAME`.
+
+    Raises:
+        KeyError: if there is none of that name.
+
+    >>> schema("trajectory-1")["$id"]
+    'truebreak/trajectory-1'
+    """
+    if name not in NAMES:
+        raise KeyError(name)
+    return json.loads(files(__package__ or __name__).joinpath(f"{name}.json").read_text(encoding="utf-8"))

@@ -1,0 +1,1 @@
+"""What a history comes to, and which outcomes the physics permits."""

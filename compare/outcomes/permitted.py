@@ -1,0 +1,219 @@
+"""Which patterns the physics permits, in four classes.
+
+Where several contacts fall on one instant and their order matters, nearby scenes in which they do not come to
+different ends. The policy names one outcome; the sequential orders are a superset of what nearby scenes do; and the
+default policy's own outcome may be the limit of none.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ...exact.numbers import ball
+from ...exact.policies.all_orders import all_orders
+from ...exact.policies.guided import Guided
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.trajectory import StopReason, Trajectory
+from ..deadline import OutOfTime
+from .break_pattern import pattern as pattern_of
+from .nearby import Witness, nearby_scenes
+from .order_search import Attended
+
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.trajectory import OnProgress
+    from ..study import Study
+
+Pattern: TypeAlias = "Mapping[str, Any]"
+
+POLICIES = ("simultaneous", "sequential:order=scene")
+"""Policies whose patterns are always told."""
+
+ORDER_WORK = 6_000
+"""Events times circles that following the orders may take: some seconds of the exact engine."""
+
+LEAST_RUNS = 96
+"""Runs that are made in any case, those included whose branch comes to a state that is known."""
+
+LEAST_CAP, GREATEST_CAP = 8, 256
+"""Least and greatest number of outcomes that are followed."""
+
+QUESTION_WORK = 20_000
+"""Counted work that one question may take in these runs: what is not told by then leaves them incomplete."""
+
+SAMPLE_SHARE = 4
+"""Beyond the cap, one order is drawn at random for this many outcomes followed."""
+
+DECIDED = (StopReason.HORIZON, StopReason.EVENTS, StopReason.QUIET)
+
+
+class Relation(Enum):
+    """What a candidate's pattern is; the value is what a person reads."""
+
+    OWN = "the policy's own"
+    REALISABLE = "realisable: a nearby scene does it"
+    SOME_ORDER = "some order of the impulses leads to it, no nearby scene that was tried does"
+    NO_ORDER = "no order of the impulses leads to it"
+    NOT_FOUND = "not found among the orders followed; there are more"
+
+
+@dataclass(frozen=True)
+class PermittedPatterns:
+    """Patterns over the exact span: the policy's own, those of nearby scenes, and of all sequential orders.
+
+    Attributes:
+        exact: the pattern under the scene's own policy.
+        by_policy: the pattern under each named policy.
+        orders: the distinct patterns over the sequential orders followed.
+        complete: whether those are all orders.
+        followed: how many orders, or draws, were followed.
+        witnesses: nearby scenes, each with its certified pattern.
+        tried: how many nearby scenes were tried.
+    """
+
+    exact: Pattern
+    by_policy: Mapping[str, Pattern] = field(default_factory=dict)
+    orders: tuple[Pattern, ...] = ()
+    complete: bool = True
+    followed: int = 0
+    witnesses: tuple[Witness, ...] = ()
+    tried: int = 0
+
+    def relation(self, pattern: Pattern) -> Relation:
+        """The class of a pattern."""
+        if pattern == self.exact:
+            return Relation.OWN
+        if self.witness(pattern) is not None:
+            return Relation.REALISABLE
+        if pattern in self.orders:
+            return Relation.SOME_ORDER
+        return Relation.NO_ORDER if self.complete else Relation.NOT_FOUND
+
+    def witness(self, pattern: Pattern) -> Witness | None:
+        """A nearby scene that comes to a pattern."""
+        return next((w for w in self.witnesses if w.pattern == pattern), None)
+
+    def policy(self, pattern: Pattern) -> str | None:
+        """The named policy that leads to a pattern, if one does."""
+        return next((policy for policy, other in self.by_policy.items() if other == pattern), None)
+
+
+def permitted_patterns(
+    study: Study, histories: Sequence[tuple[Trajectory, bool]] = (), progress: OnProgress | None = None
+) -> PermittedPatterns | None:
+    """The patterns under each policy, of nearby scenes, and over all sequential orders, over the reference's span.
+
+    A pattern is whom each circle met, and on a table where it ended. None if the reference engine takes no policy from
+    its caller.
+
+    Args:
+        histories: runs, and whether each goes by time steps. Their own order of impulses is followed as far as the
+            exact engine allows it, so that a pattern is found even where the orders are too many to enumerate.
+    """
+    reference, scene, truth = study.reference, study.scene, _thrifty(study.truth)
+    if not hasattr(truth, "run_with"):
+        return None
+    exact = pattern_of(reference)
+    by_policy: dict[str, Pattern] = {str(scene.tie_policy): exact}
+    if not any(event.coupled for event in reference.events):
+        return PermittedPatterns(exact, by_policy, (exact,), True, 1)
+    span = _ExactSpan(reference)
+    patterns: list[Pattern] = []
+    witnesses: list[Witness] = []
+    complete, followed, tried = False, 0, 0
+    wanted = [pattern_of(span.cut(history)) for history, _ in histories]
+    try:
+        for policy in POLICIES:
+            if policy not in by_policy:
+                pattern = span.pattern(study.run(truth, scene.with_changes(tie_policy=policy), span.past, progress))
+                if pattern is not None:
+                    by_policy[policy] = pattern
+        for history, stepped in histories:
+            guide = Guided(scene, history, stepped)
+            run = truth.run_with(scene, guide, until=span.past, progress=study.watch.watched(progress))  # type: ignore[attr-defined]
+            _add(patterns, span.pattern(run))
+        work = max(1, len(reference.events) * len(scene.circles))
+        cap = max(LEAST_CAP, min(GREATEST_CAP, ORDER_WORK // work))
+        attended = Attended(truth, study.watch, max(LEAST_RUNS, ORDER_WORK // work))  # type: ignore[arg-type]
+        tree = all_orders(attended, scene, until=span.past, cap=cap, samples=cap // SAMPLE_SHARE, progress=progress)
+        found = [span.pattern(outcome.trajectory) for outcome in tree.outcomes]
+        complete = tree.complete and None not in found and not attended.cut
+        followed = len(tree.outcomes)
+        for pattern in found:
+            _add(patterns, pattern)
+        for nearby in nearby_scenes(scene, work):
+            if all(any(w.pattern == p for w in witnesses) for p in wanted if p != exact):
+                break
+            tried += 1
+            try:
+                run = study.run(truth, nearby, span.past, progress)
+            except SceneError:
+                continue
+            pattern = span.pattern(run)
+            if pattern is not None and run.certified and not any(w.pattern == pattern for w in witnesses):
+                witnesses.append(Witness(nearby, pattern))
+    except OutOfTime:
+        complete = False
+    return PermittedPatterns(exact, by_policy, tuple(patterns), complete, followed, tuple(witnesses), tried)
+
+
+def _thrifty(truth: Engine) -> Engine:
+    """The reference engine with less work for each question, if it counts any."""
+    work = getattr(truth, "work", None)
+    if not dataclasses.is_dataclass(truth) or not isinstance(work, int):
+        return truth
+    return dataclasses.replace(truth, work=min(work, QUESTION_WORK))  # type: ignore[type-var]
+
+
+def _add(patterns: list[Pattern], pattern: Pattern | None) -> None:
+    if pattern is not None and pattern not in patterns:
+        patterns.append(pattern)
+
+
+class _ExactSpan:
+    """The end of the reference's run, exactly: an event on it belongs to the span, one after it does not.
+
+    Attributes:
+        past: a time to which other runs are made: the end itself if it is a set time, else a little past it.
+    """
+
+    def __init__(self, reference: Trajectory) -> None:
+        self.end: Any = reference.final_time
+        self.set = isinstance(self.end, Quantity)
+        self.open = reference.stop.reason is StopReason.QUIET
+        self.past: Any = self.end if self.set else float(self.end) * (1 + PAST)
+
+    def pattern(self, run: Trajectory) -> Pattern | None:
+        """The pattern of a run that went to the end of the span."""
+        return pattern_of(self.cut(run)) if run.stop.reason in DECIDED else None
+
+    def cut(self, run: Trajectory) -> Trajectory:
+        """A run up to the end."""
+        if self.set and run.final_time is self.end:
+            return run
+        events = tuple(event for event in run.events if not self._after(event.time))
+        return replace(run, events=events, final_time=min(float(run.final_time), float(self.end)))
+
+    def _after(self, time: Any) -> bool:
+        """Whether a time is after the end; one that agrees with it to `SAME_BITS` bits is on it.
+
+        Rounding to the nearest double keeps the order, so that unequal doubles tell.
+        """
+        near, end = float(time), float(self.end)
+        if near != end:
+            return near > end
+        if hasattr(time, "ball") and hasattr(self.end, "ball"):
+            return ball.sign_of(time.ball(SAME_BITS) - self.end.ball(SAME_BITS)) == 1
+        return False
+
+
+PAST = 2.0**-30
+"""Share of the span by which other runs go past an end that is no set time; what they have there is cut off."""
+
+SAME_BITS = 1024
+"""Bits to which times of different runs are compared: an event on the end itself agrees with it to any number."""

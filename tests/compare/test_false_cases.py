@@ -1,0 +1,241 @@
+"""Comparisons that once said what is not so, each with the truth."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from truebreak.compare import compare, engine
+from truebreak.compare.alignment.divergence import Kind
+from truebreak.compare.candidate import Candidate
+from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
+from truebreak.floating import PymunkEngine
+from truebreak.scenarios import Circle, Scene, Wall, catalogue
+
+BULLET = Scene(
+    [Circle(0, 0, "1/1000", vx=10, id="bullet"), Circle("100.0625", 0, "1/1000", id="target")], name="bullet"
+)
+GRAZE = Scene([Circle(-5, "0.3", vx=1, id="mover"), Circle(0, "2.3", id="target")], name="graze")
+TIED = Scene(
+    [
+        Circle("-3.1", 0, vx=1, id="left"),
+        Circle(0, 0, id="middle"),
+        Circle("4.1", 0, 2, vx=-1, m=4, id="right"),
+    ],
+    name="tied",
+)
+LAST = Scene(
+    [
+        Circle("11.9", "9.3", vx=1, id="one"),
+        Circle(15, "9.3", id="two"),
+        Circle("19.1", "9.3", 2, vx=-1, m=4, id="three"),
+        Circle(15, 3, vx="2.5", id="far"),
+    ],
+    [
+        Wall(0, 0, 0, 1, id="left"),
+        Wall(30, 0, 30, 1, id="right"),
+        Wall(0, 0, 1, 0, id="bottom"),
+        Wall(0, 18, 1, 18, id="top"),
+    ],
+    name="last",
+)
+
+
+def one(scene: Scene, name: str, *, causes: bool = False, **limits: Any) -> Candidate:
+    """One engine held against the exact one."""
+    return compare(scene, [name], causes=causes, **limits).candidates[0]
+
+
+def test_a_run_that_loses_most_events_does_not_agree() -> None:
+    comparison = compare(catalogue.build("galperin:n=2"), ["pymunk"])
+    assert comparison.verdict == "diverged"
+    assert not verdict_sentence(comparison).startswith("Floating point did not")
+    assert comparison["pymunk"].diagnosis is not None
+    assert comparison["pymunk"].diagnosis.name is CauseName.STEP
+
+
+@pytest.mark.parametrize("events", [156, 157, 158, 159, 160, 161, 170])
+def test_a_divergence_inside_the_span_is_told_however_long_the_span(events: int) -> None:
+    found = one(catalogue.build("gas"), "double", events=events)
+    if events < 157:
+        assert found.verdict == "agree"
+        return
+    divergence = found.alignment.divergence
+    assert divergence is not None
+    assert (divergence.event, divergence.body, divergence.expected, divergence.got) == (161, "c7", "bottom", "c1")
+
+
+def test_a_missed_hit_is_not_a_late_one() -> None:
+    found = one(BULLET, "pymunk:dt=1/64", causes=True, until=12)
+    divergence = found.alignment.divergence
+    assert divergence is not None
+    assert (divergence.kind, divergence.expected) == (Kind.MISSING, "target")
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.TUNNELLING
+    assert CauseName.STEP in found.diagnosis.sufficient
+
+
+def test_a_quiet_reference_is_held_against_all_that_comes() -> None:
+    comparison = compare(GRAZE, ["double"])
+    divergence = comparison["double"].alignment.divergence
+    assert divergence is not None
+    assert (divergence.kind, divergence.got) == (Kind.EXTRA, "target")
+    assert divergence.time == pytest.approx(5, abs=1e-6)
+    assert comparison.span == float("inf")
+
+
+def test_another_resolution_of_a_tie_is_a_divergence() -> None:
+    found = one(catalogue.build("lee:tie=sequential:order=scene"), "pymunk", causes=True, until=10)
+    assert found.verdict == "diverged"
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.TIE
+    assert one(catalogue.build("lee"), "pymunk", until=10).verdict == "agree"
+
+
+def test_what_only_the_step_blurs_is_no_divergence() -> None:
+    scene = catalogue.build("rack:rows=2,speed=60")
+    assert one(scene, "pymunk:dt=1/4096", until=1).verdict == "agree"
+
+
+def test_rounds_of_one_instant_may_come_in_several_steps() -> None:
+    found = one(catalogue.build("rack:rows=3"), "pymunk", events=2).alignment
+    assert (found.verdict, found.agreed) == ("agree", 2)
+
+
+def test_one_event_is_told_one_way() -> None:
+    scene = catalogue.build("rack:rows=4,gap=1/7,jitter=1/1000,seed=7033,offset=1/26,speed=20")
+    told = {one(scene, "double", events=events).alignment.divergence for events in (81, 84, 86)}
+    assert len(told) == 1
+    assert None not in told
+
+
+class Renamed(PymunkEngine):
+    """Pymunk under a name of its own."""
+
+    @property
+    def name(self) -> str:
+        return "mine"
+
+
+@pytest.mark.parametrize("text", ["near-tie:k=4", "gas:n=4,seed=2"])
+def test_an_engine_is_judged_by_what_it_declares(text: str) -> None:
+    scene = catalogue.build(text)
+    mine, theirs = (compare(scene, [e], events=30) for e in (Renamed(), PymunkEngine()))
+    assert verdict_sentence(mine).replace("mine", "pymunk") == verdict_sentence(theirs)
+    assert mine["mine"].diagnosis is not None
+    told = repr(mine["mine"].diagnosis).replace("mine", "pymunk")
+    assert told == repr(theirs["pymunk"].diagnosis)
+    assert mine["mine"].margin == theirs["pymunk"].margin
+    assert mine["mine"].outcomes == theirs["pymunk"].outcomes
+
+
+def test_what_was_not_tried_is_said_so() -> None:
+    found = one(BULLET, "pymunk:dt=1/131072", causes=True, until=12)
+    if found.diagnosis is not None:
+        step = next(e for e in found.diagnosis.experiments if e.cause is CauseName.STEP)
+        assert step.suffices is None
+        assert step.result.startswith("not tried")
+
+
+def test_a_near_tie_is_no_tie() -> None:
+    found = one(catalogue.build("near-tie:k=4"), "pymunk", causes=True)
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.STEP
+    assert found.margin is not None
+    assert found.margin.gap == pytest.approx((1e-4, 1e-4))
+
+
+def test_a_width_that_suffices_is_found() -> None:
+    found = one(catalogue.build("near-tie:k=40"), "interval", causes=True)
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.WIDTH
+    assert "136 bits" in found.diagnosis.evidence
+    assert len(engine("interval:bits=136").run(catalogue.build("near-tie:k=40")).events) >= 1
+    assert len(engine("interval:bits=135").run(catalogue.build("near-tie:k=40")).events) == 0
+
+
+def test_input_and_arithmetic_are_told_by_their_displacements() -> None:
+    found = one(catalogue.build("gas:seed=14"), "double", causes=True, events=230)
+    assert found.alignment.divergence is not None
+    assert found.alignment.divergence.event == 154
+    assert found.diagnosis is not None
+    by_input, by_arithmetic = found.diagnosis.experiments[:2]
+    assert found.margin is not None
+    assert found.margin.distance is not None
+    assert by_input.displacement is not None
+    assert by_arithmetic.displacement is not None
+    assert abs(by_input.displacement) < found.margin.distance[0] < abs(by_arithmetic.displacement)
+    assert found.diagnosis.sufficient == (CauseName.ARITHMETIC,)
+
+
+def test_one_graze_has_one_cause_and_no_margin() -> None:
+    comparison = compare(catalogue.build("grazing"), ["double", "pymunk"])
+    for candidate in comparison.candidates:
+        assert candidate.diagnosis is not None
+        assert candidate.diagnosis.name is CauseName.INPUT
+        assert candidate.margin is not None
+        assert candidate.margin.distance == (0.0, 0.0)
+        assert "a miss by exactly 0" in (margin_phrase(candidate) or "")
+
+
+def test_the_margin_is_that_of_the_contact_in_question() -> None:
+    found = one(catalogue.build("gas"), "double", causes=True, events=200)
+    assert found.margin is not None
+    assert found.margin.distance is not None
+    assert found.margin.distance[0] == pytest.approx(0.0396, abs=1e-4)
+    assert found.margin.error == pytest.approx(0.0641, abs=1e-3)
+    assert found.margin.ratio == pytest.approx(1.62, abs=0.02)
+    assert found.margin.growth == pytest.approx(0.325, abs=0.01)
+
+
+def test_a_tie_taken_in_another_order_is_a_tie() -> None:
+    for scene in (TIED, LAST):
+        found = one(scene, "double", causes=True, events=2)
+        divergence = found.alignment.divergence
+        assert divergence is not None
+        assert (divergence.kind, divergence.event) == (Kind.TIE, 0)
+        assert found.diagnosis is not None
+        assert found.diagnosis.name is CauseName.TIE
+        assert found.margin is not None
+        assert found.margin.gap == (0.0, 0.0)
+
+
+def test_only_an_engine_that_proves_is_said_to() -> None:
+    comparison = compare(catalogue.build("gas"), ["exact"], reference="double", events=20)
+    assert proof_phrase(comparison) == "double proves nothing: it is taken at its word."
+
+
+def test_what_a_run_has_before_its_end_does_not_depend_on_its_end() -> None:
+    scene = catalogue.build("gas:n=5,seed=6819,mixed=yes")
+    for a, b in ((20, 21), (33, 50)):
+        one_run, other = (engine("pymunk").run(scene, until=until) for until in (a, b))
+        count = len(one_run.events)
+        assert one_run.events == other.events[:count]
+        assert one_run.sample([a - 1.0]).tolist() == other.sample([a - 1.0]).tolist()
+
+
+def test_final_velocities_are_a_consequence() -> None:
+    found = one(catalogue.build("near-tie:k=40"), "double")
+    assert "final_velocities" in found.changed
+
+
+def test_a_break_pattern_is_told_of_racks_only() -> None:
+    assert "break_pattern" not in compare(catalogue.build("gas"), ["double"], events=5).outcomes
+    assert "break_pattern" in compare(catalogue.build("rack:rows=2"), ["double"], events=2).outcomes
+
+
+def test_the_readme_s_cradle_agrees() -> None:
+    assert compare(catalogue.build("cradle"), ["double", "pymunk"]).verdict == "agree"
+    readme = Path(__file__).parents[2].joinpath("README.md").read_text("utf-8")
+    assert "truebreak compare cradle --engines double,pymunk" in readme
+
+
+def test_a_changed_outcome_never_stands_beside_no_change() -> None:
+    comparison = compare(catalogue.build("gas"), ["double"], events=156)
+    candidate = replace(comparison["double"], changed=("break_pattern",))
+    assert comparison.verdict == "agree"
+    assert not verdict_sentence(replace(comparison, candidates=(candidate,))).startswith("Floating point did not")
