@@ -7,18 +7,20 @@ from fractions import Fraction as Q
 import numpy as np
 import pytest
 
-from truebreak.exact import ExactEngine, growth, tangent_laws
-from truebreak.exact.growth import Displacements, error_growth, unit_displacements
+from truebreak.exact import ExactEngine
+from truebreak.exact.laws import tangent as tangent_laws
 from truebreak.exact.laws.derivation import LawError
 from truebreak.exact.laws.formulas import wall_bounce
-from truebreak.exact.tangent_formulas import pair_tangent
+from truebreak.exact.laws.tangent_formulas import pair_tangent
+from truebreak.exact.results import growth
+from truebreak.exact.results.growth import Displacements, error_growth, unit_displacements
 from truebreak.scenarios import Circle, Quantity, Scene, Trajectory, Wall, catalogue
 
 TEXT = tangent_laws.text()
 
 
 def test_the_file_is_current() -> None:
-    assert tangent_laws.FORMULAS.read_text("utf-8") == TEXT, "run: python -m truebreak.exact.tangent_laws"
+    assert tangent_laws.FORMULAS.read_text("utf-8") == TEXT, "run: python -m truebreak.exact.laws.tangent"
 
 
 def test_what_is_written_is_what_the_laws_lead_to() -> None:

@@ -58,7 +58,7 @@ def margin_of(study: Study, lab: Laboratory) -> Margin:
     Raises:
         OutOfTime: if the user's seconds are over.
     """
-    from ...exact.growth import error_growth
+    from ...exact.results.growth import error_growth
 
     divergence = lab.divergence
     gap = distance = None

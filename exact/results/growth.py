@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .laws.formulas import wall_bounce
-from .tangent_formulas import pair_tangent
+from ..laws.formulas import wall_bounce
+from ..laws.tangent_formulas import pair_tangent
 
 if TYPE_CHECKING:
-    from ..scenarios.trajectory import CircleState, Trajectory
+    from ...scenarios.trajectory import CircleState, Trajectory
 
 RESCALED = 2.0**256
 """Displacements larger than this are scaled down, and the scale is noted: a double ends at 2**1024."""
