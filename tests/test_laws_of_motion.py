@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified import decider as cascade
+from truebreak.exact.certified import decider, precision, reading
 from truebreak.exact.certified import prediction as filtered_prediction
 from truebreak.exact.replay import refinable as live
 from truebreak.floating import DoubleEngine, IntervalEngine
@@ -248,8 +248,8 @@ def fingerprint(run):
 def test_the_precision_that_a_run_starts_with_does_not_matter(seed, monkeypatch):
     scene, seen = gas(seed), []
     for first, quick in ((256, 128), (64, 64), (128, 128), (512, 512), (1000, 96)):
-        monkeypatch.setattr(cascade, "FIRST_BITS", first)
-        for module in (cascade, filtered_prediction):
+        monkeypatch.setattr(decider, "FIRST_BITS", first)
+        for module in (filtered_prediction, precision, reading):
             monkeypatch.setattr(module, "QUICK_BITS", quick)
         seen.append(fingerprint(ExactEngine().run(scene, events=150)))
     assert all(one == other for one, other in pairwise(seen))

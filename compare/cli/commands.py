@@ -57,7 +57,7 @@ def scenes(as_json: bool) -> int:
 def show(scene: str, plot: str | None, as_json: bool) -> int:
     """Show a scene: its circles and walls, exactly, and where it comes from."""
     from ..report.listing import print_scene
-    from .scene_argument import scene_from
+    from ..scene_argument import scene_from
 
     loaded = scene_from(scene)
     if plot is not None:
@@ -110,13 +110,17 @@ def run(
     from ..documents.trajectory import trajectory_json
     from ..engines import engine
     from ..report.listing import print_json, print_trajectory
+    from ..scene_argument import changed, with_settings
     from ..validation import check_until
     from .progress import showing_progress
-    from .scene_argument import changed, with_settings
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     chosen = engine(with_settings(engine_text, ties=ties, work=work))
     check_until(chosen, loaded, until)
+    if certificate is not None:
+        from ..certificates import check_certifiable
+
+        check_certifiable(chosen.name, certificate)
     with showing_progress(f"{loaded.name} in {chosen.name}") as progress, time_limit(max_seconds) as watch:
         trajectory = chosen.run(loaded, until=until, events=events, progress=watch.watched(progress))
     if certificate is not None:
@@ -193,8 +197,8 @@ def compare(
     from ..engines import split_engines
     from ..report.listing import print_json
     from ..report.terminal import print_comparison
+    from ..scene_argument import changed, with_settings
     from .progress import showing_progress
-    from .scene_argument import changed, with_settings
     from .writing import check_writable, write_whole
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
@@ -260,9 +264,9 @@ def orders(
     from ..engines import engine
     from ..outcomes.order_search import search_orders
     from ..report.listing import print_json
+    from ..scene_argument import scene_from, with_settings
     from ..validation import check_until
     from .progress import showing_progress
-    from .scene_argument import scene_from, with_settings
 
     loaded, chosen = scene_from(scene), engine(with_settings(engine_text, work=work))
     check_until(chosen, loaded, until)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ...scenarios.scene import Scene
+    from ..scenarios.scene import Scene
 
 FILE_SUFFIXES = (".toml", ".json")
 
@@ -18,12 +18,12 @@ def scene_from(text: str) -> Scene:
     Raises:
         SceneError: if there is no such scene or file, or it is not a valid scene.
     """
-    from ...scenarios import catalogue
+    from ..scenarios import catalogue
 
     name = text.partition(":")[0]
     looks_like_file = text.lower().endswith(FILE_SUFFIXES) or os.sep in text or Path(text).is_file()
     if looks_like_file and name not in catalogue.names():
-        from ...scenarios.files import load_scene
+        from ..scenarios.files import load_scene
 
         return load_scene(text)
     return catalogue.build(text)
@@ -48,7 +48,7 @@ def changed(
     if changes:
         loaded = loaded.with_changes(**changes)
     if symmetric:
-        from ...exact.predicates.scene_symmetry import require_symmetry
+        from ..exact.predicates.scene_symmetry import require_symmetry
 
         require_symmetry(loaded)
     return loaded
