@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from fractions import Fraction
 
 import pytest
 from flint import arb, ctx
@@ -77,14 +78,12 @@ def test_galperin_loses_next_to_nothing():
 
 
 def late_starters(seed: int) -> Scene:
-    """Circles far apart for long, then close together between two walls: times are large, waits are short."""
+    """A circle from afar sends another head on into a wedge: no place is rounded before, every clock is."""
     draw = random.Random(seed)
-    circles = [
-        Circle(x=-(10**6), y=f"{draw.randrange(1, 99)}/100", vx=1, vy=0),
-        Circle(x=0, y=0, vx=f"1/{10**5}", vy=0),
-        Circle(x=4, y=f"{draw.randrange(-99, 99)}/100", vx=0, vy=0, m="3/7"),
-    ]
-    return Scene(circles, [Wall(20, -1, 20, 1), Wall(-1, 3, 1, 3), Wall(-1, -3, 1, -3)])
+    far, tip = 2 ** draw.choice([20, 30, 40]), 4 + Fraction(draw.randrange(1, 100), 101)
+    floor = -Fraction(draw.randrange(200, 300), 103)
+    circles = [Circle(x=-far, y=0, vx=1, vy=0), Circle(x=0, y=0, vx=0, vy=0)]
+    return Scene(circles, [Wall(tip - 3, 3, tip + 3, -3), Wall(-9, floor, 20, floor)])
 
 
 @pytest.mark.parametrize("bits", [64, 100, 200])

@@ -134,11 +134,15 @@ def test_an_engine_is_judged_by_what_it_declares(text: str) -> None:
 
 
 def test_what_was_not_tried_is_said_so() -> None:
-    found = one(BULLET, "pymunk:dt=1/131072", causes=True, until=12)
-    if found.diagnosis is not None:
-        step = next(e for e in found.diagnosis.experiments if e.cause is CauseName.STEP)
-        assert step.suffices is None
-        assert step.result.startswith("not tried")
+    found = one(catalogue.build("near-tie:k=8"), "pymunk:dt=1/524288", causes=True)
+    assert found.diagnosis is not None
+    step = next(e for e in found.diagnosis.experiments if e.cause is CauseName.STEP)
+    assert step.suffices is None
+    assert step.result.startswith("not tried")
+
+
+def test_a_step_that_is_small_enough_agrees() -> None:
+    assert one(BULLET, "pymunk:dt=1/131072", causes=True, until=12).verdict == "agree"
 
 
 def test_a_near_tie_is_no_tie() -> None:

@@ -205,8 +205,7 @@ def test_the_span_is_exact_for_every_order() -> None:
     for limits in ({"events": 2}, {"until": 6}):
         comparison = compare(LAST, ["double"], **limits)  # type: ignore[arg-type]
         found = comparison.permitted
-        if comparison["double"].pattern == pattern(comparison.reference):
-            continue
+        assert comparison["double"].pattern != pattern(comparison.reference)
         assert found is not None
         told = comparison["double"].pattern
         assert told is not None

@@ -13,6 +13,9 @@ from flint import arb, fmpz  # type: ignore[attr-defined]
 from fuzz.referee import FINE, Told, referee
 from fuzz.table import Row, shifted
 from truebreak.exact import ExactEngine
+from truebreak.exact.numbers import ball
+from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.steps import Step
 from truebreak.scenarios import Scene, Trajectory
 
 AGREED, AGREED_FINE = 200, 460
@@ -158,14 +161,32 @@ def compare_states(run: Trajectory, told: Told) -> None:
         raise Difference(f"at({text!r}) is outside of the run and gives a state")
 
 
+FEW_BITS = (64, 100, 200)
+"""Precisions at which a log is replayed, each of which must hold what `MANY_BITS` tell."""
+MANY_BITS = 1500
+
+
 def narrower_holds_wider(run: Trajectory) -> None:
-    """What few bits tell of a time, and of a place at it, holds what many tell."""
-    for event in run.events[-3:]:
-        asked = [event.time, run.at(event.time).circles[-1].x]
-        for number in asked:
-            ball = getattr(number, "ball", None)
-            if ball is not None:
-                expect(ball(200).overlaps(ball(600)), f"event {event.index}: 200 bits and 600 tell different numbers")
+    """The instants of a log, replayed with few bits, hold those replayed with many."""
+    log = getattr(run.motion, "log", None)
+    if log is None:
+        return
+    steps = log.steps[:40]
+    wider = _instants(run.scene, steps, MANY_BITS)
+    for bits in FEW_BITS:
+        for k, (few, many) in enumerate(zip(_instants(run.scene, steps, bits), wider, strict=True)):
+            with ball.precision(2 * MANY_BITS):
+                apart = bool(few < many) or bool(few > many)
+            expect(not apart, f"step {k} of the log: {bits} bits and {MANY_BITS} tell different instants")
+
+
+def _instants(scene: Scene, steps: Iterable[Step], bits: int) -> list[arb]:
+    with ball.precision(bits):
+        state, found = BallState(scene), []
+        for step in steps:
+            state.do(step)
+            found.append(state.instant)
+    return found
 
 
 def _is_just(time: fmpz, text: str, bits: int) -> bool:
@@ -232,10 +253,10 @@ def enclosed(mine: Any, theirs: fmpz, told: Told, where: str) -> None:
     """The enclosure at hand, and one of a few more bits, hold the number, up to the witness's own rounding."""
     rounding = arb((1, -(told.bits // 2)))
     stored = [mine.near] if isinstance(getattr(mine, "near", None), arb) else []
-    for ball in [*stored, mine.ball(agreed_bits(told) + 40)]:
-        off = abs(told.number(theirs) - ball.mid())
-        least = (off - ball.rad() - rounding * (1 + off + abs(ball.mid()))).lower()
-        expect(not least > 0, f"{where}: {ball.str(20)} does not hold {shown(theirs, told)}")
+    for enclosure in [*stored, mine.ball(agreed_bits(told) + 40)]:
+        off = abs(told.number(theirs) - enclosure.mid())
+        least = (off - enclosure.rad() - rounding * (1 + off + abs(enclosure.mid()))).lower()
+        expect(not least > 0, f"{where}: {enclosure.str(20)} does not hold {shown(theirs, told)}")
 
 
 def expect_same_time(mine: Any, theirs: fmpz, told: Told, where: str) -> None:

@@ -256,6 +256,11 @@ def late(draw: Random) -> Draft:
 
     There a clock, of few bits at a late time, stands beside its instant by more than the instant's radius.
     """
+    return draw.choice([late_blow, late_wedge])(draw)
+
+
+def late_blow(draw: Random) -> Draft:
+    """A circle from afar, and two others between walls."""
     far = 10 ** draw.choice([3, 6, 9, 12])
     bodies = [
         Body(-far, F(draw.randrange(1, 99), 100), vx=1),
@@ -264,3 +269,11 @@ def late(draw: Random) -> Draft:
     ]
     walls = [(20, -1, 20, 1), (-1, 3, 1, 3), (-1, -3, 1, draw.choice([-3, F(-29, 10)]))]
     return Draft(bodies, walls, events=draw.randrange(4, 14))
+
+
+def late_wedge(draw: Random) -> Draft:
+    """A circle from afar sends another head on into a wedge: no place is rounded before a wall, every clock is."""
+    far, tip = 2 ** draw.choice([20, 30, 40]), 4 + F(draw.randrange(1, 100), 101)
+    floor = -F(draw.randrange(200, 300), 103)
+    walls = [(tip - 3, 3, tip + 3, -3), (-9, floor, 20, floor)]
+    return Draft([Body(-far, 0, vx=1), Body(0, 0)], walls, events=draw.randrange(5, 14))

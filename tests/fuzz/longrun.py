@@ -6,6 +6,7 @@ import argparse
 import faulthandler
 import json
 import multiprocessing
+import signal
 import sys
 import time as clock
 from collections import Counter, defaultdict
@@ -23,16 +24,21 @@ from truebreak.exact import ExactEngine
 from truebreak.scenarios.files.writer import dump_toml
 
 PATIENCE = 60.0
-"""Seconds after which a scene counts as a hang."""
+"""Seconds of processor time after which a scene counts as a hang: on a loaded machine no sooner than on an idle one."""
+ASLEEP = 20
+"""A scene that has not ended after so many times that, by the clock on the wall, waits: a hang as well."""
 OUTCOMES = ("ok", "undecided", "budget", "failure", "interval", "hang", "skipped")
 BAD = ("failure", "interval", "hang")
 
 
-def work(pipe: Connection) -> None:
-    """A worker: takes (kind, seed), gives back a verdict, until it is sent None."""
+def work(pipe: Connection, patience: float) -> None:
+    """A worker: takes (kind, seed), gives back a verdict, until it is sent None; a hang ends it by a signal."""
     try:
         while (task := pipe.recv()) is not None:
-            pipe.send(examine(*task))
+            signal.setitimer(signal.ITIMER_PROF, patience)
+            verdict = examine(*task)
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            pipe.send(verdict)
     except (EOFError, KeyboardInterrupt):
         return
 
@@ -40,9 +46,9 @@ def work(pipe: Connection) -> None:
 class Worker:
     """One process, what it does and since when."""
 
-    def __init__(self) -> None:
+    def __init__(self, patience: float) -> None:
         self.pipe, end = multiprocessing.Pipe()
-        self.process = multiprocessing.Process(target=work, args=(end,), daemon=True)
+        self.process = multiprocessing.Process(target=work, args=(end, patience), daemon=True)
         self.process.start()
         end.close()
         self.task: tuple[str, int] | None = None
@@ -53,6 +59,13 @@ class Worker:
         self.task, self.since = task, clock.monotonic()
         self.pipe.send(task)
 
+    def died(self, patience: float) -> tuple[str, str]:
+        """The outcome of a process that is no more, and what to say of it."""
+        self.process.join()
+        if self.process.exitcode == -signal.SIGPROF:
+            return "hang", f"no end in {patience:g} seconds of processor time"
+        return "failure", "the process died"
+
     def end(self) -> None:
         """Ends the process, whatever it does."""
         self.process.kill()
@@ -61,7 +74,7 @@ class Worker:
 
 def stress(tasks: Iterator[tuple[str, int]], jobs: int, patience: float) -> Iterator[Verdict]:
     """The verdicts on all tasks as they come: too long is a hang, a worker that dies a failure."""
-    workers = [Worker() for _ in range(jobs)]
+    workers = [Worker(patience) for _ in range(jobs)]
     try:
         for worker in workers:
             if (task := next(tasks, None)) is not None:
@@ -78,14 +91,15 @@ def stress(tasks: Iterator[tuple[str, int]], jobs: int, patience: float) -> Iter
                     try:
                         verdict = worker.pipe.recv()
                     except EOFError:
-                        verdict = Verdict(kind, seed, "failure", 0, seconds, "the process died")
-                elif seconds > patience:
-                    verdict = Verdict(kind, seed, "hang", 0, seconds, f"no end in {patience:g} seconds")
+                        outcome, message = worker.died(patience)
+                        verdict = Verdict(kind, seed, outcome, 0, seconds, message)
+                elif seconds > ASLEEP * patience:
+                    verdict = Verdict(kind, seed, "hang", 0, seconds, f"no end in {ASLEEP * patience:g} seconds")
                 if verdict is None:
                     continue
                 if verdict.outcome == "hang" or not worker.process.is_alive():
                     worker.end()
-                    worker = workers[place] = Worker()
+                    worker = workers[place] = Worker(patience)
                 worker.task = None
                 yield verdict
                 if (task := next(tasks, None)) is not None:
@@ -202,7 +216,7 @@ def main() -> int:
     parser.add_argument("--out", default="fuzz.jsonl", help="the verdicts, one a line; a second call goes on")
     parser.add_argument("--kinds", help="comma-separated; all if left out")
     parser.add_argument("--start", type=int, default=0, help="the first seed")
-    parser.add_argument("--patience", type=float, default=PATIENCE, help="seconds until a scene counts as a hang")
+    parser.add_argument("--patience", type=float, default=PATIENCE, help="seconds of processor time until a hang")
     parser.add_argument("--report", action="store_true", help="only print the counts of --out")
     parser.add_argument("--replay", nargs=2, metavar=("KIND", "SEED"))
     options = parser.parse_args()
