@@ -103,7 +103,6 @@ def circles() -> list[frozenset[str]]:
 
 
 KNOWN_CIRCLES = [
-    frozenset({"compare.candidate", "compare.causes.laboratory", "compare.causes.margin", "compare.causes.stops"}),
     frozenset({"floating.pymunk_engine", "floating.pymunk_run"}),
 ]
 """Not mended yet: this list may only shrink."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
+from ...scenarios.numbers.real import real
 from .amounts import bounds, double, plain
 from .exact_texts import ExactTexts
 
@@ -106,7 +107,7 @@ def state_json(state: State, texts: ExactTexts | None = None) -> dict[str, Any]:
     return data
 
 
-def put(row: dict[str, Any], key: str, value: Any, texts: ExactTexts | None) -> None:
+def put(row: dict[str, Any], key: str, value: SupportsFloat, texts: ExactTexts | None) -> None:
     """Puts one number into a row: the nearest double, bounds if it is an interval, exact text if asked for.
 
     >>> row = {}
@@ -115,8 +116,9 @@ def put(row: dict[str, Any], key: str, value: Any, texts: ExactTexts | None) -> 
     {'x': 0.5, 'x_exact': '1/2'}
     """
     row[key] = double(value)
-    interval = bounds(value)
+    number = real(value)
+    interval = bounds(number)
     if interval is not None:
         row[f"{key}_interval"] = list(interval)
     elif texts is not None:
-        texts.put(row, key, value)
+        texts.put(row, key, number)

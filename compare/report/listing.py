@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ..documents.amounts import bounds, double, exact_text
+from ...scenarios.numbers.real import real
+from ..documents.amounts import bounds, double
 from .sentences import counted
 
 if TYPE_CHECKING:
@@ -215,17 +216,17 @@ def events_table(trajectory: Trajectory, exact: bool) -> Table:
     return table
 
 
-def number(value: Any, exact: bool) -> str:
+def number(value: SupportsFloat, exact: bool) -> str:
     """A number for people: exact text if asked for, bounds of an interval, else the nearest double.
 
     >>> number(0.5, True), number(0.1, False)
     ('1/2', '0.1')
     """
-    ends = bounds(value)
+    ends = bounds(real(value))
     if ends is not None and ends[0] != ends[1]:
         return f"[{ends[0]:.17g}, {ends[1]:.17g}]"
     if exact:
-        text = exact_text(value)
+        text = real(value).text()
         if text is not None:
             return cut(text)
     nearest = double(value)

@@ -14,7 +14,7 @@ from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
 from truebreak.floating import PymunkEngine
-from truebreak.scenarios import Circle, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Scene, StopReason, Wall, catalogue
 
 BULLET = Scene(
     [Circle(0, 0, "1/1000", vx=10, id="bullet"), Circle("100.0625", 0, "1/1000", id="target")], name="bullet"
@@ -154,12 +154,17 @@ def test_a_near_tie_is_no_tie() -> None:
 
 
 def test_a_width_that_suffices_is_found() -> None:
-    found = one(catalogue.build("near-tie:k=40"), "interval", causes=True)
+    scene = catalogue.build("near-tie:k=40")
+    found = one(scene, "interval", causes=True)
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.WIDTH
-    assert "136 bits" in found.diagnosis.evidence
-    assert len(engine("interval:bits=136").run(catalogue.build("near-tie:k=40")).events) >= 1
-    assert len(engine("interval:bits=135").run(catalogue.build("near-tie:k=40")).events) == 0
+    told = found.diagnosis.evidence
+    assert "with 136 bits it goes on past event 0, with 135 it does not" in told
+    assert "with 139 it comes to the end, with 138 it does not" in told
+    runs = {bits: engine(f"interval:bits={bits}").run(scene) for bits in (135, 136, 138, 139, 163)}
+    assert [len(run.events) >= 1 for run in runs.values()] == [False, True, True, True, True]
+    quiet = [run.stop.reason is StopReason.QUIET for run in runs.values()]
+    assert quiet == [False, False, False, True, True]
 
 
 def test_input_and_arithmetic_are_told_by_their_displacements() -> None:
