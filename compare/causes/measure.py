@@ -47,7 +47,8 @@ def _together(lab: Laboratory) -> arb | None:
     events, event = lab.reference.events, lab.divergence.event
     if event < len(events):
         pairs = {frozenset(pair) for pair in events[event].contacts}
-        if {frozenset((p.body, p.partner)) for p in (lab.decision.first, lab.decision.second)} <= pairs:
+        asked = {frozenset((p.body, p.partner)) for p in (lab.decision.first, lab.decision.second)}
+        if len(asked) == 2 and asked <= pairs:
             return arb(0)
     return None
 
