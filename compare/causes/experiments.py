@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from flint import arb  # type: ignore[attr-defined]
 
@@ -17,6 +19,9 @@ from .laboratory import ROUNDING_SHARE, Laboratory, verb
 from .reader import Reader
 from .rounding import rounded, shifted
 from .stepped import stepped
+
+if TYPE_CHECKING:
+    from ...scenarios.event import Contact
 
 MODEL_FACTOR = 2.0**16
 """An engine whose numbers are this many times farther off than those of doubles does not only round: rounding in
@@ -63,21 +68,32 @@ def _tie(lab: Laboratory) -> Experiment:
     else:
         names = {divergence.got, divergence.expected} - {None}
     here = events[divergence.event] if divergence.event < len(events) else None
-    together = {name for pair in here.contacts for name in pair} if here is not None else set()
-    exact = here is not None and here.coupled and divergence.body in together and names <= together and len(names) > 0
-    if not exact:
+    cluster = _cluster(lab, [] if here is None or not here.coupled else here.contacts)
+    together = {name for pair in cluster for name in pair}
+    if len(cluster) < 2 or not names or not names <= together:
         return Experiment(CauseName.TIE, "no contacts of one exact instant are in question", None, False)
-    assert here is not None
     policy = lab.study.scene.tie_policy
     own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow {policy}"
     return Experiment(
         CauseName.TIE,
-        f"{len(here.contacts)} contacts fall on exactly one instant, the order of their impulses matters, and "
+        f"{len(cluster)} contacts fall on exactly one instant, the order of their impulses matters, and "
         f"{lab.name} has another{own}",
         None,
         True,
         1.0,
     )
+
+
+def _cluster(lab: Laboratory, contacts: Sequence[Contact]) -> list[Contact]:
+    """Those contacts of an instant that hang together with the body in question through circles that can move."""
+    movable = lab.candidate.alignment.walks
+    names, found = {lab.divergence.body}, [pair for pair in contacts if lab.divergence.body in pair]
+    while True:
+        names |= {name for pair in found for name in pair if name in movable}
+        more = [pair for pair in contacts if names & {*pair}]
+        if len(more) == len(found):
+            return found
+        found = more
 
 
 def _input(lab: Laboratory) -> tuple[Reader | None, Experiment]:
