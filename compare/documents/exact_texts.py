@@ -9,6 +9,7 @@ from flint import arb
 
 from ...exact.results.value import ExactValue
 from ...scenarios.numbers.real import Real
+from ..deadline import Clock
 
 NORMAL_WORK = 5_000_000
 """What one document may spend on normal forms, in units of about a microsecond that are counted, not timed, so that
@@ -34,10 +35,12 @@ class ExactTexts:
 
     Attributes:
         work: units left for normal forms.
+        watch: the user's seconds: once they are over, values are given by definitions, which is quick.
         deep: rows, keys and values to be given by definitions.
     """
 
     work: int = NORMAL_WORK
+    watch: Clock = field(default_factory=lambda: Clock(None))
     deep: list[tuple[dict[str, Any], str, ExactValue]] = field(default_factory=list)
     _failed: dict[tuple[int, ...], int] = field(default_factory=dict)
 
@@ -62,8 +65,10 @@ class ExactTexts:
 
         A circle whose state had none earlier has none later.
         """
-        if self.work <= 0 or any(
-            value.upto >= upto and set(bodies) <= set(value.bodies) for bodies, upto in self._failed.items()
+        if (
+            self.work <= 0
+            or self.watch.over
+            or any(value.upto >= upto and set(bodies) <= set(value.bodies) for bodies, upto in self._failed.items())
         ):
             return None
         text = value.text()

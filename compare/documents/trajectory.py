@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ...scenarios.numbers.real import real
+from ..deadline import Clock
 from .amounts import bounds, double, plain
 from .exact_texts import ExactTexts
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 TRAJECTORY_SCHEMA = "truebreak/trajectory-1"
 
 
-def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str, Any]:
+def trajectory_json(trajectory: Trajectory, *, exact: bool = False, watch: Clock | None = None) -> dict[str, Any]:
     """The object that `truebreak run --json` prints.
 
     Times and coordinates are the nearest doubles; null stands for one beyond the doubles. An engine of
@@ -24,8 +25,9 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
     Args:
         exact: add each time and coordinate as exact text, under `..._exact`. Values of too many nested roots
             refer to `definitions`, each a text of numbers and of the definitions before it.
+        watch: the user's seconds; once they are over, every value that is left does.
     """
-    texts = ExactTexts() if exact else None
+    texts = ExactTexts(watch=watch or Clock(None)) if exact else None
     data: dict[str, Any] = {
         "schema": TRAJECTORY_SCHEMA,
         "scene": scene_json(trajectory),

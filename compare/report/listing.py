@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ...scenarios.event import Event
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
+    from ..deadline import Clock
 
 PLAIN_WIDTH = 110
 """Columns of a table where the output is not a terminal."""
@@ -164,8 +165,12 @@ def cut(text: str) -> str:
     return text if len(text) <= SHOWN_DIGITS else f"{text[:SHOWN_DIGITS]}... ({len(text):,} characters)"
 
 
-def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
-    """A run: why it stopped, its events, its final state."""
+def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> None:
+    """A run: why it stopped, its events, its final state.
+
+    Args:
+        exact: whether numbers are told as exact text, as long as the user's seconds last.
+    """
     from rich.markup import escape
 
     out = console()
@@ -185,10 +190,10 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
     if trajectory.assumptions:
         for assumption in trajectory.assumptions[:1]:
             say(out, str(assumption), "bold yellow")
-    out.print(events_table(trajectory, exact))
+    out.print(events_table(trajectory, exact, watch))
     table = grid("circle", "x", "y", "vx", "vy", title="at the end")
     for circle in trajectory.final.circles:
-        cells = [number(getattr(circle, key), exact) for key in ("x", "y", "vx", "vy")]
+        cells = [number(getattr(circle, key), exact and not watch.over) for key in ("x", "y", "vx", "vy")]
         table.add_row(escape(circle.id), *map(escape, cells))
     out.print(table)
     if trajectory.plan:
@@ -196,7 +201,7 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
         say(out, f"plan: {told}")
 
 
-def events_table(trajectory: Trajectory, exact: bool) -> Table:
+def events_table(trajectory: Trajectory, exact: bool, watch: Clock) -> Table:
     """The first and last events of a run."""
     from rich.markup import escape
 
@@ -212,7 +217,9 @@ def events_table(trajectory: Trajectory, exact: bool) -> Table:
             continue
         contacts = " ".join(f"{a}-{b}" for a, b in event.contacts)
         impulses = " ".join(f"{a}-{b}" for a, b in event.impulses) if event.impulses != event.contacts else ""
-        table.add_row(str(event.index), escape(number(event.time, exact)), escape(contacts), escape(impulses))
+        table.add_row(
+            str(event.index), escape(number(event.time, exact and not watch.over)), escape(contacts), escape(impulses)
+        )
     return table
 
 
