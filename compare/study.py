@@ -123,7 +123,7 @@ class Study:
         mine, run = self.reference, self.run(engine, self.scene, asked, progress)
         finer = self._series(engine)
         while True:
-            alignment = align(mine, run, span=self.span, step=step, patience=patience, finer=finer)
+            alignment = align(mine, run, span=self.span, step=step, bits=engine.bits, patience=patience, finer=finer)
             wanted, past = alignment.wanted, past * FARTHER
             longer, goal = None, None
             if wanted.reference is not None:

@@ -14,18 +14,15 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ..alignment.align import align
+from ..alignment.impulse_order import DOUBLE_BITS
 from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
-from .laboratory import ROUNDING_SHARE, Laboratory, verb
+from .laboratory import Laboratory, verb
 from .reader import Reader
 from .rounding import rounded, shifted
 from .stepped import stepped
 
 if TYPE_CHECKING:
     from ...scenarios.event import Contact
-
-MODEL_FACTOR = 2.0**16
-"""An engine whose numbers are this many times farther off than those of doubles does not only round: rounding in
-another order of operations changes an error by its digits, not by five orders of magnitude."""
 
 SMALLER = 200
 """Halvings by which the input's rounding is made small, so that the exact run on it stays in the same history."""
@@ -166,7 +163,7 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
             assert lab.margin is not None
             flips = lab.changes(lab.margin + arb(moved))
             return [Experiment(CauseName.ARITHMETIC, f"what is left of its error {verb(moved, flips)}", moved, flips)]
-        rest = align(entered.run, lab.candidate.trajectory, span=lab.span, instants=True)
+        rest = align(entered.run, lab.candidate.trajectory, span=lab.span, bits=lab.engine.bits)
         leaves = rest.divergence is not None and rest.divergence.time <= lab.divergence.time
         told = f"{what} {'leaves it before or there' if leaves else 'does not leave it up to there'}"
         return [Experiment(CauseName.ARITHMETIC, told, moved, leaves)]
@@ -189,7 +186,7 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
             )
         )
         return rows
-    if abs(float(lab.got.mid())) > ROUNDING_SHARE * max(lab.scale, lab.divergence.time):
+    if abs(float(lab.got.mid())) > lab.by_rounding(start):
         clear = f"{what}: its flights up to the contact decide as the exact ones do, and clearly"
         return [Experiment(CauseName.ARITHMETIC, clear, moved, False)]
     last = f"{what}: its flights up to the contact would decide as the exact ones do; its decision rounds otherwise"
@@ -198,21 +195,10 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
 
 def _other_law(lab: Laboratory, start: arb | None) -> bool:
     """Whether the engine is farther off than doubles by more than rounding in another order can explain."""
-    from ..engines import engine
-
-    if lab.decision is None or start is None or lab.engine.bits is None or lab.engine.bits < 53:
-        return False
-    control = engine("double")
-    if type(control) is type(lab.engine):
-        return False
-    run = lab.study.run(control, lab.study.scene, lab.until(None), lab.progress)
-    value = lab.reader(run, lab.given, None).value(lab.decision)
     off = lab.moved(lab.got, start)
-    by_doubles = lab.moved(value, start)
-    if off is None or by_doubles is None:
+    if off is None or lab.engine.bits is None or lab.engine.bits < DOUBLE_BITS or lab.of_doubles(start) is None:
         return False
-    least = lab.scale * 2.0**-50
-    return abs(off) > MODEL_FACTOR * max(abs(by_doubles), least)
+    return abs(off) > lab.by_rounding(start)
 
 
 def _model(lab: Laboratory) -> Experiment:
