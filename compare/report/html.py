@@ -10,6 +10,7 @@ from markupsafe import Markup
 from .picture import STYLE, divergence_picture, scene_picture
 from .plot import separation_plot
 from .sentences import (
+    consequence_phrase,
     counted,
     divergence_phrase,
     experiment_rows,
@@ -112,6 +113,7 @@ def _divergence(comparison: Comparison, candidate: Candidate) -> dict[str, Any]:
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
         "evidence": sentence_case(candidate.diagnosis.evidence) if candidate.diagnosis else "",
         "pattern": pattern_phrase(comparison, candidate),
+        "consequence": consequence_phrase(comparison, candidate),
         "margin": margin_phrase(candidate),
         "experiments": experiment_rows(candidate),
         "rows": side_by_side(comparison, candidate),
