@@ -1,7 +1,7 @@
 // Rounds of impulses at one instant: step 4 of docs/certificates.md.
 
 import { bitLength, Refuted, Undecided } from './outcome.mjs'
-import { sign } from './interval.mjs'
+import { isZero, sign } from './interval.mjs'
 import { AT_START, metThen } from './replay.mjs'
 
 /** Groups of contacts that hang together through circles, fixed ones included; contacts in the scene order. */
@@ -44,15 +44,17 @@ export class Rounds {
     const { standing, rounds, loose } = this.instant
     const all = [...standing.values()].filter(({ contact }) => !this.scene.isPocket(contact))
     all.sort((a, b) => this.scene.key(a.contact) - this.scene.key(b.contact))
-    for (const group of groups(all.map(({ contact }) => contact), this.scene)) {
-      if (!group.some((contact) => this.#sign(contact) < 0)) continue
+    const least = (group) => group.find((contact) => this.#sign(contact) < 0)
+    const active = groups(all.map(({ contact }) => contact), this.scene).filter(least)
+    active.sort((a, b) => this.scene.key(least(a)) - this.scene.key(least(b)))
+    for (const group of active) {
       const circles = new Set(group.flatMap((contact) => this.scene.circlesOf(contact)))
       for (const contact of loose) {
         if (this.scene.circlesOf(contact).some((i) => circles.has(i))) {
           throw new Undecided(`whether [${contact}] grazes at this instant`)
         }
       }
-      this.#group(group, circles)
+      this.#group(group, circles, least(group))
     }
     if (this.next < rounds.length) throw new Refuted('impulses where nothing approaches')
   }
@@ -61,10 +63,9 @@ export class Rounds {
     return this.instant.standing.get(this.scene.key(contact)).sign
   }
 
-  #group(group, circles) {
+  #group(group, circles, least) {
     const { at, time, rounds } = this.instant
     const { flights } = this.check
-    const least = group.find((contact) => this.#sign(contact) < 0)
     this.when = this.instant.clock ?? (at === 0 ? AT_START : metThen(least, this.check.log))
     this.places = new Map([...circles].map((i) => [i, this.check.fine.place(flights[i], time, at)]))
     this.speeds = new Map([...circles].map((i) => [i, [flights[i].vx, flights[i].vy]]))
@@ -218,21 +219,26 @@ export class Rounds {
     return sum
   }
 
-  /** The solution of G s = -2u, by elimination without fractions (Bareiss), so that dyadic solutions stay exact. */
+  /** The solution of G s = -2u. */
   #impulses(push, arms) {
     const f = this.fixed
     const rows = arms.map((a) => [...arms.map((b) => this.#coupling(a, b)), f.neg(f.twice(this.#speed(a)))])
+    const exact = rows.every((row) => row.every((x) => x.r === 0n))
     const n = rows.length
     let last = f.whole(1)
     for (let k = 0; k < n; k++) {
-      if (sign(rows[k][k]) !== 1) throw new Undecided(`whether the impulses of [${push[k]}] are unique`)
+      const pivot = rows[k][k]
+      if (sign(pivot) !== 1) throw new Undecided(`whether the impulses of [${push[k]}] are unique`)
       for (let i = k + 1; i < n; i++) {
+        const factor = rows[i][k]
         for (let j = k + 1; j <= n; j++) {
-          const minor = f.sub(f.mul(rows[k][k], rows[i][j]), f.mul(rows[i][k], rows[k][j]))
-          rows[i][j] = f.div(minor, last)
+          // Without fractions (Bareiss) what is exact stays so; where nothing is, they cost fewer bits.
+          const product = f.mul(factor, rows[k][j])
+          if (exact) rows[i][j] = f.div(f.sub(f.mul(pivot, rows[i][j]), product), last)
+          else if (!isZero(product)) rows[i][j] = f.sub(rows[i][j], f.div(product, pivot))
         }
       }
-      last = rows[k][k]
+      last = pivot
     }
     const s = []
     for (let k = n - 1; k >= 0; k--) {
