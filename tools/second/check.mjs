@@ -257,7 +257,7 @@ export class Check {
     if (!wanted && told.reversal) throw new Refuted('a reversal is told that does not fall on it')
     const last = wanted ? this.#reverse(instant, told.reversal) : instant
     const changed = wanted ? this.#movable() : instant.pushed
-    const all = instant.at === 0 ? this.scene.circles.keys() : new Set([...changed, ...this.captured])
+    const all = new Set(instant.at === 0 ? this.scene.circles.keys() : [...changed, ...this.captured])
     this.sweep.update(all, new Set([...instant.standing.keys(), ...instant.rims.keys(), ...last.shut]))
   }
 
@@ -282,7 +282,10 @@ export class Check {
   #last({ standing, pushed, witnesses }, all) {
     const { lasting } = this.sweep
     for (const [key, { contact, sign: closing }] of standing) {
-      if (!all && !this.scene.circlesOf(contact).some((i) => pushed.has(i))) continue
+      if (!all && !this.scene.circlesOf(contact).some((i) => pushed.has(i))) {
+        if (lasting.has(key)) witnesses.shows('together', contact)
+        continue
+      }
       if (closing === 0 && this.#stays(contact, witnesses)) lasting.set(key, contact)
       else lasting.delete(key)
     }

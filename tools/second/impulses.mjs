@@ -195,10 +195,9 @@ export class Rounds {
       weight = w[i]
     }
     const up = BigInt(Math.max(0, Math.ceil((f.bits - bitLength(square.m)) / 2)))
-    const longer = (x, n) => ({ m: x.m << n, r: x.r << n })
     return {
-      ends: ends.map((end) => ({ i: end.i, x: longer(end.x, up), y: longer(end.y, up) })),
-      diagonal: f.mul(weight, longer(square, 2n * up)),
+      ends: ends.map((end) => ({ i: end.i, x: f.shifted(end.x, up), y: f.shifted(end.y, up) })),
+      diagonal: f.mul(weight, f.shifted(square, 2n * up)),
     }
   }
 

@@ -64,14 +64,7 @@ export class Fixed {
 
   /** The same number, given with other bits. */
   from(x, bits) {
-    if (bits <= this.bits) {
-      const up = BigInt(this.bits - bits)
-      return { m: x.m << up, r: x.r << up }
-    }
-    const down = BigInt(bits - this.bits)
-    const m = x.m >> down
-    const lost = m << down === x.m ? 0n : 1n
-    return { m, r: -(-x.r >> down) + lost }
+    return this.shifted(x, BigInt(this.bits - bits))
   }
 
   add(x, y) {
@@ -88,6 +81,13 @@ export class Fixed {
 
   twice(x) {
     return { m: x.m << 1n, r: x.r << 1n }
+  }
+
+  /** x times 2**n. */
+  shifted(x, n) {
+    if (n >= 0n) return { m: x.m << n, r: x.r << n }
+    const m = x.m >> -n
+    return { m, r: -(-x.r >> -n) + (m << -n === x.m ? 0n : 1n) }
   }
 
   mul(x, y) {

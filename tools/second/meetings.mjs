@@ -4,6 +4,7 @@
 // negative, but for a centre inside a pocket; that is shown by the steps before, and used here.
 
 import { lower, sign, upper } from './interval.mjs'
+import { bitLength } from './outcome.mjs'
 import { Constants } from './scene.mjs'
 
 /** Bits after the point of times of which only a lower bound is kept. */
@@ -43,7 +44,10 @@ export class Geometry {
     return this.sides(i, wall) > 0 ? [nx, ny] : [this.fixed.neg(nx), this.fixed.neg(ny)]
   }
 
-  /** Gap and closing at the later start t, and for circles v.v and the discriminant as well. */
+  /**
+   * What the table needs, at the later start t; of a wall the gap and the closing speed, else d, v, the reach and d.v.
+   * Slow flights are seen in a faster unit of time, 2**up of the scene's, lest the squares of their speeds lose bits.
+   */
   measures([i, j], flights) {
     const f = this.fixed
     const first = this.#here(flights[i])
@@ -53,7 +57,7 @@ export class Geometry {
       const { x, y, length } = this.constants.walls[wall]
       const height = f.dot(nx, ny, f.sub(first.x, x), f.sub(first.y, y))
       const gap = f.sub(height, f.mul(this.constants.r[i], length))
-      return { t: first.t, gap, closing: f.dot(nx, ny, first.vx, first.vy) }
+      return { t: first.t, up: 0n, gap, closing: f.dot(nx, ny, first.vx, first.vy) }
     }
     const second = j >= 0 ? this.#here(flights[j]) : this.constants.pockets[-1 - j]
     const later = j >= 0 && second.at > first.at ? second : first
@@ -61,10 +65,11 @@ export class Geometry {
     const [px, py] = this.place(first, t, at)
     const [qx, qy] = j >= 0 ? this.place(second, t, at) : [second.x, second.y]
     const [dx, dy] = [f.sub(qx, px), f.sub(qy, py)]
-    const vx = j >= 0 ? f.sub(second.vx, first.vx) : f.neg(first.vx)
-    const vy = j >= 0 ? f.sub(second.vy, first.vy) : f.neg(first.vy)
+    const slow = j >= 0 ? [f.sub(second.vx, first.vx), f.sub(second.vy, first.vy)] : [f.neg(first.vx), f.neg(first.vy)]
+    const up = BigInt(Math.max(0, f.bits - Math.max(...slow.map((v) => bitLength(v.m)))))
+    const [vx, vy] = slow.map((v) => f.shifted(v, up))
     const reach = j >= 0 ? f.add(this.constants.r[i], this.constants.r[j]) : second.r
-    return { t, dx, dy, vx, vy, reach, closing: f.dot(dx, dy, vx, vy) }
+    return { t, up, dx, dy, vx, vy, reach, closing: f.dot(dx, dy, vx, vy) }
   }
 
   /** The gap of what has been measured. */
@@ -83,7 +88,7 @@ export class Geometry {
       if (closing === undefined) return { kind: 'doubt', ...found }
       return { kind: 'hit', ...found, time: f.sub(found.t, f.div(found.gap, found.closing)) }
     }
-    const { t, dx, dy, vx, vy, reach } = found
+    const { t, up, dx, dy, vx, vy, reach } = found
     found.speed = f.add(f.square(vx), f.square(vy))
     const square = f.square(reach)
     const cross = f.sub(f.mul(dx, vy), f.mul(dy, vx))
@@ -93,7 +98,8 @@ export class Geometry {
     if (contact[1] < 0 && sign(found.gap) === -1) return { kind: 'never' }
     if (closing === undefined) return { kind: 'doubt', ...found }
     if (sign(discriminant) === 1) {
-      const time = f.add(t, f.div(found.gap, f.sub(f.sqrt(discriminant), found.closing)))
+      const rate = f.sub(f.sqrt(discriminant), found.closing)
+      const time = f.add(t, f.div(f.shifted(found.gap, up), rate))
       return { kind: 'hit', ...found, time }
     }
     if (sign(discriminant) === 0) return { kind: 'graze', ...found, time: this.grazeTime(found) }
@@ -101,8 +107,8 @@ export class Geometry {
   }
 
   /** When two flights that graze do so, closing < 0. */
-  grazeTime({ t, closing, speed }) {
-    return this.fixed.sub(t, this.fixed.div(closing, speed))
+  grazeTime({ t, up, closing, speed }) {
+    return this.fixed.sub(t, this.fixed.div(this.fixed.shifted(closing, up), speed))
   }
 
   /** A bound with CLEAR_BITS: nothing meets from the start up to it and at it. */
@@ -114,16 +120,16 @@ export class Geometry {
     const speed = fastest(meeting.closing)
     if (speed === 0n) return null
     // gap - 2 |closing| s > 0 for all s below gap / (2 |closing|)
-    return coarse(lower(meeting.t) + (gap << f.shift) / (2n * speed), f.bits) - 1n
+    return coarse(lower(meeting.t) + (gap << (f.shift + meeting.up)) / (2n * speed), f.bits) - 1n
   }
 
   /** Whether a meeting in doubt has not come by a time at or after its start. */
   notBy(meeting, time) {
     const f = this.fixed
     const since = upper(time) - lower(meeting.t)
-    if ((lower(meeting.gap) << f.shift) > 2n * fastest(meeting.closing) * (since > 0n ? since : 0n)) return true
+    if ((lower(meeting.gap) << (f.shift + meeting.up)) > 2n * fastest(meeting.closing) * (since > 0n ? since : 0n)) return true
     if (!meeting.speed) return false
-    const s = f.sub(time, meeting.t)
+    const s = f.shifted(f.sub(time, meeting.t), -meeting.up)
     const gained = f.mul(meeting.speed, s)
     if (sign(f.add(meeting.closing, gained)) !== -1) return false
     const gap = f.add(meeting.gap, f.mul(s, f.add(f.twice(meeting.closing), gained)))

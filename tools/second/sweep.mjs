@@ -175,6 +175,7 @@ export class Sweep {
     for (const i of changed) {
       for (const contact of this.#contactsOf(i)) {
         const key = this.scene.key(contact)
+        if (contact[1] === i && changed.has(contact[0])) continue // it has had its turn, or will
         this.#never(key)
         if (closed.has(key) || this.scene.circlesOf(contact).some((j) => captured.has(j))) continue
         this.#look(contact, glance)

@@ -31,6 +31,30 @@ function* coefficients(t) {
   }
 }
 
+/** The greatest common divisor, by Lehmer's method: most quotients are read off the leading 52 bits. */
+export function gcd(a, b) {
+  if (a < b) [a, b] = [b, a]
+  while (b > 0xfffffffffffffn) {
+    const drop = BigInt(4 * a.toString(16).length - 52)
+    let [x, y] = [Number(a >> drop), Number(b >> drop)]
+    let [p, q, r, s] = [1, 0, 0, 1]
+    let steps = 0
+    for (; y !== r; steps++) {
+      const quotient = Math.floor((x + (p - 1)) / (y - r))
+      const [t, rest] = [q + quotient * s, x - quotient * y]
+      if (t > rest) break
+      ;[x, y] = [y, rest]
+      ;[p, q, r, s] = [s, r, t, p + quotient * r]
+    }
+    const [A, B, C, D] = [p, q, r, s].map(BigInt)
+    if (steps === 0) [a, b] = [b, a % b]
+    else if (steps % 2) [a, b] = [A * b - B * a, D * a - C * b]
+    else [a, b] = [A * a - B * b, D * b - C * a]
+  }
+  while (b !== 0n) [a, b] = [b, a % b]
+  return a
+}
+
 /** A tower over the fractions. Towers are copied where a question needs roots of its own. */
 export class Tower {
   constructor(work, roots = []) {
@@ -79,9 +103,9 @@ export class Tower {
 
   #gcd(a, b) {
     const [m, n] = [bitLength(a), bitLength(b)]
-    this.work.spend(1 + (Math.min(m, n) * (1 + Math.min(m, n) / 256) + Math.abs(m - n)) / 32)
-    while (b !== 0n) [a, b] = [b, a % b]
-    return a
+    const small = Math.min(m, n)
+    this.work.spend(1 + (small * (1 + small / 4096) + Math.abs(m - n)) / 32)
+    return gcd(a, b)
   }
 
   // Numbers

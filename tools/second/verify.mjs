@@ -50,13 +50,8 @@ function enough(data, work) {
   return `${bits * FACTORS.at(-1)} bits would not do either`
 }
 
-function main(args) {
-  const path = args.find((arg) => !arg.startsWith('--'))
-  const limit = Number(args.find((arg) => arg.startsWith('--work='))?.slice(7) ?? WORK)
-  if (!path || args.length > 2 || !(limit > 0)) {
-    console.error('usage: node verify.mjs [--work=N] FILE')
-    return 2
-  }
+/** The verdict on one file: [exit code, one line]. */
+function verdict(path, limit) {
   let check
   let data
   try {
@@ -66,23 +61,30 @@ function main(args) {
     check.run()
   } catch (error) {
     const where = check ? `${check.now}: ` : ''
-    const line = error.message.slice(0, 400)
-    if (error instanceof NoCertificate) {
-      console.error(`no certificate: ${line}`)
-      return 2
-    }
-    if (error instanceof Refuted) {
-      console.log(`refuted: ${where}${line}`)
-      return 1
-    }
+    const line = error.message.slice(0, 250)
+    if (error instanceof NoCertificate) return [2, `no certificate: ${line}`]
+    if (error instanceof Refuted) return [1, `refuted: ${where}${line}`]
     if (!(error instanceof Undecided)) throw error
-    const more = error.bits ? `; ${enough(data, new Work(limit))}` : ''
-    console.log(`not decided: ${where}${line}${more}`)
-    return 4
+    return [4, `not decided: ${where}${line}${error.bits ? `; ${enough(data, new Work(limit))}` : ''}`]
   }
-  const { reason } = data.end
-  console.log(`verified: ${check.events} events, to the end: ${reason}`)
-  return 0
+  return [0, `verified: ${check.events} events, to the end: ${data.end.reason}`]
+}
+
+function main(args) {
+  const paths = args.filter((arg) => !arg.startsWith('--'))
+  const options = args.filter((arg) => arg.startsWith('--'))
+  const limit = options.length ? Number(/^--work=([0-9.e]+)$/.exec(options[0])?.[1]) : WORK
+  if (!paths.length || options.length > 1 || !(limit > 0)) {
+    console.log('usage: verify.mjs [--work=N] FILE...')
+    return 2
+  }
+  let worst = 0
+  for (const path of paths) {
+    const [code, line] = verdict(path, limit)
+    console.log(line)
+    worst = Math.max(worst, code)
+  }
+  return worst
 }
 
 process.exitCode = main(process.argv.slice(2))
