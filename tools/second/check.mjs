@@ -141,7 +141,6 @@ export class Check {
   /** The sign of a closing speed on the flights of now. */
   #closing(contact, { witnesses }) {
     const found = sign(this.fine.measures(contact, this.flights).closing)
-    if (found === 0) witnesses.needless('still', contact)
     if (found !== undefined) return found
     if (witnesses.shows('still', contact, { time: this.flights[contact[0]].start })) return 0
     throw new Undecided(`the sign of the closing speed of [${contact}]`)
@@ -188,9 +187,8 @@ export class Check {
   #upTo(limit, question, clock, { time, witnesses }, given) {
     if (upper(time) < lower(limit)) return -1
     if (lower(time) > upper(limit)) throw new Refuted(`it comes after the ${question === 'until' ? 'end' : 'set time'}`)
-    if (sameSingle(time, limit)) witnesses.needless(question, clock)
-    else if (!witnesses.shows(question, clock, given)) throw new Undecided(`whether it comes before or at the ${question}`)
-    return 0
+    if (sameSingle(time, limit) || witnesses.shows(question, clock, given)) return 0
+    throw new Undecided(`whether it comes before the ${question === 'until' ? 'end' : 'set time'}, or at it`)
   }
 
   #beforeEnd(clock, instant) {
@@ -233,10 +231,7 @@ export class Check {
 
   #tie(contact, kind, time, instant, listed, clock) {
     if (apart(time, instant.time)) throw new Refuted(`[${contact}] does not come at that time`)
-    if (sameSingle(time, instant.time)) {
-      instant.witnesses.needless('tie', contact)
-      return
-    }
+    if (sameSingle(time, instant.time)) return
     const shown = instant.witnesses.shows('tie', contact, ({ other = clock }) => {
       const otherKind = listed.get(this.scene.key(other))
       if (!otherKind) throw new Refuted(`[${other}] is not listed before [${contact}]`)
@@ -282,10 +277,7 @@ export class Check {
   #last({ standing, pushed, witnesses }, all) {
     const { lasting } = this.sweep
     for (const [key, { contact, sign: closing }] of standing) {
-      if (!all && !this.scene.circlesOf(contact).some((i) => pushed.has(i))) {
-        if (lasting.has(key)) witnesses.shows('together', contact)
-        continue
-      }
+      if (!all && !this.scene.circlesOf(contact).some((i) => pushed.has(i))) continue
       if (closing === 0 && this.#stays(contact, witnesses)) lasting.set(key, contact)
       else lasting.delete(key)
     }
@@ -295,9 +287,8 @@ export class Check {
     if (this.scene.isWall(contact)) return true
     const { vx, vy } = this.fine.measures(contact, this.flights)
     if (sign(vx) ** 2 === 1 || sign(vy) ** 2 === 1) return false
-    if (isZero(vx) && isZero(vy)) witnesses.needless('together', contact)
-    else if (!witnesses.shows('together', contact)) throw new Undecided(`whether [${contact}] stay together`)
-    return true
+    if ((isZero(vx) && isZero(vy)) || witnesses.shows('together', contact)) return true
+    throw new Undecided(`whether [${contact}] stay together`)
   }
 
   /** Step 6: which centres enter pockets. */
@@ -331,12 +322,9 @@ export class Check {
     if (gap === 1) return false
     shut.add(key)
     if (gap === -1) return false
-    if (gap === 0) witnesses.needless('rim', contact)
-    else if (!witnesses.shows('rim', contact, { time: this.flights[contact[0]].start })) {
-      if (sign(found.closing) >= 0) return false
-      throw new Undecided(`whether the centre of circle ${contact[0]} is on the rim of pocket ${-1 - contact[1]}`)
-    }
-    return true
+    if (sign(found.closing) >= 0) return false
+    if (gap === 0 || witnesses.shows('rim', contact, { time: this.flights[contact[0]].start })) return true
+    throw new Undecided(`whether the centre of circle ${contact[0]} is on the rim of pocket ${-1 - contact[1]}`)
   }
 
   #capture(i, { at, time, node }) {

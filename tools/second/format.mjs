@@ -8,7 +8,7 @@ export const MAX_BYTES = 16 * 1024 * 1024
 const MAX_CIRCLES = 1000
 const MAX_ROOTS = 12
 const MAX_BITS = 1_048_576
-const MAX_CONTACTS = 2_000_000
+const MAX_SIZE = 2 ** 30
 const DECIMAL = /^-?[0-9]{1,400}(\.[0-9]{1,400})?$/
 const TERM = /([+-]?)([0-9]+)(?:\/([0-9]+))?((?:\*r[0-9]{1,2})*)/y
 const POLICY = /^(simultaneous|sequential(:order=scene|:seed=[0-9]{1,18})?)$/
@@ -122,7 +122,7 @@ const certificate = object(
         map: list(tuple(integer(Number.MIN_SAFE_INTEGER), integer(Number.MIN_SAFE_INTEGER))),
       }),
     ),
-    bits: list(tuple(integer(0), integer(0, MAX_BITS)), 1),
+    bits: list(tuple(integer(0), integer(1, MAX_BITS)), 1),
     start: object({}, start),
     instants: list(object({ time: decimal }, instant)),
     end,
@@ -137,7 +137,7 @@ export function checkShape(data) {
   certificate(data, 'certificate')
   const { circles, walls = [], pockets = [] } = data.scene
   const [n, w, p] = [circles.length, walls.length, pockets.length]
-  if (n * (n / 2 + w + p) > MAX_CONTACTS) fail('scene', `more than ${MAX_CONTACTS} contacts`)
+  if (n * (n + w + p) * data.bits[0][1] > MAX_SIZE) fail('bits', 'too many for so many circles, walls and pockets')
   if (data.scene.reverse_after !== undefined && data.scene.reverse_at !== undefined) fail('scene', 'two reversals')
   if (data.final.circles.length !== n) fail('final', `${data.final.circles.length} circles of ${n}`)
   const ids = [...circles, ...walls, ...pockets].map((thing) => thing.id)

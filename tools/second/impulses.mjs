@@ -131,7 +131,6 @@ export class Rounds {
   #signed(contact) {
     const { witnesses } = this.instant
     const found = sign(this.#speed(this.#arms(contact)))
-    if (found === 0) witnesses.needless('still', contact)
     if (found !== undefined) return found
     if (witnesses.shows('still', contact, { time: this.when })) return 0
     throw new Undecided(`the sign of the closing speed of [${contact}]`)
@@ -147,11 +146,8 @@ export class Rounds {
     })
     const found = sign(slack)
     if (found < 0) throw new Refuted(`[${contact}] would part more slowly than it approached`)
-    if (found === 0) witnesses.needless('slack', contact)
-    if (found !== undefined) return
-    if (!witnesses.shows('slack', contact, { push, time: this.when })) {
-      throw new Undecided(`whether [${contact}] parts as fast as it approached`)
-    }
+    if (found !== undefined || witnesses.shows('slack', contact, { push, time: this.when })) return
+    throw new Undecided(`whether [${contact}] parts as fast as it approached`)
   }
 
   #apply(arms, impulses) {

@@ -76,11 +76,10 @@ export class Sweep {
       if (this.scene.isWall(contact) || !this.scene.meets(contact)) continue
       const key = this.scene.key(contact)
       const meeting = fine.meeting(contact, flights)
-      if (meeting.kind === 'graze') witnesses.needless('graze', contact)
-      else if (meeting.kind === 'hit' || !witnesses.shows('graze', contact)) continue
+      const open = this.#open(contact) || this.grazes.has(key)
+      if (!open || meeting.kind !== 'doubt' || sign(meeting.closing) !== -1) continue
+      if (!witnesses.shows('graze', contact)) continue
       log.graze(contact)
-      const known = this.clear[key] === null
-      if (known || meeting.kind === 'never' || sign(meeting.closing) !== -1) continue
       this.#set(key, null)
       this.grazes.set(key, fine.grazeTime(meeting))
     }

@@ -66,7 +66,7 @@ export class Prover {
   }
 }
 
-/** The witnesses at hand; each has to have shown something in the end. */
+/** The witnesses at hand. One that is asked has to show something in the end; one that nothing asks is of no effect. */
 class Witnesses {
   constructor(prover, zeros) {
     this.prover = prover
@@ -74,7 +74,7 @@ class Witnesses {
     for (const [question, contact, how, other] of zeros) {
       const name = `${question} ${contact}`
       if (!this.byQuestion.has(name)) this.byQuestion.set(name, [])
-      this.byQuestion.get(name).push({ question, contact, how, other, used: false })
+      this.byQuestion.get(name).push({ question, contact, how, other, asked: false, used: false })
     }
   }
 
@@ -90,6 +90,7 @@ class Witnesses {
   /** Whether a witness shows the number to be zero; `given`, or what it returns for a witness, is as in `Prover`. */
   shows(question, contact, given = {}) {
     for (const witness of this.#of(question, contact)) {
+      witness.asked = true
       const facts = typeof given === 'function' ? given(witness) : given
       if (this.prover.shows(question, contact, witness.how, facts)) {
         witness.used = true
@@ -99,15 +100,10 @@ class Witnesses {
     return false
   }
 
-  /** The number is zero without it. */
-  needless(question, contact) {
-    for (const witness of this.#of(question, contact)) witness.used = true
-  }
-
-  /** Throws if a witness has shown nothing. */
+  /** Throws if a witness was asked in vain. */
   close() {
-    for (const { question, contact, used } of [...this.byQuestion.values()].flat()) {
-      if (!used) throw new Refuted(`the witness ${question} of [${contact}] shows nothing`)
+    for (const { question, contact, asked, used } of [...this.byQuestion.values()].flat()) {
+      if (asked && !used) throw new Refuted(`the witness ${question} of [${contact}] shows nothing`)
     }
   }
 }
