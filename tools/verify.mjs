@@ -10,7 +10,7 @@ import { parse } from './second/json.mjs'
 import { NoCertificate, Refuted, Undecided, Work } from './second/outcome.mjs'
 
 /** Units of work that a check may take, unless --work=N says otherwise. */
-const WORK = 1e11
+const WORK = 5e8
 const FACTORS = [2, 4, 8]
 
 function read(path) {

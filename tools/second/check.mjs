@@ -322,8 +322,10 @@ export class Check {
     if (gap === 1) return false
     shut.add(key)
     if (gap === -1) return false
-    if (sign(found.closing) >= 0) return false
-    if (gap === 0 || witnesses.shows('rim', contact, { time: this.flights[contact[0]].start })) return true
+    const given = { time: this.flights[contact[0]].start }
+    const closing = sign(found.closing)
+    if (closing >= 0 || (closing === undefined && witnesses.shows('still', contact, given))) return false
+    if (gap === 0 || witnesses.shows('rim', contact, given)) return true
     throw new Undecided(`whether the centre of circle ${contact[0]} is on the rim of pocket ${-1 - contact[1]}`)
   }
 

@@ -9,7 +9,7 @@ import { Fixed, sign, wholeRoot } from './interval.mjs'
 import { Undecided, bitLength } from './outcome.mjs'
 
 const MAX_ROOTS = 16
-const MAX_BITS = 1 << 22
+const MAX_BITS = 1 << 20
 
 export const ZERO = { t: 0n, d: 1n }
 export const ONE = { t: 1n, d: 1n }
