@@ -220,8 +220,9 @@ def compare(
         comparison = replace(comparison, certificate=certified(comparison.reference))
     if html is not None:
         from ..report.html import html_report
+        from .retold import command_of
 
-        write_whole(html, html_report(comparison))
+        write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
     if as_json:
         print_json(comparison_json(comparison))
     else:

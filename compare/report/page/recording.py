@@ -1,0 +1,167 @@
+"""What the player needs: motion is straight between events, so that the knots at events are all of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from ..picture import Disc, view_of, wall_line
+
+if TYPE_CHECKING:
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import Trajectory
+    from ...candidate import Candidate
+    from ...comparison import Comparison
+
+MOST_EVENTS = 2_400
+"""Events of all runs together that a page carries: at some 180 bytes each they leave it well under 1 MB."""
+
+MOST_STATES = 100_000
+"""States, of circles times events, that are computed for one run: a second or two of the exact engine's time."""
+
+BEFORE = 0.75
+"""Share of the events shown that lies before the first divergence, where not all can be shown."""
+
+VIEW_REACH = 1.5
+"""How far the view follows circles that leave, in sizes of the scene at the start, on each side."""
+
+JUMP = 1e-6
+"""Share of the scene's size by which a place must differ from straight flight to be told anew: below what one sees."""
+
+
+def recording(comparison: Comparison) -> dict[str, Any] | None:
+    """The runs as plain data for the player; None where there is nothing to play.
+
+    Returns:
+        `bodies` (id, radius, whether fixed), `walls`, `pockets`, `view`, `begin` and `end` of the clock, `total` events
+        of the reference, and `runs`, the reference's first. A run has `times`, the instants at which anything changes;
+        `knots`, [place in `times`, body, x, y, vx, vy], from the start on; `events`, [index, time, pairs].
+    """
+    scene, reference = comparison.scene, comparison.reference
+    shown = [(k, c) for k, c in enumerate(comparison.candidates) if not c.unable and c.trajectory.scene.circles]
+    longest = float(reference.final_time)
+    if not shown or not longest > 0 or not scene.circles:
+        return None
+    count = max(1, min(MOST_EVENTS // (len(shown) + 1), MOST_STATES // len(scene.circles)))
+    begin, end = _window(reference, [c for _, c in shown], count)
+    truth = _run(reference, begin, end, count)
+    runs = [{**truth, "name": reference.engine, "number": None}]
+    for number, candidate in shown:
+        run = _run(candidate.trajectory, begin, end, count)
+        runs.append({**run, "name": candidate.engine, "number": number, **_told(scene, candidate)})
+    return {
+        "bodies": [[str(c.id), float(c.r), c.fixed] for c in scene.circles],
+        "walls": [[*wall_line(w), str(w.id)] for w in scene.walls],
+        "pockets": [[float(p.x), float(p.y), float(p.r)] for p in scene.pockets],
+        "view": _view(scene, truth["knots"]),
+        "begin": begin,
+        "end": end,
+        "total": len(reference.events),
+        "runs": runs,
+    }
+
+
+def _window(reference: Trajectory, candidates: list[Candidate], count: int) -> tuple[float, float]:
+    """The times shown: all, or as many events as fit, most of them before the first divergence."""
+    times = [float(event.time) for event in reference.events]
+    end = float(reference.final_time)
+    if len(times) <= count:
+        return 0.0, end
+    first = min((c.alignment.divergence.time for c in candidates if c.alignment.divergence), default=0.0)
+    place = next((k for k, time in enumerate(times) if time >= first), len(times))
+    start = min(max(0, place - int(BEFORE * count)), len(times) - count)
+    return (times[start - 1] if start else 0.0), times[start + count] if start + count < len(times) else end
+
+
+def _run(run: Trajectory, begin: float, end: float, count: int) -> dict[str, Any]:
+    """One run between two times."""
+    last = min(end, float(run.final_time))
+    events = [event for event in run.events if begin <= float(event.time) <= last][:count]
+    if len(events) == count:
+        last = min(last, float(events[-1].time))
+    others = [entry.time for entry in run.pocketings] + ([run.reversal.time] if run.reversal else [])
+    marks = {float(event.time) for event in events} | {t for t in map(float, others) if begin <= t <= last}
+    times = sorted({begin, *marks})
+    return {
+        "times": times,
+        "knots": _knots(run, times, last),
+        "events": [[e.index, float(e.time), [list(pair) for pair in e.impulses]] for e in events],
+        "end": last,
+        "stop": run.stop.message,
+    }
+
+
+def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]]:
+    """Place and velocity of each circle from each time on, where they change; taken from the middle of each flight."""
+    middles = [a + (b - a) / 2 for a, b in zip(times, [*times[1:], last], strict=True)]
+    flights = [(k, a, m) for k, (a, m) in enumerate(zip(times, middles, strict=True)) if m > a]
+    if not flights:
+        return [
+            [0, i, *(float(value) for value in row)]
+            for i, row in enumerate([(c.x, c.y, c.vx, c.vy) for c in run.scene.circles])
+        ]
+    knots: list[list[float]] = []
+    known: dict[int, tuple[float, ...]] = {}
+    rows = run.sample([middle for _, _, middle in flights])
+    room = JUMP * max(float(abs(rows[:, :, :2]).max()), 1e-300)
+    for (k, begin, middle), row in zip(flights, rows.tolist(), strict=True):
+        for i, (x, y, vx, vy) in enumerate(row):
+            if i in known and _follows(known[i], middle, (x, y, vx, vy), room):
+                continue
+            back = middle - begin
+            known[i] = (begin, x - vx * back, y - vy * back, vx, vy)
+            knots.append([k, i, *known[i][1:]])
+    return knots
+
+
+def _follows(knot: tuple[float, ...], time: float, state: tuple[float, ...], room: float) -> bool:
+    """Whether a state is the straight flight from a knot."""
+    begin, x, y, vx, vy = knot
+    flown = time - begin
+    same = (vx, vy) == state[2:]
+    return same and math.hypot(x + vx * flown - state[0], y + vy * flown - state[1]) <= room
+
+
+def _told(scene: Scene, candidate: Candidate) -> dict[str, Any]:
+    """What else is told of an engine: its error, and where it leaves the reference."""
+    places = {str(c.id): k for k, c in enumerate(scene.circles)}
+    separation, divergence = candidate.separation, candidate.alignment.divergence
+    told: dict[str, Any] = {
+        "errors": [
+            [t, e if math.isfinite(e) else None] for t, e in zip(separation.times, separation.largest, strict=True)
+        ],
+        "scale": separation.scale or 1.0,
+        "growth": candidate.margin.growth if candidate.margin else None,
+        "divergence": None,
+    }
+    if divergence is not None:
+        names = _names((divergence.body, divergence.expected, divergence.got))
+        told["divergence"] = {
+            "time": divergence.time,
+            "expected": divergence.event if divergence.expected is not None else None,
+            "got": divergence.candidate_event,
+            "bodies": [places[name] for name in names if name in places],
+            "walls": [k for k, wall in enumerate(scene.walls) if wall.id in names],
+        }
+    return told
+
+
+def _names(partners: Iterable[str | None]) -> list[str]:
+    """The ids among the partners of a divergence; those of a tie are joined by + or then."""
+    return [name for text in partners if text for name in text.replace(" then ", " + ").split(" + ")]
+
+
+def _view(scene: Scene, knots: list[list[float]]) -> list[float]:
+    """Left, bottom, width and height of what is shown: where circles go, as far as they stay near."""
+
+    def disc(i: int, x: float, y: float) -> Disc:
+        return Disc("", x, y, float(scene.circles[i].r), 0.0, 0.0, "")
+
+    start = view_of([disc(i, float(c.x), float(c.y)) for i, c in enumerate(scene.circles)], scene)
+    reach = VIEW_REACH * max(start.width, start.height)
+    left, right = start.left - reach, start.left + start.width + reach
+    bottom, top = start.bottom - reach, start.bottom + start.height + reach
+    went = [disc(int(i), min(max(x, left), right), min(max(y, bottom), top)) for _, i, x, y, _, _ in knots]
+    view = view_of([*went, *(disc(i, float(c.x), float(c.y)) for i, c in enumerate(scene.circles))], scene)
+    return [view.left, view.bottom, view.width, view.height]
