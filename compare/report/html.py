@@ -10,8 +10,10 @@ from markupsafe import Markup
 
 from .engine_style import engine_css
 from .page.outcome_tables import changed, kept
+from .page.patterns import gallery
 from .page.provenance import provenance
 from .page.recording import recording
+from .page.why import amounts, enough
 from .picture import STYLE, divergence_picture, scene_picture
 from .plot import NARROW, WIDE, separation_plot
 from .sentences import (
@@ -71,6 +73,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
             for number, c in enumerate(comparison.candidates)
             if c.alignment.divergence
         ],
+        gallery=gallery(comparison),
         changed=changed(comparison),
         kept=kept(comparison),
         provenance=provenance(comparison, command),
@@ -147,6 +150,8 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "evidence": sentence_case(candidate.diagnosis.evidence) if candidate.diagnosis else "",
         "pattern": pattern_phrase(comparison, candidate),
         "margin": margin_phrase(candidate),
+        "amounts": amounts(candidate),
+        "enough": enough(candidate),
         "experiments": experiment_rows(candidate),
         "rows": side_by_side(comparison, candidate),
         "picture": Markup(divergence_picture(comparison, candidate, number)) if _drawn(comparison) else "",

@@ -24,10 +24,10 @@ def verdict_sentence(comparison: Comparison) -> str:
     """
     by_verdict = {verdict: [c for c in comparison.candidates if c.verdict == verdict] for verdict in VERDICTS}
     reference, events = comparison.reference, counted(len(comparison.reference.events), "event")
-    rounding = [c for c in by_verdict["diverged"] if _is_rounding(c)]
     agreeing = [c.engine for c in by_verdict["agree"]]
     if by_verdict["diverged"]:
-        first = min(rounding or by_verdict["diverged"], key=_place)
+        first = headline(comparison)
+        assert first is not None
         spared = f"{listed(agreeing)} {'agrees' if len(agreeing) == 1 else 'agree'}, but " if agreeing else ""
         return f"{_head(first)}: {spared}{divergence_phrase(comparison, first)}"
     stopped = f"the {reference.engine} run itself stopped after {events}: {reference.stop.message}"
@@ -47,6 +47,12 @@ def verdict_sentence(comparison: Comparison) -> str:
     if changed:
         return f"Floating point changed no collision, but an outcome ({', '.join(changed)}): {same}"
     return f"Floating point did not change what happened: {same}"
+
+
+def headline(comparison: Comparison) -> Candidate | None:
+    """The engine that the sentence is about: of those that left, the first; those whose rounding did it come before."""
+    left = [c for c in comparison.candidates if c.verdict == "diverged"]
+    return min([c for c in left if _is_rounding(c)] or left, key=_place, default=None)
 
 
 def _is_rounding(candidate: Candidate) -> bool:

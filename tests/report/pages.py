@@ -24,7 +24,7 @@ def _galperin() -> Comparison:
 
 
 def _rack() -> Comparison:
-    return compare(catalogue.build("rack:rows=2"), ["double", "pymunk"], events=8)
+    return compare(catalogue.build("rack:rows=2"), ["double", "pymunk:dt=1/10"], events=8)
 
 
 def _undecided() -> Comparison:

@@ -116,7 +116,7 @@ def whole_name(scene: Scene) -> str:
 
     >>> from truebreak.scenarios import catalogue
     >>> whole_name(catalogue.build("near-tie:k=7"))
-    'near-tie:k=7'
+    'near-tie:k=7,first=left'
     >>> whole_name(catalogue.build("galperin"))
     'galperin:n=2'
     """

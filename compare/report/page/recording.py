@@ -7,10 +7,12 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from ..picture import Disc, view_of, wall_line
+from ..sentences import headline
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Trajectory
+    from ...alignment.divergence import Divergence
     from ...candidate import Candidate
     from ...comparison import Comparison
 
@@ -30,13 +32,18 @@ JUMP = 1e-6
 """Share of the scene's size by which a place must differ from straight flight to be told anew: below what one sees."""
 
 
+ONE_INSTANT = 1e-9
+"""Share of the time by which two meetings may lie apart and still be shown as one instant."""
+
+
 def recording(comparison: Comparison) -> dict[str, Any] | None:
     """The runs as plain data for the player; None where there is nothing to play.
 
     Returns:
         `bodies` (id, radius, whether fixed), `walls`, `pockets`, `view`, `begin` and `end` of the clock, `total` events
-        of the reference, and `runs`, the reference's first. A run has `times`, the instants at which anything changes;
-        `knots`, [place in `times`, body, x, y, vx, vy], from the start on; `events`, [index, time, pairs].
+        of the reference, `lead`, the place in `runs` of the engine that the verdict is about, and `runs`, the
+        reference's first. A run has `times`, the instants at which anything changes; `knots`, [place in `times`, body,
+        x, y, vx, vy], from the start on; `events`, [index, time, pairs].
     """
     scene, reference = comparison.scene, comparison.reference
     shown = [(k, c) for k, c in enumerate(comparison.candidates) if not c.unable and c.trajectory.scene.circles]
@@ -58,6 +65,7 @@ def recording(comparison: Comparison) -> dict[str, Any] | None:
         "begin": begin,
         "end": end,
         "total": len(reference.events),
+        "lead": next((k for k, (_, c) in enumerate(shown, 1) if c is headline(comparison)), 1),
         "runs": runs,
     }
 
@@ -138,13 +146,20 @@ def _told(scene: Scene, candidate: Candidate) -> dict[str, Any]:
     if divergence is not None:
         names = _names((divergence.body, divergence.expected, divergence.got))
         told["divergence"] = {
-            "time": divergence.time,
+            "time": _instant(divergence),
             "expected": divergence.event if divergence.expected is not None else None,
             "got": divergence.candidate_event,
             "bodies": [places[name] for name in names if name in places],
             "walls": [k for k, wall in enumerate(scene.walls) if wall.id in names],
         }
     return told
+
+
+def _instant(divergence: Divergence) -> float:
+    """The time to show it at: the earlier meeting; where the two are one instant but for rounding, the later."""
+    ends = [t for t in (divergence.expected_time, divergence.got_time) if t is not None]
+    later = max(ends, default=divergence.time)
+    return later if later - divergence.time <= ONE_INSTANT * later else divergence.time
 
 
 def _names(partners: Iterable[str | None]) -> list[str]:
