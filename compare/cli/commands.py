@@ -7,6 +7,7 @@ from dataclasses import replace
 import click
 
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
+from .numbers import Whole
 from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 
 EXAMPLES = """
@@ -235,9 +236,9 @@ def compare(
 @click.option("--engine", "engine_text", default="exact", show_default=True, metavar="E", help="exact or double.")
 @UNTIL
 @EVENTS
-@click.option("--cap", type=int, metavar="N", help="The most outcomes to enumerate (256).")
-@click.option("--samples", type=int, metavar="N", help="Orders to draw at random if the cap is hit (64).")
-@click.option("--seed", type=int, default=0, show_default=True, metavar="S", help="The first seed of the sample.")
+@click.option("--cap", type=Whole(), metavar="N", help="The most outcomes to enumerate (256).")
+@click.option("--samples", type=Whole(), metavar="N", help="Orders to draw at random if the cap is hit (64).")
+@click.option("--seed", type=Whole(), default=0, show_default=True, metavar="S", help="The first seed of the sample.")
 @WORK
 @SECONDS
 @JSON

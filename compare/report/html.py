@@ -110,7 +110,6 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
         ),
         ("Compared", f"{span_phrase(comparison)}; {reference.stop.message}"),
         ("Proof", proof_phrase(comparison)),
-        ("Tie policy", str(scene.tie_policy)),
     ]
     if comparison.certificate is not None:
         facts.append(("Certificate", comparison.certificate.told))
@@ -118,8 +117,6 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
     facts += [("Note", note) for note in reference.notes]
     if comparison.cut:
         facts.append(("Left out", f"{', '.join(comparison.cut)}: the time was up"))
-    if scene.source:
-        facts.append(("Source", scene.source))
     return facts
 
 

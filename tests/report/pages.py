@@ -19,6 +19,10 @@ def _near_tie() -> Comparison:
     return compare(catalogue.build("near-tie:k=40"), ["double", "interval", "pymunk"])
 
 
+def _far_near_tie() -> Comparison:
+    return compare(catalogue.build("near-tie:k=400"), ["double"])
+
+
 def _galperin() -> Comparison:
     return compare(catalogue.build("galperin:n=2"), ["double", "pymunk"])
 
@@ -61,6 +65,7 @@ def _quiet() -> Comparison:
 KINDS = {
     "gas": _gas,
     "near-tie": _near_tie,
+    "far-near-tie": _far_near_tie,
     "galperin": _galperin,
     "rack": _rack,
     "undecided": _undecided,

@@ -7,8 +7,10 @@ import csv
 import io
 import json
 import re
+import struct
 from html.parser import HTMLParser
 from itertools import pairwise
+from pathlib import Path
 
 import jsonschema
 import pytest
@@ -208,3 +210,16 @@ def test_a_recording_of_a_long_run_is_about_the_divergence() -> None:
 def test_where_nothing_can_be_played_there_is_no_player() -> None:
     text = html_report(compare(Scene([Circle(0, 0)]), ["double"]))
     assert ('id="player"' in text) == ('id="recording"' in text)
+
+
+def test_the_picture_of_the_readme_is_made_by_a_command(root: Path) -> None:
+    """`make picture` says how large it is, and so it is."""
+    recipe = (root / "Makefile").read_text("utf-8").partition("\npicture:")[2].partition("\n\n")[0]
+    found = re.search(r"tests/report/browser\.py report\.html docs/report\.png (\d+) (\d+)", recipe)
+    assert found is not None
+    assert (root / "tests" / "report" / "browser.py").is_file()
+    picture = (root / "docs" / "report.png").read_bytes()
+    assert picture.startswith(b"\x89PNG")
+    assert struct.unpack(">II", picture[16:24]) == tuple(map(int, found.groups()))
+    assert "docs/report.png" in (root / "README.md").read_text("utf-8")
+    assert "make picture" in (root / "docs" / "index.md").read_text("utf-8")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...causes.diagnosis import CauseName
-from ..sentences import middle, short
+from ..sentences import about, middle, short
 
 if TYPE_CHECKING:
     from ...candidate import Candidate
@@ -45,15 +45,12 @@ def amounts(candidate: Candidate) -> list[Amount]:
     margin = candidate.margin
     if margin is None or margin.distance is None or margin.error is None:
         return []
-    values = abs(middle(margin.distance)), margin.error
-    bars = shares(*values)
-    names = "how close it was", f"how far off {candidate.engine} was by then"
-    rows = zip(names, values, bars, (False, True), strict=True)
-    return [Amount(name, _size(value), share, own) for name, value, share, own in rows]
-
-
-def _size(value: float) -> str:
-    return "exactly 0" if value == 0 else short(value)
+    close, off = shares(abs(middle(margin.distance)), margin.error)
+    told = "exactly 0" if margin.distance == (0.0, 0.0) else about(margin.distance)
+    return [
+        Amount("how close it was", told, close),
+        Amount(f"how far off {candidate.engine} was by then", short(margin.error), off, own=True),
+    ]
 
 
 def shares(*values: float) -> list[float]:
