@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 from truebreak.compare import compare, html_report
@@ -40,6 +41,14 @@ def _reversal() -> Comparison:
     return compare(scene, ["double"])
 
 
+def _unsettled() -> Comparison:
+    """A candidate of which the runs at hand do not tell; made so by hand, as the engines here always tell."""
+    found = _undecided()
+    (candidate,) = found.candidates
+    open_end = replace(candidate.alignment, undecided=False, unsettled=True)
+    return replace(found, candidates=(replace(candidate, alignment=open_end, diagnosis=None),))
+
+
 def _hostile() -> Comparison:
     """Names that would be tags, the end of a script, a formula, and words too long for any line."""
     circles = [
@@ -69,6 +78,7 @@ KINDS = {
     "galperin": _galperin,
     "rack": _rack,
     "undecided": _undecided,
+    "unsettled": _unsettled,
     "reversal": _reversal,
     "hostile": _hostile,
     "many-engines": _many_engines,

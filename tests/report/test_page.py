@@ -184,7 +184,7 @@ def test_a_recording_is_the_motion(kind: str) -> None:
         times = [*told["times"], told["end"]]
         for a, b in pairwise(times):
             middle = a + 0.625 * (b - a)
-            if not a < middle < b:
+            if not a < middle < min(b, float(run.final_time)):
                 continue
             state = run.sample([middle])[0]
             for body, row in enumerate(state):
@@ -205,6 +205,19 @@ def test_a_recording_of_a_long_run_is_about_the_divergence() -> None:
     assert sum(len(run["events"]) for run in data["runs"]) <= MOST_EVENTS
     times = [c.alignment.divergence.time for c in found.candidates if c.alignment.divergence]
     assert data["begin"] < min(times) < data["end"]
+
+
+def test_where_nothing_is_left_to_happen_circles_fly_on() -> None:
+    found = comparison("galperin")
+    data = recording(found)
+    assert data is not None
+    final = float(found.reference.final_time)
+    assert data["end"] > 1.2 * final
+    for told, run in zip(data["runs"], (found.reference, found["double"].trajectory), strict=False):
+        assert told["end"] == data["end"]
+        last = {knot[1]: knot for knot in told["knots"]}
+        for body, circle in enumerate(run.final.circles):
+            assert last[body][4] == pytest.approx(float(circle.vx), rel=1e-12)
 
 
 def test_where_nothing_can_be_played_there_is_no_player() -> None:

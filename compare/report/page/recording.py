@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from ....scenarios.trajectory import StopReason
 from ..picture import Disc, view_of, wall_line
 from ..sentences import headline
 
@@ -21,6 +22,9 @@ MOST_EVENTS = 2_400
 
 MOST_STATES = 100_000
 """States, of circles times events, that are computed for one run: a second or two of the exact engine's time."""
+
+COASTING = 0.25
+"""How much longer than its events a run is shown in which nothing is left to happen, as a share."""
 
 BEFORE = 0.75
 """Share of the events shown that lies before the first divergence, where not all can be shown."""
@@ -74,6 +78,8 @@ def _window(reference: Trajectory, candidates: list[Candidate], count: int) -> t
     """The times shown: all, or as many events as fit, most of them before the first divergence."""
     times = [float(event.time) for event in reference.events]
     end = float(reference.final_time)
+    if reference.stop.reason is StopReason.QUIET:
+        end *= 1 + COASTING
     if len(times) <= count:
         return 0.0, end
     first = min((c.alignment.divergence.time for c in candidates if c.alignment.divergence), default=0.0)
@@ -84,10 +90,11 @@ def _window(reference: Trajectory, candidates: list[Candidate], count: int) -> t
 
 def _run(run: Trajectory, begin: float, end: float, count: int) -> dict[str, Any]:
     """One run between two times."""
-    last = min(end, float(run.final_time))
-    events = [event for event in run.events if begin <= float(event.time) <= last][:count]
-    if len(events) == count:
-        last = min(last, float(events[-1].time))
+    last = end if run.stop.reason is StopReason.QUIET else min(end, float(run.final_time))
+    inside = [event for event in run.events if begin <= float(event.time) <= last]
+    events = inside[:count]
+    if len(inside) > count:
+        last = float(inside[count].time)
     others = [entry.time for entry in run.pocketings] + ([run.reversal.time] if run.reversal else [])
     marks = {float(event.time) for event in events} | {t for t in map(float, others) if begin <= t <= last}
     times = sorted({begin, *marks})
@@ -102,18 +109,17 @@ def _run(run: Trajectory, begin: float, end: float, count: int) -> dict[str, Any
 
 def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]]:
     """Place and velocity of each circle from each time on, where they change; taken from the middle of each flight."""
-    middles = [a + (b - a) / 2 for a, b in zip(times, [*times[1:], last], strict=True)]
+    final = float(run.final_time)
+    middles = [min(a + (b - a) / 2, final) for a, b in zip(times, [*times[1:], last], strict=True)]
     flights = [(k, a, m) for k, (a, m) in enumerate(zip(times, middles, strict=True)) if m > a]
-    if not flights:
-        return [
-            [0, i, *(float(value) for value in row)]
-            for i, row in enumerate([(c.x, c.y, c.vx, c.vy) for c in run.scene.circles])
-        ]
     knots: list[list[float]] = []
     known: dict[int, tuple[float, ...]] = {}
-    rows = run.sample([middle for _, _, middle in flights])
-    room = JUMP * max(float(abs(rows[:, :, :2]).max()), 1e-300)
-    for (k, begin, middle), row in zip(flights, rows.tolist(), strict=True):
+    rows = run.sample([middle for _, _, middle in flights]).tolist() if flights else []
+    if last > final or not flights:  # what follows the last event: the state that it leaves
+        flights.append((len(times) - 1, times[-1], max(final, times[-1])))
+        rows.append(run.final.array().tolist())
+    room = JUMP * max(1e-300, *(abs(value) for row in rows for state in row for value in state[:2]))
+    for (k, begin, middle), row in zip(flights, rows, strict=True):
         for i, (x, y, vx, vy) in enumerate(row):
             if i in known and _follows(known[i], middle, (x, y, vx, vy), room):
                 continue
