@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from . import completion
 from .numbers import Seconds, Whole
 
 
@@ -21,7 +22,8 @@ SCENE_HELP = (
     "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), or a .toml or .json file."
 )
 
-SCENE = click.argument("scene", metavar="SCENE")
+
+SCENE = click.argument("scene", metavar="SCENE", shell_complete=completion.scenes)
 UNTIL = click.option("--until", metavar="T", help='Stop at this time: exact text such as 12, 9/4 or "10*sqrt(2)".')
 EVENTS = click.option("--events", type=Whole(1), metavar="N", help="Stop after N instants of collision.")
 REVERSE = click.option(
