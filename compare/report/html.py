@@ -49,6 +49,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["longest_word"] = longest_word
     loader = environment.loader
     assert loader is not None
 
@@ -153,6 +154,15 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "rows": side_by_side(comparison, candidate),
         "picture": Markup(divergence_picture(comparison, candidate, number)) if _drawn(comparison) else "",
     }
+
+
+def longest_word(text: str) -> int:
+    """Letters of the longest word: a cell of short ones is never broken within a word.
+
+    >>> longest_word("not tried"), longest_word("")
+    (5, 0)
+    """
+    return max(map(len, text.split()), default=0)
 
 
 def sentence_case(text: str) -> str:
