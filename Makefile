@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow stress coverage lint format bench docs reference-set clean
+.PHONY: demo test slow stress coverage lint format bench docs picture reference-set clean
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -39,6 +39,11 @@ bench: .venv/ready
 # Runs every example of the README, of docs/ and of the docstrings.
 docs: .venv/ready
 	$(BIN)/python -m pytest -n auto tests/test_docs.py
+
+# Writes docs/report.png, the README's picture, from a report made now; needs chromium.
+picture: .venv/ready
+	$(BIN)/truebreak compare gas --html report.html --exit-zero
+	$(BIN)/python tests/report/browser.py report.html docs/report.png 1000 1540
 
 # Writes docs/reference-set-1.zip; a test proves that it is current.
 reference-set: .venv/ready

@@ -21,12 +21,20 @@ def scene_from(text: str) -> Scene:
     from ..scenarios import catalogue
 
     name = text.partition(":")[0]
-    looks_like_file = text.lower().endswith(FILE_SUFFIXES) or os.sep in text or Path(text).is_file()
+    looks_like_file = text.lower().endswith(FILE_SUFFIXES) or os.sep in text or _is_file(text)
     if looks_like_file and name not in catalogue.names():
         from ..scenarios.files import load_scene
 
         return load_scene(text)
     return catalogue.build(text)
+
+
+def _is_file(text: str) -> bool:
+    """Whether there is such a file; a name that no file can have is none."""
+    try:
+        return Path(text).is_file()
+    except OSError:
+        return False
 
 
 def changed(

@@ -102,7 +102,8 @@ class ExactEngine(Declared):
 
     def _trajectory(self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop) -> Trajectory:
         history = decider.history
-        log = RunLog(scene, history.steps, decider.state.bits, decider.state.centred)
+        state = decider.state
+        log = RunLog(scene, history.steps, state.bits - min(state.lowest, state.bits), state.centred)
         ids = scene.ids
 
         def contacts(links: tuple[Link, ...]) -> tuple[Contact, ...]:

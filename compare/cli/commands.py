@@ -6,8 +6,11 @@ from dataclasses import replace
 
 import click
 
+from . import completion
+from .examples import examples
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
-from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .numbers import Whole
+from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 
 EXAMPLES = """
 \b
@@ -40,7 +43,7 @@ def cli(debug: bool) -> None:
     """
 
 
-@cli.command()
+@cli.command(epilog=examples("scenes"))
 @JSON
 def scenes(as_json: bool) -> int:
     """List the catalogue: names, parameters, sources."""
@@ -50,7 +53,7 @@ def scenes(as_json: bool) -> int:
     return DONE
 
 
-@cli.command(epilog=SCENE_HELP)
+@cli.command(epilog=examples("show"))
 @SCENE
 @click.option("--plot", metavar="FILE", help="Write a picture of the scene (.svg).")
 @JSON
@@ -69,7 +72,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
     return DONE
 
 
-@cli.command(epilog=SCENE_HELP)
+@cli.command(epilog=examples("run"))
 @SCENE
 @click.option(
     "--engine",
@@ -77,6 +80,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
     default="exact",
     show_default=True,
     metavar="E",
+    shell_complete=completion.engine,
     help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30.",
 )
 @UNTIL
@@ -112,7 +116,7 @@ def run(
     from ..report.listing import print_json, print_trajectory
     from ..scene_argument import changed, with_settings
     from ..validation import check_until
-    from .progress import showing_progress
+    from .progress import goal_of, showing_progress
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     chosen = engine(with_settings(engine_text, ties=ties, work=work))
@@ -121,7 +125,8 @@ def run(
         from ..certificates import check_certifiable
 
         check_certifiable(chosen.name, certificate)
-    with showing_progress(f"{loaded.name} in {chosen.name}") as progress, time_limit(max_seconds) as watch:
+    goal = goal_of(loaded, until, events)
+    with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
         trajectory = chosen.run(loaded, until=until, events=events, progress=watch.watched(progress))
     if certificate is not None:
         from ..certificates import write_certificate
@@ -134,7 +139,7 @@ def run(
     return of_stop(trajectory.stop)
 
 
-@cli.command()
+@cli.command(epilog=examples("verify"))
 @click.argument("file", metavar="FILE")
 def verify(file: str) -> int:
     """Check a certificate (`run --certificate FILE`) by a program of its own, which shares nothing with the engines.
@@ -148,16 +153,24 @@ def verify(file: str) -> int:
     return code
 
 
-@cli.command(epilog=SCENE_HELP)
+@cli.command(epilog=examples("compare"))
 @SCENE
 @click.option(
     "--engines",
     default="double,interval,pymunk",
     show_default=True,
     metavar="A,B,...",
+    shell_complete=completion.engines,
     help="The engines to hold against the reference.",
 )
-@click.option("--reference", default="exact", show_default=True, metavar="E", help="The engine taken as the truth.")
+@click.option(
+    "--reference",
+    default="exact",
+    show_default=True,
+    metavar="E",
+    shell_complete=completion.engine,
+    help="The engine taken as the truth.",
+)
 @UNTIL
 @EVENTS
 @REVERSE
@@ -198,13 +211,13 @@ def compare(
     from ..report.listing import print_json
     from ..report.terminal import print_comparison
     from ..scene_argument import changed, with_settings
-    from .progress import showing_progress
+    from .progress import goal_of, showing_progress
     from .writing import check_writable, write_whole
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     if html is not None:
         check_writable(html)
-    with showing_progress(loaded.name) as progress:
+    with showing_progress(loaded.name, goal_of(loaded, until, events)) as progress:
         comparison = compare_engines(
             loaded,
             split_engines(engines),
@@ -220,8 +233,9 @@ def compare(
         comparison = replace(comparison, certificate=certified(comparison.reference))
     if html is not None:
         from ..report.html import html_report
+        from .retold import command_of
 
-        write_whole(html, html_report(comparison))
+        write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
     if as_json:
         print_json(comparison_json(comparison))
     else:
@@ -229,14 +243,22 @@ def compare(
     return DONE if exit_zero else of_comparison(comparison)
 
 
-@cli.command(epilog=SCENE_HELP)
+@cli.command(epilog=examples("orders"))
 @SCENE
-@click.option("--engine", "engine_text", default="exact", show_default=True, metavar="E", help="exact or double.")
+@click.option(
+    "--engine",
+    "engine_text",
+    default="exact",
+    show_default=True,
+    metavar="E",
+    shell_complete=completion.engine,
+    help="exact or double.",
+)
 @UNTIL
 @EVENTS
-@click.option("--cap", type=int, metavar="N", help="The most outcomes to enumerate (256).")
-@click.option("--samples", type=int, metavar="N", help="Orders to draw at random if the cap is hit (64).")
-@click.option("--seed", type=int, default=0, show_default=True, metavar="S", help="The first seed of the sample.")
+@click.option("--cap", type=Whole(), metavar="N", help="The most outcomes to enumerate (256).")
+@click.option("--samples", type=Whole(), metavar="N", help="Orders to draw at random if the cap is hit (64).")
+@click.option("--seed", type=Whole(), default=0, show_default=True, metavar="S", help="The first seed of the sample.")
 @WORK
 @SECONDS
 @JSON

@@ -81,7 +81,7 @@ def _run(words: list[str]) -> int:
         return ExitCode.USAGE
     except click.UsageError as error:
         command = error.ctx.command_path if error.ctx else Path("truebreak").name
-        _say(f"truebreak: error: {' '.join(error.format_message().split())} (see {command} --help)")
+        _say(f"truebreak: error: {_in_short(error.format_message())} (see {command} --help)")
         return ExitCode.USAGE
     except Exception as error:
         from ...scenarios.errors import SceneError
@@ -92,8 +92,29 @@ def _run(words: list[str]) -> int:
             return ExitCode.UNDECIDED
         if not isinstance(error, SceneError):
             raise
-        _say(f"truebreak: error: {' '.join(str(error).split())}")
+        _say(f"truebreak: error: {_in_short(str(error))}")
         return ExitCode.USAGE
+
+
+LONGEST_WORD, LONGEST_ERROR = 240, 900
+"""Characters of one word, and of a whole error, that are repeated: a path is whole, a pasted file is not."""
+
+
+def _in_short(text: str) -> str:
+    """An error on one line, with what is too long to be read cut out of its middle.
+
+    >>> _in_short("one\\n two"), len(_in_short("x" * 5000)) < 300
+    ('one two', True)
+    """
+    words = [_cut(word, LONGEST_WORD) for word in text.split()]
+    return _cut(" ".join(words), LONGEST_ERROR)
+
+
+def _cut(text: str, longest: int) -> str:
+    if len(text) <= longest:
+        return text
+    half = longest // 2
+    return f"{text[:half]}... ({len(text):,} characters) ...{text[-half:]}"
 
 
 def _say(line: str) -> None:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import click
 
+from . import completion
+from .numbers import Seconds, Whole
+
 
 class WithDefaultWork(click.Option):
     """An option whose help ends with the exact engine's default of `work`; the engine is loaded when that is read."""
@@ -19,12 +22,13 @@ SCENE_HELP = (
     "SCENE is a name from `truebreak scenes`, perhaps with parameters (galperin:n=2), or a .toml or .json file."
 )
 
-SCENE = click.argument("scene", metavar="SCENE")
+
+SCENE = click.argument("scene", metavar="SCENE", shell_complete=completion.scenes)
 UNTIL = click.option("--until", metavar="T", help='Stop at this time: exact text such as 12, 9/4 or "10*sqrt(2)".')
-EVENTS = click.option("--events", type=click.IntRange(min=1), metavar="N", help="Stop after N instants of collision.")
+EVENTS = click.option("--events", type=Whole(1), metavar="N", help="Stop after N instants of collision.")
 REVERSE = click.option(
     "--reverse-after",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="N",
     help="Negate every velocity once, after N instants.",
 )
@@ -40,14 +44,14 @@ TIES = click.option(
 )
 WORK = click.option(
     "--work",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="N",
     cls=WithDefaultWork,
     help="What one question may cost the exact engine before it is undecided, in counted units of about a microsecond",
 )
 SECONDS = click.option(
     "--max-seconds",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Seconds(),
     metavar="S",
     help="End a run after S seconds, show what it has by then, and exit with 4.",
 )

@@ -1,18 +1,114 @@
-"""Progress of a run on stderr, if that is a terminal."""
+"""Progress of a run on stderr, if that is a terminal: done, total, rate, and the time left."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+import time as clock
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Progress
+
+UNTOTALLED = ("why", "orders")
+"""First words of notes on work that has limits of its own."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Where a run will end: after so many events, or at a time; neither, where it is not known."""
+
+    events: int | None = None
+    until: float | None = None
+
+
+@dataclass
+class Pace:
+    """Tells progress in words; the rate is that of the engine at work.
+
+    Attributes:
+        title: what is run.
+        goal: where it will end.
+        now: a clock, in seconds.
+    """
+
+    title: str
+    goal: Goal = field(default_factory=Goal)
+    now: Callable[[], float] = clock.monotonic
+    _phase: str | None = None
+    _began: tuple[float, int, float] = (0.0, 0, 0.0)
+
+    def told(self, progress: Progress) -> str:
+        """One line: done, total, rate, and the seconds left as far as they can be told.
+
+        >>> from truebreak.scenarios.trajectory import Progress
+        >>> seconds = iter([0.0, 2.0])
+        >>> pace = Pace("gas", Goal(events=200), lambda: next(seconds))
+        >>> pace.told(Progress(0, 0.0, "exact"))
+        'gas: exact: 0 of 200 events, time 0'
+        >>> pace.told(Progress(50, 36.2, "exact, 256 bits"))
+        'gas: exact, 256 bits: 50 of 200 events, time 36.2, 25 a second, 6 s left'
+        """
+        phase, now = progress.note.partition(",")[0], self.now()
+        if phase != self._phase or progress.events < self._began[1]:
+            self._phase, self._began = phase, (now, progress.events, progress.time)
+        whose = f" {progress.note}:" if progress.note else ""
+        total = None if phase.startswith(UNTOTALLED) else self.goal.events
+        of = f" of {total:,}" if total is not None and progress.events <= total else ""
+        parts = [f"{self.title}:{whose} {progress.events:,}{of} events", f"time {progress.time:.6g}"]
+        began, events, time = self._began
+        seconds = now - began
+        if seconds >= LEAST_SECONDS and progress.events > events:
+            parts.append(f"{(progress.events - events) / seconds:.3g} a second")
+            left = self._left(progress, seconds, events, time) if not phase.startswith(UNTOTALLED) else None
+            if left is not None:
+                parts.append(f"{duration(left)} left")
+        return ", ".join(parts)
+
+    def _left(self, progress: Progress, seconds: float, events: int, time: float) -> float | None:
+        """Seconds to the end that comes first, at the rate so far."""
+        ends = []
+        if self.goal.events is not None and events < progress.events <= self.goal.events:
+            ends.append(seconds * (self.goal.events - progress.events) / (progress.events - events))
+        if self.goal.until is not None and time < progress.time <= self.goal.until:
+            ends.append(seconds * (self.goal.until - progress.time) / (progress.time - time))
+        return min(ends, default=None)
+
+
+LEAST_SECONDS = 1.0
+"""Before so many seconds a rate says little."""
+
+
+def duration(seconds: float) -> str:
+    """A time to wait.
+
+    >>> duration(6.2), duration(600), duration(7300)
+    ('6 s', '10 min', '2 h 2 min')
+    """
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60)
+    return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
+
+
+def goal_of(scene: Scene, until: str | None, events: int | None) -> Goal:
+    """Where a run with these limits will end: the scene's own limits hold where none is given."""
+    from ...scenarios.errors import SceneError
+    from ...scenarios.numbers.quantity import Quantity
+
+    if until is None and events is None:
+        return Goal(scene.events, None if scene.until is None else float(scene.until))
+    try:
+        return Goal(events, None if until is None else float(Quantity.of(until)))
+    except (SceneError, OverflowError):  # an engine that is asked will say what is wrong with it
+        return Goal(events)
 
 
 @contextmanager
-def showing_progress(title: str) -> Iterator[OnProgress | None]:
+def showing_progress(title: str, goal: Goal | None = None) -> Iterator[OnProgress | None]:
     """A line on stderr that follows a run; None, and no output, where stderr is not a terminal."""
     if not sys.stderr.isatty():
         yield None
@@ -21,10 +117,6 @@ def showing_progress(title: str) -> Iterator[OnProgress | None]:
     from rich.markup import escape
 
     console = Console(stderr=True)
+    pace = Pace(title, goal or Goal())
     with console.status(escape(title)) as status:
-
-        def show(progress: Progress) -> None:
-            note = f", {progress.note}" if progress.note else ""
-            status.update(escape(f"{title}: {progress.events} events, time {progress.time:.6g}{note}"))
-
-        yield show
+        yield lambda progress: status.update(escape(pace.told(progress)))

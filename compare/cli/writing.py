@@ -17,9 +17,13 @@ def check_writable(path: str | Path) -> None:
     from ...scenarios.errors import SceneError
 
     target = Path(path)
-    if target.is_dir():
+    try:
+        is_folder, has_folder = target.is_dir(), target.parent.is_dir()
+    except OSError as error:
+        raise SceneError(f"file {str(path)!r}: {error.strerror or error}; choose another place to write to") from None
+    if is_folder:
         raise SceneError(f"file {str(path)!r}: is a folder; name a file in it")
-    if not target.parent.is_dir():
+    if not has_folder:
         raise SceneError(f"file {str(path)!r}: there is no folder {str(target.parent)!r}; create it first")
     if not os.access(target if target.exists() else target.parent, os.W_OK):
         raise SceneError(f"file {str(path)!r}: writing there is not permitted; choose another place to write to")

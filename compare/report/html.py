@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING, Any
 
 import jinja2
 from markupsafe import Markup
 
+from .engine_style import engine_css
+from .page.outcome_tables import changed, kept
+from .page.patterns import gallery
+from .page.provenance import provenance
+from .page.recording import recording
+from .page.why import amounts, enough
 from .picture import STYLE, divergence_picture, scene_picture
-from .plot import separation_plot
+from .plot import NARROW, WIDE, separation_plot
 from .sentences import (
     consequence_phrase,
     counted,
@@ -31,14 +38,25 @@ PICTURED_CIRCLES = 500
 """A scene of more circles is not drawn at a divergence: the picture would say nothing."""
 
 
-def html_report(comparison: Comparison) -> str:
-    """The report: verdict, table, separation over time, and each first divergence with a picture."""
+def html_report(comparison: Comparison, *, command: str = "") -> str:
+    """The report as one page: verdict, player, engines, why each of them left, outcomes, provenance.
+
+    Args:
+        command: the command line that the comparison came from, to be told in the page.
+    """
     environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(__package__ or "", ""),
+        loader=jinja2.PackageLoader(f"{__package__}.page", ""),
         autoescape=True,
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    environment.filters["longest_word"] = longest_word
+    loader = environment.loader
+    assert loader is not None
+
+    def inlined(name: str) -> Markup:
+        return Markup(loader.get_source(environment, name)[0])
+
     reference = comparison.reference
     return environment.get_template("report.html.jinja").render(
         title=f"{comparison.scene.name}: truebreak",
@@ -47,24 +65,46 @@ def html_report(comparison: Comparison) -> str:
         reference=reference,
         scene=comparison.scene,
         facts=_facts(comparison),
-        rows=[_row(candidate) for candidate in comparison.candidates],
+        rows=[_row(number, candidate) for number, candidate in enumerate(comparison.candidates)],
         returns=comparison.return_miss is not None,
         reference_miss=short(comparison.return_miss),
-        plot=Markup(separation_plot(comparison)),
-        picture=Markup(scene_picture(comparison.scene)),
-        divergences=[_divergence(comparison, c) for c in comparison.candidates if c.alignment.divergence],
-        outcomes=_outcomes(comparison),
-        style=Markup(STYLE),
+        plots=[Markup(separation_plot(comparison, width)) for width in (WIDE, NARROW)],
+        picture=Markup(scene_picture(comparison.scene)) if _drawn(comparison) else "",
+        divergences=[
+            _divergence(comparison, number, c)
+            for number, c in enumerate(comparison.candidates)
+            if c.alignment.divergence
+        ],
+        gallery=gallery(comparison),
+        changed=changed(comparison),
+        kept=kept(comparison),
+        provenance=provenance(comparison, command),
+        recording=_recorded(comparison),
+        inlined=inlined,
+        style=Markup(STYLE + engine_css(len(comparison.candidates))),
     )
+
+
+def _recorded(comparison: Comparison) -> Markup | None:
+    """The player's data as JSON that no text in it can end the script with."""
+    found = recording(comparison)
+    if found is None:
+        return None
+    text = json.dumps(found, allow_nan=False, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c"))
+
+
+def _drawn(comparison: Comparison) -> bool:
+    return len(comparison.scene.circles) <= PICTURED_CIRCLES
 
 
 def _facts(comparison: Comparison) -> list[tuple[str, str]]:
     reference, scene = comparison.reference, comparison.scene
+    things = [counted(len(scene.circles), "circle"), counted(len(scene.walls), "wall")]
+    if scene.pockets:
+        things.append(counted(len(scene.pockets), "pocket"))
     facts = [
-        (
-            "Scene",
-            f"{scene.name} ({counted(len(scene.circles), 'circle')}, {counted(len(scene.walls), 'wall')})",
-        ),
+        ("Scene", f"{scene.name} ({', '.join(things)})"),
         (
             "Reference",
             f"{reference.engine}: {counted(len(reference.events), 'event')}, "
@@ -72,21 +112,20 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
         ),
         ("Compared", f"{span_phrase(comparison)}; {reference.stop.message}"),
         ("Proof", proof_phrase(comparison)),
-        ("Tie policy", str(scene.tie_policy)),
-        ("Scene digest", scene.digest),
     ]
     if comparison.certificate is not None:
         facts.append(("Certificate", comparison.certificate.told))
     facts += [("Not proved", str(assumption)) for assumption in reference.assumptions[:1]]
     facts += [("Note", note) for note in reference.notes]
-    if scene.source:
-        facts.append(("Source", scene.source))
+    if comparison.cut:
+        facts.append(("Left out", f"{', '.join(comparison.cut)}: the time was up"))
     return facts
 
 
-def _row(candidate: Candidate) -> dict[str, Any]:
+def _row(number: int, candidate: Candidate) -> dict[str, Any]:
     divergence = candidate.alignment.divergence
     return {
+        "number": number,
         "engine": candidate.engine,
         "verdict": candidate.verdict,
         "agreed": f"{candidate.alignment.agreed:,}",
@@ -95,18 +134,14 @@ def _row(candidate: Candidate) -> dict[str, Any]:
         "evidence": candidate.diagnosis.evidence if candidate.diagnosis else "",
         "swaps": candidate.alignment.harmless_swaps,
         "error": short(candidate.separation.maximum),
-        "changed": ", ".join(n.replace("_", " ") for n in candidate.changed)
-        if candidate.verdict not in ("undecided", "unsettled")
-        else "",
         "miss": short(candidate.return_miss),
         "stop": candidate.trajectory.stop.message,
-        "parameters": ", ".join(f"{k} = {v}" for k, v in candidate.trajectory.parameters.items()),
     }
 
 
-def _divergence(comparison: Comparison, candidate: Candidate) -> dict[str, Any]:
-    drawn = len(comparison.scene.circles) <= PICTURED_CIRCLES
+def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> dict[str, Any]:
     return {
+        "number": number,
         "engine": candidate.engine,
         "phrase": divergence_phrase(comparison, candidate),
         "body": candidate.alignment.divergence.body if candidate.alignment.divergence else "",
@@ -115,10 +150,21 @@ def _divergence(comparison: Comparison, candidate: Candidate) -> dict[str, Any]:
         "pattern": pattern_phrase(comparison, candidate),
         "consequence": consequence_phrase(comparison, candidate),
         "margin": margin_phrase(candidate),
+        "amounts": amounts(candidate),
+        "enough": enough(candidate),
         "experiments": experiment_rows(candidate),
         "rows": side_by_side(comparison, candidate),
-        "picture": Markup(divergence_picture(comparison, candidate)) if drawn else "",
+        "picture": Markup(divergence_picture(comparison, candidate, number)) if _drawn(comparison) else "",
     }
+
+
+def longest_word(text: str) -> int:
+    """Letters of the longest word: a cell of short ones is never broken within a word.
+
+    >>> longest_word("not tried"), longest_word("")
+    (5, 0)
+    """
+    return max(map(len, text.split()), default=0)
 
 
 def sentence_case(text: str) -> str:
@@ -128,30 +174,3 @@ def sentence_case(text: str) -> str:
     'With a step'
     """
     return text[:1].upper() + text[1:]
-
-
-def _outcomes(comparison: Comparison) -> list[dict[str, Any]]:
-    """Outcomes that are one number or short, side by side; those that differ marked."""
-    rows = []
-    for name, value in comparison.outcomes.items():
-        cells = [
-            {"text": _short_outcome(c.outcomes.get(name)), "differs": name in c.changed} for c in comparison.candidates
-        ]
-        rows.append({"name": name.replace("_", " "), "reference": _short_outcome(value), "cells": cells})
-    return rows
-
-
-SHOWN_OUTCOME = 160
-"""Longest text of an outcome in the table; the JSON has it all."""
-
-
-def _short_outcome(value: Any) -> str:
-    if value is None:
-        return "-"
-    if isinstance(value, dict):
-        text = ", ".join(f"{key}: {_short_outcome(item)}" for key, item in value.items())
-    elif isinstance(value, list):
-        text = " ".join(str(item) for item in value)
-    else:
-        text = str(value)
-    return text if len(text) <= SHOWN_OUTCOME else f"{text[:SHOWN_OUTCOME]}…"

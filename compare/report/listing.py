@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
@@ -30,8 +31,18 @@ SHOWN_DIGITS = 60
 """Longest exact text in a table; longer ones are in the JSON."""
 
 
+LEAST_WIDTH = 40
+"""Fewest columns that COLUMNS may ask for: a table of fewer is a heap of letters."""
+
+
+def columns() -> int | None:
+    """The columns that the variable COLUMNS asks for; None without one that makes sense."""
+    asked = os.environ.get("COLUMNS", "")
+    return max(int(asked), LEAST_WIDTH) if asked.isdecimal() and len(asked) < 6 and int(asked) > 0 else None
+
+
 def console() -> Console:
-    """Standard output: colours on a terminal, plain text elsewhere."""
+    """Standard output: colours on a terminal, plain text elsewhere; as wide as COLUMNS says, if it says anything."""
     from rich.console import Console
 
     class Output(Console):
@@ -40,25 +51,29 @@ def console() -> Console:
         def on_broken_pipe(self) -> None:
             raise BrokenPipeError
 
-    terminal = sys.stdout.isatty()
-    return Output(width=None if terminal else PLAIN_WIDTH, highlight=False, soft_wrap=False)
+    width = columns() or (None if sys.stdout.isatty() else PLAIN_WIDTH)
+    return Output(width=width, highlight=False, soft_wrap=False)
 
 
 def say(out: Console, text: str, style: str | None = None) -> None:
-    """A line of text; where the output is not a terminal it stays one line, however long."""
+    """A line of text; where the output is not a terminal it stays one line, however long, unless COLUMNS is set."""
     from rich.text import Text
 
-    out.print(Text(text, style=style or ""), soft_wrap=not out.is_terminal)
+    out.print(Text(text, style=style or ""), soft_wrap=not out.is_terminal and columns() is None)
 
 
-def grid(*headings: str, title: str | None = None) -> Table:
-    """An empty table in the one style of all reports."""
+def grid(*headings: str, title: str | None = None, whole: tuple[str, ...] = ()) -> Table:
+    """An empty table in the one style of all reports. Nothing in it is ever cut.
+
+    Args:
+        whole: headings of the columns whose cells stay on one line; others go on in the next.
+    """
     from rich.box import SIMPLE
     from rich.table import Table
 
     table = Table(box=SIMPLE, title=title, title_justify="left", pad_edge=False)
     for heading in headings:
-        table.add_column(heading)
+        table.add_column(heading, overflow="fold", no_wrap=heading in whole)
     return table
 
 
@@ -205,7 +220,7 @@ def events_table(trajectory: Trajectory, exact: bool, watch: Clock) -> Table:
     """The first and last events of a run."""
     from rich.markup import escape
 
-    table = grid("event", "time", "contacts", "impulses")
+    table = grid("event", "time", "contacts", "impulses", whole=("event", *(() if exact else ("time",))))
     events = trajectory.events
     head = SHOWN_EVENTS * 3 // 4
     shown: list[Event | None] = list(events)

@@ -23,16 +23,15 @@ MARGIN = 0.06
 STYLE = """
 .frame { fill: #fbfaf7; } .wall { stroke: #555; stroke-width: 1.5; } .pocket { fill: #ddd9cf; }
 .circle { fill: #2b6cb022; stroke: #2b6cb0; } .fixed { fill: #5555; stroke: #555; }
-.other { fill: none; stroke: #c05621; stroke-dasharray: 4 3; } .marked { stroke-width: 3; }
-.velocity { stroke: #2b6cb0; } .othervelocity { stroke: #c05621; }
+.other { fill: none; stroke: var(--engine); stroke-dasharray: var(--dash); } .marked { stroke-width: 3; }
+.velocity { stroke: #2b6cb0; } .othervelocity { stroke: var(--engine); }
 text { font: 11px system-ui, sans-serif; fill: #222; text-anchor: middle; dominant-baseline: central; }
 @media (prefers-color-scheme: dark) {
   .frame { fill: #1b1d21; } .wall { stroke: #aaa; } .pocket { fill: #3a3d44; } text { fill: #eee; }
-  .circle { fill: #63b3ed33; stroke: #63b3ed; } .fixed { fill: #aaa5; stroke: #aaa; }
-  .other { stroke: #f6ad55; } .velocity { stroke: #63b3ed; } .othervelocity { stroke: #f6ad55; }
+  .circle { fill: #63b3ed33; stroke: #63b3ed; } .fixed { fill: #aaa5; stroke: #aaa; } .velocity { stroke: #63b3ed; }
 }
 """
-"""Colours; the reference is blue and solid, another engine orange and dashed."""
+"""Colours; the reference is blue and solid, another engine has its own colour and dash (see `engine_css`)."""
 
 
 @dataclass(frozen=True)
@@ -128,8 +127,8 @@ def scene_picture(scene: Scene, *, standalone: bool = False) -> str:
     return draw(scene, discs, f"{scene.name} at time 0", standalone=standalone)
 
 
-def divergence_picture(comparison: Comparison, candidate: Candidate) -> str:
-    """Both runs at the time of the first divergence: the reference solid, the candidate dashed."""
+def divergence_picture(comparison: Comparison, candidate: Candidate, number: int = 0) -> str:
+    """Both runs at the time of the first divergence: the reference solid, the candidate in the style of its place."""
     divergence = candidate.alignment.divergence
     assert divergence is not None
     marked = _names((divergence.body, divergence.expected, divergence.got))
@@ -137,9 +136,9 @@ def divergence_picture(comparison: Comparison, candidate: Candidate) -> str:
     ends = [t for t in (divergence.expected_time, divergence.got_time) if t is not None]
     time = min(max(ends), float(reference.final_time) * (1 - 2**-50), float(run.final_time) * (1 - 2**-50))
     discs = []
-    for trajectory, kind in ((reference, "circle"), (run, "other")):
+    for trajectory, kind in ((reference, "circle"), (run, f"other e{number}")):
         for circle, row in zip(trajectory.scene.circles, trajectory.sample([time])[0], strict=True):
-            if circle.fixed and kind == "other":
+            if circle.fixed and kind != "circle":
                 continue
             classes = f"{'fixed' if circle.fixed else kind}{' marked' if circle.id in marked else ''}"
             x, y, vx, vy = (float(v) for v in row)
@@ -208,7 +207,7 @@ def draw(
     for disc in discs:
         parts.append(_round(disc.classes, view, disc.x, disc.y, disc.r))
         if disc.vx or disc.vy:
-            kind = "othervelocity" if "other" in disc.classes else "velocity"
+            kind = disc.classes.replace("other", "othervelocity") if "other" in disc.classes else "velocity"
             start = view.x(disc.x), view.y(disc.y)
             parts.append(_arrow(kind, start, (disc.vx * arrow * view.scale, -disc.vy * arrow * view.scale)))
         if disc.label and disc.r * view.scale >= 3 * len(disc.id) + 2:

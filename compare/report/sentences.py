@@ -24,10 +24,10 @@ def verdict_sentence(comparison: Comparison) -> str:
     """
     by_verdict = {verdict: [c for c in comparison.candidates if c.verdict == verdict] for verdict in VERDICTS}
     reference, events = comparison.reference, counted(len(comparison.reference.events), "event")
-    rounding = [c for c in by_verdict["diverged"] if _is_rounding(c)]
     agreeing = [c.engine for c in by_verdict["agree"]]
     if by_verdict["diverged"]:
-        first = min(rounding or by_verdict["diverged"], key=_place)
+        first = headline(comparison)
+        assert first is not None
         spared = f"{listed(agreeing)} {'agrees' if len(agreeing) == 1 else 'agree'}, but " if agreeing else ""
         return f"{_head(first)}: {spared}{divergence_phrase(comparison, first)}"
     stopped = f"the {reference.engine} run itself stopped after {events}: {reference.stop.message}"
@@ -47,6 +47,12 @@ def verdict_sentence(comparison: Comparison) -> str:
     if changed:
         return f"Floating point changed no collision, but an outcome ({', '.join(changed)}): {same}"
     return f"Floating point did not change what happened: {same}"
+
+
+def headline(comparison: Comparison) -> Candidate | None:
+    """The engine that the sentence is about: of those that left, the first; those whose rounding did it come before."""
+    left = [c for c in comparison.candidates if c.verdict == "diverged"]
+    return min([c for c in left if _is_rounding(c)] or left, key=_place, default=None)
 
 
 def _is_rounding(candidate: Candidate) -> bool:
@@ -204,15 +210,15 @@ def margin_phrase(candidate: Candidate) -> str | None:
         if margin.gap == (0.0, 0.0):
             parts.append("the two fall on exactly the same instant")
         else:
-            ulps = f" ({margin.ulps:.3g} spacings of a double)" if margin.ulps is not None else ""
-            parts.append(f"in the exact motion the two are {abs(middle(margin.gap)):.3g} apart in time{ulps}")
+            ulps = f" ({margin.ulps:.3g} spacings of a double)" if margin.ulps else ""
+            parts.append(f"in the exact motion the two are {about(margin.gap)} apart in time{ulps}")
     elif margin.distance is not None:
         away = middle(margin.distance)
         if margin.distance == (0.0, 0.0):
             parts.append("in the exact motion it is a graze, a miss by exactly 0")
         else:
             kind = "a hit by a depth of" if away < 0 else "a miss by"
-            parts.append(f"in the exact motion it is {kind} {abs(away):.3g}")
+            parts.append(f"in the exact motion it is {kind} {about(margin.distance)}")
     if margin.error is not None:
         told = margin.gap is None and margin.ratio is not None and math.isfinite(margin.ratio)
         ratio = f", {margin.ratio:.3g} times as much" if told else ""
@@ -246,6 +252,16 @@ def middle(bounds: tuple[float, float]) -> float:
     1.5
     """
     return bounds[0] + (bounds[1] - bounds[0]) / 2
+
+
+def about(bounds: tuple[float, float]) -> str:
+    """The size of a number that is not zero, from its bounds; a bound where it is too small for a double.
+
+    >>> about((0.25, 0.25)), about((-1e-310, 1e-310))
+    ('0.25', 'less than 1e-310')
+    """
+    size = abs(middle(bounds))
+    return f"{size:.3g}" if size else f"less than {max(map(abs, bounds)):.3g}"
 
 
 def experiment_rows(candidate: Candidate) -> list[tuple[str, str, str, str, str]]:

@@ -49,6 +49,8 @@ def print_comparison(comparison: Comparison) -> None:
     for note in reference.notes:
         say(out, note)
     out.print(engines_table(comparison))
+    for told in filter(None, map(changed_text, comparison.candidates)):
+        say(out, told)
     if comparison.cut:
         say(out, f"Left out, as the time was up: {listed([*comparison.cut])}.", "yellow")
     for candidate in comparison.candidates:
@@ -72,12 +74,12 @@ def engines_table(comparison: Comparison) -> Table:
         "differs at",
         "cause",
         "swaps",
-        "position error",
-        "outcomes changed",
+        "position\nerror",
+        *(["misses\nstart by"] if returns else []),
     ]
-    table = grid(*headings, *(["misses start by"] if returns else []))
+    table = grid(*headings, whole=tuple({*headings} - {"engine", "cause"}))
     total = len(comparison.reference.events)
-    reference = [comparison.reference.engine, "reference", f"{total:,}", "", "", "", "", ""]
+    reference = [comparison.reference.engine, "reference", f"{total:,}", "", "", "", ""]
     table.add_row(*map(escape, reference), *([short(comparison.return_miss)] if returns else []))
     for candidate in comparison.candidates:
         colour = COLOURS[candidate.verdict]
@@ -90,17 +92,16 @@ def engines_table(comparison: Comparison) -> Table:
             escape(str(candidate.diagnosis)) if candidate.diagnosis else "",
             str(candidate.alignment.harmless_swaps),
             short(candidate.separation.maximum),
-            escape(changed_text(candidate)),
         ]
         table.add_row(*cells, *([short(candidate.return_miss)] if returns else []))
     return table
 
 
 def changed_text(candidate: Candidate) -> str:
-    """The outcomes that differ, or a word for none; for a run that stopped early they say nothing."""
-    if candidate.verdict in ("undecided", "unsettled"):
+    """The outcomes that an engine changed, in a sentence; nothing of a run that stopped early."""
+    if candidate.verdict in ("undecided", "unsettled") or not candidate.changed:
         return ""
-    return ", ".join(name.replace("_", " ") for name in candidate.changed) or "none"
+    return f"{candidate.engine} changed: {listed([name.replace('_', ' ') for name in candidate.changed])}"
 
 
 def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
@@ -126,13 +127,14 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
         say(out, f"  margin: {close}")
     rows = experiment_rows(candidate)
     if rows:
-        experiments = grid("tried", "alone", "moves it by", "share", "result")
+        experiments = grid("tried", "alone", "moves it by", "share", "result", whole=("alone", "moves it by", "share"))
         for cells in rows:
             experiments.add_row(*map(escape, cells))
         out.print(experiments)
     names = comparison.reference.engine, candidate.engine
-    table = grid("", f"{names[0]} time", f"{names[0]}: {divergence.body} meets", f"{names[1]} time",
-                 f"{names[1]}: {divergence.body} meets")  # fmt: skip
+    table = grid(
+        "", *(f"{name}{what}" for name in names for what in (" time", f": {divergence.body} meets")), whole=("",)
+    )
     for row in side_by_side(comparison, candidate):
         style = "bold red" if row.differs else None
         cells = ("->" if row.differs else "", row.expected_time, row.expected, row.got_time, row.got)

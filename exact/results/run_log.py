@@ -30,14 +30,14 @@ class RunLog:
     Attributes:
         scene: the scene.
         steps: the log.
-        bits: a precision that sufficed for the run.
-        centred: whether it sufficed with the deviations in a set (see `CentredState`).
+        lost: how many bits of its precision the run lost, at most, in the time of an event.
+        centred: whether that was with the deviations in a set (see `CentredState`).
     """
 
-    def __init__(self, scene: Scene, steps: Sequence[Step], bits: int, centred: bool = False) -> None:
+    def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
         self.scene = scene
         self.steps = steps
-        self.bits = bits
+        self.lost = lost
         self.centred = centred
         self._key: tuple[int, int] | None = None
         self._state: State | None = None

@@ -18,6 +18,9 @@ from .run_log import Formula, RunLog
 GUARD_BITS = 32
 """Bits asked for beyond the digits wanted."""
 
+LEAST_BITS = 320
+"""Bits computed at the least: most numbers asked for one after another then come of one replay."""
+
 
 class ExactValue:
     """A real number of an exact run.
@@ -63,7 +66,7 @@ class ExactValue:
             return self.near
         saved = ball.bits_in_use()
         try:
-            working = max(self.log.bits, bits + GUARD_BITS)
+            working = self.log.lost + max(bits + GUARD_BITS, LEAST_BITS)
             while True:
                 state = self.log.in_balls(working, self.upto)
                 ball.use_bits(working)

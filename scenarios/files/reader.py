@@ -11,7 +11,7 @@ from ..errors import SceneError
 from ..numbers.parsing import MAX_LENGTH
 from ..scene import Scene
 from ..showing import SHOWN, Bare, cut
-from .table import scene_from_table
+from .table import JSON_LIST, scene_from_table
 
 MAX_TOML = 2_000_000
 """Largest TOML text, in bytes: a scene of 10,000 circles takes half of it. Python reads that in a second."""
@@ -75,7 +75,7 @@ def loads_json(text: str, where: str = "JSON") -> Scene:
     if not isinstance(data, dict):
         shown = "a list" if isinstance(data, list) else cut(data)
         raise SceneError(f'{where}: {shown} is not a scene; write an object such as {{"circle": [...]}}')
-    return scene_from_table(cast("dict[str, Any]", data), where)
+    return scene_from_table(cast("dict[str, Any]", data), where, JSON_LIST)
 
 
 def _check_size(text: str, where: str, limit: int, remedy: str) -> None:

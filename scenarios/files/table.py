@@ -26,8 +26,12 @@ WALL = ("id", "x0", "y0", "x1", "y1")
 POCKET = ("id", "x", "y", "r")
 
 
-def scene_from_table(data: dict[str, Any], where: str) -> Scene:
-    """The scene that the keys and values of a file describe; `where` names the file.
+TOML_LIST, JSON_LIST = "write [[{kind}]] above each of them", 'write "{kind}": [{{...}}, {{...}}]'
+"""How each kind of file writes a list of circles, walls or pockets."""
+
+
+def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) -> Scene:
+    """The scene that the keys and values of a file describe; `where` names the file, `remedy` how it writes lists.
 
     Raises:
         SceneError: one line that names the file, the thing, its key and value, the reason and the remedy.
@@ -46,19 +50,19 @@ def scene_from_table(data: dict[str, Any], where: str) -> Scene:
         if "capture" in data:
             values["capture"] = _truth("capture", data["capture"])
         return Scene(
-            circles=_things(data, "circle", _circle),
-            walls=_things(data, "wall", _wall),
-            pockets=_things(data, "pocket", _pocket),
+            circles=_things(data, "circle", _circle, remedy),
+            walls=_things(data, "wall", _wall, remedy),
+            pockets=_things(data, "pocket", _pocket, remedy),
             **values,
         )
     except SceneError as error:
         raise SceneError(f"{where}: {error}") from None
 
 
-def _things(data: dict[str, Any], kind: str, make: Callable[[str, dict[str, Any]], Any]) -> list[Any]:
+def _things(data: dict[str, Any], kind: str, make: Callable[[str, dict[str, Any]], Any], remedy: str) -> list[Any]:
     rows: object = data.get(kind, [])
     if not _are_tables(rows):
-        raise SceneError(f"{kind} = {cut(rows)} is not a list of tables; write [[{kind}]] above each of them")
+        raise SceneError(f"{kind} = {cut(rows)} is not a list of tables; {remedy.format(kind=kind)}")
     if len(rows) > MAX_CIRCLES:
         raise SceneError(f"the scene has {len(rows)} {kind}s; at most {MAX_CIRCLES}")
     return [make(_label(kind, number, row), row) for number, row in enumerate(rows, start=1)]

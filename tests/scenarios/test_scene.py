@@ -76,7 +76,7 @@ def test_a_pocket_needs_a_radius() -> None:
 
 
 SCENES: list[tuple[Callable[[], Scene], str]] = [
-    (lambda: Scene([]), "the scene has no circle; add at least one [[circle]]"),
+    (lambda: Scene([]), "the scene has no circle; add at least one circle"),
     (
         lambda: Scene([Circle(0, 0, id="b1"), Circle("199/100", 0, id="b3")]),
         "circle 'b3': overlaps 'b1' by 1/100 at time 0; move it, or reduce r",

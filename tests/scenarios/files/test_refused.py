@@ -33,7 +33,7 @@ def json_refusal(text: str) -> str:
     [
         ("", "x.toml: is empty; write at least one circle"),
         (" \n", "x.toml: is empty; write at least one circle"),
-        ('name = "x"', "x.toml: the scene has no circle; add at least one [[circle]]"),
+        ('name = "x"', "x.toml: the scene has no circle; add at least one circle"),
         ("x = = 1", "x.toml: not TOML: Invalid value (at line 1, column 5)"),
         (BALL + "x = 1\n", "x.toml: not TOML: Cannot overwrite a value (at line 6, column 6)"),
         (
@@ -127,11 +127,11 @@ def test_bad_toml_is_refused_with_the_reason(text: str, message: str) -> None:
         ("[]", 'x.json: a list is not a scene; write an object such as {"circle": [...]}'),
         ("null", 'x.json: null is not a scene; write an object such as {"circle": [...]}'),
         ('"x"', "x.json: 'x' is not a scene; write an object such as {\"circle\": [...]}"),
-        ("{}", "x.json: the scene has no circle; add at least one [[circle]]"),
+        ("{}", "x.json: the scene has no circle; add at least one circle"),
         ('{"name": "a", "name": "b"}', "x.json: key 'name' is written twice in one object; keep one"),
         (
             '{"circle": {"id": "a"}}',
-            "x.json: circle = {'id': 'a'} is not a list of tables; write [[circle]] above each of them",
+            "x.json: circle = {'id': 'a'} is not a list of tables; write \"circle\": [{...}, {...}]",
         ),
         (
             '{"circle": [{"id": "a", "x": NaN, "y": 0, "r": 1}]}',

@@ -1,0 +1,69 @@
+"""What a shell completes: scenes with their parameters, files of scenes, engines with their settings."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import click
+from click.shell_completion import CompletionItem
+
+
+def scenes(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
+    """Scenes of the catalogue; after `NAME:`, its parameters with their defaults; files besides.
+
+    >>> [item.value for item in scenes(None, None, "gal")]
+    ['galperin', 'gal']
+    >>> [item.value for item in scenes(None, None, "galperin:")]
+    ['galperin:n=2']
+    """
+    from ...scenarios import catalogue
+
+    name, colon, rest = typed.partition(":")
+    if not colon:
+        found = [CompletionItem(n, help=catalogue.entry(n).summary) for n in catalogue.names() if n.startswith(name)]
+        return [*found, CompletionItem(typed, type="file")]
+    if name not in catalogue.names():
+        return []
+    parameters = [(p.name, p.default, p.help) for p in catalogue.entry(name).parameters]
+    return _settings(f"{name}:", rest, parameters)
+
+
+def engine(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
+    """Engines; after `NAME:`, their settings with their defaults.
+
+    >>> [item.value for item in engine(None, None, "pymunk:it")]
+    ['pymunk:iterations=64']
+    """
+    from ..engines import ENGINES
+
+    name, colon, rest = typed.partition(":")
+    if not colon:
+        return [CompletionItem(n, help=e.summary) for n, e in ENGINES.items() if n.startswith(name)]
+    if name not in ENGINES:
+        return []
+    fields = dataclasses.fields(ENGINES[name].load())
+    known = [(f.name, str(f.default), "") for f in fields if f.init and f.default is not dataclasses.MISSING]
+    return _settings(f"{name}:", rest, known)
+
+
+def engines(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
+    """A list of engines: the last of them.
+
+    >>> [item.value for item in engines(None, None, "double,sin")]
+    ['double,single']
+    """
+    before, comma, last = typed.rpartition(",")
+    whole = f"{before}{comma}"
+    return [CompletionItem(f"{whole}{item.value}", help=item.help) for item in engine(context, parameter, last)]
+
+
+def _settings(start: str, rest: str, known: list[tuple[str, str, str]]) -> list[CompletionItem]:
+    """The settings that fit after those given."""
+    before, comma, last = rest.rpartition(",")
+    given = {part.partition("=")[0] for part in before.split(",")}
+    start = f"{start}{before}{comma}"
+    return [
+        CompletionItem(f"{start}{key}={value}", help=told or None)
+        for key, value, told in known
+        if key not in given and key.startswith(last)
+    ]

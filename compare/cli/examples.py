@@ -1,0 +1,43 @@
+"""The ends of the commands' help: what SCENE is, and examples to copy."""
+
+from __future__ import annotations
+
+from .options import SCENE_HELP
+
+LINES = {
+    "scenes": ("truebreak scenes", "truebreak scenes --json"),
+    "show": (
+        "truebreak show lee",
+        "truebreak show rack:rows=3 --plot rack.svg",
+        "truebreak show gas:n=20,seed=7 --json > gas.json",
+    ),
+    "run": (
+        "truebreak run galperin:n=2 --json",
+        "truebreak run tennis --exact",
+        "truebreak run gas --engine pymunk:dt=1/1000,iterations=30 --events 100",
+        "truebreak run lee --certificate lee.json",
+    ),
+    "verify": ("truebreak run lee --certificate lee.json", "truebreak verify lee.json"),
+    "compare": (
+        "truebreak compare cradle --engines double",
+        "truebreak compare gas --events 200 --html report.html",
+        "truebreak compare galperin:n=2 --engines single,double,pymunk:dt=1/1000",
+        "truebreak compare gas --reverse-after 50 --engines double",
+    ),
+    "orders": ("truebreak orders lee", "truebreak orders rack:rows=2 --events 3", "truebreak orders lee --json"),
+}
+"""Examples of each command; a test runs what they say through the command line's own reader."""
+
+
+WITHOUT_SCENE = ("scenes", "verify")
+"""Commands that take no scene."""
+
+
+def examples(command: str) -> str:
+    """The end of a command's help.
+
+    >>> examples("verify").splitlines()[1:]
+    ['Examples:', '  truebreak run lee --certificate lee.json', '  truebreak verify lee.json']
+    """
+    shown = "\n".join(["\b", "Examples:", *(f"  {line}" for line in LINES[command])])
+    return shown if command in WITHOUT_SCENE else f"{SCENE_HELP}\n\n{shown}"

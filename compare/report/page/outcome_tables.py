@@ -1,0 +1,157 @@
+"""The outcomes of a comparison for the page: what changed, key by key; the rest folded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from ...outcomes.table import changed_outcomes
+
+if TYPE_CHECKING:
+    from ...candidate import Candidate
+    from ...comparison import Comparison
+
+SHOWN_ROWS = 400
+"""Most rows of one outcome's table; the JSON has them all."""
+
+OPEN_ROWS = 6
+"""An outcome with at most so many rows is not folded."""
+
+SHOWN_LETTERS = 300
+"""Longest text of a cell; the JSON has it all."""
+
+SAME, UNTOLD = "the same", "not settled"
+
+
+@dataclass(frozen=True)
+class Row:
+    """One value: the reference's, and each engine's as text."""
+
+    key: str
+    expected: str
+    got: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ChangedOutcome:
+    """An outcome that some engine changed.
+
+    Attributes:
+        name: in words.
+        rows: what differs.
+        total: of how many values.
+        summary: how much of it each engine changed.
+    """
+
+    name: str
+    rows: tuple[Row, ...]
+    total: int
+    summary: str
+
+    @property
+    def open(self) -> bool:
+        """Whether it is short enough to be shown at once."""
+        return len(self.rows) <= OPEN_ROWS
+
+
+def changed(comparison: Comparison) -> list[ChangedOutcome]:
+    """The outcomes that some engine changed, with those of their values that it changed."""
+    told = [c for c in comparison.candidates if settled(c)]
+    names = {**comparison.outcomes, **{name: None for c in told for name in c.changed}}
+    return [_changed(comparison, name) for name in names if any(name in c.changed for c in told)]
+
+
+def kept(comparison: Comparison) -> list[tuple[str, str]]:
+    """Name and value of every outcome that no engine changed."""
+    told = [c for c in comparison.candidates if settled(c)]
+    return [
+        (words(name), value_text(value))
+        for name, value in comparison.outcomes.items()
+        if not any(name in c.changed for c in told)
+    ]
+
+
+def settled(candidate: Candidate) -> bool:
+    """Whether an engine's outcomes can be held against the reference's: it went as far."""
+    return candidate.verdict not in ("undecided", "unsettled")
+
+
+def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
+    expected = comparison.outcomes.get(name)
+    values = [c.outcomes.get(name) for c in comparison.candidates]
+    parts = [_parts(value) for value in (expected, *values)]
+    keys = list(dict.fromkeys(key for part in parts for key in part))
+    rows: list[Row] = []
+    counts = [0] * len(values)
+    for key in keys:
+        cells = []
+        for number, candidate in enumerate(comparison.candidates):
+            mine, theirs = parts[0].get(key), parts[number + 1].get(key)
+            if not settled(candidate):
+                cells.append(UNTOLD)
+            elif not changed_outcomes({name: mine}, {name: theirs}) or value_text(mine) == value_text(theirs):
+                cells.append(SAME)
+            else:
+                counts[number] += 1
+                cells.append(_against(mine, theirs))
+        if any(cell not in (SAME, UNTOLD) for cell in cells):
+            rows.append(Row(words(key), value_text(parts[0].get(key)), tuple(cells)))
+    told = [
+        f"{candidate.engine} changed {count:,} of {len(keys):,}"
+        for candidate, count in zip(comparison.candidates, counts, strict=True)
+        if count
+    ]
+    summary = "; ".join(told) if len(keys) > 1 else ""
+    return ChangedOutcome(words(name), tuple(rows[:SHOWN_ROWS]), len(keys), summary)
+
+
+def _parts(value: Any) -> Mapping[str, Any]:
+    """The values of an outcome by name; one that is a single value has no name."""
+    return value if isinstance(value, Mapping) else {} if value is None else {"": value}
+
+
+def _against(mine: Any, theirs: Any) -> str:
+    """A changed value; of a list of names, what was added and what is missing."""
+    if isinstance(mine, list) and isinstance(theirs, list) and all(isinstance(v, str) for v in [*mine, *theirs]):
+        more, less = [v for v in theirs if v not in mine], [v for v in mine if v not in theirs]
+        told = [f"also {', '.join(more)}"] * bool(more) + [f"not {', '.join(less)}"] * bool(less)
+        if told:
+            return _cut("; ".join(told))
+    return value_text(theirs)
+
+
+def words(name: str) -> str:
+    """A name in words.
+
+    >>> words("who_hit_whom")
+    'who hit whom'
+    """
+    return name.replace("_", " ")
+
+
+def value_text(value: Any) -> str:
+    """A value of an outcome as a person reads it.
+
+    >>> value_text({"met": ["a", "b"], "ended": "C2"}), value_text([0.25, -1.0]), value_text(True), value_text(None)
+    ('met a, b; ended C2', '(0.25, -1)', 'yes', 'none')
+    """
+    if value is None:
+        return "none"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, int):
+        return f"{value:,}"
+    if isinstance(value, Mapping):
+        return _cut("; ".join(f"{words(str(key))} {value_text(item)}" for key, item in value.items()))
+    if isinstance(value, list | tuple):
+        if value and all(isinstance(item, float) for item in value):
+            return f"({', '.join(value_text(item) for item in value)})"
+        return _cut(", ".join(value_text(item) for item in value)) or "none"
+    return _cut(str(value))
+
+
+def _cut(text: str) -> str:
+    return text if len(text) <= SHOWN_LETTERS else f"{text[:SHOWN_LETTERS]}…"

@@ -1,0 +1,262 @@
+// The player: one clock for the reference and one engine.
+const player = document.getElementById("player");
+const data = JSON.parse(document.getElementById("recording").textContent);
+const part = (name) => document.getElementById(name);
+const motions = data.runs.map((run) => new Motion(run, data.bodies));
+const panes = { truth: new Pane(part("pane-truth"), data), engine: new Pane(part("pane-engine"), data) };
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+const SECONDS = 30; // a whole run at speed 1
+const state = { time: data.begin, playing: false, chosen: 1, last: 0, sound: null };
+
+const candidate = () => data.runs[state.chosen];
+const divergence = () => candidate().divergence;
+const shown = (time) => Number(time.toPrecision(9)).toString();
+
+function pairs(event) {
+  return event[2].map((pair) => pair.join("–")).join(" ");
+}
+
+function look(element, dashed) {
+  const style = getComputedStyle(element);
+  const colour = (name) => style.getPropertyValue(name).trim();
+  const near = divergence() && state.time >= divergence().time - 0.02 * (data.end - data.begin);
+  return {
+    frame: colour("--frame"), line: colour("--line"), soft: colour("--soft"), text: colour("--text"),
+    reference: colour("--reference"), colour: dashed ? colour("--engine") : colour("--reference"),
+    dash: dashed ? colour("--dash").split(" ").map(Number) : [], marked: near ? divergence() : null,
+    ghost: dashed ? motions[0] : null,
+  };
+}
+
+function draw() {
+  panes.truth.draw(motions[0], state.time, look(player, false));
+  panes.engine.draw(motions[state.chosen], state.time, look(part("engine-figure"), true));
+}
+
+// The error at a time, between samples by its logarithm; null beyond them.
+function errorAt(time) {
+  const rows = candidate().errors;
+  const k = lastNotAfter(rows, time, (row) => row[0]);
+  if (k < 0 || rows[k][1] === null) return null;
+  if (k === rows.length - 1 || !rows[k][1] || !rows[k + 1][1]) return rows[k][1];
+  const share = (time - rows[k][0]) / (rows[k + 1][0] - rows[k][0]);
+  return rows[k][1] * (rows[k + 1][1] / rows[k][1]) ** share;
+}
+
+function digitsLeft(time) {
+  const error = errorAt(time);
+  return error === null ? null : error === 0 ? Infinity : Math.max(0, -Math.log10(error / candidate().scale));
+}
+
+function show() {
+  const scrubber = part("scrubber");
+  scrubber.value = state.time;
+  scrubber.setAttribute("aria-valuetext", `time ${shown(state.time)}`);
+  part("clock").textContent = shown(state.time);
+  const digits = digitsLeft(state.time);
+  part("digits").textContent = digits === null ? "–" : digits === Infinity ? "all" : digits.toFixed(1);
+  part("digit-bar").firstElementChild.style.width = `${Math.min(100, (100 * (digits ?? 0)) / 16)}%`;
+  for (const side of ["truth", "engine"]) follow(side);
+  for (const plot of document.querySelectorAll("#errors svg")) moveCursor(plot);
+  draw();
+}
+
+function motionOf(side) {
+  return side === "truth" ? motions[0] : motions[state.chosen];
+}
+
+function follow(side) {
+  const list = part(`list-${side}`);
+  const place = motionOf(side).eventAt(state.time);
+  const now = list.children[place];
+  const before = list.querySelector("[aria-selected=true]");
+  if (before === (now ?? null)) return;
+  before?.setAttribute("aria-selected", "false");
+  if (!now) { list.removeAttribute("aria-activedescendant"); list.scrollTop = 0; return; }
+  now.setAttribute("aria-selected", "true");
+  list.setAttribute("aria-activedescendant", now.id);
+  list.scrollTop = now.offsetTop - list.clientHeight / 2;
+}
+
+// Says where the clock stands, for the eye and for a screen reader; not while it runs.
+function tell() {
+  const sides = ["truth", "engine"].map((side) => {
+    const motion = motionOf(side);
+    const event = motion.run.events[motion.eventAt(state.time)];
+    const ended = state.time > motion.run.end ? ` (its run ends at t = ${shown(motion.run.end)}: ${motion.run.stop})` : "";
+    return `${motion.run.name}: ${event ? `event ${event[0]}, ${pairs(event)}` : "nothing yet"}${ended}`;
+  });
+  const left = divergence();
+  const first = left && Math.abs(left.time - state.time) <= 1e-12 * Math.abs(left.time) ? ". The first divergence." : "";
+  part("told").textContent = `t = ${shown(state.time)}; ${sides.join("; ")}${first}`;
+}
+
+function seek(time, silent = false) {
+  state.time = Math.min(Math.max(time, data.begin), data.end);
+  show();
+  if (!silent) tell();
+}
+
+function stop() {
+  state.playing = false;
+  part("play").textContent = "Play";
+  part("play").setAttribute("aria-pressed", "false");
+  tell();
+}
+
+function play() {
+  if (calm.matches) return;
+  if (state.time >= data.end) state.time = data.begin;
+  state.playing = true;
+  state.last = performance.now();
+  part("play").textContent = "Stop";
+  part("play").setAttribute("aria-pressed", "true");
+  requestAnimationFrame(tick);
+}
+
+function tick(now) {
+  if (!state.playing) return;
+  const before = state.time;
+  const speed = (Number(part("speed").value) * (data.end - data.begin)) / SECONDS;
+  const after = before + (speed * Math.max(0, now - state.last)) / 1000;
+  state.last = now;
+  seek(after, true);
+  if (state.sound) {
+    if (motions[0].eventAt(after) > motions[0].eventAt(before)) click(-1);
+    if (motions[state.chosen].eventAt(after) > motions[state.chosen].eventAt(before)) click(1);
+  }
+  if (state.time >= data.end) stop();
+  else requestAnimationFrame(tick);
+}
+
+// A click in one ear: -1 left, 1 right.
+function click(ear) {
+  const [context, from] = [state.sound, state.sound.currentTime];
+  const [tone, loudness, pan] = [context.createOscillator(), context.createGain(), context.createStereoPanner()];
+  tone.frequency.value = 1200;
+  pan.pan.value = ear;
+  loudness.gain.setValueAtTime(0.2, from);
+  loudness.gain.exponentialRampToValueAtTime(0.001, from + 0.04);
+  tone.connect(loudness).connect(pan).connect(context.destination);
+  tone.start(from);
+  tone.stop(from + 0.05);
+}
+
+// To the next or the last event of any of the runs given.
+function step(way, runs = [motions[0], motions[state.chosen]]) {
+  if (state.playing) stop();
+  const times = runs.flatMap((motion) => motion.eventTimes);
+  const ahead = times.filter((t) => (way > 0 ? t > state.time : t < state.time));
+  if (ahead.length) seek(way > 0 ? Math.min(...ahead) : Math.max(...ahead));
+  else seek(way > 0 ? data.end : data.begin);
+}
+
+function fill(side) {
+  const [list, motion] = [part(`list-${side}`), motionOf(side)];
+  const left = divergence();
+  const first = left && (side === "truth" ? left.expected : left.got);
+  part(`list-title-${side}`).textContent = `${motion.run.name}: events`;
+  list.replaceChildren(...motion.run.events.map((event, k) => {
+    const row = document.createElement("li");
+    row.id = `${side}-${k}`;
+    row.setAttribute("role", "option");
+    row.setAttribute("aria-selected", "false");
+    row.textContent = `${event[0]}  t = ${shown(event[1])}  ${pairs(event)}`;
+    if (left && event[0] === first) { row.className = "first"; row.textContent += "  ◆ first divergence"; }
+    row.addEventListener("click", () => { if (state.playing) stop(); seek(event[1]); });
+    return row;
+  }));
+}
+
+function choose(number) {
+  state.chosen = number;
+  const run = candidate();
+  part("engine-figure").className = `e${run.number}`;
+  part("name-truth").textContent = `${data.runs[0].name} (reference)`;
+  part("name-engine").textContent = run.name;
+  part("jump").hidden = !run.divergence;
+  const [whole, from] = [data.total, data.runs[0].events];
+  const cut = from.length < whole && from.length ? `Shown are events ${from[0][0]} to ${from.at(-1)[0]} of the reference's ${whole}. ` : "";
+  const grows = run.growth > 0 ? `A small error grows by ${run.growth.toPrecision(3)} bits an event: it uses up the 53 bits of a double in about ${Math.round(53 / run.growth)} events.` : "";
+  part("growth").textContent = cut + grows;
+  fill("truth");
+  fill("engine");
+  show();
+  tell();
+}
+
+function moveCursor(plot) {
+  const [left, right, end] = ["left", "right", "end"].map((name) => Number(plot.dataset[name]));
+  const x = left + ((right - left) * Math.min(state.time, end)) / end;
+  const line = plot.querySelector(".cursor");
+  line.setAttribute("x1", x);
+  line.setAttribute("x2", x);
+}
+
+for (const plot of document.querySelectorAll("#errors svg")) {
+  const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
+  line.setAttribute("class", "cursor");
+  line.setAttribute("y1", plot.dataset.top);
+  line.setAttribute("y2", plot.dataset.bottom);
+  plot.append(line);
+  plot.addEventListener("click", (event) => {
+    const box = plot.getBoundingClientRect();
+    const x = ((event.clientX - box.x) * plot.viewBox.baseVal.width) / box.width;
+    const [left, right, end] = ["left", "right", "end"].map((name) => Number(plot.dataset[name]));
+    seek((end * (x - left)) / (right - left));
+  });
+}
+
+const KEYS = {
+  " ": () => (state.playing ? stop() : play()),
+  ArrowLeft: () => step(-1),
+  ArrowRight: () => step(1),
+  Home: () => seek(data.begin),
+  End: () => seek(data.end),
+};
+
+player.addEventListener("keydown", (event) => {
+  const list = event.target.closest("[role=listbox]");
+  const own = event.target.tagName === "SELECT" || (event.target.tagName === "BUTTON" && event.key === " ");
+  const way = { ArrowUp: -1, ArrowDown: 1 }[event.key];
+  const act = list && way ? () => step(way, [motionOf(list.id.slice(5))]) : KEYS[event.key];
+  if (!act || own || event.altKey || event.ctrlKey || event.metaKey) return;
+  event.preventDefault();
+  act();
+});
+
+part("scrubber").min = data.begin;
+part("scrubber").max = data.end;
+part("scrubber").addEventListener("input", (event) => { if (state.playing) stop(); seek(Number(event.target.value)); });
+part("play").addEventListener("click", () => (state.playing ? stop() : play()));
+part("back").addEventListener("click", () => step(-1));
+part("forth").addEventListener("click", () => step(1));
+part("jump").addEventListener("click", () => { if (state.playing) stop(); seek(divergence().time); });
+part("sound").addEventListener("click", (event) => {
+  state.sound = state.sound ? (state.sound.close(), null) : new AudioContext();
+  event.currentTarget.setAttribute("aria-pressed", String(Boolean(state.sound)));
+});
+part("engine").replaceChildren(...data.runs.slice(1).map((run, k) => new Option(run.name, k + 1)));
+part("engine").addEventListener("change", (event) => choose(Number(event.target.value)));
+part("choice").hidden = data.runs.length < 3;
+
+function quiet() {
+  part("play").hidden = part("sound").hidden = calm.matches;
+  part("still").hidden = !calm.matches;
+  if (calm.matches && state.playing) stop();
+}
+
+function resize() {
+  for (const pane of Object.values(panes)) pane.fit();
+  draw();
+}
+
+player.hidden = false;
+for (const pane of Object.values(panes)) pane.fit();
+calm.addEventListener("change", quiet);
+quiet();
+choose(data.lead);
+part("engine").value = String(state.chosen);
+if (divergence()) seek(divergence().time);
+new ResizeObserver(resize).observe(part("pane-truth").parentElement);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);

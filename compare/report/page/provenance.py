@@ -1,0 +1,203 @@
+"""Where a report comes from: versions, settings, the command that makes it again, and its data as files."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+import os
+import platform
+import re
+import shlex
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib import metadata
+from typing import TYPE_CHECKING, Any
+
+from ....scenarios.errors import SceneError
+from ....scenarios.files import dump_json, dump_toml
+from ....scenarios.trajectory import StopReason
+from ...documents.comparison import comparison_json
+from ..listing import laid_out
+
+if TYPE_CHECKING:
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import Trajectory
+    from ...comparison import Comparison
+
+LIBRARIES = ("python-flint", "sympy", "mpmath", "numpy", "pymunk")
+"""Distributions whose version can decide what a report says."""
+
+MOST_BYTES = 300_000
+"""Largest file that a page carries: a page of all of them stays well under 1 MB."""
+
+
+@dataclass(frozen=True)
+class Download:
+    """A file that the page carries with it.
+
+    Attributes:
+        name: what the browser saves it as.
+        label: what it holds, in words.
+        address: its contents as a `data:` address; empty if it is too large to be carried.
+        remedy: how to get it otherwise.
+    """
+
+    name: str
+    label: str
+    address: str
+    remedy: str = ""
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """What it takes to make a report again.
+
+    Attributes:
+        written: the day, in UTC.
+        versions: of truebreak, Python, the machine and the libraries that counted.
+        scene: the scene by name, with all of its parameters.
+        command: the command line.
+        engines: each engine as asked for, and every setting that it ran with.
+        files: what can be saved from the page.
+        digest: of all that decides the history.
+    """
+
+    written: str
+    versions: tuple[tuple[str, str], ...]
+    scene: str
+    command: str
+    engines: tuple[tuple[str, str], ...]
+    files: tuple[Download, ...]
+    digest: str
+
+
+def provenance(comparison: Comparison, command: str = "") -> Provenance:
+    """The provenance of a comparison.
+
+    Args:
+        command: the command line that it came from; without one, a command that makes it from the scene's file.
+    """
+    runs = [(comparison.reference.engine, comparison.reference)]
+    runs += [(c.engine, c.trajectory) for c in comparison.candidates]
+    return Provenance(
+        day(),
+        versions(),
+        whole_name(comparison.scene),
+        command or _command(comparison),
+        tuple((name, _settings(run)) for name, run in runs),
+        tuple(downloads(comparison)),
+        comparison.scene.digest,
+    )
+
+
+def day() -> str:
+    """Today in UTC, or the day that SOURCE_DATE_EPOCH sets, so that a page can be made again letter for letter."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    moment = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdecimal() else datetime.now(UTC)
+    return moment.strftime("%Y-%m-%d")
+
+
+def versions() -> tuple[tuple[str, str], ...]:
+    """Names and versions of what computed."""
+    import pymunk
+
+    rows = [("truebreak", metadata.version("truebreak")), ("Python", platform.python_version())]
+    rows += [(name, metadata.version(name)) for name in LIBRARIES]
+    rows.append(("Chipmunk", pymunk.chipmunk_version.partition("-")[0]))
+    rows.append(("machine", f"{platform.system()} {platform.machine()}"))
+    return tuple(rows)
+
+
+def whole_name(scene: Scene) -> str:
+    """A catalogue scene's name with every parameter, seed and defaults too; of another scene, its name.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> whole_name(catalogue.build("near-tie:k=7"))
+    'near-tie:k=7,first=left'
+    >>> whole_name(catalogue.build("galperin"))
+    'galperin:n=2'
+    """
+    from ....scenarios import catalogue
+
+    name, _, given = scene.name.partition(":")
+    if name not in catalogue.names():
+        return scene.name
+    try:
+        if catalogue.build(scene.name).digest != scene.digest:
+            return scene.name
+    except SceneError:
+        return scene.name
+    chosen = dict(part.split("=", 1) for part in given.split(",") if part)
+    every = [f"{p.name}={chosen.get(p.name, p.default)}" for p in catalogue.entry(name).parameters]
+    return f"{name}:{','.join(every)}" if every else name
+
+
+def _settings(run: Trajectory) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in run.parameters.items()) or "none"
+
+
+def _command(comparison: Comparison) -> str:
+    """A command that runs the scene, saved from the page, to where this run ended."""
+    reference = comparison.reference
+    words = ["truebreak", "compare", f"{_stem(comparison.scene)}.toml"]
+    words += ["--engines", ",".join(c.engine for c in comparison.candidates), "--reference", reference.engine]
+    if reference.stop.reason is StopReason.EVENTS:
+        words += ["--events", str(len(reference.events))]
+    elif reference.stop.reason is StopReason.HORIZON:
+        words += ["--until", reference.final_time.text() or repr(float(reference.final_time))]
+    return shlex.join(words)
+
+
+def _stem(scene: Scene) -> str:
+    """The scene's name as the name of a file."""
+    return re.sub(r"[^A-Za-z0-9]+", "-", scene.name).strip("-")[:60] or "scene"
+
+
+def downloads(comparison: Comparison) -> Iterator[Download]:
+    """The scene, the results and the events as files in the page."""
+    scene = comparison.scene
+    stem = _stem(scene)
+    for kind, write in (("toml", dump_toml), ("json", dump_json)):
+        try:
+            text = write(scene)
+        except SceneError:
+            continue
+        again = f"truebreak show {shlex.quote(scene.name)} --json"
+        yield _download(f"{stem}.{kind}", f"the scene ({kind.upper()})", f"application/{kind}", text, again)
+        break
+    yield _download(
+        f"{stem}-comparison.json",
+        "all results (JSON)",
+        "application/json",
+        laid_out(comparison_json(comparison)) + "\n",
+        "the command above, with --json",
+    )
+    yield _download(
+        f"{stem}-events.csv",
+        "every event of every engine (CSV)",
+        "text/csv",
+        events_csv(comparison),
+        "truebreak run SCENE --engine E --json",
+    )
+
+
+def _download(name: str, label: str, kind: str, text: str, remedy: str) -> Download:
+    data = text.encode()
+    if len(data) > MOST_BYTES:
+        return Download(name, label, "", f"{len(data):,} bytes, too many for a page: {remedy}")
+    return Download(name, label, f"data:{kind};charset=utf-8;base64,{base64.b64encode(data).decode()}")
+
+
+def events_csv(comparison: Comparison) -> str:
+    """One line an impulse: engine, event, time as the nearest double, and the pair."""
+    text = io.StringIO()
+    table: Any = csv.writer(text, lineterminator="\n")
+    table.writerow(("engine", "event", "time", "first", "second"))
+    runs = [(comparison.reference.engine, comparison.reference)]
+    runs += [(c.engine, c.trajectory) for c in comparison.candidates]
+    for name, run in runs:
+        for event in run.events:
+            table.writerows((name, event.index, repr(float(event.time)), *pair) for pair in event.impulses)
+    return text.getvalue()

@@ -1,0 +1,125 @@
+"""What helps at the command line: examples that hold, completion in three shells, progress with the time left."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+
+import click
+import pytest
+
+from truebreak.compare.cli.commands import cli
+from truebreak.compare.cli.examples import LINES
+from truebreak.compare.cli.progress import Goal, Pace, goal_of
+from truebreak.compare.cli.retold import command_of
+from truebreak.scenarios import catalogue
+from truebreak.scenarios.trajectory import Progress
+
+COMMAND = "import sys; sys.argv[0] = 'truebreak'; from truebreak.compare.cli import main; main()"
+
+
+def parent() -> click.Context:
+    """The context that commands are read in: click keeps the first that it sees for the names of help."""
+    return click.Context(cli, info_name="truebreak", **cli.context_settings)
+
+
+@pytest.mark.parametrize("line", [line for lines in LINES.values() for line in lines])
+def test_examples_in_the_help_are_commands(line: str) -> None:
+    """Each is read by the command line as it is run, up to the command's body."""
+    _, name, *words = shlex.split(line.partition(" > ")[0])
+    command = cli.commands[name]
+    with command.make_context(name, words, parent=parent()) as context:
+        assert "scene" not in context.params or catalogue.build(context.params["scene"])
+
+
+def test_every_command_has_examples() -> None:
+    for name, command in cli.commands.items():
+        if name in LINES:
+            assert command.epilog is not None
+            assert all(line in command.epilog for line in LINES[name])
+    assert LINES.keys() <= cli.commands.keys()
+
+
+def test_a_command_is_told_again_as_it_was_given() -> None:
+    words = ["rack:rows=2", "--events", "9", "--html", "a page.html", "--engines", "double,pymunk:dt=1/10", "--certify"]
+    compare = cli.commands["compare"]
+    with compare.make_context("compare", list(words), parent=parent()) as context:
+        told = command_of(context)
+    assert told.startswith("truebreak compare rack:rows=2 ")
+    assert sorted(shlex.split(told)) == sorted(["truebreak", "compare", *words])
+    with compare.make_context("compare", shlex.split(told)[2:], parent=parent()) as again:
+        assert again.params == context.params
+
+
+def completed(shell: str, words: str, word: str) -> str:
+    """What a shell is offered for the last of some words."""
+    told = {"COMP_WORDS": words, "COMP_CWORD": word, "_TRUEBREAK_COMPLETE": f"{shell}_complete"}
+    done = subprocess.run(
+        [sys.executable, "-c", COMMAND], env={**os.environ, **told}, capture_output=True, text=True, check=False
+    )
+    assert done.stderr == ""
+    return done.stdout.replace("\\:", ":")  # zsh has a colon escaped
+
+
+@pytest.mark.parametrize(("shell", "place"), [("bash", True), ("zsh", True), ("fish", False)])
+def test_shells_complete_scenes_their_parameters_and_engines(shell: str, place: bool) -> None:
+    def offered(*words: str) -> str:
+        return completed(shell, " ".join(["truebreak", *words]), str(len(words)) if place else words[-1])
+
+    assert "galperin" in offered("compare", "gal")
+    assert "rack:rows=2,pockets=" in offered("show", "rack:rows=2,po")
+    assert "rows=" not in offered("show", "rack:rows=2,ro")
+    assert "double,pymunk:iterations=" in offered("compare", "gas", "--engines", "double,pymunk:it")
+    assert "interval" in offered("run", "gas", "--engine", "int")
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_shells_are_given_a_script(shell: str) -> None:
+    told = {**os.environ, "_TRUEBREAK_COMPLETE": f"{shell}_source"}
+    done = subprocess.run([sys.executable, "-c", COMMAND], env=told, capture_output=True, text=True, check=False)
+    assert "_truebreak_completion" in done.stdout.replace("truebreak_completion", "_truebreak_completion")
+    assert done.stdout.count("complet") > 3
+
+
+def ticking(*seconds: float) -> Pace:
+    """A pace whose clock shows these times in turn."""
+    left = list(seconds)
+    return Pace("gas", Goal(events=100, until=50.0), lambda: left.pop(0))
+
+
+def test_the_time_left_is_that_of_the_end_that_comes_first() -> None:
+    pace = ticking(0.0, 10.0, 10.0)
+    pace.told(Progress(0, 0.0, "exact"))
+    assert pace.told(Progress(20, 25.0, "exact")).endswith("20 of 100 events, time 25, 2 a second, 10 s left")
+    assert pace.told(Progress(50, 10.0, "exact")).endswith("5 a second, 10 s left")
+
+
+def test_work_with_limits_of_its_own_has_no_total() -> None:
+    pace = ticking(0.0, 2.0)
+    pace.told(Progress(0, 0.0, "why double"))
+    assert pace.told(Progress(10, 5.0, "why double")) == "gas: why double: 10 events, time 5, 5 a second"
+
+
+def test_each_engine_has_a_rate_of_its_own() -> None:
+    pace = ticking(0.0, 10.0, 20.0, 22.0)
+    pace.told(Progress(0, 0.0, "exact"))
+    assert "9 a second" in pace.told(Progress(90, 40.0, "exact, 512 bits"))
+    assert "a second" not in pace.told(Progress(5, 3.0, "double"))
+    assert "10 a second" in pace.told(Progress(25, 13.0, "double"))
+
+
+def test_beyond_the_total_no_total_is_told() -> None:
+    pace = ticking(0.0, 2.0)
+    pace.told(Progress(0, 0.0, ""))
+    told = pace.told(Progress(110, 60.0, ""))
+    assert "of 100" not in told
+    assert "left" not in told
+
+
+def test_the_goal_is_that_of_the_command_or_of_the_scene() -> None:
+    gas = catalogue.build("gas")
+    assert goal_of(gas, None, None) == Goal(gas.events, None if gas.until is None else float(gas.until))
+    assert goal_of(gas, "9/4", 7) == Goal(7, 2.25)
+    assert goal_of(gas, "nonsense", 7) == Goal(7)
