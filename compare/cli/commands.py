@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import click
 
+from .chaos import chaos
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 
@@ -19,6 +20,7 @@ Examples:
   truebreak run tennis --engine exact --exact     every number as an exact expression
   truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
   truebreak orders lee                            every outcome that some order of impulses leads to
+  truebreak chaos gas --events 400                how fast errors grow, and when each engine is lost
   truebreak show rack:rows=3 --plot rack.svg
 
 \b
@@ -298,3 +300,6 @@ def bench(arguments: tuple[str, ...]) -> int:
     from ..bench.command import main as bench_main
 
     return bench_main(list(arguments)) or DONE
+
+
+cli.add_command(chaos)

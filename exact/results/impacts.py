@@ -22,7 +22,15 @@ if TYPE_CHECKING:
 
 
 class NoTangentMap(ValueError):
-    """Where a run has no tangent map: nearby runs are not its image under one linear map."""
+    """Where a run has no tangent map: nearby runs are not its image under one linear map.
+
+    Attributes:
+        events: how many events at the start have one.
+    """
+
+    def __init__(self, message: str, events: int = 0) -> None:
+        super().__init__(message)
+        self.events = events
 
 
 class Impact(NamedTuple):
@@ -98,7 +106,8 @@ def check_event(scene: Scene, event: Event) -> None:
         partners = {other for pair in event.contacts if name in pair for other in pair if other != name}
         if event.coupled or partners & free or len(event.impulses) != len(event.contacts):
             raise NoTangentMap(
-                f"event {event.index}: {name} has several contacts at one instant, whose order matters to nearby runs"
+                f"event {event.index}: {name} has several contacts at one instant, whose order matters to nearby runs",
+                event.index,
             )
 
 
@@ -121,11 +130,11 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
     """
     scene = trajectory.scene
     check_start(scene)
-    if trajectory.reversal is not None and trajectory.reversal.after < events:
-        after = trajectory.reversal.after
-        raise NoTangentMap(f"the run turns back after {after} events; ask for at most so many")
-    for event in trajectory.events[:events]:
+    turned = events if trajectory.reversal is None else trajectory.reversal.after
+    for event in trajectory.events[: min(turned, events)]:
         check_event(scene, event)
+    if turned < events:
+        raise NoTangentMap(f"the run turns back after {turned} events", turned)
     if isinstance(trajectory.motion, ExactMotion):
         if bits is not None:
             return _replayed(trajectory, trajectory.motion, events, bits)
@@ -170,7 +179,7 @@ def _replayed(trajectory: Trajectory, motion: ExactMotion, events: int, bits: in
                 if isinstance(step, Kick):
                     mine += _struck(state, step.links)
                 elif not isinstance(step, Go):
-                    raise NoTangentMap(f"event {event.index}: the run turns back at it")
+                    raise NoTangentMap(f"event {event.index}: the run turns back at it", event.index)
                 state.do(step)
             done = upto
             found.append(mine)
