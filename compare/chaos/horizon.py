@@ -6,9 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...exact.engine import ExactEngine
-from ..study import Study, run_or_unable
 from .errors import ErrorCurve, ErrorModel, error_curve, model_of
+from .following import follow
 from .levels import LEVELS
 
 if TYPE_CHECKING:
@@ -24,8 +23,6 @@ BAND = 0.9
 
 MORE_EVENTS = 10
 """Events beyond the band at which a departure is still looked for at first."""
-
-FARTHER = 4
 
 
 @dataclass(frozen=True)
@@ -122,17 +119,12 @@ class Forecaster:
         Only as much of the certified run is compared at first as the band reaches to.
         """
         total = len(self.struck)
-        events = total if horizon.high.event is None else min(total, horizon.high.event + MORE_EVENTS)
-        while True:
-            scene = self.trajectory.scene
-            study = Study(scene, ExactEngine(), ExactEngine().run(scene, events=events))
-            _, alignment, unable = run_or_unable(study, engine, None)
-            if unable:
-                return None
-            if alignment.divergence is not None:
-                return Seen("diverged", self.place(min(alignment.divergence.event, total - 1)))
-            if alignment.undecided:
-                return Seen("undecided", self.place(min(alignment.agreed, total - 1)))
-            if events == total:
-                return Seen(alignment.verdict, None)
-            events = min(total, FARTHER * events)
+        high = horizon.high.event
+        told = follow(self.trajectory, engine, total if high is None else high + MORE_EVENTS)
+        if told.unable:
+            return None
+        if told.alignment.divergence is not None:
+            return Seen("diverged", self.place(min(told.alignment.divergence.event, total - 1)))
+        if told.alignment.undecided:
+            return Seen("undecided", self.place(min(told.alignment.agreed, total - 1)))
+        return Seen(told.alignment.verdict, None)

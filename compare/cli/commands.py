@@ -9,6 +9,7 @@ import click
 from .chaos import chaos
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .sweep import sweep
 
 EXAMPLES = """
 \b
@@ -21,6 +22,7 @@ Examples:
   truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
   truebreak orders lee                            every outcome that some order of impulses leads to
   truebreak chaos gas --events 400                how fast errors grow, and when each engine is lost
+  truebreak sweep gas --vary seed=1..20           the same question for a family of scenes
   truebreak show rack:rows=3 --plot rack.svg
 
 \b
@@ -303,3 +305,4 @@ def bench(arguments: tuple[str, ...]) -> int:
 
 
 cli.add_command(chaos)
+cli.add_command(sweep)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 
 WIDTH, HEIGHT = 720, 320
-LEFT, RIGHT, TOP, BOTTOM = 64, 150, 14, 40
+LEFT, RIGHT, TOP, BOTTOM = 64, 150, 26, 40
 """Room for the labels around the plot, in pixels."""
 
 
