@@ -13,8 +13,10 @@ from truebreak.exact.laws.derivation import LawError
 from truebreak.exact.laws.formulas import wall_bounce
 from truebreak.exact.laws.tangent_formulas import pair_tangent
 from truebreak.exact.results import growth
-from truebreak.exact.results.growth import Displacements, error_growth, unit_displacements
-from truebreak.scenarios import Circle, Quantity, Scene, Trajectory, Wall, catalogue
+from truebreak.exact.results.growth import Displacements, certified_growth, error_growth, unit_displacements
+from truebreak.exact.results.impacts import NoTangentMap, impacts, moving
+from truebreak.floating import DoubleEngine
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Trajectory, Wall, catalogue
 
 TEXT = tangent_laws.text()
 
@@ -62,34 +64,122 @@ def test_it_is_the_map_of_dellago_posch_and_hoover() -> None:
     assert told == tuple(-part for part in (*first, *second))  # what b gains is what a loses
 
 
-def moved(scene: Scene, amount: Quantity) -> Scene:
-    first, *others = scene.circles
-    shifted = Circle(first.x + amount, first.y, first.r, first.vx, first.vy, m=first.m, id=first.id)
-    return scene.with_changes(circles=[shifted, *others])
+def moved(scene: Scene, amount: Quantity, index: int = 0) -> Scene:
+    circles = list(scene.circles)
+    c = circles[index]
+    circles[index] = Circle(c.x + amount, c.y, c.r, c.vx, c.vy, m=c.m, id=c.id, point=c.point)
+    return scene.with_changes(circles=circles)
 
 
-def difference(scene: Scene, events: int) -> tuple[Trajectory, np.ndarray, np.ndarray]:
-    """The exact difference quotient of a 10**-150 displacement of the first circle's x, and what the map tells."""
-    small = Quantity.of("10**-150")
+def carried_through(run: Trajectory, start: np.ndarray, events: int) -> Displacements:
+    carried = Displacements(run.scene, start)
+    for struck in impacts(run, events):
+        carried.through(struck)
+    return carried
+
+
+def difference(scene: Scene, events: int, size: str = "10**-150") -> tuple[Trajectory, np.ndarray, np.ndarray]:
+    """The exact difference quotient of a displacement of the first circle's x, and what the map tells.
+
+    Both just before the run's last event.
+    """
+    small = Quantity.of(size)
     run, other = (ExactEngine().run(s, events=events) for s in (scene, moved(scene, small)))
-    time = run.events[-1].time.digits(80)
-    before = Quantity.of(time) - Quantity.of("10**-60")
+    count = len(run.events)
+    assert [event.contacts for event in other.events] == [event.contacts for event in run.events]
+    before = Quantity.of(run.events[-1].time.digits(80)) - Quantity.of("10**-40")
     rows = []
+    free = moving(scene)
     for one, two in zip(run.at(before).circles, other.at(before).circles, strict=True):
         pairs = [(one.x, two.x), (one.y, two.y), (one.vx, two.vx), (one.vy, two.vy)]
-        rows.append([float((b.ball(900) - a.ball(900)) / small.ball(900)) for a, b in pairs])
-    start = np.zeros((len(scene.circles), 4, 1))
+        rows.append([float((b.ball(1200) - a.ball(1200)) / small.ball(1200)) for a, b in pairs])
+    start = np.zeros((len(free), 4, 1))
     start[0, 0, 0] = 1.0
-    carried = Displacements(run, start)
-    for index in range(len(run.events) - 1):
-        carried.through(index)
-    return run, np.array(rows), carried.at(float(before))[:, :, 0] * 2.0**carried.scale
+    carried = carried_through(run, start, count - 1)
+    carried.fly(float(before))
+    return run, np.array(rows)[free], carried.columns[:, :, 0] * 2.0**carried.scale
 
 
-@pytest.mark.parametrize("text", ["gas", "gas:n=5,seed=3,mixed=yes", "lorentz"])
-def test_the_map_is_the_difference_of_two_exact_runs(text: str) -> None:
-    _, exact, mapped = difference(catalogue.build(text).with_changes(until=None), 60)
+FIXED = Scene(
+    [
+        Circle(2, 3, vx=1, vy="1/3", m=2, id="a"),
+        Circle("21/2", "9/2", r="3/2", vx="-1/2", vy="2/7", m="1/3", id="b"),
+        Circle(7, 9, r=0, vx="3/5", vy=-1, point=True, id="dot"),
+        Circle(6, "13/2", m="oo", id="post"),
+    ],
+    [Wall(0, 0, 1, "1/9"), Wall(0, 0, "-1/7", 2), Wall(13, 0, 13, 1), Wall(0, 13, 1, 13)],
+    name="masses, a post, a point and slopes",
+)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [
+        *(catalogue.build(text) for text in ("gas", "gas:n=5,seed=3,mixed=yes", "gas:n=3", "point", "galperin:n=2")),
+        FIXED,
+    ],
+    ids=lambda scene: scene.name,
+)
+def test_the_map_is_the_difference_of_two_exact_runs_over_300_events(scene: Scene) -> None:
+    run, exact, mapped = difference(scene.with_changes(until=None), 300)
+    assert len(run.events) == 300
+    assert np.abs(mapped - exact).max() <= 0.01 * np.abs(exact).max()
     assert np.abs(mapped - exact).max() <= 1e-6 * np.abs(exact).max()
+
+
+def test_where_errors_grow_beyond_the_displacement_a_smaller_one_shows_it() -> None:
+    """300 events of the Lorentz gas make 10**-150 larger than the scene."""
+    run, exact, mapped = difference(catalogue.build("lorentz").with_changes(until=None), 300, "10**-300")
+    assert len(run.events) == 300
+    assert np.abs(exact).max() > 1e140
+    assert np.abs(mapped - exact).max() <= 1e-6 * np.abs(exact).max()
+
+
+def corner(y: str) -> Scene:
+    """A disc that meets a wall and a fixed disc straight above it, or a second wall, in one instant."""
+    walls = [Wall(0, 0, 0, 1, id="left"), Wall(0, 0, 1, 0, id="low")]
+    post = [Circle(1, 3, m="oo", id="post")] if y == "post" else []
+    speed = {"vx": -1, "vy": "3/4" if post else -1}
+    return Scene([Circle(5, -2 if post else 5, **speed, id="a"), *post], walls[:1] if post else walls)
+
+
+@pytest.mark.parametrize("kind", ["wall", "post"])
+@pytest.mark.parametrize("size", ["10**-150", "-10**-150"])
+def test_reflections_at_right_angles_commute_and_have_a_map(kind: str, size: str) -> None:
+    """Displaced to one side the disc meets the one first, to the other side the other: to the same effect."""
+    scene = corner(kind)
+    run = ExactEngine().run(scene, events=1)
+    assert len(run.events[0].contacts) == 2
+    other = ExactEngine().run(moved(scene, Quantity.of(size)), events=2)
+    assert len(other.events) == 2
+    after = Quantity.of(other.events[-1].time.digits(60)) + 1
+    here, there = ExactEngine().run(scene, until=after), ExactEngine().run(moved(scene, Quantity.of(size)), until=after)
+    small = Quantity.of(size).ball(900)
+    one, two = here.at(after).circles[0], there.at(after).circles[0]
+    pairs = [(one.x, two.x), (one.y, two.y), (one.vx, two.vx), (one.vy, two.vy)]
+    exact = [float((b.ball(900) - a.ball(900)) / small) for a, b in pairs]
+    carried = carried_through(run, unit_displacements(scene)[:, :, :1], 1)
+    carried.fly(float(after))
+    assert np.abs(carried.columns[0, :, 0] - exact).max() <= 1e-12
+
+
+def test_with_a_moving_partner_they_do_not_commute_and_the_map_is_refused() -> None:
+    """What a displacement leads to depends on its sign: no linear map does that."""
+    circles = [Circle(0, 0, vx=1, vy="1/2", id="b"), Circle(5, 0, vy="1/2", id="a"), Circle(3, "7/2", id="c")]
+    scene = Scene(circles)
+    run = ExactEngine().run(scene, events=1)
+    assert len(run.events[0].contacts) == 2
+    assert not run.events[0].coupled
+    with pytest.raises(NoTangentMap, match="event 0: b has several contacts"):
+        impacts(run, 1)
+    quotients = []
+    for size in ("10**-150", "-10**-150"):
+        small = Quantity.of(size)
+        here, there = (ExactEngine().run(s, until=5) for s in (scene, moved(scene, small)))
+        ends = [[(c.vx.ball(900), c.vy.ball(900)) for c in r.final.circles] for r in (here, there)]
+        pairs = [(x, y) for one, two in zip(*ends, strict=True) for x, y in zip(one, two, strict=True)]
+        quotients.append([float((y - x) / small.ball(900)) for x, y in pairs])
+    assert np.abs(np.subtract(*quotients)).max() > 0.01
 
 
 def test_a_wall_and_a_fixed_circle() -> None:
@@ -110,20 +200,76 @@ def test_the_growth_of_errors_in_the_gas() -> None:
     assert error_growth(run, 40) is not None
 
 
-def test_where_a_circle_has_several_contacts_there_is_no_map() -> None:
-    run = ExactEngine().run(catalogue.build("lee"))
-    assert error_growth(run, 1) is None
-    with pytest.raises(ValueError, match="several contacts"):
-        Displacements(run, unit_displacements(3)).through(0)
+@pytest.mark.parametrize("text", ["gas:n=4", "lorentz"])
+def test_a_run_of_floats_has_the_map_of_the_exact_one_while_it_is_near(text: str) -> None:
+    """Its impacts are read off its states, not off a log: another way to the same numbers."""
+    scene = catalogue.build(text)
+    growths = [error_growth(engine.run(scene, events=10), 10) for engine in (ExactEngine(), DoubleEngine())]
+    assert growths[1] == pytest.approx(growths[0], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("scene", "events", "reason"),
+    [
+        (catalogue.build("lee"), 1, "event 0: middle has several contacts"),
+        (catalogue.build("tennis"), 1, "basketball and tennis touch from the start on"),
+        (catalogue.build("gas:n=3").with_changes(reverse_after=4, events=8), 6, "turns back after 4 events"),
+        (Scene([Circle(0, 0, vx=-1)], [Wall(-3, 0, -3, 1)], pockets=[Pocket(9, 9, 1)], capture=True), 1, "capture"),
+        (Scene([Circle(0, 1, vx=1), Circle(9, 1)], [Wall(0, 0, 1, 0)]), 1, "c1 and w1 touch from the start on"),
+    ],
+)
+def test_where_there_is_no_map_it_is_refused(scene: Scene, events: int, reason: str) -> None:
+    run = ExactEngine().run(scene, events=8)
+    with pytest.raises(NoTangentMap, match=reason):
+        impacts(run, events)
+    assert error_growth(run, events) is None
+
+
+def test_before_a_reversal_there_is_a_map() -> None:
+    run = ExactEngine().run(catalogue.build("gas:n=3").with_changes(reverse_after=4, events=8))
+    assert error_growth(run, 4) is not None
     assert error_growth(run, 0) is None
 
 
 def test_large_displacements_are_scaled() -> None:
     run = ExactEngine().run(catalogue.build("gas"), events=20)
-    plain, scaled = (Displacements(run, unit_displacements(10) * size) for size in (1.0, growth.RESCALED))
-    for index in range(20):
-        plain.through(index)
-        scaled.through(index)
+    units = unit_displacements(run.scene)
+    plain, scaled = (carried_through(run, units * size, 20) for size in (1.0, growth.RESCALED))
     assert scaled.scale > 0
-    time = float(run.events[-1].time)
-    assert np.allclose(plain.at(time) * growth.RESCALED / 2.0**scaled.scale, scaled.at(time), rtol=1e-9)
+    assert np.allclose(plain.columns * growth.RESCALED / 2.0**scaled.scale, scaled.columns, rtol=1e-9)
+
+
+def test_numbers_that_the_run_had_exactly_are_replayed_with_bits_enough() -> None:
+    """The periodic pinball needs few bits to be decided, and hundreds to be followed in balls."""
+    run = ExactEngine().run(catalogue.build("pinball"), events=100)
+    carried = carried_through(run, unit_displacements(run.scene), 100)
+    reach = 6 / 1.1  # the ball's radius added to the discs'
+    bounce = np.log2(reach - 1 + np.sqrt(reach * (reach - 2)))
+    grown = carried.scale + np.log2(np.linalg.norm(carried.matrix, 2))
+    assert grown / 100 == pytest.approx(bounce, rel=0.02)
+
+
+@pytest.mark.parametrize("text", ["gas", "lorentz", "gas:n=4,mixed=yes", "pinball"])
+@pytest.mark.parametrize("events", [1, 25, 60])
+def test_certified_growth_holds_what_doubles_say(text: str, events: int) -> None:
+    run = ExactEngine().run(catalogue.build(text).with_changes(until=None), events=events)
+    told, rate = certified_growth(run, events), error_growth(run, events)
+    assert rate is not None
+    assert told.low - 1e-9 <= rate * events <= told.high + 1e-9
+    assert told.high - told.low < 0.1
+
+
+def test_certified_growth_of_two_collisions_by_hand() -> None:
+    """A disc flies 2 to a wall and 3 back: reflected, and x displaced by 5 times v's."""
+    run = ExactEngine().run(Scene([Circle(0, 0, vx=1)], [Wall(3, 0, 3, 1), Wall(-2, 0, -2, 1)]), events=2)
+    told = certified_growth(run, 2)
+    norm = (5 + np.sqrt(29)) / 2  # of ((1, 5), (0, 1))
+    assert told.low <= np.log2(norm) <= told.high
+
+
+def test_growth_is_certified_along_certified_runs_only() -> None:
+    scene = catalogue.build("gas:n=3")
+    with pytest.raises(NoTangentMap, match="certified"):
+        certified_growth(DoubleEngine().run(scene, events=5), 5)
+    with pytest.raises(NoTangentMap, match="the run has 5"):
+        certified_growth(ExactEngine().run(scene, events=5), 6)

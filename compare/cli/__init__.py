@@ -1,4 +1,4 @@
-"""The command line: `truebreak scenes | show | run | compare | orders | bench`."""
+"""The command line: `truebreak scenes | show | run | compare | orders | chaos | sweep | bench`."""
 
 from __future__ import annotations
 

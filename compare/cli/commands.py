@@ -7,10 +7,12 @@ from dataclasses import replace
 import click
 
 from . import completion
+from .chaos import chaos
 from .examples import examples
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 from .numbers import Whole
 from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .sweep import sweep
 
 EXAMPLES = """
 \b
@@ -22,6 +24,8 @@ Examples:
   truebreak run tennis --engine exact --exact     every number as an exact expression
   truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
   truebreak orders lee                            every outcome that some order of impulses leads to
+  truebreak chaos gas --events 400                how fast errors grow, and when each engine is lost
+  truebreak sweep gas --vary seed=1..20           the same question for a family of scenes
   truebreak show rack:rows=3 --plot rack.svg
 
 \b
@@ -320,3 +324,7 @@ def bench(arguments: tuple[str, ...]) -> int:
     from ..bench.command import main as bench_main
 
     return bench_main(list(arguments)) or DONE
+
+
+cli.add_command(chaos)
+cli.add_command(sweep)

@@ -1,0 +1,130 @@
+"""How long an engine can be trusted, foreseen from the certified run alone, beside what happened."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .errors import ErrorCurve, ErrorModel, error_curve, model_of
+from .following import follow
+from .levels import LEVELS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ...exact.results.impacts import Impact
+    from ...scenarios.engine import Engine
+    from ...scenarios.trajectory import Trajectory
+    from ..alignment.align import Verdict
+
+BAND = 0.9
+"""Share of engines' departures that the band is to hold."""
+
+MORE_EVENTS = 10
+"""Events beyond the band at which a departure is still looked for at first."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """An event of the certified run, and its time; None where the run ends before it."""
+
+    event: int | None
+    time: float | None
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What came of running the engine.
+
+    Attributes:
+        verdict: as in a comparison: `diverged`, `undecided` of an engine of enclosures, `agree` to the run's end.
+        place: the first event that it has otherwise, or not at all; None if there is none.
+    """
+
+    verdict: Verdict
+    place: Place | None
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Where an engine is expected to leave the history.
+
+    Attributes:
+        engine: as it was asked for.
+        model: what its declarations say of its error.
+        unit: log2 of its unit of error: of its last bit, or of its time step.
+        expected: half of all engines in such a place have left the history by then.
+        low, high: the band; it is to hold `BAND` of the departures.
+        by_exponent: ln(1/unit) / lambda: the time by the largest exponent alone; None if that is not told from zero.
+        seen: what happened; None if the engine was not run, or could not be.
+    """
+
+    engine: str
+    model: ErrorModel
+    unit: float
+    expected: Place
+    low: Place
+    high: Place
+    by_exponent: float | None
+    seen: Seen | None = None
+
+    def holds(self, place: Place) -> bool:
+        """Whether the band holds an event; beyond the run it goes on for ever."""
+        if place.event is None or self.low.event is None or place.event < self.low.event:
+            return False
+        return self.high.event is None or place.event <= self.high.event
+
+
+class Forecaster:
+    """Foresees engines along one certified run; the error curve of each model is made once.
+
+    Args:
+        trajectory: a certified run of the exact engine.
+        struck: its impacts, event by event; what is foreseen lies among these.
+    """
+
+    def __init__(self, trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> None:
+        self.trajectory = trajectory
+        self.struck = struck
+        self._curves: dict[ErrorModel, ErrorCurve] = {}
+
+    def curve(self, model: ErrorModel) -> ErrorCurve:
+        """The error curve of a model."""
+        if model not in self._curves:
+            self._curves[model] = error_curve(self.trajectory, self.struck, model)
+        return self._curves[model]
+
+    def place(self, event: int | None) -> Place:
+        """An event with its time."""
+        return Place(None, None) if event is None else Place(event, float(self.trajectory.events[event].time))
+
+    def foresee(self, label: str, engine: Engine, exponent: float = 0.0) -> Horizon | None:
+        """The horizon of an engine; None for one whose numbers are exact.
+
+        Args:
+            exponent: the largest Lyapunov exponent per unit time, for comparison.
+        """
+        declared = model_of(engine)
+        if declared is None:
+            return None
+        model, unit = declared
+        low, middle, high = (self.place(self.curve(model).reaches(level, unit)) for level in LEVELS[model.name])
+        by_exponent = -unit * math.log(2) / exponent if exponent > 0 else None
+        return Horizon(label, model, unit, middle, low, high, by_exponent)
+
+    def watch(self, horizon: Horizon, engine: Engine) -> Seen | None:
+        """Runs the engine until it leaves the history, or to the end of the events at hand.
+
+        Only as much of the certified run is compared at first as the band reaches to.
+        """
+        total = len(self.struck)
+        high = horizon.high.event
+        told = follow(self.trajectory, engine, total if high is None else high + MORE_EVENTS)
+        if told.unable:
+            return None
+        if told.alignment.divergence is not None:
+            return Seen("diverged", self.place(min(told.alignment.divergence.event, total - 1)))
+        if told.alignment.undecided:
+            return Seen("undecided", self.place(min(told.alignment.agreed, total - 1)))
+        return Seen(told.alignment.verdict, None)

@@ -1,0 +1,66 @@
+"""A sweep as the JSON object `truebreak/sweep-1`, and for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..ensemble.survival import Summary
+
+SWEEP_SCHEMA = "truebreak/sweep-1"
+
+
+def sweep_json(
+    settings: Mapping[str, Any], scenes: int, told: Sequence[Summary], failures: Sequence[tuple[int, int, str]]
+) -> dict[str, Any]:
+    """The object that `truebreak sweep --json` prints: what was asked, and what the rows say together."""
+    return {
+        "schema": SWEEP_SCHEMA,
+        "settings": dict(settings),
+        "scenes": scenes,
+        "engines": [_engine(summary) for summary in told],
+        "failures": [{"scene": scene, "attempt": attempt, "note": note} for scene, attempt, note in failures],
+    }
+
+
+def _engine(summary: Summary) -> dict[str, Any]:
+    law, changed = summary.law, summary.changed
+    return {
+        "engine": summary.engine,
+        "verdicts": summary.verdicts,
+        "median": summary.median,
+        "survival": [
+            {"event": s.event, "share": s.share, "low": s.low, "high": s.high, "at_risk": s.at_risk}
+            for s in summary.survival
+        ],
+        "band": {"inside": summary.inside[0], "left": summary.inside[1]},
+        "law": None if law is None else vars(law),
+        "changed": None if changed is None else dict(zip(("scenes", "of", "low", "high"), changed, strict=True)),
+    }
+
+
+def print_sweep(settings: Mapping[str, Any], scenes: int, told: Sequence[Summary]) -> None:
+    """One row an engine."""
+    from rich.markup import escape
+
+    from ..report.listing import console, grid, say
+    from ..report.sentences import counted
+
+    out = console()
+    asked = " ".join([settings["scene"], *settings["vary"]])
+    say(out, f"{asked}: {counted(scenes, 'scene')}, each held against its certified run.", "bold")
+    table = grid("engine", "verdicts", "half have left by", "inside the band", "t = a ln(1/eps)/lambda + b",
+                 "outcomes changed")  # fmt: skip
+    for summary in told:
+        inside, left = summary.inside
+        law, changed = summary.law, summary.changed
+        table.add_row(
+            escape(summary.engine),
+            ", ".join(f"{count} {verdict}" for verdict, count in summary.verdicts.items()),
+            "" if summary.median is None else f"event {summary.median}",
+            f"{inside} of {left}" if left else "",
+            "" if law is None else f"a = {law.slope:.3f}, b = {law.intercept:.3g}, r = {law.correlation:.2f}",
+            "" if changed is None else f"{changed[0]} of {changed[1]} (95 %: {changed[2]:.3f} to {changed[3]:.3f})",
+        )
+    out.print(table)

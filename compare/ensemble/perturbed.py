@@ -1,0 +1,77 @@
+"""The certified run of a scene whose circles are displaced a little: what an exact observer errs by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from ...exact.engine import ExactEngine
+from ...scenarios.catalogue.draw import Draw
+from ...scenarios.engine import Declared
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.things import Circle
+
+if TYPE_CHECKING:
+    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress, Trajectory
+
+GRAIN = 1000
+"""Displacements are drawn in thousandths of their size."""
+
+
+def displaced(scene: Scene, size: Quantity, seed: int) -> Scene:
+    """The scene with every circle that can move displaced by up to `size` in x and in y.
+
+    Raises:
+        SceneError: if circles overlap then.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> near = displaced(catalogue.build("gas:n=3"), Quantity.of("10**-12"), 1)
+    >>> abs(float(near.circles[0].x - catalogue.build("gas:n=3").circles[0].x)) <= 1e-12
+    True
+    """
+    draw = Draw(seed)
+    circles: list[Circle] = []
+    for c in scene.circles:
+        if c.fixed:
+            circles.append(c)
+            continue
+        dx, dy = (size * draw.between(-GRAIN, GRAIN) / GRAIN for _ in range(2))
+        circles.append(Circle(c.x + dx, c.y + dy, c.r, c.vx, c.vy, m=c.m, id=c.id, point=c.point))
+    return scene.with_changes(circles=circles)
+
+
+@dataclass(frozen=True)
+class Perturbed(Declared):
+    """The exact engine, given the scene displaced: every decision is proved, of another scene.
+
+    Attributes:
+        size: the largest displacement of a coordinate.
+        seed: of the displacements.
+    """
+
+    size: Quantity
+    seed: int = 1
+
+    def __post_init__(self) -> None:
+        if self.size.sign() <= 0:
+            raise SceneError(f"--perturb {self.size}: must be above zero")
+
+    @property
+    def name(self) -> str:
+        """`perturbed`."""
+        return "perturbed"
+
+    def run(
+        self,
+        scene: Scene,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """The certified history of the displaced scene (see `Engine.run`)."""
+        near = displaced(scene, self.size, self.seed)
+        return replace(ExactEngine().run(near, until=until, events=events, progress=progress), engine=self.name)

@@ -1,0 +1,110 @@
+"""Plain curves over time as one SVG plot: linear axes, bands and marks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+
+WIDTH, HEIGHT = 720, 320
+LEFT, RIGHT, TOP, BOTTOM = 64, 150, 26, 40
+"""Room for the labels around the plot, in pixels."""
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Points joined by a line."""
+
+    label: str
+    points: Sequence[tuple[float, float]]
+
+
+@dataclass(frozen=True)
+class Band:
+    """A stretch of time, perhaps with a mark in it, drawn at a height."""
+
+    label: str
+    low: float
+    high: float
+    height: float
+    mark: float | None = None
+
+
+def plot(title: str, across: str, up: str, curves: Sequence[Curve], bands: Sequence[Band] = ()) -> str:
+    """The curves as one SVG element; a band is a bar at its height, its mark a dot."""
+    points = [p for curve in curves for p in curve.points if math.isfinite(p[1])]
+    end = max((x for x, _ in points), default=1.0) or 1.0
+    heights = [y for _, y in points] + [band.height for band in bands]
+    low, high = min([0.0, *heights]), max([*heights, 1e-300])
+    view = _View(end, low, high if high > low else low + 1.0)
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" '
+        f'height="{HEIGHT}" role="img" class="plot">',
+        f"<title>{escape(title)}</title>",
+        *view.axes(across, up),
+    ]
+    for number, curve in enumerate(curves):
+        path = " ".join(f"{view.x(x):.1f},{view.y(y):.1f}" for x, y in curve.points if math.isfinite(y))
+        parts.append(f'<polyline class="series s{number % 5}" points="{path}"/>')
+        parts += _legend(number, curve.label)
+    for number, band in enumerate(bands, start=len(curves)):
+        y, kind = view.y(band.height), f"s{number % 5}"
+        ends = (view.x(min(value, end)) for value in (band.low, band.high))
+        parts.append('<line class="series {}" x1="{:.1f}" x2="{:.1f}" y1="{:.1f}" y2="{:.1f}"/>'.format(
+            kind, *ends, y, y))  # fmt: skip
+        if band.mark is not None:
+            parts.append(f'<circle class="dot {kind}" cx="{view.x(band.mark):.1f}" cy="{y:.1f}" r="4.5"/>')
+        parts += _legend(number, band.label)
+    return "\n".join([*parts, "</svg>"])
+
+
+def _legend(number: int, label: str) -> list[str]:
+    x, y = WIDTH - RIGHT + 12, TOP + 14 + 20 * number
+    shown = label if len(label) <= 17 else f"{label[:16]}…"
+    return [
+        f'<line class="series s{number % 5}" x1="{x}" x2="{x + 22}" y1="{y}" y2="{y}"/>',
+        f'<text x="{x + 28}" y="{y}" class="tick start">{escape(shown)}</text>',
+    ]
+
+
+@dataclass(frozen=True)
+class _View:
+    end: float
+    low: float
+    high: float
+
+    def x(self, value: float) -> float:
+        return LEFT + (WIDTH - LEFT - RIGHT) * value / self.end
+
+    def y(self, value: float) -> float:
+        return TOP + (HEIGHT - TOP - BOTTOM) * (self.high - value) / (self.high - self.low)
+
+    def axes(self, across: str, up: str) -> list[str]:
+        parts: list[str] = []
+        for value in _ticks(self.low, self.high):
+            y = self.y(value)
+            parts.append(f'<line class="gridline" x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>')
+            parts.append(f'<text x="{LEFT - 8}" y="{y:.1f}" class="tick end">{value:.6g}</text>')
+        for value in _ticks(0.0, self.end):
+            x = self.x(value)
+            parts.append(f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 14}" class="tick">{value:.6g}</text>')
+        middle = (LEFT + WIDTH - RIGHT) / 2
+        parts.append(f'<text x="{middle:.0f}" y="{HEIGHT - 8}" class="tick">{escape(across)}</text>')
+        parts.append(f'<text x="{LEFT}" y="8" class="tick start">{escape(up)}</text>')
+        return parts
+
+
+def _ticks(low: float, high: float) -> list[float]:
+    """Round values between two numbers, about six of them.
+
+    >>> _ticks(0.0, 10.0)
+    [0.0, 2.0, 4.0, 6.0, 8.0, 10.0]
+    """
+    rough = (high - low) / 5
+    if not rough > 0:
+        return [low]
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = next(m * power for m in (1, 2, 5, 10) if m * power >= rough * 0.999)
+    first = math.ceil(low / step - 1e-9)
+    return [k * step for k in range(first, math.floor(high / step + 1e-9) + 1)]

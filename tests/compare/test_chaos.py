@@ -1,0 +1,272 @@
+"""Chaos along one run: exponents against closed forms and published values, growth, horizons, the command."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+from truebreak.compare.chaos import calibration
+from truebreak.compare.chaos.blocks import rate
+from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
+from truebreak.compare.chaos.errors import ErrorCurve, ErrorModel, model_of
+from truebreak.compare.chaos.horizon import Forecaster, Horizon, Place
+from truebreak.compare.chaos.levels import LEVELS
+from truebreak.compare.chaos.spectrum import spectrum
+from truebreak.compare.cli import main
+from truebreak.compare.documents.chaos import chaos_json
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.engines import engine
+from truebreak.exact import ExactEngine
+from truebreak.exact.results.impacts import impacts
+from truebreak.scenarios import Circle, Scene, SceneError, Wall, catalogue
+
+GAS = catalogue.build("gas")
+
+
+def measured(text: str, events: int) -> Chaos:
+    return chaos(catalogue.build(text), [], events=events)
+
+
+def call(arguments: list[str]) -> int:
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    return int(stop.value.code or 0)
+
+
+# -- exponents
+
+
+def test_the_pinball_s_exponent_is_its_closed_form() -> None:
+    """Between two fixed discs: ln(R - 1 + sqrt(R (R - 2))) a bounce, R the distance in reaches."""
+    told = measured("pinball:r=0", 60).spectrum
+    wanted = math.log(5 + 2 * math.sqrt(6))
+    assert told.per_event().value == pytest.approx(wanted, rel=1e-6)
+    assert told.per_time().value == pytest.approx(wanted / 4, rel=1e-6)
+
+
+def test_the_gas_has_the_measured_exponent_inside_its_interval() -> None:
+    told = measured("gas", 1000).spectrum
+    found = told.per_time()
+    assert found.low is not None and found.high is not None
+    assert found.low < 0.3208 < found.high
+    assert found.high - found.low < 0.1
+    assert told.chaotic
+
+
+def test_exponents_come_in_pairs_and_keep_the_volume() -> None:
+    told = measured("gas:n=5,mixed=yes", 600).spectrum
+    values = [told.per_time(k).value for k in range(told.dimension)]
+    pairing, volume = told.pairing(), told.volume()
+    assert pairing is not None and volume is not None
+    assert pairing < 0.05 * values[0]
+    assert abs(volume) < 1e-9
+    assert max(np.diff(values)) < 0.02 * values[0]
+    entropy = told.entropy()
+    assert entropy is not None
+    assert entropy.value == pytest.approx(sum(values[: told.dimension // 2]))
+
+
+def test_a_ball_alone_between_walls_is_not_called_chaotic() -> None:
+    """Its displacements grow in proportion to time; the estimate is what that makes, and says so."""
+    told = measured("gas:n=1", 200).spectrum
+    assert told.per_time().value == pytest.approx(told.linear, rel=0.05)
+    assert not told.chaotic
+
+
+def test_few_exponents_are_the_largest_of_all() -> None:
+    scene = catalogue.build("gas:n=4")
+    run = ExactEngine().run(scene, events=200)
+    struck = impacts(run, 200)
+    whole, few = spectrum(scene, struck), spectrum(scene, struck, 2)
+    assert few.gains.shape == (200, 2)
+    assert few.per_time(0).value == pytest.approx(whole.per_time(0).value, rel=0.05)
+    assert few.entropy() is None and few.pairing() is None and few.volume() is None
+
+
+def test_the_exponent_converges_to_what_is_told() -> None:
+    told = measured("gas:n=3", 200).spectrum
+    running = told.running(20)
+    assert [event for event, *_ in running] == sorted({event for event, *_ in running})
+    assert running[-1][2] == pytest.approx(told.per_time().value)
+
+
+def test_the_interval_holds_the_rate_in_nineteen_of_twenty() -> None:
+    """Of a thousand series with a known rate."""
+    draw = np.random.default_rng(7)
+    held = 0
+    for _ in range(1000):
+        told = rate(draw.exponential(2.0, 300), np.ones(300))
+        assert told.low is not None and told.high is not None
+        held += told.low <= 2.0 <= told.high
+    assert 930 <= held <= 970
+
+
+# -- growth
+
+
+def test_certified_growth_holds_the_end_of_the_curve() -> None:
+    told = measured("gas", 120)
+    assert told.certified is not None
+    assert told.certified.low - 1e-9 <= told.growth[-1].bits <= told.certified.high + 1e-9
+    assert [g.event for g in told.growth] == list(range(120))
+
+
+def test_a_large_scene_has_a_curve_and_no_certified_growth() -> None:
+    told = chaos(catalogue.build("gas:n=50"), [], events=150)
+    assert told.certified is None
+    assert told.spectrum.gains.shape == (150, 8)
+    assert told.growth[-1].bits > told.growth[20].bits
+
+
+# -- horizons
+
+
+def test_models_go_by_what_an_engine_declares() -> None:
+    names = {name: model_of(engine(name)) for name in ("double", "interval:bits=100", "pymunk:dt=1/64", "exact")}
+    assert names["double"] == (ErrorModel.ROUNDING, -53.0)
+    assert names["interval:bits=100"] == (ErrorModel.ENCLOSED, -100.0)
+    assert names["pymunk:dt=1/64"] == (ErrorModel.STEPPED, -6.0)
+    assert names["exact"] is None
+
+
+def test_the_hazard_adds_up_and_is_met_where_it_reaches_a_level() -> None:
+    curve = ErrorCurve(ErrorModel.ROUNDING, [0.0, 0.0, 1.0, 2.0])
+    assert curve.hazard.tolist() == [0.0, 1.0, 2.0, 3.0]
+    assert curve.reaches(-51.0, -53.0) == 2
+    assert curve.reaches(-49.0, -53.0) is None
+
+
+def test_twice_the_bits_are_trusted_about_twice_as_long() -> None:
+    run = ExactEngine().run(GAS, events=400)
+    forecaster = Forecaster(run, impacts(run, 400))
+    events = []
+    for name in ("single", "double", "quad"):
+        horizon = forecaster.foresee(name, engine(name), 0.3208)
+        assert horizon is not None and horizon.expected.event is not None
+        assert horizon.by_exponent == pytest.approx(-horizon.unit * math.log(2) / 0.3208)
+        events.append(horizon.expected.event)
+    assert events[0] < events[1] < events[2]
+    assert 1.5 < events[2] / events[1] < 2.5
+
+
+def test_double_in_the_gas_is_foreseen_and_seen() -> None:
+    (told,) = chaos(GAS, ["double"], events=300).horizons
+    assert told.seen is not None and told.seen.place is not None
+    assert (told.seen.verdict, told.seen.place.event) == ("diverged", 161)
+    assert told.holds(told.seen.place)
+    assert not told.holds(Place(0, 0.0))
+    assert not told.holds(Place(299, 0.0))
+
+
+def test_what_lies_beyond_the_run_is_not_told() -> None:
+    (told,) = chaos(GAS, ["quad"], events=100).horizons
+    assert told.low == told.high == Place(None, None)
+    assert told.seen is not None
+    assert (told.seen.verdict, told.seen.place) == ("agree", None)
+
+
+def test_an_engine_s_horizon_is_the_same_before_it_is_run() -> None:
+    (with_run,), (without,) = (chaos(GAS, ["pymunk"], events=80, run=run).horizons for run in (True, False))
+    assert without.seen is None
+    assert Horizon(**{**vars(with_run), "seen": None}) == without
+
+
+def test_the_band_holds_in_other_scenes_than_those_that_it_comes_from() -> None:
+    assert not set(range(16)) & set(calibration.CALIBRATED)
+    told = calibration.held(range(16))
+    inside, left = (sum(pair[k] for pair in told.values()) for k in (0, 1))
+    assert left > 80
+    assert 0.80 <= inside / left <= 0.97
+
+
+@pytest.mark.slow
+def test_the_band_holds_in_200_other_scenes() -> None:
+    told = calibration.held(range(200))
+    inside, left = (sum(pair[k] for pair in told.values()) for k in (0, 1))
+    assert left > 1000
+    assert 0.80 <= inside / left <= 0.97
+    for name, (within, all_left) in told.items():
+        assert 0.80 <= within / all_left <= 0.97, name
+
+
+@pytest.mark.slow
+def test_the_levels_are_those_that_are_measured() -> None:
+    assert calibration.measured(calibration.CALIBRATED) == LEVELS
+
+
+def test_the_levels_file_has_the_form_that_is_generated() -> None:
+    assert calibration.FILE.read_text("utf-8") == calibration.text(LEVELS)
+
+
+# -- what is refused, and the command
+
+
+@pytest.mark.parametrize(
+    ("scene", "message"),
+    [
+        (Scene([Circle(0, 0)], name="still"), "'still': nothing collides"),
+        (catalogue.build("lee"), "'lee' has no tangent map: event 0: middle has several contacts"),
+        (catalogue.build("reversal"), "turns back after 150 events; measure it up to there: --events 150"),
+        (Scene([Circle(0, 0, m="oo")], [Wall(9, 0, 9, 1)], name="fixed"), "'fixed': nothing collides"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused(scene: Scene, message: str) -> None:
+    with pytest.raises(SceneError, match=re.escape(message)):
+        chaos(scene, [])
+
+
+def test_a_prefix_with_a_map_is_measured() -> None:
+    run = ExactEngine().run(catalogue.build("reversal"), events=150)
+    assert len(mapped(run, 150)) == 150
+
+
+@pytest.mark.parametrize(
+    ("scene", "engines", "events"),
+    [("gas", ["double", "pymunk", "exact"], 60), ("pinball", ["interval"], 40), ("gas:n=1", [], 3)],
+)
+def test_the_json_is_what_its_schema_says(scene: str, engines: list[str], events: int) -> None:
+    data = json.loads(json.dumps(chaos_json(chaos(catalogue.build(scene), engines, events=events)), allow_nan=False))
+    jsonschema.Draft202012Validator(schema("chaos-1")).validate(data)
+    assert next(iter(data["lyapunov"])) == "value"
+    assert data["exact"] == [name for name in engines if name == "exact"]
+
+
+def test_the_command_prints_json_and_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = tmp_path / "chaos.html"
+    assert call(["chaos", "gas", "--events", "60", "--engines", "single", "--json", "--html", str(page)]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["horizons"][0]["engine"] == "single"
+    text = page.read_text("utf-8")
+    assert text.count("<svg") == 2
+    assert "http" not in text.replace("http://www.w3.org/2000/svg", "")
+
+
+def test_the_command_tells_people(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(["chaos", "gas:n=3", "--events", "80", "--engines", "none"]) == 0
+    told = capsys.readouterr().out
+    assert "per unit time" in told
+    assert "bits (proved" in told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["lee"], "no tangent map"),
+        (["gas", "--engines", "dobule"], "did you mean 'double'?"),
+        (["gas", "--exponents", "0"], "--exponents"),
+        (["gas", "--html", "/nowhere/x.html"], "no folder"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(["chaos", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert len(error.splitlines()) == 1

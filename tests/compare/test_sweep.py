@@ -1,0 +1,470 @@
+"""Sweeps: families, rows, the store, real kills, statistics, and the command."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import multiprocessing
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import time as clock
+from collections.abc import Iterator
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+from truebreak.compare import compare
+from truebreak.compare.cli import main
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.ensemble.family import family, shard_of, varied
+from truebreak.compare.ensemble.perturbed import Perturbed, displaced
+from truebreak.compare.ensemble.row import COLUMNS, Job, rows_of, text_of
+from truebreak.compare.ensemble.store import Store, merged
+from truebreak.compare.ensemble.survival import fitted, summaries, survival, wilson
+from truebreak.compare.ensemble.sweep import Done, plan, run, sweep
+from truebreak.compare.ensemble.table import csv_text
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
+
+GAS = ["gas:n=3", "--vary", "seed=1..6", "--engines", "single,double", "--events", "60"]
+
+
+def call(arguments: list[str]) -> int:
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    return int(stop.value.code or 0)
+
+
+@pytest.fixture
+def thread() -> Iterator[Executor]:
+    with ThreadPoolExecutor(1) as executor:
+        yield executor
+
+
+# -- families
+
+
+def test_a_grid_has_the_last_parameter_fastest_and_builds_nothing() -> None:
+    told = family("gas:mixed=yes", ["n=3..20", "seed=1..1000000"])
+    assert len(told) == 18_000_000
+    assert told.spec(0) == "gas:mixed=yes,n=3,seed=1"
+    assert told.spec(1_000_001) == "gas:mixed=yes,n=4,seed=2"
+    assert told.spec(len(told) - 1) == "gas:mixed=yes,n=20,seed=1000000"
+
+
+@pytest.mark.parametrize("shards", [1, 3, 7, 40])
+def test_shards_share_the_scenes_out(shards: int) -> None:
+    told = family("gas", ["n=3..5", "seed=1..9"])
+    parts = [list(told.indices((k, shards))) for k in range(1, shards + 1)]
+    assert sorted(index for part in parts for index in part) == list(range(27))
+
+
+@pytest.mark.parametrize(
+    ("scene", "vary", "message"),
+    [
+        ("gas", ["m=1..3"], "has no parameter 'm'"),
+        ("gas", ["sed=1..3"], "did you mean 'seed'?"),
+        ("gas", ["n=5..3"], "the range is empty, as 3 is below 5"),
+        ("gas", ["n=1..9:0"], "a step of 0"),
+        ("gas", ["n"], "is not KEY=VALUES"),
+        ("gas", ["n=1.."], "is no range and no list"),
+        ("gas", ["n=1,,2"], "is no range and no list"),
+        ("gas", ["n=1,1"], "a value comes twice"),
+        ("gas", ["n=0..3"], "n = '0': must be a whole number from 1 to 10000"),
+        ("gas:n=3", ["n=4..5"], "n is set twice"),
+        ("gas", ["n=3..4", "n=5..6"], "n is set twice"),
+        ("lee", ["k=1..2"], "has no parameter 'k'"),
+        ("gaz", ["n=3..4"], "is no catalogue scene"),
+        ("gaz", [], "did you mean 'gas'?"),
+    ],
+)
+def test_a_bad_family_is_refused(scene: str, vary: list[str], message: str) -> None:
+    with pytest.raises(SceneError, match=message.replace("(", r"\(").replace("?", r"\?")):
+        family(scene, vary)
+
+
+@pytest.mark.parametrize("text", ["0/3", "4/3", "3", "1/0", "a/b", "-1/2"])
+def test_a_bad_shard_is_refused(text: str) -> None:
+    with pytest.raises(SceneError, match="is not K/N"):
+        shard_of(text)
+
+
+def test_a_range_may_have_a_step() -> None:
+    assert list(varied("seed=0..90:30").values) == [0, 30, 60, 90]
+    assert varied("seed=0..90:30").text() == "seed=0..90:30"
+    assert varied("gap=0, 1/10").text() == "gap=0,1/10"
+
+
+# -- rows
+
+
+@pytest.mark.parametrize("spec", ["gas:n=4,seed=3", "lorentz", "rack:rows=2,gap=1/50", "near-tie:k=40", "cradle:n=3"])
+def test_a_row_says_what_a_comparison_over_the_whole_run_says(spec: str) -> None:
+    """Though engines are run no further than it takes to see them leave."""
+    engines = ("double", "interval", "pymunk:dt=1/64")
+    found = compare(catalogue.build(spec), engines, events=80, causes=False)
+    for row in rows_of(Job(0, spec, {}, engines, 80)):
+        candidate = found[row["engine"]]
+        assert row["verdict"] == candidate.verdict
+        divergence = candidate.alignment.divergence
+        assert row["event"] == (None if divergence is None else divergence.event)
+        if divergence is not None:
+            assert (row["at"], row["body"], row["expected"], row["got"]) == (
+                divergence.time, divergence.body, divergence.expected, divergence.got)  # fmt: skip
+
+
+def test_outcomes_are_compared_over_the_whole_run() -> None:
+    spec = "gas:n=4,seed=3"
+    found = compare(catalogue.build(spec), ["double"], events=150, causes=False)["double"]
+    (row,) = rows_of(Job(0, spec, {}, ("double",), 150, ("collisions", "who_hit_whom", "moved")))
+    assert row["changed"] == [n for n in ("collisions", "who_hit_whom", "moved") if n in found.changed]
+    assert row["changed"]
+
+
+def test_causes_are_those_of_a_comparison() -> None:
+    (row,) = rows_of(Job(0, "near-tie:k=40", {}, ("double",), None, (), True))
+    assert row["cause"] == "input rounding"
+    assert row["margin"] is not None
+
+
+def test_what_cannot_be_run_is_a_row() -> None:
+    (row,) = rows_of(Job(0, "gas:n=50,size=10", {"n": "50"}, ("double",)))
+    assert (row["verdict"], row["digest"]) == ("refused", None)
+    assert "no room for disc" in row["note"]
+    assert list(row) == list(COLUMNS)
+
+
+def test_a_scene_without_a_tangent_map_has_no_horizon_and_a_verdict() -> None:
+    (row,) = rows_of(Job(0, "lee", {}, ("double",)))
+    assert row["lyapunov"] is None and row["foreseen"] is None
+    assert row["verdict"] == "agree"
+
+
+def test_a_displaced_scene_leaves_the_later_the_less_it_is_displaced() -> None:
+    rows = rows_of(Job(0, "gas:n=4", {}, ("perturbed:1e-6", "perturbed:1e-12", "perturbed:10**-40"), 200))
+    events = [row["event"] for row in rows]
+    assert events[0] < events[1] < (events[2] or 200)
+    assert all(row["by_exponent"] > 0 for row in rows)
+
+
+def test_a_displacement_is_of_the_size_asked_for_and_drawn_from_its_seed() -> None:
+    scene = catalogue.build("lorentz")
+    size = Quantity.of("10**-9")
+    near = displaced(scene, size, 3)
+    assert near.circles[1:] == scene.circles[1:]  # fixed
+    assert 0 < abs(float(near.circles[0].x - scene.circles[0].x)) <= 1e-9
+    assert displaced(scene, size, 3) == near != displaced(scene, size, 4)
+    with pytest.raises(SceneError, match="overlaps"):
+        for seed in range(20):
+            displaced(Scene([Circle(0, 0), Circle(2, 0)]), Quantity.of(1), seed)
+    with pytest.raises(SceneError, match="above zero"):
+        Perturbed(Quantity.of(0))
+
+
+def test_rows_are_the_same_text_each_time() -> None:
+    job = Job(5, "gas:n=3", {}, ("double", "pymunk", "perturbed:1e-9"), 60)
+    assert [text_of(row) for row in rows_of(job)] == [text_of(row) for row in rows_of(job)]
+
+
+# -- the store
+
+
+def rows(store: str) -> bytes:
+    told, settings, _ = merged([store])
+    return csv_text(told, [text.partition("=")[0] for text in settings["vary"]]).encode()
+
+
+def test_a_store_goes_on_where_it_stopped(tmp_path: Path, thread: Executor) -> None:
+    path, seen = str(tmp_path / "s.db"), []
+
+    class Enough(Exception):
+        pass
+
+    def stop(done: Done) -> None:
+        if done.there == 2:
+            raise Enough
+
+    asked = plan("gas:n=3", ["seed=1..5"], ["single"], events=40)
+    base = Store(path, asked.settings)
+    with pytest.raises(Enough):
+        run(asked, base, executor=thread, progress=stop)
+    base.close()
+    base = Store(path, asked.settings)
+    assert len(base.done()) == 2
+    run(asked, base, executor=thread, progress=seen.append)
+    base.close()
+    assert [done.fresh for done in seen] == [1, 2, 3]
+    whole = sweep("gas:n=3", ["seed=1..5"], ["single"], events=40, executor=thread)
+    assert merged([path])[0] == whole
+
+
+def test_shards_make_one_table(tmp_path: Path, thread: Executor) -> None:
+    whole = sweep("gas:n=3", ["seed=1..5"], ["single", "double"], events=40, executor=thread)
+    paths = [str(tmp_path / f"{k}.db") for k in (1, 2, 3)]
+    for k, path in enumerate(paths, start=1):
+        sweep("gas:n=3", ["seed=1..5"], ["single", "double"], events=40, executor=thread, store=path, shard=f"{k}/3")
+    assert merged(reversed(paths))[0] == whole
+
+
+def test_stores_of_other_sweeps_are_refused(tmp_path: Path, thread: Executor) -> None:
+    path, other = str(tmp_path / "s.db"), str(tmp_path / "t.db")
+    sweep("gas:n=3", ["seed=1..2"], ["single"], events=20, executor=thread, store=path)
+    with pytest.raises(SceneError, match="holds another sweep: its events is 20, here it is 30"):
+        Store(path, plan("gas:n=3", ["seed=1..2"], ["single"], events=30).settings)
+    sweep("gas:n=3", ["seed=1..2"], ["single"], events=30, executor=thread, store=other)
+    with pytest.raises(SceneError, match="of another sweep"):
+        merged([path, other])
+
+
+def test_bad_stores_are_refused(tmp_path: Path) -> None:
+    settings = plan("gas").settings
+    text = tmp_path / "notes.txt"
+    text.write_text("no database at all, but long enough to be looked at " * 40, "utf-8")
+    with pytest.raises(SceneError, match="is no store of a sweep, or damaged"):
+        Store(str(text), settings)
+    with pytest.raises(SceneError, match="there is no such file"):
+        Store(str(tmp_path / "none.db"), None)
+    old = tmp_path / "old.db"
+    Store(str(old), settings).close()
+    with sqlite3.connect(old) as base:
+        base.execute("UPDATE meta SET value = 'truebreak/sweep-0' WHERE key = 'format'")
+    with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-1"):
+        Store(str(old), settings)
+    with pytest.raises(SceneError, match="unable to open"):
+        Store(str(tmp_path / "no" / "folder.db"), settings)
+
+
+def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:
+    path = tmp_path / "s.db"
+    sweep("gas:n=3", ["seed=1..8"], ["single"], events=20, executor=thread, store=str(path))
+    data = bytearray(path.read_bytes())
+    data[4096:] = b"\xff" * (len(data) - 4096)
+    path.write_bytes(data)
+    with pytest.raises(SceneError, match=r"damaged|malformed"):
+        list(Store(str(path), None).rows())
+
+
+def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
+    """SQLite is told that the file may grow no further: the error is that of a full disk."""
+    path = str(tmp_path / "s.db")
+    asked = plan("gas:n=3", ["seed=1..40"], ["single"], events=10)
+    base = Store(path, asked.settings)
+    (row,) = rows_of(asked.job(0))
+    base.base.execute("PRAGMA max_page_count = 12")
+    kept = 0
+    with pytest.raises(SceneError, match="database or disk is full; make room, and call again"):
+        for index in range(40):
+            base.add(index, [{**row, "index": index}], 0.0)
+            kept += 1
+    base.close()
+    assert kept > 0
+    assert [r["index"] for r in merged([path])[0]] == list(range(kept))
+
+
+# -- workers
+
+
+class Failing(Executor):
+    """Carries jobs out at once, but for some, which it fails so many times."""
+
+    def __init__(self, failing: dict[int, int]) -> None:
+        self.failing = dict(failing)
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        (job,) = args
+        if self.failing.get(job.index, 0) > 0:
+            self.failing[job.index] -= 1
+            future.set_exception(MemoryError("no room"))
+        else:
+            future.set_result(fn(job))
+        return future
+
+
+def test_what_fails_once_is_tried_again_and_what_fails_twice_is_noted_beside_the_table(tmp_path: Path) -> None:
+    path = str(tmp_path / "s.db")
+    asked = plan("gas:n=3", ["seed=1..5"], ["single"], events=20)
+    base = Store(path, asked.settings)
+    run(asked, base, executor=Failing({1: 1, 3: 2}))
+    assert [row["index"] for row in base.rows()] == [0, 1, 2, 4]
+    assert base.failures() == [(3, 1, "MemoryError: no room"), (3, 2, "MemoryError: no room")]
+    run(asked, base, executor=Failing({}))
+    assert [row["index"] for row in base.rows()] == [0, 1, 2, 3, 4]
+    assert base.failures() == []
+    base.close()
+
+
+def test_a_worker_that_is_killed_costs_nothing_but_time() -> None:
+    """A real pool, whose only worker is killed twice."""
+    asked = plan("gas:n=3", ["seed=1..6"], ["single"], events=30)
+    base, killed = Store(":memory:", asked.settings), []
+
+    def kill(done: Done) -> None:
+        if done.there in (1, 4) and done.there not in killed:
+            killed.append(done.there)
+            for child in multiprocessing.active_children():
+                os.kill(child.pid or 0, signal.SIGKILL)
+
+    run(asked, base, jobs=1, progress=kill)
+    with ThreadPoolExecutor(1) as one:
+        assert list(base.rows()) == sweep("gas:n=3", ["seed=1..6"], ["single"], events=30, executor=one)
+    assert killed == [1, 4]
+    assert base.failures() == []
+
+
+def killed_again_and_again(folder: Path, kills: int, scenes: int) -> None:
+    """A sweep that is killed with SIGKILL at moments all over its course has the table of one that never was."""
+    command = [sys.executable, "-m", "truebreak", "sweep", "gas:n=3", "--vary", f"seed=1..{scenes}", "--engines",
+               "single,double", "--events", "60", "--jobs", "2", "--store"]  # fmt: skip
+    whole, broken = str(folder / "whole.db"), str(folder / "broken.db")
+    assert subprocess.run([*command, whole], capture_output=True, check=False).returncode == 0
+    draw, deaths = np.random.default_rng(kills), 0
+    for _ in range(kills):
+        child = subprocess.Popen([*command, broken], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        goal = _there(broken) + int(draw.integers(0, max(scenes // kills, 1) + 1))
+        while child.poll() is None and _there(broken) < goal:
+            clock.sleep(0.01)
+        clock.sleep(float(draw.uniform(0, 0.05)))
+        child.send_signal(signal.SIGKILL)
+        deaths += child.wait() == -signal.SIGKILL
+    assert deaths >= kills // 2
+    done = subprocess.run([*command, broken], capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert rows(broken) == rows(whole)
+
+
+def _there(path: str) -> int:
+    """How many scenes a store holds, which another process may be writing to."""
+    if not Path(path).exists():
+        return 0
+    try:
+        base = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
+        (count,) = base.execute("SELECT count(*) FROM times").fetchone()
+        base.close()
+    except sqlite3.Error:
+        return 0
+    return count
+
+
+def test_a_sweep_that_is_killed_twice_has_the_same_table(tmp_path: Path) -> None:
+    killed_again_and_again(tmp_path, 2, 8)
+
+
+@pytest.mark.slow
+def test_a_sweep_that_is_killed_20_times_has_the_same_table(tmp_path: Path) -> None:
+    killed_again_and_again(tmp_path, 20, 80)
+
+
+# -- statistics
+
+
+def test_survival_is_that_of_a_known_law() -> None:
+    """Exponential departures at rate 1/20 an event, a third of them censored at random."""
+    draw = np.random.default_rng(3)
+    left, censored = draw.exponential(20, 3000), draw.exponential(40, 3000)
+    told = survival([(int(min(a, b)), bool(a <= b)) for a, b in zip(left, censored, strict=True)])
+    for event in (5, 10, 20, 40):
+        step = [s for s in told if s.event <= event][-1]
+        assert step.share == pytest.approx(math.exp(-(event + 1) / 20), abs=0.02)
+        assert step.low < step.share < step.high
+
+
+def test_survival_without_departures_is_whole() -> None:
+    assert survival([(10, False), (20, False)]) == []
+
+
+def test_wilson_s_interval_holds_the_share_in_nineteen_of_twenty() -> None:
+    for total, share in ((60, 0.3), (200, 0.1), (25, 0.5)):
+        held = 0.0
+        for count in range(total + 1):
+            low, high = wilson(count, total)
+            if low <= share <= high:
+                held += math.comb(total, count) * share**count * (1 - share) ** (total - count)
+        assert 0.92 <= held <= 0.98
+    assert wilson(0, 5)[0] == 0.0 and wilson(5, 5)[1] == 1.0
+
+
+def test_the_line_is_that_of_least_squares() -> None:
+    draw = np.random.default_rng(11)
+    xs = draw.uniform(0, 9, 40)
+    ys = 1.5 * xs + 2 + draw.normal(0, 1, 40)
+    law = fitted(list(zip(xs.tolist(), ys.tolist(), strict=True)))
+    assert law is not None
+    slope, intercept = np.polyfit(xs, ys, 1)
+    assert (law.slope, law.intercept) == pytest.approx((slope, intercept))
+    assert law.correlation == pytest.approx(np.corrcoef(xs, ys)[0, 1])
+    assert fitted([(1.0, 1.0), (1.0, 2.0), (1.0, 3.0)]) is None
+
+
+def test_the_time_of_divergence_follows_the_logarithm_of_the_error(thread: Executor) -> None:
+    """Over displacements from 1e-4 to 1e-16 of one gas: t = a ln(1/eps)/lambda + b with a about 1."""
+    sizes = [f"1e-{k}" for k in range(4, 17, 2)]
+    told = sweep("gas:n=6", ["seed=1..3"], [], perturb=sizes, events=220, executor=thread)
+    law = fitted([(row["by_exponent"], row["at"]) for row in told if row["at"] is not None])
+    assert law is not None
+    assert law.scenes >= 18
+    assert law.correlation > 0.85
+    assert 0.7 < law.slope < 1.3
+
+
+def test_what_is_undecided_or_agrees_is_censored(thread: Executor) -> None:
+    told = sweep("gas:n=3", ["seed=1..3"], ["interval", "double"], events=60, executor=thread)
+    interval, double = summaries(told)
+    assert interval.verdicts == {"undecided": 3}
+    assert interval.survival == () and interval.median is None
+    assert sum(double.verdicts.values()) == 3
+
+
+# -- the command
+
+
+def test_the_command_runs_stores_and_reads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    store, table = str(tmp_path / "s.db"), tmp_path / "t.csv"
+    assert call(["sweep", *GAS, "--store", store, "--jobs", "1", "--csv", str(table), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    jsonschema.Draft202012Validator(schema("sweep-1")).validate(data)
+    assert data["scenes"] == 6
+    assert call(["sweep", "--store", store, "--csv", "-"]) == 0
+    told = capsys.readouterr().out
+    assert told == table.read_text("utf-8")
+    read = list(csv.DictReader(io.StringIO(told)))
+    assert [(row["seed"], row["engine"]) for row in read[:3]] == [("1", "single"), ("1", "double"), ("2", "single")]
+    assert len(read) == 12
+    assert call(["sweep", "--store", store]) == 0
+    assert "6 scenes" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["gas", "--vary", "m=1..3"], "has no parameter 'm'"),
+        (["gas", "--vary", "n=3..1"], "the range is empty"),
+        (["gas", "--vary", "seed=1..1000000000"], "1,000,000,000 scenes are to be run; add --yes"),
+        (["gas", "--engines", "dobule"], "did you mean 'double'?"),
+        (["gas", "--engines", "double,double"], "named twice"),
+        (["gas", "--perturb", "0"], "must be above zero"),
+        (["gas", "--perturb", "x"], "is not an exact number"),
+        (["gas", "--outcome", "colisions"], "did you mean 'collisions'?"),
+        (["gas", "--shard", "3/2"], "is not K/N"),
+        (["gas", "--csv", "/nowhere/t.csv"], "no folder"),
+        (["gas", "--csv", "-", "--json"], "both want stdout"),
+        (["gas", "--store", "a", "--store", "b"], "give one --store"),
+        (["--store", "/nowhere.db"], "there is no such file"),
+        ([], "give a SCENE to run, or a --store to read"),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert call(["sweep", *arguments]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert len(error.splitlines()) == 1
