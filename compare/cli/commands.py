@@ -1,4 +1,4 @@
-"""The commands: `scenes | show | run | compare | orders | bench`. Data on stdout, progress on stderr."""
+"""The commands: `scenes | show | run | compare | verify | orders | bench`. Data on stdout, progress on stderr."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ Examples:
   truebreak run galperin:n=2 --engine exact --json
   truebreak run tennis --engine exact --exact     every number as an exact expression
   truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
+  truebreak judge gas log.jsonl --events 100      the log of any engine, in any language
+  truebreak export gas --floats                   the scene in doubles, for such an engine
   truebreak orders lee                            every outcome that some order of impulses leads to
   truebreak show rack:rows=3 --plot rack.svg
 
@@ -77,7 +79,8 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
     default="exact",
     show_default=True,
     metavar="E",
-    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30.",
+    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30; "
+    "or package.module:Class, your own.",
 )
 @UNTIL
 @EVENTS
@@ -109,9 +112,10 @@ def run(
     from ..deadline import time_limit
     from ..documents.trajectory import trajectory_json
     from ..engines import engine
+    from ..foreign.guard import run_guarded
     from ..report.listing import print_json, print_trajectory
     from ..scene_argument import changed, with_settings
-    from ..validation import check_until
+    from ..validation import check_trajectory, check_until
     from .progress import showing_progress
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
@@ -122,7 +126,8 @@ def run(
 
         check_certifiable(chosen.name, certificate)
     with showing_progress(f"{loaded.name} in {chosen.name}") as progress, time_limit(max_seconds) as watch:
-        trajectory = chosen.run(loaded, until=until, events=events, progress=watch.watched(progress))
+        told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
+        trajectory = check_trajectory(told, loaded, chosen.name, chosen.bits)
     if certificate is not None:
         from ..certificates import write_certificate
 
@@ -155,7 +160,7 @@ def verify(file: str) -> int:
     default="double,interval,pymunk",
     show_default=True,
     metavar="A,B,...",
-    help="The engines to hold against the reference.",
+    help="The engines to hold against the reference: names, package.module:Class, or LABEL=package.module:Class.",
 )
 @click.option("--reference", default="exact", show_default=True, metavar="E", help="The engine taken as the truth.")
 @UNTIL
