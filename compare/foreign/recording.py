@@ -55,6 +55,10 @@ class Recording:
         returns: whether a run of a scene with a reversal is to end at the return, at twice the reversal's time.
         progress: called with how far the run is.
 
+    Attributes:
+        reckoned: whether a hit came without states, so that places were reckoned from times.
+        notes: what reports are to say of it.
+
     >>> from truebreak.scenarios import Circle, Scene
     >>> recording = Recording(Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")]), step=1 / 8)
     >>> recording.state(2.125, {"a": (2.125, 0, 0, 0), "b": (4, 0, 1, 0)})
@@ -79,6 +83,7 @@ class Recording:
         self.parameters = dict(parameters or {})
         self.until, self.events = positive_time("until", until), positive_count("events", events)
         self.notes: list[str] = []
+        self.reckoned = False
         self._returns, self._progress = returns, progress
         self.reversal: Reversal | None = None
         self._places = {name: place for place, name in enumerate(scene.ids)}
@@ -274,6 +279,7 @@ class Recording:
 
     def _bounce(self, now: float, links: Sequence[Link], rows: Sequence[Row]) -> None:
         """Has the laws say how a hit without states leaves the circles."""
+        self.reckoned = True
         after = self._impacts.bounce(links, rows)
         if after is None:
             if not self.notes:
