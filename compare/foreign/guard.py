@@ -16,6 +16,16 @@ if TYPE_CHECKING:
 OWN = __name__.partition(".compare")[0]
 
 
+def is_own(engine: Engine) -> bool:
+    """Whether an engine is one of truebreak's own, which may go beyond the doubles.
+
+    >>> from truebreak.floating import DoubleEngine
+    >>> is_own(DoubleEngine())
+    True
+    """
+    return type(engine).__module__.startswith(f"{OWN}.")
+
+
 def run_guarded(
     engine: Engine,
     scene: Scene,
@@ -30,8 +40,15 @@ def run_guarded(
         EngineError: if somebody else's raises what is neither a `SceneError` nor an interruption.
         TimeIsUp: where the seconds of a `time_limit` around it are over, and it has no end of its own.
     """
-    if type(engine).__module__.startswith(f"{OWN}."):
+    if is_own(engine):
         return engine.run(scene, until=until, events=events, progress=progress)
+    return _run_of_another(engine, scene, until, events, progress)
+
+
+def _run_of_another(
+    engine: Engine, scene: Scene, until: QuantityLike | None, events: int | None, progress: OnProgress | None
+) -> Trajectory:
+    """Somebody else's run. Apart from `run_guarded`, since a function that names `TimeIsUp` is one to be ended."""
     try:
         return engine.run(scene, until=until, events=events, progress=progress)
     except TimeIsUp:

@@ -242,6 +242,7 @@ def test_export_without_floats_is_the_scene(tmp_path: Path, capsys: pytest.Captu
 MODULE = """
 from dataclasses import dataclass, replace
 from truebreak.floating import DoubleEngine
+from truebreak.compare.foreign import RecordedEngine
 from truebreak.scenarios import Declared
 
 @dataclass(frozen=True)
@@ -261,6 +262,13 @@ class Plain(Declared):
 class Hangs(Plain):
     def run(self, scene, **limits):
         while True:
+            pass
+
+class Stuck(RecordedEngine):
+    name = "stuck"
+    def play(self, scene, recording):
+        recording.hits(1.0, [("left", "middle"), ("middle", "right")])
+        while recording.open:
             pass
 
 class Unmade(Plain):
@@ -327,6 +335,13 @@ def test_an_engine_that_hangs_is_ended(capsys: pytest.CaptureFixture[str]) -> No
     code, out, _ = shell(capsys, "compare", "lee", "--engines", "ownengines:Hangs", "--max-seconds", "1")
     assert code == 4
     assert "(--max-seconds)" in out
+
+
+@pytest.mark.usefixtures("folder")
+def test_a_recorded_engine_that_hangs_keeps_what_it_has(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = shell(capsys, "run", "lee", "--engine", "ownengines:Stuck", "--max-seconds", "1", "--json")
+    data = json.loads(out)
+    assert (code, data["stop"]["reason"], len(data["events"])) == (4, "budget", 1)
 
 
 def test_an_entry_point_is_a_name(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
