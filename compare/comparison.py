@@ -15,6 +15,8 @@ from .alignment.separation import return_miss, separation
 from .candidate import Candidate
 from .deadline import Clock, OutOfTime, checked_seconds, time_limit, uninterrupted
 from .engines import engine as engine_named
+from .foreign.guard import run_guarded
+from .foreign.loading import label_of
 from .outcomes.break_pattern import pattern as pattern_of
 from .outcomes.matched import matched_history
 from .outcomes.permitted import PermittedPatterns, permitted_patterns
@@ -134,7 +136,7 @@ def compare(
     watch, began = Clock(checked_seconds(max_seconds)), clock.perf_counter()
     with time_limit(watch.left(REFERENCE_SHARE), max_seconds) as limit:
         noted = limit.watched(_noted(progress, truth.name))
-        ran = truth.run(scene, until=until, events=events, progress=noted)
+        ran = run_guarded(truth, scene, until=until, events=events, progress=noted)
     told = uninterrupted(check_trajectory(ran, scene, truth.name, truth.bits))
     seconds = clock.perf_counter() - began
     study = Study(scene, truth, told, watch)
@@ -238,7 +240,7 @@ def _engine(engine: str | Engine) -> Engine:
 
 
 def _label(engine: str | Engine) -> str:
-    return engine.strip() if isinstance(engine, str) else getattr(engine, "name", type(engine).__name__)
+    return label_of(engine) if isinstance(engine, str) else getattr(engine, "name", type(engine).__name__)
 
 
 def _noted(progress: OnProgress | None, name: str) -> OnProgress | None:

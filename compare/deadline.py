@@ -21,8 +21,11 @@ AGAIN_SECONDS = 0.05
 
 _ROOT = __name__.rpartition(".compare")[0]
 
-ENGINES = (f"{_ROOT}.exact.", f"{_ROOT}.floating.")
+ENGINES = (f"{_ROOT}.exact.", f"{_ROOT}.floating.", f"{_ROOT}.compare.foreign.")
 """Where engines are: a function there that names `TimeIsUp` is a loop that catches it."""
+
+RECORDING = f"{_ROOT}.compare.foreign.recording"
+"""What takes down a run must not be stopped in the middle of an event."""
 
 
 class OutOfTime(Exception):
@@ -151,7 +154,7 @@ def _can_end(frame: FrameType | None) -> bool:
         handled = handled.__context__
     while frame is not None:
         module = str(frame.f_globals.get("__name__"))
-        if "pymunk" in module:
+        if "pymunk" in module or module == RECORDING:
             return False
         if module.startswith(ENGINES) and "TimeIsUp" in frame.f_code.co_names and frame.f_code.co_name != "<module>":
             return True

@@ -72,39 +72,76 @@ ENGINES: dict[str, EngineEntry] = {
 def engine(text: str) -> Engine:
     """The engine that `text` names: `NAME`, or `NAME:key=value,key=value` with the engine's parameters.
 
+    NAME is in `ENGINES`, or an entry point of the group `truebreak.engines`. Any other is `package.module:Class`,
+    `LABEL=package.module:Class`, either with `:key=value,key=value`.
+
     Raises:
         SceneError: for an unknown engine, an unknown parameter, or a value of the wrong type.
 
+    >>> engine("truebreak.floating:DoubleEngine").name
+    'double'
     >>> engine("duoble")
     Traceback (most recent call last):
       ...
     truebreak.scenarios.errors.SceneError: engine 'duoble' is not known; did you mean 'double'?
     """
     from ..scenarios.errors import SceneError
+    from .foreign.loading import class_path, load_class, load_offered, offered
 
     name, _, settings = text.strip().partition(":")
-    if name not in ENGINES:
-        raise SceneError(f"engine {name!r} is not known; {suggestion(name, list(ENGINES))}")
-    return build(ENGINES[name], parsed_settings(f"engine {name!r}", settings))
+    if name in ENGINES:
+        return build(name, ENGINES[name].load(), parsed_settings(f"engine {name!r}", settings))
+    path = class_path(text)
+    if path is not None:
+        return build(path.told, load_class(path), parsed_settings(f"engine '{path.told}'", path.settings))
+    others = offered()
+    if name in others:
+        return build(name, load_offered(name), parsed_settings(f"engine {name!r}", settings))
+    raise SceneError(f"engine {name!r} is not known; {suggestion(name, [*ENGINES, *others])}")
 
 
-def build(entry: EngineEntry, settings: Mapping[str, str]) -> Engine:
-    """The engine of an entry, with settings given as text read by the types of the engine's fields.
+def build(name: str, kind: Any, settings: Mapping[str, str]) -> Engine:
+    """The engine of a class, with settings given as text read by the types of the engine's fields.
+
+    Args:
+        kind: a dataclass, whose fields are the parameters; or what has none: another class, a function, an engine.
 
     Raises:
         SceneError: for an unknown setting or a value of the wrong type.
     """
     from ..scenarios.errors import SceneError
+    from .validation import check_engine
 
-    kind = entry.load()
+    if not (isinstance(kind, type) and dataclasses.is_dataclass(kind)):
+        if settings:
+            raise SceneError(f"engine {name!r}: takes no parameters; make its class a dataclass with fields")
+        if isinstance(kind, type) or (callable(kind) and not hasattr(kind, "run")):
+            kind = _made(name, kind, {})
+        return check_engine(kind)
     hints = typing.get_type_hints(kind)
     known = {f.name: hints.get(f.name, str) for f in dataclasses.fields(kind) if f.init and f.name != "name"}
     values: dict[str, Any] = {}
     for key, value in settings.items():
         if key not in known:
-            raise SceneError(f"engine {entry.name!r} has no parameter {key!r}; {suggestion(key, list(known))}")
-        values[key] = converted(f"engine {entry.name!r}: {key}", value, known[key])
-    return kind(**values)
+            raise SceneError(f"engine {name!r} has no parameter {key!r}; {suggestion(key, list(known))}")
+        values[key] = converted(f"engine {name!r}: {key}", value, known[key])
+    return check_engine(_made(name, kind, values))
+
+
+def _made(name: str, kind: Any, values: Mapping[str, Any]) -> Any:
+    """An object of an engine's class.
+
+    Raises:
+        SceneError: if it cannot be made.
+    """
+    from ..scenarios.errors import SceneError
+
+    try:
+        return kind(**values)
+    except SceneError:
+        raise
+    except Exception as error:
+        raise SceneError(f"engine {name!r}: cannot be made: {type(error).__name__}: {error}") from None
 
 
 def split_engines(text: str) -> list[str]:

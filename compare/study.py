@@ -13,6 +13,7 @@ from .alignment.align import UNKNOWING, Alignment, Span, align
 from .alignment.instants import Finer, Instant, instants, velocity_difference
 from .alignment.patience import Patience, patience_for
 from .deadline import Clock, OutOfTime, time_limit, uninterrupted
+from .foreign.guard import run_guarded
 from .still import Still
 from .validation import EngineError, check_trajectory, unsupported
 
@@ -82,7 +83,8 @@ class Study:
         """
         left = self.watch.left(self.share)
         with time_limit(left, self.watch.seconds) as watch:
-            told = engine.run(
+            told = run_guarded(
+                engine,
                 scene,
                 until=until if math.isfinite(until) else None,
                 events=self.cap,

@@ -105,11 +105,11 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         raise EngineError(f"{where}: stop = {_told(trajectory.stop)}; must be a Stop with a StopReason")
     times = []
     for place, event in enumerate(trajectory.events):
-        times.append(_checked_event(f"{where}: event {place}", event, place, scene))
-    end = _number(f"{where}: final_time", trajectory.final_time)
-    share = 0.0 if bits is None else 2.0 ** -(bits // 2)
+        times.append(checked_event(f"{where}: event {place}", event, place, scene))
+    end = checked_number(f"{where}: final_time", trajectory.final_time)
+    share = rounding_of_times(bits)
     for place, (before, after) in enumerate(pairwise(times)):
-        if after < before - share * before:
+        if falls(before, after, bits):
             raise EngineError(
                 f"{where}: event {place + 1}: time = {after!r} comes before {before!r}, the time of event {place}; "
                 "sort the events"
@@ -124,12 +124,35 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
     return trajectory
 
 
-def _checked_event(where: str, event: Any, place: int, scene: Scene) -> float:
+def rounding_of_times(bits: int | None) -> float:
+    """The share of a time by which a later one may lie before it: half of its digits are rounding in a long run."""
+    return 0.0 if bits is None else 2.0 ** -(bits // 2)
+
+
+def falls(before: float, after: float, bits: int | None) -> bool:
+    """Whether a time that comes after another is earlier by more than rounding.
+
+    >>> falls(2.0, 1.0, 53), falls(2.0, 2.0 - 2**-40, 53), falls(2.0, 2.0 - 2**-40, None)
+    (True, False, True)
+    """
+    return after < before - rounding_of_times(bits) * before
+
+
+def checked_event(where: str, event: Any, place: int, scene: Scene) -> float:
+    """The time of an event that can be judged.
+
+    Args:
+        where: what an error begins with.
+        place: what its index must be.
+
+    Raises:
+        EngineError: naming the field, its value and the remedy.
+    """
     if not isinstance(event, Event):
         raise EngineError(f"{where}: is {_told(event)}; must be a scenarios.Event")
     if event.index != place:
         raise EngineError(f"{where}: index = {event.index!r}; must be its place, {place}")
-    time = _number(f"{where}: time", event.time)
+    time = checked_number(f"{where}: time", event.time)
     if time < 0:
         raise EngineError(f"{where}: time = {time!r} is before the start; times are from 0")
     if not event.impulses:
@@ -167,7 +190,7 @@ def _check_reversal(where: str, trajectory: Trajectory, scene: Scene, end: float
             raise EngineError(f"{where}: reversal = {trajectory.reversal}, but the scene has none; leave it out")
         return
     if trajectory.reversal is not None:
-        _number(f"{where}: reversal.time", trajectory.reversal.time)
+        checked_number(f"{where}: reversal.time", trajectory.reversal.time)
         return
     due = (scene.reverse_at is not None and float(scene.reverse_at) < end) or (
         scene.reverse_after is not None and len(trajectory.events) > scene.reverse_after
@@ -190,11 +213,11 @@ def _check_states(where: str, trajectory: Trajectory) -> None:
             ) from None
         for circle in state.circles:
             for key in ("x", "y", "vx", "vy"):
-                _number(f"{where}: {told}: circle {circle.id!r}: {key}", getattr(circle, key))
+                checked_number(f"{where}: {told}: circle {circle.id!r}: {key}", getattr(circle, key))
 
 
-def _number(where: str, value: Any) -> float:
-    """A number of an engine as a double.
+def checked_number(where: str, value: Any) -> float:
+    """A number of an engine as a double; `where` is what an error begins with.
 
     Raises:
         EngineError: if it is none, or not finite.

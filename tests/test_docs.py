@@ -6,6 +6,7 @@ import doctest
 import importlib
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,15 +16,15 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = ("scenarios", "tools", "exact", "floating", "compare")
-MODULES = ["truebreak"] + [
+MODULES = ["truebreak", "truebreak.testing"] + [
     "truebreak." + ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
     for folder in FOLDERS
     for path in sorted((ROOT / folder).rglob("*.py"))
 ]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
-BLOCK = re.compile(r"^```(?P<language>[\w-]*)[^\n]*\n(?P<text>.*?)^```\s*$", re.MULTILINE | re.DOTALL)
+BLOCK = re.compile(r"^```(?P<language>[\w-]*)(?P<info>[^\n]*)\n(?P<text>.*?)^```\s*$", re.MULTILINE | re.DOTALL)
 SHELLS = ("sh", "bash", "shell", "console")
-FILE = re.compile(r"# (?P<name>[\w-]+\.toml)\n")
+FILE = re.compile(r"(?:#|//) (?P<name>[\w-]+\.(?:toml|py|c))\n")
 COMMAND = re.compile(r"^(?:\$ )?(?:\.venv/bin/)?(?P<command>truebreak .+)$")
 NOT_RUN = ("truebreak bench",)
 """Commands whose examples take minutes."""
@@ -43,13 +44,13 @@ class Example(NamedTuple):
         return f"{self.page}:{self.line}"
 
 
-def blocks(*languages: str) -> list[Example]:
-    """The code blocks of all pages in these languages."""
+def blocks(*languages: str, session: bool = False) -> list[Example]:
+    """The code blocks of all pages in these languages; those marked `session`, which run in order, or the others."""
     found = []
     for page in PAGES:
         text = page.read_text("utf-8")
         for match in BLOCK.finditer(text):
-            if match["language"] in languages:
+            if match["language"] in languages and (match["info"].strip() == "session") == session:
                 line = text.count("\n", 0, match.start("text")) + 1
                 found.append(Example(page.relative_to(ROOT).as_posix(), line, match["text"]))
     return found
@@ -67,8 +68,8 @@ def commands() -> list[Example]:
 
 
 def write_files(page: str, folder: Path) -> None:
-    """Writes the page's TOML blocks that begin with `# name.toml` where its other examples can read them."""
-    for example in blocks("toml"):
+    """Writes the page's blocks that begin with a file's name, `# name.toml`, where its other examples can read them."""
+    for example in blocks("toml", "python", "c"):
         if example.page == page and (match := FILE.match(example.text)):
             (folder / match["name"]).write_text(example.text, "utf-8")
 
@@ -93,7 +94,7 @@ def test_python_blocks_of_a_page_run_in_order(page: str, tmp_path: Path, monkeyp
             assert doctest.DocTestRunner().run(test, clear_globs=False).failed == 0, str(example)
             names = test.globs
         else:
-            exec(compile(example.text, str(example), "exec"), names)
+            exec(compile(example.text, str(example), "exec", dont_inherit=True), names)
 
 
 @pytest.mark.parametrize("example", commands(), ids=str)
@@ -112,6 +113,28 @@ def test_commands_of_the_pages_do_their_work(example: Example, tmp_path: Path) -
     )
     assert done.returncode in RESULTS, f"{example.text}\nexit code {done.returncode}\n{done.stderr}"
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("example", blocks(*SHELLS, session=True), ids=str)
+def test_sessions_of_the_pages_do_their_work(example: Example, tmp_path: Path) -> None:
+    """Line by line in one folder, in which the page's files lie."""
+    write_files(example.page, tmp_path)
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    for line in example.text.replace("\\\n", " ").splitlines():
+        if line.startswith("cc ") and shutil.which("cc") is None:
+            pytest.skip("there is no C compiler")
+        done = subprocess.run(
+            line,
+            shell=True,
+            cwd=tmp_path,
+            env={**os.environ, "PATH": path},
+            capture_output=True,
+            text=True,
+            stdin=subprocess.DEVNULL,
+            check=False,
+        )
+        assert done.returncode in (RESULTS if line.startswith("truebreak ") else (0,)), f"{line}\n{done.stderr}"
+        assert "Traceback" not in done.stderr
 
 
 def test_acceptance_runs_the_readme_s_test_command() -> None:

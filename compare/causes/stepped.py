@@ -95,6 +95,8 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
             )
         if gone[-2:] == [True, True]:
             break
+    if not gone and lab.engine.finer() is None:
+        return Experiment(CauseName.STEP, f"not tried: {lab.name} has no finer step to offer"), None
     if not gone:
         return Experiment(CauseName.STEP, f"not tried: a finer step takes more than {SERIES_STEPS:,} steps"), None
     moved = lab.moved(lab.got, last)

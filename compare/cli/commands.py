@@ -1,4 +1,4 @@
-"""The commands: `scenes | show | run | compare | orders | bench`. Data on stdout, progress on stderr."""
+"""The commands: `scenes | show | run | compare | verify | orders | bench`. Data on stdout, progress on stderr."""
 
 from __future__ import annotations
 
@@ -23,6 +23,8 @@ Examples:
   truebreak run galperin:n=2 --engine exact --json
   truebreak run tennis --engine exact --exact     every number as an exact expression
   truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
+  truebreak judge gas log.jsonl --events 100      the log of any engine, in any language
+  truebreak export gas --floats                   the scene in doubles, for such an engine
   truebreak orders lee                            every outcome that some order of impulses leads to
   truebreak chaos gas --events 400                how fast errors grow, and when each engine is lost
   truebreak sweep gas --vary seed=1..20           the same question for a family of scenes
@@ -85,7 +87,8 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
     show_default=True,
     metavar="E",
     shell_complete=completion.engine,
-    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30.",
+    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30; "
+    "or package.module:Class, your own.",
 )
 @UNTIL
 @EVENTS
@@ -117,9 +120,10 @@ def run(
     from ..deadline import time_limit
     from ..documents.trajectory import trajectory_json
     from ..engines import engine
+    from ..foreign.guard import is_own, run_guarded
     from ..report.listing import print_json, print_trajectory
     from ..scene_argument import changed, with_settings
-    from ..validation import check_until
+    from ..validation import check_trajectory, check_until
     from .progress import goal_of, showing_progress
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
@@ -131,7 +135,8 @@ def run(
         check_certifiable(chosen.name, certificate)
     goal = goal_of(loaded, until, events)
     with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
-        trajectory = chosen.run(loaded, until=until, events=events, progress=watch.watched(progress))
+        told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
+        trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)
     if certificate is not None:
         from ..certificates import write_certificate
 
@@ -165,7 +170,7 @@ def verify(file: str) -> int:
     show_default=True,
     metavar="A,B,...",
     shell_complete=completion.engines,
-    help="The engines to hold against the reference.",
+    help="The engines to hold against the reference: names, package.module:Class, or LABEL=package.module:Class.",
 )
 @click.option(
     "--reference",

@@ -11,6 +11,10 @@ import click
 
 from .commands import cli
 from .exit_codes import DONE, ExitCode
+from .foreign import export, judge
+
+cli.add_command(judge)
+cli.add_command(export)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -23,7 +23,7 @@ from ..deadline import uninterrupted
 from ..documents.amounts import plain
 from ..engines import engine as engine_named
 from ..outcomes.matched import matched_history
-from ..outcomes.table import OUTCOMES, changed_outcomes
+from ..outcomes.table import changed_outcomes, outcome
 from ..scene_argument import scene_from
 from .perturbed import Perturbed
 
@@ -148,8 +148,8 @@ def _changed(job: Job, told: Followed, reference: Trajectory) -> list[str]:
     """The outcomes that differ, of those asked for."""
     mine = told.study.longest or reference
     matched = matched_history(told.run, mine, told.alignment, told.study.span)
-    chosen = {name: OUTCOMES[name] for name in job.outcomes}
-    values = [{name: outcome(run) for name, outcome in chosen.items()} for run in (reference, matched)]
+    chosen = {name: outcome(name) for name in job.outcomes}
+    values = [{name: tell(run) for name, tell in chosen.items()} for run in (reference, matched)]
     return list(changed_outcomes(*values, agrees=told.alignment.divergence is None))
 
 

@@ -35,7 +35,8 @@ def verdict_sentence(comparison: Comparison) -> str:
     undecided = listed([c.engine for c in by_verdict["undecided"]])
     if by_verdict["unsettled"]:
         where = f"the {reference.engine} run near its end"
-        return f"Not settled: the runs at hand do not tell whether {unsettled} leaves {where}."
+        told = f"Not settled: the runs at hand do not tell whether {unsettled} leaves {where}"
+        return "; ".join([told, *filter(None, map(further_phrase, by_verdict["unsettled"]))]) + "."
     if comparison.verdict == "undecided" and not by_verdict["undecided"]:
         return f"Undecided: {stopped}."
     if not agreeing:
@@ -53,6 +54,17 @@ def headline(comparison: Comparison) -> Candidate | None:
     """The engine that the sentence is about: of those that left, the first; those whose rounding did it come before."""
     left = [c for c in comparison.candidates if c.verdict == "diverged"]
     return min([c for c in left if _is_rounding(c)] or left, key=_place, default=None)
+
+
+def further_phrase(candidate: Candidate) -> str | None:
+    """How far a run that ended too early has to go on; None if it is the reference that does not go far enough."""
+    wanted, run = candidate.alignment.wanted.candidate, candidate.trajectory
+    if wanted is None:
+        return None
+    name, end = candidate.engine, f"t = {float(run.final_time):.9g}"
+    if math.isinf(wanted):
+        return f"{name} is known up to {end} only: record it until nothing is left to happen, and say so at its end"
+    return f"{name} is known up to {end} only: record it farther (t = {wanted:.9g} is enough in any case)"
 
 
 def _is_rounding(candidate: Candidate) -> bool:

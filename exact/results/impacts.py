@@ -12,6 +12,7 @@ from ..laws.formulas import pair_impulse, wall_bounce
 from ..numbers import ball
 from ..numbers.system import Number
 from ..replay.ball_state import BallState
+from ..replay.centred_state import CentredState
 from ..replay.steps import Go, Kick, Link
 from .motion import ExactMotion
 
@@ -138,7 +139,7 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
     if isinstance(trajectory.motion, ExactMotion):
         if bits is not None:
             return _replayed(trajectory, trajectory.motion, events, bits)
-        bits = trajectory.motion.log.bits
+        bits = trajectory.motion.log.lost + LEAST_BITS
         while True:
             found = _replayed(trajectory, trajectory.motion, events, bits)
             with ball.precision(bits):
@@ -147,6 +148,9 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
             bits *= 2
     return list(_read(trajectory, events))
 
+
+LEAST_BITS = 320
+"""Bits of the replay beyond what the run lost, at first."""
 
 SHARP_BITS = 60
 """Accuracy of an impact's numbers at which doubles lose nothing by it."""
@@ -170,7 +174,7 @@ def _replayed(trajectory: Trajectory, motion: ExactMotion, events: int, bits: in
     log = motion.log
     found: list[list[Impact]] = []
     with ball.precision(bits):
-        state = BallState(trajectory.scene)
+        state = CentredState(trajectory.scene, log.centred)
         done = 0
         for event in trajectory.events[:events]:
             upto: int = event.time.upto  # type: ignore[attr-defined]

@@ -1,0 +1,35 @@
+"""Engines that are not truebreak's own: their logs, and what their runs are recorded with.
+
+>>> from truebreak.compare.foreign import Recording
+>>> from truebreak.scenarios import Circle, Scene
+>>> recording = Recording(Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")]))
+>>> recording.hit(2.0, "a", "b")
+>>> recording.trajectory().final["b"].vx
+1.0
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .log import read_log
+    from .log_engine import LogEngine
+    from .recorded import RecordedEngine
+    from .recording import Recording
+
+__all__ = ["LogEngine", "RecordedEngine", "Recording", "read_log"]
+
+_HOMES = {
+    "LogEngine": ".log_engine",
+    "RecordedEngine": ".recorded",
+    "Recording": ".recording",
+    "read_log": ".log",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name], __name__), name)

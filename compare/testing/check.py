@@ -1,0 +1,304 @@
+"""Checks one engine, or log, against one scene; a failure tells the divergence first."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...exact.engine import DEFAULT_WORK, ExactEngine
+from ...scenarios.engine import DEFAULT_EVENTS
+from ...scenarios.errors import SceneError
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import StopReason
+from ..alignment.align import UNKNOWING
+from ..comparison import Comparison, compare
+from ..engines import engine as engine_named
+from ..foreign.guard import run_guarded
+from ..foreign.log_engine import LogEngine
+from ..outcomes.permitted import Relation
+from ..report.sentences import verdict_sentence
+from ..scene_argument import scene_from
+from ..validation import check_engine, check_trajectory
+from .invariants import broken_invariant
+from .local_error import LocalError, local_error
+from .message import failure
+from .numbers import Demand, number_off
+from .reach import Reach, reach_of
+
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.trajectory import Trajectory
+
+LOGS = (".jsonl", ".csv", ".log", ".ndjson")
+"""Suffixes by which a text is known for the path of a log."""
+
+WIDTHS = {"float16": 11, "float32": 24, "single": 24, "float64": 53, "double": 53, "quad": 106, "float128": 113}
+"""Horizons by name: bits of the numbers whose errors are granted."""
+
+FIRST, THEN = 64, 256
+"""Events of the true run that are looked at first: most engines come no farther."""
+
+MOST_CIRCLES = 256
+"""Circles up to which local errors are carried along: four columns a circle, and eight an event."""
+
+
+class CheckFailed(AssertionError):
+    """An engine does not do what was required of it.
+
+    Attributes:
+        comparison: with the reference, if it came to one.
+    """
+
+    def __init__(self, message: str, comparison: Comparison | None = None) -> None:
+        super().__init__(message)
+        self.comparison = comparison
+
+
+class NotDecided(CheckFailed):
+    """What was required could not be decided: a check that cannot check is not passed."""
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What a check asserted, and found to hold.
+
+    Attributes:
+        engine, scene: what was checked.
+        asserted: each thing that was required, in words.
+        reach: how far the history was required; None where the span was given.
+        comparison: with the reference; None where nothing of the history was required.
+    """
+
+    engine: str
+    scene: str
+    asserted: tuple[str, ...]
+    reach: Reach | None = field(default=None, repr=False)
+    comparison: Comparison | None = field(default=None, repr=False)
+
+    def __str__(self) -> str:
+        return f"{self.engine} on {self.scene}: {'; '.join(self.asserted)}"
+
+
+def check(
+    engine: Engine | str | Path | Iterable[tuple[float, str, str]],
+    scene: Scene | str,
+    *,
+    events: int | None = None,
+    until: QuantityLike | None = None,
+    digits: int | None = None,
+    atol: float | None = None,
+    rtol: float | None = None,
+    permitted: bool = False,
+    horizon: str | int | None = None,
+    work: int | None = None,
+    **declared: Any,
+) -> Checked:
+    """Requires that an engine tells a scene's true history; see docs/pytest.md.
+
+    Without a span the history is required while the exact margin of every decision exceeds what honest errors may have
+    grown to (`reach_of`), and so are times and places, within those errors; beyond that, invariants alone.
+
+    Args:
+        engine: an engine, its name or class path, the path of a log, or a list of (time, a, b).
+        scene: a scene, or its name or file, as on the command line.
+        events, until: require all of this span instead, whatever its margins.
+        digits: so many certified digits of every event's time.
+        atol, rtol: times and places (where the engine tells them) within atol + rtol times the true value.
+        permitted: any order of simultaneous impulses will do.
+        horizon: bits, or a width by name, whose errors are granted, instead of those that the engine declares.
+        work: see `ExactEngine`.
+        declared: of a log: `bits`, `step`, `rounds_input`, `lacks` (see `LogEngine.of`).
+
+    Raises:
+        CheckFailed: if it does not hold.
+        NotDecided: if it could not be decided.
+        SceneError: for what cannot be checked.
+    """
+    where = scene if isinstance(scene, str) else scene.name
+    loaded = scene_from(scene) if isinstance(scene, str) else scene
+    chosen, name = _engine(engine, loaded, declared)
+    truth = ExactEngine(work=DEFAULT_WORK if work is None else work)
+    demand = Demand(digits, atol, rtol)
+    case = _Case(
+        chosen,
+        name,
+        loaded,
+        where,
+        truth,
+        demand,
+        permitted,
+        isinstance(engine, str) and not isinstance(chosen, LogEngine),
+    )
+    if events is not None or until is not None or permitted:
+        return case.span(events, until)
+    if len(loaded.circles) > MOST_CIRCLES:
+        raise SceneError(f"{where!r}: has more than {MOST_CIRCLES} circles; give events= or until=")
+    return case.as_far_as_it_reaches(_bits(chosen, horizon))
+
+
+@dataclass
+class _Case:
+    """One check under way."""
+
+    engine: Engine
+    name: str
+    scene: Scene
+    where: str
+    truth: ExactEngine
+    demand: Demand
+    permitted: bool
+    asked: bool
+
+    def span(self, events: int | None, until: QuantityLike | None) -> Checked:
+        """All of a span, or the scene's own, is required."""
+        if isinstance(self.engine, LogEngine) and events is None and until is None and not self.engine.over:
+            until = float(self.engine.last.final_time)
+        comparison = self._compared(events=events, until=until)
+        asserted = [f"the same history in {len(comparison.reference.events)} events"]
+        if self.permitted:
+            asserted = [self._permitted(comparison)]
+        else:
+            self._same_history(comparison, None)
+        off = None if self.permitted else number_off(comparison, self.demand, None, self._tells_places)
+        if off is not None:
+            raise CheckFailed(failure(comparison, self._reproduced(comparison), None, off), comparison)
+        return self._done([*asserted, *self.demand.told], None, comparison)
+
+    def as_far_as_it_reaches(self, bits: int | None) -> Checked:
+        """What is within reach is required, and beyond it invariants."""
+        reference, local, reach = self._reach(bits)
+        comparison, asserted = None, []
+        if reach.events or reach.whole:
+            limits: dict[str, Any] = {"events": reach.events}
+            if reach.whole:
+                limits = {"until": self._log_end} if self._log_end else {}
+            comparison = self._compared(**limits)
+            self._same_history(comparison, reach)
+            off = number_off(comparison, self.demand, reach, self._tells_places)
+            if off is not None:
+                raise CheckFailed(failure(comparison, self._reproduced(comparison), reach, off), comparison)
+            places = "times and places" if self._tells_places else "times"
+            asserted = [f"the same history in {reach.events} events"]
+            asserted += [f"{places} of {reach.linear} within honest errors ({local.told})"] if reach.linear else []
+        if reach.limit is not None:
+            asserted.append(f"beyond reach: {reach.limit}")
+        asserted += [*self._invariants(reference, local, comparison), *self.demand.told]
+        return self._done(asserted, reach, comparison)
+
+    @property
+    def _tells_places(self) -> bool:
+        return not (isinstance(self.engine, LogEngine) and self.engine.recording.reckoned)
+
+    @property
+    def _log_end(self) -> float | None:
+        """Where a log ends that does not say that nothing is left to happen."""
+        if not isinstance(self.engine, LogEngine) or self.engine.over:
+            return None
+        return float(self.engine.last.final_time)
+
+    def _reach(self, bits: int | None) -> tuple[Trajectory, LocalError, Reach]:
+        """The true run as far as it is needed, what one contact may cost, and how far that reaches."""
+        most = self.scene.events or (DEFAULT_EVENTS if self.scene.until is None else None)
+        until = min(filter(None, (self._log_end, self.scene.until and float(self.scene.until))), default=None)
+        until = self.scene.until if until is None or until != self._log_end else until
+        for size in (FIRST, THEN, None):
+            count = most if size is None else min(size, most or size)
+            run = self.truth.run(self.scene, until=until, events=count)
+            if run.stop.reason in UNKNOWING:
+                raise NotDecided(f"{self.where}: the true run itself stopped: {run.stop.message}")
+            local = local_error(self.engine, run, bits)
+            reach = reach_of(run, local)
+            if reach.limit is not None or run.stop.reason is not StopReason.EVENTS or count == most:
+                return run, local, reach
+        raise AssertionError("unreachable")
+
+    def _compared(self, **limits: Any) -> Comparison:
+        return compare(self.scene, [self.name if self.asked else self.engine], reference=self.truth, **limits)
+
+    def _same_history(self, comparison: Comparison, reach: Reach | None) -> None:
+        (candidate,) = comparison.candidates
+        if candidate.verdict == "diverged":
+            raise CheckFailed(failure(comparison, self._reproduced(comparison), reach), comparison)
+        if comparison.verdict != "agree":
+            told = [verdict_sentence(comparison), f"  {candidate.engine}: {candidate.trajectory.stop.message}"]
+            raise NotDecided("\n".join([*told, f"  reproduce: {self._reproduced(comparison)}"]), comparison)
+
+    def _permitted(self, comparison: Comparison) -> str:
+        """The class of the engine's pattern, if some order of simultaneous impulses has it."""
+        (candidate,) = comparison.candidates
+        if candidate.verdict != "diverged":
+            self._same_history(comparison, None)
+            return f"the same history in {len(comparison.reference.events)} events"
+        found = comparison.permitted
+        relation = Relation.OWN
+        if found is not None and candidate.pattern is not None:
+            relation = found.relation(candidate.pattern)
+        if relation in (Relation.OWN, Relation.REALISABLE, Relation.SOME_ORDER):
+            return f"a history that is permitted: {relation.value}"
+        text = failure(comparison, self._reproduced(comparison), None)
+        if relation is Relation.NOT_FOUND:
+            raise NotDecided(f"{text}\n  permitted: {relation.value}", comparison)
+        raise CheckFailed(f"{text}\n  permitted: {relation.value}", comparison)
+
+    def _invariants(self, reference: Trajectory, local: LocalError, comparison: Comparison | None) -> list[str]:
+        """Energy, momentum and no overlap over all of the engine's run; of a log without states nothing is known."""
+        if not self._tells_places:
+            return []
+        if isinstance(self.engine, LogEngine):
+            run = self.engine.last
+        else:
+            until = float(reference.final_time) or None
+            told = run_guarded(self.engine, self.scene, until=until, events=4 * len(reference.events) + 64)
+            run = check_trajectory(told, self.scene, self.name, self.engine.bits)
+        broken = broken_invariant(run, local)
+        if broken is not None:
+            raise CheckFailed(f"{self.name} on {self.where}: {broken}", comparison)
+        return ["energy, momentum, no overlap"]
+
+    def _reproduced(self, comparison: Comparison) -> str:
+        """The command, or the Python, that shows the same."""
+        reference = comparison.reference
+        limit = f"events={len(reference.events)}" if reference.stop.reason is StopReason.EVENTS else ""
+        if reference.stop.reason is StopReason.HORIZON:
+            limit = f"until={float(reference.final_time)!r}"
+        words = [f"--{limit.replace('=', ' ')}"] if limit else []
+        if isinstance(self.engine, LogEngine) and "log" in self.engine.recording.parameters:
+            return " ".join(["truebreak judge", shlex.quote(self.where), shlex.quote(self.name), *words])
+        if self.asked:
+            return " ".join(["truebreak compare", shlex.quote(self.where), "--engines", shlex.quote(self.name), *words])
+        return f"truebreak.comparison(truebreak.scene({self.where!r}), [engine]{', ' + limit if limit else ''})"
+
+    def _done(self, asserted: list[str], reach: Reach | None, comparison: Comparison | None) -> Checked:
+        return Checked(self.name, self.where, tuple(asserted), reach, comparison)
+
+
+def _engine(engine: Any, scene: Scene, declared: dict[str, Any]) -> tuple[Engine, str]:
+    """The engine to check, and what messages call it."""
+    if isinstance(engine, Path) or (isinstance(engine, str) and engine.lower().endswith(LOGS)):
+        log = LogEngine.of(engine, scene, **declared)
+        return log, log.name
+    if isinstance(engine, Iterable) and not isinstance(engine, str):
+        return LogEngine.of(engine, scene, **declared), "log"
+    if declared:
+        raise SceneError(f"{next(iter(declared))}: is declared of a log only; an engine declares it itself")
+    chosen = engine_named(engine) if isinstance(engine, str) else check_engine(engine)
+    return chosen, engine if isinstance(engine, str) else chosen.name
+
+
+def _bits(engine: Engine, horizon: str | int | None) -> int | None:
+    """The width whose errors are granted."""
+    if horizon is None:
+        return engine.bits
+    if isinstance(horizon, str) and horizon in WIDTHS:
+        return WIDTHS[horizon]
+    try:
+        bits = int(horizon)
+    except ValueError:
+        bits = 0
+    if bits < 1:
+        raise SceneError(f"horizon = {horizon!r}: must be a number of bits, or one of {', '.join(WIDTHS)}")
+    return bits

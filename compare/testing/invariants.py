@@ -1,0 +1,105 @@
+"""What holds however far a history has left the true one: energy, momentum, and that nothing overlaps."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ...scenarios.event import Event
+    from ...scenarios.trajectory import Trajectory
+    from .local_error import LocalError
+
+OVERLAPS = 4.0
+"""Two circles that are late to each other by a step sink in by the way that they make meanwhile; where a push of
+another sends one on before they part, by some more."""
+
+TOLD = 2.0**-47
+"""States are told in doubles, and energies summed in them, whatever an engine counts in: 64 roundings of each."""
+
+
+def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
+    """The first invariant that a run breaks by more than its contacts may cost, in words; None if it keeps them.
+
+    Momentum is that of the circles of an event in which no wall and no fixed circle takes part; circles that take no
+    part keep their velocities. Events that a run has at one time are looked at together.
+    """
+    scene = run.scene
+    masses = np.array([1.0 / float(c.inverse_mass) if not c.fixed else 0.0 for c in scene.circles])
+    places = {str(c.id): k for k, c in enumerate(scene.circles)}
+    before = run.at(0).array()[:, 2:]
+    unit = max(local.unit, TOLD)
+    start = _energy(masses, before)
+    turns = run.reversal is not None
+    for group in _instants(run):
+        event = group[-1]
+        where = f"event {event.index} (t = {float(event.time):.9g})"
+        state = run.at(event.time).array()
+        after, room = state[:, 2:], unit * (event.index + 1)
+        energy = _energy(masses, after)
+        if abs(energy - start) > room * start:
+            return f"{where}: energy is {energy:.17g}, it was {start:.17g}: not kept within {room:.3g} of it"
+        part = {places[name] for e in group for pair in e.contacts for name in pair if name in places}
+        changed = np.hypot(*(after - before).T) > room * float(np.hypot(*before.T).max())
+        others = [k for k in range(len(masses)) if k not in part and changed[k]]
+        if others and not turns:
+            return f"{where}: {scene.ids[others[0]]} takes no part, and its velocity has changed"
+        closed = all(masses[places[n]] if n in places else False for e in group for pair in e.contacts for n in pair)
+        if closed and not turns:
+            change = float(np.hypot(*(masses[:, None] * (after - before)).sum(axis=0)))
+            size = float((masses * np.hypot(*before.T)).sum())
+            if change > room * size:
+                return f"{where}: momentum has changed by {change:.3g}, of {size:.3g} in all"
+        deep = _overlap(run, state, masses, local, float(event.time))
+        if deep is not None:
+            return f"{where}: {deep}"
+        before = after
+    return None
+
+
+def _instants(run: Trajectory) -> Iterator[list[Event]]:
+    """The events, those at one time (or, by rounding, before it) together."""
+    group: list[Event] = []
+    for event in run.events:
+        if group and float(event.time) > float(group[-1].time):
+            yield group
+            group = []
+        group.append(event)
+    if group:
+        yield group
+
+
+def _energy(masses: NDArray[np.float64], velocities: NDArray[np.float64]) -> float:
+    return float((masses * (velocities**2).sum(axis=1)).sum()) / 2
+
+
+def _overlap(
+    run: Trajectory, state: NDArray[np.float64], masses: NDArray[np.float64], local: LocalError, time: float
+) -> str | None:
+    """Two circles that overlap, or a circle across a wall, by more than errors of one contact."""
+    scene = run.scene
+    place, speeds = state[:, :2], np.hypot(*state[:, 2:].T)
+    radii = np.array([float(c.r) for c in scene.circles])
+    fastest = float(speeds.max(initial=0.0))
+    room = max(local.unit, TOLD) * (float(np.abs(place).max()) + float(radii.max()) + fastest * time)
+    room += OVERLAPS * 2 * fastest * local.lateness
+    between = np.hypot(*(place[:, None] - place[None]).transpose(2, 0, 1)) - radii[:, None] - radii[None]
+    np.fill_diagonal(between, math.inf)
+    fixed = masses == 0
+    between[np.ix_(fixed, fixed)] = math.inf
+    i, j = np.unravel_index(int(np.argmin(between)), between.shape)
+    if between[i, j] < -room:
+        return f"{scene.ids[i]} and {scene.ids[j]} overlap by {-between[i, j]:.3g}, {room:.3g} may be"
+    for wall in scene.walls:
+        nx, ny = (float(n) for n in wall.normal)
+        length = math.hypot(nx, ny)
+        for k, circle in enumerate(scene.circles):
+            side = 1.0 if wall.height(circle.x, circle.y).sign() >= 0 else -1.0
+            height = side * (nx * (place[k, 0] - float(wall.x0)) + ny * (place[k, 1] - float(wall.y0))) / length
+            if height - radii[k] < -room and not circle.fixed:
+                return f"{circle.id} is across wall {wall.id} by {radii[k] - height:.3g}, {room:.3g} may be"
+    return None

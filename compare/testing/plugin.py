@@ -1,0 +1,190 @@
+"""The pytest plugin: a fixture, a marker, options, golden runs, one line of summary. Imports nothing but pytest."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Generator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from .check import Checked
+    from .golden import Golden
+
+MARKER = (
+    "truebreak(horizon=None, undecided='fail', work=None): how the fixture `truebreak` checks engines in this test: "
+    "whose errors are granted (such as 'float32', or bits), what becomes of a check that cannot be decided (fail or "
+    "skip), and what one question may cost the exact engine."
+)
+
+SETTINGS = {
+    "horizon": "whose errors are granted: bits, or float32, double, quad; else what the engine declares",
+    "undecided": "what becomes of a check that cannot be decided: fail (default) or skip",
+    "work": "what one question may cost the exact engine, in counted units",
+}
+
+PROPERTY = "truebreak"
+"""Name of the property of a test (JUnit's too) that says what was asserted; its value begins with the verdict."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Options and ini settings; a marker goes before the command line, and that before the ini file."""
+    group = parser.getgroup("truebreak", "physics engines held against the exact one")
+    for name, told in SETTINGS.items():
+        group.addoption(f"--truebreak-{name}", metavar=name.upper(), help=told)
+        parser.addini(f"truebreak_{name}", help=told)
+    group.addoption("--truebreak-report", metavar="DIR", help="write an HTML report of every check that fails to DIR")
+    group.addoption("--truebreak-regen", action="store_true", help="write golden runs anew instead of comparing them")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Makes the marker known."""
+    config.addinivalue_line("markers", MARKER)
+
+
+class Truebreak:
+    """What the fixture `truebreak` gives a test."""
+
+    def __init__(self, request: pytest.FixtureRequest) -> None:
+        self._request = request
+        self._settings = settings_of(request.node)
+
+    def check(self, engine: Any, scene: Any, **demands: Any) -> Checked:
+        """Requires that an engine, or a log, tells a scene's true history (see `compare.testing.check.check`)."""
+        __tracebackhide__ = True
+        from ...scenarios.errors import SceneError
+        from .check import CheckFailed, NotDecided, check
+
+        for key in ("horizon", "work"):
+            if self._settings[key] is not None:
+                demands.setdefault(key, self._settings[key])
+        try:
+            checked = check(engine, scene, **demands)
+        except NotDecided as outcome:
+            skip = self._settings["undecided"] == "skip"
+            self._note("skipped" if skip else "undecided", str(outcome))
+            if skip:
+                pytest.skip(f"truebreak: {str(outcome).splitlines()[0]}")
+            self._report(outcome.comparison)
+            raise CheckFailed(f"{outcome}\n  (undecided='skip' skips such a check)", outcome.comparison) from None
+        except CheckFailed as outcome:
+            self._note("failed", str(outcome))
+            self._report(outcome.comparison)
+            raise CheckFailed(str(outcome), outcome.comparison) from None
+        except SceneError as error:
+            self._note("refused", str(error))
+            raise CheckFailed(f"truebreak: {error}") from None
+        self._note("passed", str(checked))
+        return checked
+
+    def golden(self, name: str) -> Golden:
+        """The golden run of a name, in the folder `golden` beside the test: `assert run == truebreak.golden(name)`."""
+        from .golden import Golden
+
+        folder = Path(self._request.path).parent / "golden"
+        return Golden(folder / f"{name}.json", regenerate=bool(self._request.config.getoption("truebreak_regen")))
+
+    def _note(self, verdict: str, told: str) -> None:
+        self._request.node.user_properties.append((PROPERTY, f"{verdict}: {told}"))
+
+    def _report(self, comparison: Any) -> None:
+        """Writes the report of a failing comparison, and has pytest-html link it."""
+        folder = self._request.config.getoption("truebreak_report")
+        if folder is None or comparison is None:
+            return
+        from ..cli.writing import write_whole
+        from ..report.html import html_report
+
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        plain = re.sub(r"[^\w.=,-]+", "-", self._request.node.nodeid)
+        number = sum(name == REPORT for name, _ in self._request.node.user_properties)
+        path = Path(folder) / f"{plain[-200:]}{'' if not number else f'-{number + 1}'}.html"
+        write_whole(path, html_report(comparison))
+        self._request.node.user_properties.append((REPORT, str(path)))
+
+
+REPORT = "truebreak-report"
+"""Name of the property of a test that says where the report of a failing check lies."""
+
+
+@pytest.fixture
+def truebreak(request: pytest.FixtureRequest) -> Truebreak:
+    """Checks engines against the exact one: `truebreak.check(engine, "gas:n=10")`; `truebreak.golden("name")`."""
+    return Truebreak(request)
+
+
+def settings_of(node: pytest.Item) -> dict[str, Any]:
+    """The settings that hold for a test: the marker's, else the command line's, else the ini file's."""
+    marks: dict[str, Any] = {}
+    for mark in node.iter_markers("truebreak"):
+        strange = sorted(mark.kwargs.keys() - SETTINGS.keys())
+        if mark.args or strange:
+            what = strange[0] if strange else mark.args[0]
+            raise pytest.UsageError(f"marker truebreak: {what!r} is not known; it has {', '.join(SETTINGS)}")
+        marks = {**mark.kwargs, **marks}
+    found: dict[str, Any] = {}
+    for name in SETTINGS:
+        given = node.config.getoption(f"truebreak_{name}"), node.config.getini(f"truebreak_{name}")
+        found[name] = marks[name] if name in marks else next((value for value in given if value), None)
+    if found["undecided"] not in (None, "fail", "skip"):
+        raise pytest.UsageError(f"truebreak: undecided = {found['undecided']!r}; must be fail or skip")
+    if found["work"] is not None:
+        try:
+            found["work"] = int(found["work"])
+        except ValueError:
+            raise pytest.UsageError(f"truebreak: work = {found['work']!r}; must be a whole number") from None
+    return found
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[Any]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Attaches the report of a failing check where pytest-html is at work."""
+    report = yield
+    paths = [str(value) for name, value in item.user_properties if name == REPORT]
+    html = item.config.pluginmanager.getplugin("html")
+    if report.when == "call" and paths and html is not None:
+        from importlib import import_module
+
+        extras = import_module("pytest_html").extras
+        report.extras = [*getattr(report, "extras", []), *(extras.url(path, name="truebreak") for path in paths)]  # type: ignore[attr-defined]
+    return report
+
+
+def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
+    """One line; with -v what each check asserted."""
+    told = [
+        (report.nodeid, str(value))
+        for reports in terminalreporter.stats.values()
+        for report in reports
+        if getattr(report, "when", None) == "call" and hasattr(report, "user_properties")
+        for name, value in report.user_properties
+        if name == PROPERTY
+    ]
+    if not told:
+        return
+    counts: dict[str, int] = {}
+    for _, text in told:
+        verdict = text.partition(":")[0]
+        counts[verdict] = counts.get(verdict, 0) + 1
+    if config.get_verbosity() > 0:
+        terminalreporter.section("truebreak: what was asserted")
+        for nodeid, text in sorted(told):
+            first, *rest = text.splitlines()
+            terminalreporter.write_line(f"{nodeid}: {first}{' ...' if rest else ''}")
+    checks = "1 check" if len(told) == 1 else f"{len(told)} checks"
+    terminalreporter.write_line(
+        f"truebreak: {checks}: {', '.join(f'{count} {verdict}' for verdict, count in sorted(counts.items()))}"
+    )
+
+
+def pytest_assertrepr_compare(op: str, left: object, right: object) -> list[str] | None:
+    """What differs between a run and a golden one."""
+    for one, other in ((left, right), (right, left)):
+        explained = getattr(type(one), "truebreak_differences", None)
+        if op == "==" and explained is not None:
+            return [str(one), *explained(one, other)]
+    return None

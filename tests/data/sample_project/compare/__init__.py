@@ -1,0 +1,3 @@
+"""This project's own package of that name."""
+
+WHOSE = "the sample's"
