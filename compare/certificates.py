@@ -65,14 +65,24 @@ def certified(trajectory: Trajectory) -> Certified:
         return Certified(text, *verdict_on(str(file)))
 
 
+def check_engine(engine: str, option: str) -> None:
+    """Refuses, before a run, an engine whose runs have no certificates.
+
+    Raises:
+        SceneError: saying which.
+    """
+    name = engine.partition(":")[0]
+    if name != "exact":
+        raise SceneError(f"{option}: only runs of the exact engine have certificates, not those of {name}")
+
+
 def check_certifiable(engine: str, path: str) -> None:
     """Refuses, before a run, an engine whose runs have no certificates, and a place that cannot be written to.
 
     Raises:
         SceneError: saying which.
     """
-    if engine != "exact":
-        raise SceneError(f"--certificate: only runs of the exact engine have certificates, not those of {engine}")
+    check_engine(engine, "--certificate")
     check_writable(path)
 
 

@@ -40,7 +40,8 @@ from .impulses import Impulses
 from .laws import World, place
 from .witnesses import Block
 
-FORMAT, BYTES, CIRCLES, BITS, SIZE = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20, 1 << 30
+FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20
+PAIRS, SIZE = 1 << 22, 1 << 30
 DOUBT = "doubt", None
 BROKEN = (Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, OSError)
 
@@ -67,6 +68,11 @@ class Checker(Impulses):
         walls = [[x0, y0, y0 - y1, x1 - x0] for x0, y0, x1, y1 in corners]
         pockets = [[number(p[key]) for key in ("x", "y", "r")] for p in scene.get("pockets", ())]
         self.n, self.data = len(circles), {"circles": circles, "walls": walls, "pockets": pockets, "sides": {}}
+        self.bits = dict(map(tuple, certificate["bits"]))
+        if not all(0 < bits <= BITS for bits in self.bits.values()) or 0 not in self.bits:
+            raise Malformed("bits out of range")
+        if (size := self.n * (self.n + len(walls) + len(pockets))) > PAIRS or size * self.bits[0] > SIZE:
+            raise Malformed("too many circles, walls and pockets, or too many bits for so many")
         self.movable = {i for i, c in enumerate(circles) if not c[5].zero()}
         points = {i for i, c in enumerate(circles) if c[4].zero()}
         pairs = [{i, j} for i in range(self.n) for j in range(i + 1, self.n)]
@@ -82,20 +88,11 @@ class Checker(Impulses):
         self.draw = random.Random(int(seed)) if seed else None
         if self.policy not in ("simultaneous", "sequential", "sequential:order=scene"):
             raise Malformed(f"tie policy {self.policy!r} is not known")
-        self.bits = dict(map(tuple, certificate["bits"]))
-        if not all(0 < bits <= BITS for bits in self.bits.values()) or 0 not in self.bits:
-            raise Malformed("bits out of range")
-        if len(self.meets) * self.bits[0] > SIZE:
-            raise Malformed("too many bits for so many circles")
         Ball.bits = self.bits[0]
         positive = [*self.limits.values(), *(p[2] for p in pockets), *(c[4] for c in circles if not c[4].zero())]
         positive += [c[5] for c in circles if not c[5].zero()]
-        moving = any(not (c[2].zero() and c[3].zero()) for c in circles if c[5].zero())
-        if (
-            moving
-            or len(scene.keys() & {"reverse_at", "reverse_after"}) > 1
-            or any(x.ball().sign() != 1 for x in positive)
-        ):
+        wrong = any(x.ball().sign() != 1 for x in positive) or len(scene.keys() & {"reverse_at", "reverse_after"}) > 1
+        if wrong or any(not (c[2].zero() and c[3].zero()) for c in circles if c[5].zero()):
             raise Malformed("a size, mass or time is not positive, a fixed circle moves, or there are two reversals")
 
     def check(self, factor=1):
@@ -346,9 +343,12 @@ def verdict(path):
     sys.set_int_max_str_digits(0)
     checker = None
     try:
-        if Path(path).stat().st_size > BYTES:
-            raise Malformed(f"it is longer than {BYTES} bytes")
-        told = json.loads(Path(path).read_bytes())
+        if Path(path).exists() and not Path(path).is_file():
+            raise Malformed("it is no regular file")
+        with Path(path).open("rb") as file:
+            if len(text := file.read(BYTES + 1)) > BYTES:
+                raise Malformed(f"it is longer than {BYTES} bytes")
+        told = json.loads(text)
         try:
             checker = Checker(told)
             checker.check()

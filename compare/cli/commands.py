@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import click
 
 from . import completion
@@ -214,6 +212,8 @@ def compare(
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
     each run has by then is compared, and what was left out is named.
     """
+    from ..attached import with_certificates
+    from ..certificates import check_engine
     from ..comparison import compare as compare_engines
     from ..documents.comparison import comparison_json
     from ..engines import split_engines
@@ -226,6 +226,8 @@ def compare(
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     if html is not None:
         check_writable(html)
+    if certify:
+        check_engine(reference, "--certify")
     with showing_progress(loaded.name, goal_of(loaded, until, events)) as progress:
         comparison = compare_engines(
             loaded,
@@ -237,9 +239,7 @@ def compare(
             progress=progress,
         )
     if certify:
-        from ..certificates import certified
-
-        comparison = replace(comparison, certificate=certified(comparison.reference))
+        comparison = with_certificates(comparison)
     if html is not None:
         from ..report.html import html_report
         from .retold import command_of

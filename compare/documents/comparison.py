@@ -124,11 +124,14 @@ def _relation_json(candidate: Candidate, permitted: PermittedPatterns | None) ->
     if permitted is None or pattern is None or candidate.verdict != "diverged":
         return None
     witness = permitted.witness(pattern)
-    return {
+    told = {
         "relation": permitted.relation(pattern).name.lower(),
         "policy": permitted.policy(pattern),
         "witness": None if witness is None else witness.scene.data(),
     }
+    if witness is not None and witness.certificate is not None:
+        told["witness_certificate"] = witness.certificate.data()
+    return told
 
 
 def _patterns_json(permitted: PermittedPatterns | None) -> dict[str, Any] | None:

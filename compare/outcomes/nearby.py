@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+    from ..certificates import Certified
 
 NEARBY = Fraction(1, 10**20)
 """Largest displacement of a coordinate: far below what moves any later event noticeably."""
@@ -30,10 +32,17 @@ LEAST_TRIED, MOST_TRIED = 8, 32
 
 @dataclass(frozen=True)
 class Witness:
-    """A nearby scene and the break pattern that the exact engine certifies for it."""
+    """A nearby scene and the break pattern that the exact engine certifies for it.
+
+    Attributes:
+        run: the run that came to it.
+        certificate: that of the run, if it was asked for and there is one.
+    """
 
     scene: Scene
     pattern: Mapping[str, Any]
+    run: Trajectory = field(repr=False, compare=False)
+    certificate: Certified | None = field(default=None, repr=False, compare=False)
 
 
 def nearby_scenes(scene: Scene, work: int) -> Iterator[Scene]:

@@ -157,7 +157,7 @@ def permitted_patterns(
                 continue
             pattern = span.pattern(run)
             if pattern is not None and run.certified and not any(w.pattern == pattern for w in witnesses):
-                witnesses.append(Witness(nearby, pattern))
+                witnesses.append(Witness(nearby, pattern, run))
     except OutOfTime:
         complete = False
     return PermittedPatterns(exact, by_policy, tuple(patterns), complete, followed, tuple(witnesses), tried)

@@ -189,9 +189,10 @@ def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
     policy = permitted.policy(pattern)
     found = counted(len(permitted.orders), "pattern")
     witness = permitted.witness(pattern)
+    checked = ", and independently checked" if witness and witness.certificate and witness.certificate.checked else ""
     told = {
         Relation.OWN: "the policy's own",
-        Relation.REALISABLE: f"realisable: {witness.scene.name if witness else ''} comes to it, certified",
+        Relation.REALISABLE: f"realisable: {witness.scene.name if witness else ''} comes to it, certified{checked}",
         Relation.SOME_ORDER: f"some order of the impulses leads to it, but none of {permitted.tried} nearby scenes",
         Relation.NO_ORDER: f"no order of the impulses leads to it: not among {found} over all orders",
         Relation.NOT_FOUND: f"not found among {counted(permitted.followed, 'order')} followed; there are more",

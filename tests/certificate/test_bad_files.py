@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import subprocess
 import sys
@@ -136,3 +137,42 @@ def test_a_comparison_is_certified(tmp_path: Path, capsys: pytest.CaptureFixture
     report = tmp_path / "report.html"
     said(capsys, "compare", "lee", "--engines", "double", "--certify", "--html", str(report))
     assert "Independently checked: verified" in report.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("program", ["verify.py", "verify.mjs"])
+@pytest.mark.parametrize("kind", ["fifo", "device"])
+def test_what_is_no_file_is_not_read(program: str, kind: str, tmp_path: Path) -> None:
+    path = Path("/dev/zero")
+    if kind == "fifo":
+        path = tmp_path / "fifo"
+        os.mkfifo(path)
+    runner = sys.executable if program.endswith("py") else NODE
+    if runner is None:
+        pytest.skip("node is not at hand")
+    done = subprocess.run([runner, str(TOOLS / program), str(path)], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (2, "") and "no regular file" in done.stdout.replace("not a", "no")
+
+
+def test_too_many_walls_are_not_gone_through(tmp_path: Path) -> None:
+    told = json.loads(LEE)
+    told["scene"]["walls"] = [{"id": f"w{k}", "x0": "9", "y0": "0", "x1": "9", "y1": "1"} for k in range(60_000)]
+    told["scene"]["circles"] = [told["scene"]["circles"][0] | {"id": f"c{k}"} for k in range(100)]
+    told["final"]["circles"] *= 34
+    del told["final"]["circles"][100:]
+    path = tmp_path / "walls.json"
+    path.write_text(json.dumps(told), encoding="utf-8")
+    code, sentence = by_program(path)
+    assert code == 2 and "too many" in sentence
+    if NODE is not None:
+        assert by_node([path])[0][0] == 2
+
+
+def test_a_reference_without_certificates_is_refused_before_anything_runs(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def never(*_: Any, **__: Any) -> None:
+        raise AssertionError("it ran")
+
+    monkeypatch.setattr("truebreak.compare.comparison.compare", never)
+    code, out, err = said(capsys, "compare", "lee", "--engines", "exact", "--reference", "double", "--certify")
+    assert (code, out, err.count("\n")) == (2, "", 1) and "not those of double" in err

@@ -5,12 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any, TypeAlias
 
+import jsonschema
 import pytest
 
 from truebreak.compare import compare
+from truebreak.compare.attached import with_certificates
+from truebreak.compare.documents.comparison import comparison_json
+from truebreak.compare.documents.schemas import schema
 from truebreak.compare.outcomes.break_pattern import pattern
 from truebreak.compare.outcomes.nearby import NEARBY, nearby
 from truebreak.compare.outcomes.permitted import Relation, permitted_patterns
+from truebreak.compare.report.sentences import pattern_phrase
 from truebreak.compare.study import Study
 from truebreak.exact import ExactEngine
 from truebreak.exact.policies.all_orders import all_orders
@@ -219,6 +224,21 @@ def test_the_span_is_exact_for_every_order() -> None:
         told = comparison["double"].pattern
         assert told is not None
         assert found.relation(told) in (Relation.REALISABLE, Relation.SOME_ORDER)
+
+
+def test_a_nearby_scene_has_a_certificate_of_its_own() -> None:
+    from test_false_cases import LAST
+
+    comparison = with_certificates(compare(LAST, ["double"], until=6))
+    told, found = comparison["double"].pattern, comparison.permitted
+    assert told is not None and found is not None and found.relation(told) is Relation.REALISABLE
+    witness = found.witness(told)
+    assert witness is not None and witness.certificate is not None and witness.certificate.checked
+    document = comparison_json(comparison)
+    jsonschema.Draft202012Validator(schema("comparison-2")).validate(document)
+    attached = document["candidates"][0]["pattern"]["witness_certificate"]
+    assert attached["independently_checked"] and attached["certificate"]["scene"]["name"] == witness.scene.name
+    assert "certified, and independently checked" in str(pattern_phrase(comparison, comparison["double"]))
 
 
 def test_where_no_order_matters_only_the_own_pattern_is_permitted() -> None:

@@ -1,5 +1,6 @@
 // The check of a certificate, instant by instant: docs/certificates.md, "How to check".
 
+import { Entries } from './entries.mjs'
 import { decimalParts } from './format.mjs'
 import { Rounds } from './impulses.mjs'
 import { Fixed, apart, isZero, lower, sameSingle, sign, upper } from './interval.mjs'
@@ -114,7 +115,7 @@ export class Check {
       if (gap < 0 && !scene.isPocket(contact)) throw new Refuted(`[${contact}] overlap`)
       if (gap < 0) instant.shut.add(key)
       else if (gap === 0 && scene.isPocket(contact)) instant.rims.set(key, contact)
-      else if (gap === 0) instant.standing.set(key, { contact, sign: this.#closing(contact, instant) })
+      else if (gap === 0) instant.standing.set(key, { contact, sign: this.closing(contact, instant) })
     }
     this.#happen(instant, told, false)
   }
@@ -139,7 +140,7 @@ export class Check {
   }
 
   /** The sign of a closing speed on the flights of now. */
-  #closing(contact, { witnesses }) {
+  closing(contact, { witnesses }) {
     const found = sign(this.fine.measures(contact, this.flights).closing)
     if (found !== undefined) return found
     if (witnesses.shows('still', contact, { time: this.flights[contact[0]].start })) return 0
@@ -251,7 +252,7 @@ export class Check {
     if (wanted && !told.reversal) throw new Refuted('the reversal falls on it, and is not told')
     if (!wanted && told.reversal) throw new Refuted('a reversal is told that does not fall on it')
     const last = wanted ? this.#reverse(instant, told.reversal) : instant
-    const changed = wanted ? this.#movable() : instant.pushed
+    const changed = wanted ? this.movable() : instant.pushed
     const all = new Set(instant.at === 0 ? this.scene.circles.keys() : [...changed, ...this.captured])
     this.sweep.update(all, new Set([...instant.standing.keys(), ...instant.rims.keys(), ...last.shut]))
   }
@@ -259,7 +260,7 @@ export class Check {
   #settle(instant, all, afterReversal) {
     new Rounds(this, instant).run()
     this.#last(instant, all)
-    this.#entries(instant, afterReversal)
+    new Entries(this, instant).run(afterReversal)
     if (instant.rounds.length) this.events++
     instant.witnesses.close()
   }
@@ -269,7 +270,8 @@ export class Check {
     return reason === 'events' && this.events >= limit
   }
 
-  #movable() {
+  /** The circles in play that move, or may. */
+  movable() {
     return [...this.scene.circles.keys()].filter((i) => this.scene.movable(i) && !this.captured.has(i))
   }
 
@@ -291,60 +293,11 @@ export class Check {
     throw new Undecided(`whether [${contact}] stay together`)
   }
 
-  /** Step 6: which centres enter pockets. */
-  #entries(instant, afterReversal) {
-    const { scene } = this
-    const entered = new Set()
-    for (const i of this.#movable()) {
-      const struck = afterReversal || instant.pushed.has(i)
-      scene.pockets.forEach((_, k) => {
-        const contact = [i, -1 - k]
-        const onRim = struck ? this.#onRim(contact, instant) : instant.rims.has(scene.key(contact))
-        if (!onRim) return
-        const arrives = !struck && instant.at > 0
-        if (arrives || this.#closing(contact, instant) < 0) entered.add(`${i},${k}`)
-      })
-    }
-    const told = new Set(instant.entries.map(String))
-    if (told.size < instant.entries.length) throw new Refuted('an entry is told twice')
-    for (const entry of entered) if (!told.has(entry)) throw new Refuted(`the entry [${entry}] is not told`)
-    for (const entry of told) if (!entered.has(entry)) throw new Refuted(`the entry [${entry}] does not happen`)
-    if (!scene.capture) return
-    for (const [i] of instant.entries) if (!this.captured.has(i)) this.#capture(i, instant)
-  }
-
-  /** Whether a centre with a new velocity is on a rim; a contact that cannot meet on the new flight is shut. */
-  #onRim(contact, { rims, shut, witnesses, time, at }) {
-    const key = this.scene.key(contact)
-    if (rims.has(key)) return true
-    const found = this.fine.measures(contact, this.flights)
-    const gap = sign(this.fine.gap(found))
-    if (gap === 1) return false
-    shut.add(key)
-    if (gap === -1) return false
-    const given = { time: this.flights[contact[0]].start }
-    const closing = sign(found.closing)
-    if (closing >= 0 || (closing === undefined && witnesses.shows('still', contact, given))) return false
-    if (gap === 0 || witnesses.shows('rim', contact, given)) return true
-    throw new Undecided(`whether the centre of circle ${contact[0]} is on the rim of pocket ${-1 - contact[1]}`)
-  }
-
-  #capture(i, { at, time, node }) {
-    const { zero, bits } = this.fine.fixed
-    const [x, y] = this.fine.place(this.flights[i], time, at)
-    this.flights[i] = { x, y, vx: zero, vy: zero, t: time, at, start: node, bits }
-    this.captured.add(i)
-    this.log.capture(i, at, node)
-    for (const [key, contact] of this.sweep.lasting) {
-      if (this.scene.circlesOf(contact).includes(i)) this.sweep.lasting.delete(key)
-    }
-  }
-
   /** Step 7. */
   #reverse(instant, told) {
     const { time, at, node } = instant
     const { fixed } = this.fine
-    const circles = this.#movable()
+    const circles = this.movable()
     for (const i of circles) {
       const flight = this.flights[i]
       const [x, y] = this.fine.place(flight, time, at)
@@ -368,8 +321,7 @@ export class Check {
   #finish() {
     const { end, final } = this.data
     const { scene, sweep } = this
-    const witnesses = this.prover.witnesses(end.zeros)
-    sweep.resolve(witnesses)
+    sweep.resolve(this.prover.witnesses(end.zeros))
     const setTime = this.reversed ? undefined : scene.reverseAt
     let last = this.last
     if (end.reason === 'quiet') {
@@ -387,7 +339,6 @@ export class Check {
       throw new Refuted(`${this.events} events are told, not ${end.limit}`)
     }
     if (last !== this.last) sweep.pass(last.time, new Set())
-    witnesses.close()
     this.#decimal(final.time, last.time, 'the final time')
     this.flights.forEach((flight, i) => {
       const place = this.fine.place(flight, last.time, last.at)

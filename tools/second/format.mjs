@@ -8,6 +8,7 @@ export const MAX_BYTES = 16 * 1024 * 1024
 const MAX_CIRCLES = 1000
 const MAX_ROOTS = 12
 const MAX_BITS = 1_048_576
+const MAX_PAIRS = 2 ** 22
 const MAX_SIZE = 2 ** 30
 const DECIMAL = /^-?[0-9]{1,400}(\.[0-9]{1,400})?$/
 const TERM = /([+-]?)([0-9]+)(?:\/([0-9]+))?((?:\*r[0-9]{1,2})*)/y
@@ -137,7 +138,9 @@ export function checkShape(data) {
   certificate(data, 'certificate')
   const { circles, walls = [], pockets = [] } = data.scene
   const [n, w, p] = [circles.length, walls.length, pockets.length]
-  if (n * (n + w + p) * data.bits[0][1] > MAX_SIZE) fail('bits', 'too many for so many circles, walls and pockets')
+  const pairs = n * (n + w + p)
+  if (pairs > MAX_PAIRS) fail('scene', 'too many circles, walls and pockets')
+  if (pairs * data.bits[0][1] > MAX_SIZE) fail('bits', 'too many for so many circles, walls and pockets')
   if (data.scene.reverse_after !== undefined && data.scene.reverse_at !== undefined) fail('scene', 'two reversals')
   if (data.final.circles.length !== n) fail('final', `${data.final.circles.length} circles of ${n}`)
   const ids = [...circles, ...walls, ...pockets].map((thing) => thing.id)
