@@ -8,8 +8,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..scenarios.names import handed_on
 
 if TYPE_CHECKING:
     from .alignment.align import Alignment
@@ -53,14 +54,4 @@ _HOMES = {
 }
 """The module of each name: imported when it is asked for, so that `truebreak --help` loads no engine."""
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f".{_HOMES[name]}", __name__), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    return [*globals(), *__all__]
+__getattr__, __dir__ = handed_on(__name__, _HOMES)

@@ -214,7 +214,7 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
     """The same with causes and margin."""
     from .causes.experiments import diagnosis_of
     from .causes.laboratory import Laboratory
-    from .causes.margin import margin_of
+    from .causes.measure import margin_of
     from .causes.stops import diagnosis_of_stop
 
     if candidate.alignment.divergence is not None:

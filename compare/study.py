@@ -93,7 +93,10 @@ class Study:
     def until_event(self, event: int) -> float:
         """A time a little past an event of the reference, or past its end."""
         events = (self.longest or self.reference).events
-        time = float(events[event].time) if event < len(events) else float(self.reference.final_time)
+        return self.past(float(events[event].time) if event < len(events) else float(self.reference.final_time))
+
+    def past(self, time: float) -> float:
+        """A little past a time."""
         return time + OVERRUN * (time or self.patience(None).slack)
 
     def reference_to(self, time: float, progress: OnProgress | None = None) -> Trajectory:
@@ -115,11 +118,12 @@ class Study:
         end, step, patience = self.span.time, engine.step, self.patience(engine.step)
         if not math.isfinite(end):
             end = patience.latest(float(self.reference.final_time))
-        past = OVERRUN * (end or patience.slack)
-        mine, run, asked = self.reference, self.run(engine, self.scene, end + past, progress), end + past
+        asked = self.past(end)
+        past = asked - end
+        mine, run = self.reference, self.run(engine, self.scene, asked, progress)
         finer = self._series(engine)
         while True:
-            alignment = align(mine, run, span=self.span, step=step, patience=patience, finer=finer)
+            alignment = align(mine, run, span=self.span, step=step, bits=engine.bits, patience=patience, finer=finer)
             wanted, past = alignment.wanted, past * FARTHER
             longer, goal = None, None
             if wanted.reference is not None:

@@ -102,7 +102,7 @@ class ExactEngine(Declared):
 
     def _trajectory(self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop) -> Trajectory:
         history = decider.history
-        log = RunLog(scene, history.steps, decider.state.bits)
+        log = RunLog(scene, history.steps, decider.state.bits, decider.state.centred)
         ids = scene.ids
 
         def contacts(links: tuple[Link, ...]) -> tuple[Contact, ...]:

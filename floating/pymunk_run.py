@@ -8,7 +8,7 @@ import threading
 import time as clock
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -22,9 +22,7 @@ from ..scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Traje
 from .knots import DoubleMotion
 from .pymunk_pockets import entries
 from .pymunk_record import Record
-
-if TYPE_CHECKING:
-    from .pymunk_engine import PymunkEngine
+from .pymunk_space import PymunkSpace
 
 STRETCH = 256
 """Steps between two looks at the clock: about a millisecond."""
@@ -65,12 +63,40 @@ class Interrupts:
             signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+class Stepper(Protocol):
+    """What a run needs of its engine: its name, its parameters as shown, its step, its limit, the scene's space."""
+
+    @property
+    def name(self) -> str:
+        """See `Engine`."""
+        ...
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """As a trajectory shows them."""
+        ...
+
+    @property
+    def dt(self) -> float:
+        """The time step."""
+        ...
+
+    @property
+    def max_steps(self) -> int:
+        """Steps after which a run stops."""
+        ...
+
+    def space(self, scene: Scene) -> PymunkSpace:
+        """The scene as a pymunk space."""
+        ...
+
+
 class Run:
     """One run under way."""
 
     def __init__(
         self,
-        engine: PymunkEngine,
+        engine: Stepper,
         scene: Scene,
         until: QuantityLike | None,
         events: int | None,

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
 from .errors import SceneError
 
-PolicyName: TypeAlias = Literal["simultaneous", "sequential"]
+POLICIES: dict[str, str] = {
+    "simultaneous": "..exact.policies.simultaneous:Simultaneous",
+    "sequential": "..exact.policies.sequential:Sequential",
+}
+"""Where each policy lives, seen from `scenarios`; loaded by the engine that follows it. A new one is its own file, and
+one line here."""
 
 
 @dataclass(frozen=True)
@@ -15,8 +19,8 @@ class TiePolicy:
     """The chosen order of impulses among contacts at one instant.
 
     Attributes:
-        name: `simultaneous` (all approaching contacts at once, in rounds) or `sequential` (one approaching
-            contact at a time).
+        name: one of `POLICIES`: `simultaneous` (all approaching contacts at once, in rounds) or `sequential` (one
+            approaching contact at a time).
         seed: for `sequential`: None takes the contacts in scene order, a whole number draws the order from
             that seed.
 
@@ -26,7 +30,7 @@ class TiePolicy:
     'sequential:order=scene'
     """
 
-    name: PolicyName = "simultaneous"
+    name: str = "simultaneous"
     seed: int | None = None
 
     @staticmethod
@@ -38,9 +42,9 @@ class TiePolicy:
         """
         if isinstance(text, TiePolicy):
             return text
-        if text == "simultaneous":
-            return TiePolicy()
-        if text in ("sequential", "sequential:order=scene"):
+        if text in POLICIES:
+            return TiePolicy(text)
+        if text == "sequential:order=scene":
             return TiePolicy("sequential")
         if text == "all-orders":
             raise SceneError(
@@ -50,10 +54,11 @@ class TiePolicy:
         if head == "sequential:" and seed.isascii() and seed.isdigit() and len(seed) <= 18:
             return TiePolicy("sequential", int(seed))
         raise SceneError(
-            f"tie_policy {text!r} is not known; choose simultaneous, sequential:order=scene or sequential:seed=N"
+            f"tie_policy {text!r} is not known; choose {', '.join(p for p in POLICIES if p != 'sequential')}, "
+            "sequential:order=scene or sequential:seed=N"
         )
 
     def __str__(self) -> str:
-        if self.name == "simultaneous":
+        if self.name != "sequential":
             return self.name
         return f"sequential:{'order=scene' if self.seed is None else f'seed={self.seed}'}"

@@ -24,8 +24,17 @@ class Recipe(NamedTuple):
 
     title: str
     file: tuple[str, str]
-    table: tuple[str, str, str]
+    table: tuple[str, str, str] | None
     holds: str
+
+
+def line_of(row: tuple[str, str] | None = None) -> tuple[str, str, str] | None:
+    """The path, the table and the line of a block; None where a recipe needs no table."""
+    if row is None:
+        return None
+    place = LINE.fullmatch(row[0])
+    assert place is not None, row[0]
+    return place["path"], place["table"], row[1]
 
 
 def recipes() -> list[Recipe]:
@@ -34,11 +43,9 @@ def recipes() -> list[Recipe]:
     for section in PAGE.split("\n## ")[1:]:
         blocks = [(match["head"], match["text"]) for match in BLOCK.finditer(section)]
         if blocks:
-            (file, row, holds) = blocks
-            place = LINE.fullmatch(row[0])
-            assert place is not None, row[0]
+            file, *row, holds = blocks
             assert holds[0] == "holds"
-            found.append(Recipe(section.partition("\n")[0], file, (place["path"], place["table"], row[1]), holds[1]))
+            found.append(Recipe(section.partition("\n")[0], file, line_of(*row), holds[1]))
     return found
 
 
@@ -63,22 +70,35 @@ def run(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_there_are_recipes() -> None:
-    assert [recipe.title for recipe in RECIPES] == ["A scene family"]
+    assert [recipe.title for recipe in RECIPES] == [
+        "A scene family",
+        "An outcome",
+        "A number system",
+        "A tie policy",
+        "A rung of the cascade",
+        "A predicate",
+    ]
+
+
+def add_line(top: Path, table: str, name: str, row: str) -> None:
+    """Adds a line at the head of a table."""
+    assert len(row.splitlines()) == 1
+    place = top / table
+    before = place.read_text("utf-8")
+    after = re.sub(rf"^({name}\b[^\n]*[\[{{(])\n", rf"\g<1>\n{row}", before, count=1, flags=re.MULTILINE)
+    assert after != before, f"{table} has no {name}"
+    place.write_text(after, "utf-8")
 
 
 @pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.title)
 def test_a_recipe_is_one_file_and_one_line(recipe: Recipe, copy: Path) -> None:
     assert run(recipe.holds, copy).returncode != 0, "it must not hold without the recipe"
-    (path, text), (table, name, row) = recipe.file, recipe.table
+    path, text = recipe.file
     new = copy / "truebreak" / path
     assert not new.exists()
     new.write_text(text, "utf-8")
-    assert len(row.splitlines()) == 1
-    place = copy / "truebreak" / table
-    before = place.read_text("utf-8")
-    after = re.sub(rf"^({name}\b[^\n]*[\[{{(])\n", rf"\g<1>\n{row}", before, count=1, flags=re.MULTILINE)
-    assert after != before, f"{table} has no {name}"
-    place.write_text(after, "utf-8")
+    if recipe.table is not None:
+        add_line(copy / "truebreak", *recipe.table)
     done = run(f"import truebreak\nassert truebreak.__file__.startswith({str(copy)!r})\n{recipe.holds}", copy)
     assert done.returncode == 0, done.stderr
 

@@ -8,6 +8,7 @@ import jsonschema
 import pytest
 
 from truebreak.compare import compare, comparison_json, engine, trajectory_json
+from truebreak.compare.deadline import Clock
 from truebreak.compare.documents.schemas import NAMES, schema
 from truebreak.scenarios import Scene, catalogue
 
@@ -75,6 +76,19 @@ def test_deep_values_are_given_by_definitions() -> None:
             assert float(value(event["time_exact"])) == event["time"]
         for circle in data["final"]["circles"]:
             assert float(value(circle["vx_exact"])) == circle["vx"]
+
+
+def test_once_the_seconds_are_over_every_exact_value_is_given_by_definitions() -> None:
+    watch = Clock(1e-9)
+    while not watch.over:
+        pass
+    run = engine("exact").run(catalogue.build("gas"), events=5)
+    hurried, whole = trajectory_json(run, exact=True, watch=watch), trajectory_json(run, exact=True)
+    check(hurried)
+    assert "definitions" not in whole
+    assert hurried["definitions"]
+    assert all(event["time_exact"] for event in hurried["events"])
+    assert [event["time"] for event in hurried["events"]] == [event["time"] for event in whole["events"]]
 
 
 def test_entries_into_pockets_are_printed() -> None:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from ...scenarios.trajectory import StopReason
 from .divergence import Divergence, Kind
+from .impulse_order import same_velocity
 from .instants import Finer, Instant, first_changed_instant
 from .instants import instants as grouped
 from .patience import Patience, patience_for
@@ -106,6 +107,7 @@ def align(
     *,
     span: Span | None = None,
     step: float | None = None,
+    bits: int | None = None,
     patience: Patience | None = None,
     finer: Finer | None = None,
     instants: bool = True,
@@ -122,6 +124,7 @@ def align(
         span: what is compared; by default, all of the reference.
         step: the candidate's time step, if it has one: it reports a contact once, however many impulses pass
             through it within a step, and takes several events as one instant.
+        bits: of the candidate's numbers; None: as many as it takes.
         patience: how late a meeting may be; by default, what the scene's measures grant.
         finer: tells whether velocities after an instant of several contacts come nearer as the step is made finer.
         instants: whether such instants are looked at; without, partners alone are compared.
@@ -140,7 +143,9 @@ def align(
     first = min(found, key=lambda d: (d.time, d.event), default=None)
     before = (first.time, first.event) if first else (span.time, span.events - 1)
     if instants:
-        tie = first_changed_instant(reference, candidate, walks, groups, before, step or 0.0, finer)
+        tie = first_changed_instant(
+            reference, candidate, walks, groups, before, step or 0.0, finer, same_velocity(bits)
+        )
         if tie is not None and (first is None or (tie.time, tie.event) <= (first.time, first.event)):
             first, before = tie, (tie.time, tie.event)
     matches = _matches(walks)

@@ -18,13 +18,26 @@ if TYPE_CHECKING:
 
 Velocities: TypeAlias = "dict[str, tuple[float, float]]"
 
-SAME_VELOCITY = 2.0**-26
-"""Velocities closer than this share of the largest speed are the same. Both come from one state by a
-handful of operations in doubles (2**-53 each), while a different order of coupled impulses changes them in
-their first digits: half of a double's digits lies far from both."""
+
+def same_velocity(bits: int | None) -> float:
+    """The share of the largest speed up to which velocities are the same: half of the digits that they have.
+
+    Both come from one state by some operations, each rounded to so many bits (53 at the most, for they are done again
+    in doubles), while another order of coupled impulses changes them by the coupling, in their first digits unless the
+    contacts are at right angles but for as little as that share. Half of the digits lies as far from the one as from
+    the other.
+
+    >>> same_velocity(None) == same_velocity(106) == 2.0**-26, same_velocity(24) == 2.0**-12
+    (True, True)
+    """
+    return 2.0 ** -(min(bits or DOUBLE_BITS, DOUBLE_BITS) // 2)
 
 
-def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequence[Contact]]) -> bool:
+DOUBLE_BITS = 53
+"""Bits of a double."""
+
+
+def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequence[Contact]], same: float) -> bool:
     """Whether the impulses of `groups`, in order, lead from the state before an event to the state after it.
 
     A run that took an instant's contacts apart (or took several instants as one) has not changed what
@@ -35,12 +48,13 @@ def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequen
         trajectory: the run that took the contacts as one instant.
         index: the event in that run.
         groups: the pairs as the other run took them: a group for each of its instants.
+        same: see `same_velocity`.
     """
     event = trajectory.events[index]
     before, after = _velocities_before(trajectory, index), trajectory.at(event.time)
     impact = _Impact(trajectory, {c.id: (float(c.x), float(c.y)) for c in after.circles}, before)
     scale = max((math.hypot(*v) for v in before.values()), default=0.0)
-    room = SAME_VELOCITY * scale
+    room = same * scale
     at_once = trajectory.scene.tie_policy.name == "simultaneous"
     if not all(impact.take(group, at_once) for group in groups):
         return False
@@ -52,13 +66,16 @@ def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequen
     )
 
 
-def merging_changes(trajectory: Trajectory, indices: Sequence[int], groups: Sequence[Sequence[Contact]]) -> float:
+def merging_changes(
+    trajectory: Trajectory, indices: Sequence[int], groups: Sequence[Sequence[Contact]], same: float
+) -> float:
     """By how much velocities differ if the impulses of several instants are given at once; 0 if by no law.
 
     Args:
         trajectory: the run that has the instants one after the other.
         indices: the events.
         groups: their impulses.
+        same: see `same_velocity`.
     """
     before = _velocities_before(trajectory, indices[0])
     first, last = trajectory.events[indices[0]].time, trajectory.events[indices[-1]].time
@@ -72,7 +89,7 @@ def merging_changes(trajectory: Trajectory, indices: Sequence[int], groups: Sequ
         return scale
     apart = max(math.dist(one.velocities[name], other.velocities[name]) for name in before)
     way = scale * (float(last) - float(first))
-    return apart if apart > SAME_VELOCITY * scale + 4 * len(everything) * scale * way / one.least_reach else 0.0
+    return apart if apart > same * scale + 4 * len(everything) * scale * way / one.least_reach else 0.0
 
 
 def impulses_among(events: Iterable[Sequence[Contact]], pairs: Sequence[Contact]) -> list[list[Contact]]:

@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, TypeAlias
 
 from .divergence import Divergence, Kind
-from .impulse_order import SAME_VELOCITY, impulses_among, merging_changes, order_reproduces
+from .impulse_order import impulses_among, merging_changes, order_reproduces
 
 if TYPE_CHECKING:
     from ...scenarios.event import Contact
@@ -25,8 +25,9 @@ HALVINGS = (2, 4, 6)
 another outcome stays where it is."""
 
 NEARER = 4.0
-"""A difference that shrinks with the step has shrunk by this at the end of the series, and by 64 if it is linear."""
-
+"""A difference that is linear in the step is 64 times smaller at the end of the series, in the mean; by how much of a
+step a contact is late is chance, so that the first may be a sixteenth of what the step makes it. One that the step does
+not make stays as it is."""
 
 TOLD = 4
 """How many meetings, one after the other, a divergence names."""
@@ -106,6 +107,7 @@ def first_changed_instant(
     before: tuple[float, int],
     step: float,
     finer: Finer | None,
+    same: float,
 ) -> Divergence | None:
     """The first instant of several contacts that the candidate leaves with other velocities.
 
@@ -116,6 +118,7 @@ def first_changed_instant(
     Args:
         before: time and event from which on nothing is looked at.
         finer: runs the series; without it, the error that the step explains is granted.
+        same: the share of the largest speed up to which velocities are the same.
     """
     apart = _taken_apart(walks, sequential=reference.scene.tie_policy.name == "sequential")
     for instant in groups:
@@ -123,13 +126,13 @@ def first_changed_instant(
         if (min(float(first), float(start)), instant.mine[0]) > before or not instant.coupled(reference, candidate):
             continue
         if step and len(instant.mine) > 1:
-            changed = _matters(reference, candidate, instant)
+            changed = _matters(reference, candidate, instant, same)
         elif step:
-            changed = not _blurred(reference, candidate, instant, step, finer)
+            changed = not _blurred(reference, candidate, instant, step, finer, same)
         else:
-            changed = bool(apart & {*instant.mine}) and not _reproduced(reference, candidate, instant)
+            changed = bool(apart & {*instant.mine}) and not _reproduced(reference, candidate, instant, same)
             changed = changed or (len(instant.theirs) == 1 == len(instant.mine)
-                                  and not _explained(reference, candidate, instant, step))  # fmt: skip
+                                  and not _explained(reference, candidate, instant, step, same))  # fmt: skip
         if changed:
             return _tie(reference, candidate, instant)
     return None
@@ -146,50 +149,52 @@ def _taken_apart(walks: dict[str, Walk], sequential: bool) -> set[int]:
     return found
 
 
-def _reproduced(reference: Trajectory, candidate: Trajectory, instant: Instant) -> bool:
+def _reproduced(reference: Trajectory, candidate: Trajectory, instant: Instant, same: float) -> bool:
     """Whether the impulses of one run, in its order, lead through the other's instant to the same velocities."""
     if len(instant.mine) == 1:
         told = reference.events[instant.mine[0]]
         groups = impulses_among((candidate.events[c].impulses for c in instant.theirs), told.impulses)
-        return not told.coupled or order_reproduces(reference, instant.mine[0], groups)
+        return not told.coupled or order_reproduces(reference, instant.mine[0], groups, same)
     if len(instant.theirs) == 1:
         told = candidate.events[instant.theirs[0]]
         groups = impulses_among((reference.events[m].impulses for m in instant.mine), told.impulses)
-        return not told.coupled or order_reproduces(candidate, instant.theirs[0], groups)
-    return _explained(reference, candidate, instant, 0.0)
+        return not told.coupled or order_reproduces(candidate, instant.theirs[0], groups, same)
+    return _explained(reference, candidate, instant, 0.0, same)
 
 
-def _matters(reference: Trajectory, candidate: Trajectory, instant: Instant) -> bool:
+def _matters(reference: Trajectory, candidate: Trajectory, instant: Instant, same: float) -> bool:
     """Whether taking several of the reference's instants as one leads to other velocities, as it did here.
 
     Both outcomes are computed from the reference's state: all impulses at once, and one instant after the other. They
     differ by law if by more than the way that the circles make between the instants turns the impacts.
     """
     sequence = [reference.events[m].impulses for m in instant.mine]
-    by_law = merging_changes(reference, instant.mine, sequence)
+    by_law = merging_changes(reference, instant.mine, sequence, same)
     return by_law > 0 and velocity_difference(reference, candidate, instant) >= by_law / 2
 
 
-def _blurred(reference: Trajectory, candidate: Trajectory, instant: Instant, step: float, finer: Finer | None) -> bool:
+def _blurred(
+    reference: Trajectory, candidate: Trajectory, instant: Instant, step: float, finer: Finer | None, same: float
+) -> bool:
     """Whether the velocities differ by no more than the time step blurs them."""
     apart = velocity_difference(reference, candidate, instant)
     fastest = float(abs(candidate.at(candidate.events[instant.theirs[-1]].time).array()[:, 2:]).max())
-    if apart <= SAME_VELOCITY * fastest:
+    if apart <= same * fastest:
         return True
     if finer is None:
-        return _explained(reference, candidate, instant, step)
+        return _explained(reference, candidate, instant, step, same)
     widest = apart
     for halvings in HALVINGS:
         nearer = finer(halvings, instant)
         if nearer is None:
-            return _explained(reference, candidate, instant, step) if widest is apart else False
+            return _explained(reference, candidate, instant, step, same) if widest is apart else False
         if nearer <= widest / NEARER:
             return True
         widest = max(widest, nearer)
     return False
 
 
-def _explained(reference: Trajectory, candidate: Trajectory, instant: Instant, step: float) -> bool:
+def _explained(reference: Trajectory, candidate: Trajectory, instant: Instant, step: float, same: float) -> bool:
     """Whether the velocities differ by no more than the error with which the candidate came to the instant.
 
     An error of position of e turns the direction of an impact by e / reach, which changes an impulse by twice that
@@ -205,7 +210,7 @@ def _explained(reference: Trajectory, candidate: Trajectory, instant: Instant, s
     apart = float(abs(mine[rows, :2] - theirs[rows, :2]).max()) + speed * (lag + step)
     reach = min((r for circle in reference.scene.circles if (r := float(circle.r)) > 0), default=1.0)
     impulses = sum(len(reference.events[k].impulses) for k in instant.mine)
-    room = SAME_VELOCITY * speed + 4 * impulses * speed * apart / reach
+    room = same * speed + 4 * impulses * speed * apart / reach
     return velocity_difference(reference, candidate, instant) <= room
 
 

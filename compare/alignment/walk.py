@@ -156,7 +156,8 @@ def _again(ours: _Side, other: _Side, step: float) -> bool:
 def _repeats(side: _Side, other: _Side, step: float) -> bool:
     """Whether a side's next partner is part of the instant that the other has just taken up.
 
-    Where the other's next instant has that partner too, it belongs to the one that is nearer in time.
+    Where the other's next instant has that partner too, it belongs to the one that is nearer in time, if the side is as
+    late as it was at the last.
     """
     if not side.open or not side.past or not other.past:
         return False
@@ -169,8 +170,7 @@ def _repeats(side: _Side, other: _Side, step: float) -> bool:
     rival = next((e for n, e in other.open if n == name), None)
     if rival is None:
         return True
-    time = side.times[event]
-    return abs(time - other.times[other.past[name]]) < abs(time - other.times[rival])
+    return abs(lag) < abs(other.times[other.past[name]] + lag - other.times[rival])
 
 
 def _absorbed(walked: Walk, ours: _Side, other: _Side, step: float) -> bool:

@@ -6,9 +6,11 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from ..alignment.divergence import Kind
+from ..alignment.instants import instants
 from .decision import Decision, Pairing
 
 if TYPE_CHECKING:
+    from ...scenarios.event import Contact
     from ...scenarios.trajectory import Trajectory
     from ..alignment.align import Alignment
     from ..alignment.divergence import Divergence
@@ -69,8 +71,16 @@ def _own_events(reference: Trajectory, name: str) -> list[int]:
 def _of_tie(
     reference: Trajectory, candidate: Trajectory, alignment: Alignment, divergence: Divergence
 ) -> list[Decision]:
-    """The order of the first two partners that the body meets at the instant, or in the instants taken as one."""
-    told = divergence.expected if divergence.expected and " then " in divergence.expected else divergence.got or ""
+    """The order of the first two partners that the body meets at the instant, or in the instants taken as one.
+
+    Where it meets but one of them, the first two of several instants taken as one, of which one leads to the other.
+    """
+    told = divergence.expected or ""
+    if " then " not in told:
+        following = _next_of_group(reference, alignment, divergence)
+        if following is not None:
+            return [following]
+        told = divergence.got or ""
     names = list(dict.fromkeys(told.replace(" + ", " then ").split(" then ")))
     pairings = [
         _pairing(reference, alignment.walks, divergence.body, name, divergence.event, None) for name in names[:2]
@@ -78,3 +88,31 @@ def _of_tie(
     if len(pairings) < 2 or pairings[0] is None or pairings[1] is None:
         return []
     return [Decision("order", pairings[0], pairings[1])]
+
+
+def _next_of_group(reference: Trajectory, alignment: Alignment, divergence: Divergence) -> Decision | None:
+    """The order of the first of several instants taken as one and of the one after it, to which it leads."""
+    group = next((g for g in instants(alignment.walks) if divergence.event in g.mine), None)
+    if group is None or len(group.mine) < 2:
+        return None
+    first = reference.events[group.mine[0]]
+    met = {name for pair in first.impulses for name in pair if name in alignment.walks}
+    for event in group.mine[1:]:
+        pair = next((p for p in reference.events[event].impulses if met & {*p}), None)
+        if pair is not None:
+            earlier = next(p for p in first.impulses if {*p} & {*pair})
+            return Decision(
+                "order",
+                _at_event(reference, alignment, earlier, first.index),
+                _at_event(reference, alignment, pair, event),
+            )
+    return None
+
+
+def _at_event(reference: Trajectory, alignment: Alignment, pair: Contact, event: int) -> Pairing:
+    """A contact of an event of the reference, each of the two as its last event before left it."""
+    anchors: dict[str, int | None] = {}
+    for name in pair:
+        if name in alignment.walks:
+            anchors[name] = max((m for m in _own_events(reference, name) if m < event), default=None)
+    return Pairing(pair.first, pair.second, anchors)

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from flint import arb  # type: ignore[attr-defined]
 
@@ -12,15 +14,15 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ..alignment.align import align
+from ..alignment.impulse_order import DOUBLE_BITS
 from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
-from .laboratory import ROUNDING_SHARE, Laboratory, verb
+from .laboratory import Laboratory, verb
 from .reader import Reader
 from .rounding import rounded, shifted
 from .stepped import stepped
 
-MODEL_FACTOR = 2.0**16
-"""An engine whose numbers are this many times farther off than those of doubles does not only round: rounding in
-another order of operations changes an error by its digits, not by five orders of magnitude."""
+if TYPE_CHECKING:
+    from ...scenarios.event import Contact
 
 SMALLER = 200
 """Halvings by which the input's rounding is made small, so that the exact run on it stays in the same history."""
@@ -63,21 +65,32 @@ def _tie(lab: Laboratory) -> Experiment:
     else:
         names = {divergence.got, divergence.expected} - {None}
     here = events[divergence.event] if divergence.event < len(events) else None
-    together = {name for pair in here.contacts for name in pair} if here is not None else set()
-    exact = here is not None and here.coupled and divergence.body in together and names <= together and len(names) > 0
-    if not exact:
+    cluster = _cluster(lab, [] if here is None or not here.coupled else here.contacts)
+    together = {name for pair in cluster for name in pair}
+    if len(cluster) < 2 or not names or not names <= together:
         return Experiment(CauseName.TIE, "no contacts of one exact instant are in question", None, False)
-    assert here is not None
     policy = lab.study.scene.tie_policy
     own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow {policy}"
     return Experiment(
         CauseName.TIE,
-        f"{len(here.contacts)} contacts fall on exactly one instant, the order of their impulses matters, and "
+        f"{len(cluster)} contacts fall on exactly one instant, the order of their impulses matters, and "
         f"{lab.name} has another{own}",
         None,
         True,
         1.0,
     )
+
+
+def _cluster(lab: Laboratory, contacts: Sequence[Contact]) -> list[Contact]:
+    """Those contacts of an instant that hang together with the body in question through circles that can move."""
+    movable = lab.candidate.alignment.walks
+    names, found = {lab.divergence.body}, [pair for pair in contacts if lab.divergence.body in pair]
+    while True:
+        names |= {name for pair in found for name in pair if name in movable}
+        more = [pair for pair in contacts if names & {*pair}]
+        if len(more) == len(found):
+            return found
+        found = more
 
 
 def _input(lab: Laboratory) -> tuple[Reader | None, Experiment]:
@@ -150,7 +163,7 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
             assert lab.margin is not None
             flips = lab.changes(lab.margin + arb(moved))
             return [Experiment(CauseName.ARITHMETIC, f"what is left of its error {verb(moved, flips)}", moved, flips)]
-        rest = align(entered.run, lab.candidate.trajectory, span=lab.span, instants=True)
+        rest = align(entered.run, lab.candidate.trajectory, span=lab.span, bits=lab.engine.bits)
         leaves = rest.divergence is not None and rest.divergence.time <= lab.divergence.time
         told = f"{what} {'leaves it before or there' if leaves else 'does not leave it up to there'}"
         return [Experiment(CauseName.ARITHMETIC, told, moved, leaves)]
@@ -173,7 +186,7 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
             )
         )
         return rows
-    if abs(float(lab.got.mid())) > ROUNDING_SHARE * max(lab.scale, lab.divergence.time):
+    if abs(float(lab.got.mid())) > lab.by_rounding(start):
         clear = f"{what}: its flights up to the contact decide as the exact ones do, and clearly"
         return [Experiment(CauseName.ARITHMETIC, clear, moved, False)]
     last = f"{what}: its flights up to the contact would decide as the exact ones do; its decision rounds otherwise"
@@ -182,21 +195,10 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
 
 def _other_law(lab: Laboratory, start: arb | None) -> bool:
     """Whether the engine is farther off than doubles by more than rounding in another order can explain."""
-    from ..engines import engine
-
-    if lab.decision is None or start is None or lab.engine.bits is None or lab.engine.bits < 53:
-        return False
-    control = engine("double")
-    if type(control) is type(lab.engine):
-        return False
-    run = lab.study.run(control, lab.study.scene, lab.until(None), lab.progress)
-    value = lab.reader(run, lab.given, None).value(lab.decision)
     off = lab.moved(lab.got, start)
-    by_doubles = lab.moved(value, start)
-    if off is None or by_doubles is None:
+    if off is None or lab.engine.bits is None or lab.engine.bits < DOUBLE_BITS or lab.of_doubles(start) is None:
         return False
-    least = lab.scale * 2.0**-50
-    return abs(off) > MODEL_FACTOR * max(abs(by_doubles), least)
+    return abs(off) > lab.by_rounding(start)
 
 
 def _model(lab: Laboratory) -> Experiment:

@@ -9,6 +9,7 @@ from flint import arb  # type: ignore[attr-defined]
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span, align
+from ..engines import engine
 from ..study import SERIES_MORE
 from .decision import Decision, answer
 from .decisions import decisions
@@ -23,8 +24,13 @@ if TYPE_CHECKING:
     from ..study import Study
 
 
-ROUNDING_SHARE = 2.0**-40
-"""Displacements below this share of the scene's measures are what rounding does in a short run."""
+REORDERED = 2.0**16
+"""How many times farther off than doubles rounding in another order of operations can be. An order costs what it
+cancels: the discriminant as (d.v)^2 - |v|^2 (|d|^2 - R^2) loses (|d| / R)^2 against its stable form, so much at 256
+radii. A time step, or another law, knows no such bound."""
+
+LEAST_ROUNDING = 2.0**-50
+"""A share of the scene's measures that a few operations in doubles are off by, whatever one run of them shows."""
 
 
 class Laboratory:
@@ -35,19 +41,20 @@ class Laboratory:
         truth, own: the reference and the candidate at it.
     """
 
-    def __init__(self, study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> None:
+    def __init__(self, study: Study, candidate: Candidate, judged: Engine, progress: OnProgress | None) -> None:
         divergence = candidate.alignment.divergence
         assert divergence is not None
-        self.study, self.candidate, self.engine, self.progress = study, candidate, engine, progress
+        self.study, self.candidate, self.engine, self.progress = study, candidate, judged, progress
         self.divergence = divergence
         self.reference = study.longest or study.reference
-        self.name = engine.name
-        self.given = rounded_or_none(study.scene) if engine.rounds_input else study.scene
+        self.name = judged.name
+        self.given = rounded_or_none(study.scene) if judged.rounds_input else study.scene
         turned = self.reference.reversal
         self.turned = None if turned is None or turned.after > divergence.event else turned.after
         self.truth = Reader(self.reference, turned_after=self.turned)
         self.own = Reader(candidate.trajectory, candidate.alignment.walks, self.given, self.turned)
         self.decision = self._decision()
+        self._doubles: Reader | None = None
         self.margin = None if self.decision is None else self.truth.value(self.decision)
         self.got = None if self.decision is None else self.own.value(self.decision)
 
@@ -80,6 +87,23 @@ class Laboratory:
         """How far an experiment has to run: past both meetings, by what an error may delay them."""
         times = (self.divergence.time, self.divergence.expected_time or 0.0)
         return max(times) * 1.125 + SERIES_MORE * (step or 0.0) + self.study.patience(None).slack / 8
+
+    def of_doubles(self, start: arb | None) -> float | None:
+        """How far doubles are off at the decision; None if they do not come to it.
+
+        Args:
+            start: the decision in the exact run of the scene in doubles.
+        """
+        assert self.decision is not None
+        if self._doubles is None:
+            run = self.study.run(engine("double"), self.study.scene, self.until(None), self.progress)
+            self._doubles = self.reader(run, self.given, None)
+        return self.moved(self._doubles.value(self.decision), start)
+
+    def by_rounding(self, start: arb | None) -> float:
+        """The most that rounding moves the decision by: what it does in doubles, in whatever order of operations."""
+        least = LEAST_ROUNDING * max(self.scale, self.divergence.time)
+        return REORDERED * max(abs(self.of_doubles(start) or 0.0), least)
 
     def changes(self, value: arb | None) -> bool:
         """Whether a value of the decision is another answer than the exact one."""

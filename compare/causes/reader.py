@@ -8,20 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from flint import arb  # type: ignore[attr-defined]
 
-from ...exact.laws.formulas import (
-    advance,
-    pair_approach,
-    pair_discriminant,
-    pair_gap,
-    pair_hit_time,
-    wall_approach,
-    wall_gap,
-    wall_hit_time,
-)
+from ...exact.laws import formulas as law
 from ...exact.numbers import ball
-from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.real import real
 from .decision import FIRST_BITS, MOST_BITS, Decision, Flight, Pairing
-from .numbers import enclosure
+from .zeros import grazes_exactly
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -80,10 +71,6 @@ class Reader:
             return Flight(0, state.x, state.y, state.vx, state.vy)
         return Flight(time, state.x, state.y, state.vx, state.vy)
 
-    def _exact(self) -> bool:
-        """Whether the run's numbers at the start are those of the scene."""
-        return hasattr(self.run.final_time, "ball") or hasattr(self.run.at(0).circles[0].x, "ball")
-
     def value(self, decision: Decision, bits: int = FIRST_BITS) -> arb | None:
         """The number that decides, as a ball of a sign that is known if it can be; None if the run does not come to it.
 
@@ -92,12 +79,9 @@ class Reader:
         while True:
             with ball.precision(2 * bits):
                 found = self._value(decision, bits)
-            if found is None or ball.sign_of(found) is not None or not self._sharper(bits):
+            if found is None or ball.sign_of(found) is not None or bits >= MOST_BITS:
                 return found
             bits *= 4
-
-    def _sharper(self, bits: int) -> bool:
-        return bits < MOST_BITS and self._exact()
 
     def _value(self, decision: Decision, bits: int) -> arb | None:
         if decision.kind == "hit":
@@ -115,12 +99,12 @@ class Reader:
             flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
             if flight is None:
                 return None
-            flights.append([enclosure(v, bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy)])
+            flights.append([real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy)])
         (at, ax, ay, avx, avy), (bt, bx, by, bvx, bvy) = flights
         later = at if ball.sign_of(at - bt) in (0, 1) else bt
-        ax, ay = advance(ax, avx, later - at), advance(ay, avy, later - at)
-        bx, by = advance(bx, bvx, later - bt), advance(by, bvy, later - bt)
-        radii = [enclosure(c.r, bits) for c in self.scene.circles if c.id in (pairing.body, pairing.partner)]
+        ax, ay = law.advance(ax, avx, later - at), law.advance(ay, avy, later - at)
+        bx, by = law.advance(bx, bvx, later - bt), law.advance(by, bvy, later - bt)
+        radii = [c.r.ball(bits) for c in self.scene.circles if c.id in (pairing.body, pairing.partner)]
         return later, bx - ax, by - ay, bvx - avx, bvy - avy, radii[0] + radii[1]
 
     def _turned(self, pairing: Pairing) -> bool:
@@ -140,11 +124,11 @@ class Reader:
         nx, ny = wall.normal
         if wall.height(circle.x, circle.y).sign() < 0:
             nx, ny = -nx, -ny
-        t, x, y, vx, vy = (enclosure(v, bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
-        x0, y0, mx, my = (enclosure(v, bits) for v in (wall.x0, wall.y0, nx, ny))
+        t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
+        x0, y0, mx, my = (q.ball(bits) for q in (wall.x0, wall.y0, nx, ny))
         length = ball.root(mx * mx + my * my)
-        gap = wall_gap(x, y, x0, y0, mx, my, enclosure(circle.r, bits) * length)
-        return t, gap, wall_approach(vx, vy, mx, my), length
+        gap = law.wall_gap(x, y, x0, y0, mx, my, circle.r.ball(bits) * length)
+        return t, gap, law.wall_approach(vx, vy, mx, my), length
 
     def is_wall(self, pairing: Pairing) -> bool:
         """Whether the partner is a wall."""
@@ -156,15 +140,15 @@ class Reader:
             told = self._wall(pairing, bits)
             if told is None or ball.sign_of(told[2]) != -1:
                 return None
-            return told[0] + wall_hit_time(told[1], told[2])
+            return told[0] + law.wall_hit_time(told[1], told[2])
         relative = self._relative(pairing, bits)
         if relative is None:
             return None
         t, dx, dy, vx, vy, reach = relative
-        approach, discriminant = pair_approach(dx, dy, vx, vy), pair_discriminant(dx, dy, vx, vy, reach)
+        approach, discriminant = law.pair_approach(dx, dy, vx, vy), law.pair_discriminant(dx, dy, vx, vy, reach)
         if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
             return None
-        return t + pair_hit_time(pair_gap(dx, dy, reach), approach, ball.root(discriminant))
+        return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))
 
     def stay(self, pairing: Pairing) -> tuple[float, float] | None:
         """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""
@@ -174,7 +158,7 @@ class Reader:
         relative = self._relative(pairing, FIRST_BITS)
         assert relative is not None
         _, dx, dy, vx, vy, reach = relative
-        root = ball.root(pair_discriminant(dx, dy, vx, vy, reach))
+        root = ball.root(law.pair_discriminant(dx, dy, vx, vy, reach))
         return float(enter), float(enter + (root + root) / (vx * vx + vy * vy))
 
     def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
@@ -189,7 +173,7 @@ class Reader:
         if relative is None:
             return None
         _, dx, dy, vx, vy, reach = relative
-        if ball.sign_of(pair_approach(dx, dy, vx, vy)) in (0, 1):
+        if ball.sign_of(law.pair_approach(dx, dy, vx, vy)) in (0, 1):
             return ball.root(dx * dx + dy * dy) - reach
         cross = abs(dx * vy - dy * vx)
         if self._exactly_grazing(pairing):
@@ -205,39 +189,12 @@ class Reader:
         if relative is None:
             return None
         t, dx, dy, vx, vy, reach = relative
-        x, y = advance(dx, vx, time - t), advance(dy, vy, time - t)
+        x, y = law.advance(dx, vx, time - t), law.advance(dy, vy, time - t)
         return ball.root(x * x + y * y) - reach
 
     def _exactly_grazing(self, pairing: Pairing) -> bool:
         """Whether the discriminant is proved to be zero, where the flights' exact values are short."""
-        if not self._exact():
-            return False
-        numbers: list[list[Quantity]] = []
-        for name in (pairing.body, pairing.partner):
-            flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
-            assert flight is not None
-            texts = [exact_quantity(v) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy)]
-            if any(q is None for q in texts):
-                return False
-            numbers.append([q for q in texts if q is not None])
-        (at, ax, ay, avx, avy), (bt, bx, by, bvx, bvy) = numbers
-        dx, dy = (bx - bvx * bt) - (ax - avx * at), (by - bvy * bt) - (ay - avy * at)
-        radii = [c.r for c in self.scene.circles if c.id in (pairing.body, pairing.partner)]
-        try:
-            return pair_discriminant(dx, dy, bvx - avx, bvy - avy, radii[0] + radii[1]).sign() == 0
-        except ValueError:
-            return False
-
-
-def exact_quantity(value: Any) -> Quantity | None:
-    """An engine's number as a `Quantity`, if it is exact and short."""
-    if isinstance(value, Quantity):
-        return value
-    if isinstance(value, int):
-        return Quantity.of(value)
-    text = value.text() if hasattr(value, "text") else None
-    return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
-
-
-LONGEST_TEXT = 400
-"""Characters of an exact value that is still calculated with as text."""
+        names = pairing.body, pairing.partner
+        one, other = (self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names)
+        radii = [c.r for c in self.scene.circles if c.id in names]
+        return one is not None and other is not None and grazes_exactly(one, other, radii[0] + radii[1])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -18,17 +20,7 @@ def rounded(scene: Scene) -> Scene:
     >>> rounded(scene).circles[0].x == scene.circles[0].x, rounded(rounded(scene)) == rounded(scene)
     (False, True)
     """
-    circles = [
-        Circle(
-            *(_double(value) for value in (c.x, c.y, c.r, c.vx, c.vy)),
-            m=c.m if isinstance(c.m, str) else _double(c.m),
-            id=c.id,
-            point=c.point,
-        )
-        for c in scene.circles
-    ]
-    walls = [Wall(*(_double(value) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
-    return scene.with_changes(circles=circles, walls=walls)
+    return _with_numbers(scene, lambda value: Quantity.of(_double(value)))
 
 
 def shifted(scene: Scene, share: Quantity) -> Scene:
@@ -41,20 +33,21 @@ def shifted(scene: Scene, share: Quantity) -> Scene:
     >>> shifted(scene, Quantity.of(1)).circles == rounded(scene).circles
     True
     """
+    return _with_numbers(scene, lambda value: value + (Quantity.of(_double(value)) - value) * share)
 
-    def moved(value: Quantity) -> Quantity:
-        return value + (Quantity.of(_double(value)) - value) * share
 
+def _with_numbers(scene: Scene, changed: Callable[[Quantity], Quantity]) -> Scene:
+    """The scene with every coordinate, radius, velocity and mass changed in one way."""
     circles = [
         Circle(
-            *(moved(value) for value in (c.x, c.y, c.r, c.vx, c.vy)),
-            m=c.m if isinstance(c.m, str) else moved(c.m),
+            *map(changed, (c.x, c.y, c.r, c.vx, c.vy)),
+            m=c.m if isinstance(c.m, str) else changed(c.m),
             id=c.id,
             point=c.point,
         )
         for c in scene.circles
     ]
-    walls = [Wall(*(moved(value) for value in (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
+    walls = [Wall(*map(changed, (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
     return scene.with_changes(circles=circles, walls=walls)
 
 

@@ -14,7 +14,7 @@ from ..alignment.walk import REPEATED
 from ..study import SERIES_STEPS, finer_by
 from .decisions import decisions
 from .diagnosis import CauseName, Experiment
-from .laboratory import ROUNDING_SHARE, Laboratory
+from .laboratory import Laboratory
 from .reader import Reader
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def stepped(lab: Laboratory, entered: Reader | None, by_input: Experiment, tie: 
     if rest is None:
         rows.append(Experiment(CauseName.ARITHMETIC, "not tried: the finest step does not come to the contact"))
     else:
-        small = abs(rest) <= ROUNDING_SHARE * lab.scale
+        small = abs(rest) <= lab.by_rounding(start)
         told = f"at the finest step, {lab.name} is {abs(rest):.3g} off the exact run of the scene in doubles"
         rows.append(Experiment(CauseName.ARITHMETIC, told, rest, small and lab.changes(finest)))
     return rows
@@ -51,7 +51,7 @@ def _gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
 
     Where velocities after one exact instant are in question, they must have come nearer by what a series demands.
     """
-    alignment = align(lab.reference, run, span=lab.span, step=step)
+    alignment = align(lab.reference, run, span=lab.span, step=step, bits=lab.engine.bits)
     if lab.divergence.kind is Kind.TIE:
         own = _difference(lab, lab.candidate.trajectory, lab.candidate.alignment)
         nearer = _difference(lab, run, alignment)

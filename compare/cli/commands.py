@@ -133,9 +133,9 @@ def run(
 
         write_certificate(trajectory, certificate)
     if as_json:
-        print_json(trajectory_json(trajectory, exact=exact))
+        print_json(trajectory_json(trajectory, exact=exact, watch=watch))
     else:
-        print_trajectory(trajectory, exact=exact)
+        print_trajectory(trajectory, exact=exact, watch=watch)
     return of_stop(trajectory.stop)
 
 

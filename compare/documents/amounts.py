@@ -1,11 +1,16 @@
-"""An engine's numbers as doubles, as exact text and as bounds, whatever the engine counts in."""
+"""An engine's numbers as doubles and as bounds, and values as plain data, whatever the engine counts in."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ...scenarios.numbers.real import Real
 
 
 def double(value: Any) -> float | None:
@@ -21,52 +26,40 @@ def double(value: Any) -> float | None:
     return number if math.isfinite(number) else None
 
 
-def exact_text(value: Any) -> str | None:
-    """The exact value as text, where the engine's number has one; a double is the dyadic rational that it is.
+@runtime_checkable
+class Interval(Protocol):
+    """A number of which only bounds are known."""
 
-    >>> exact_text(0.375), exact_text(3)
-    ('3/8', '3')
-    """
-    if hasattr(value, "text"):
-        return value.text()
-    if hasattr(value, "free_symbols"):
-        return str(value)
-    if isinstance(value, int):
-        return str(value)
-    if isinstance(value, float):
-        if not math.isfinite(value):
-            return None
-        numerator, denominator = value.as_integer_ratio()
-        return str(numerator) if denominator == 1 else f"{numerator}/{denominator}"
-    return None
+    @property
+    def low(self) -> float:
+        """A double at or below it."""
+        ...
+
+    @property
+    def high(self) -> float:
+        """A double at or above it."""
+        ...
 
 
-def bounds(value: Any) -> tuple[float, float] | None:
+def bounds(value: Real) -> tuple[float, float] | None:
     """Doubles at or beyond the ends of an interval; None for a number that is not an interval.
 
-    >>> from mpmath import iv
-    >>> bounds(iv.mpf([1, 2])), bounds(1.5)
-    ((1.0, 2.0), None)
+    >>> from truebreak.floating import IntervalEngine
+    >>> from truebreak.scenarios import Circle, Quantity, Scene
+    >>> run = IntervalEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]))
+    >>> bounds(run.final_time) == run.final_time.bounds(), bounds(Quantity.of("sqrt(2)"))
+    (True, None)
     """
-    if hasattr(value, "low") and hasattr(value, "high"):
-        return value.low, value.high
-    low, high = getattr(value, "a", None), getattr(value, "b", None)
-    if low is None or high is None:
-        return None
-    down, up = float(low), float(high)
-    if down > low:
-        down = math.nextafter(down, -math.inf)
-    if up < high:
-        up = math.nextafter(up, math.inf)
-    return down, up
+    return (value.low, value.high) if isinstance(value, Interval) else None
 
 
 def plain(value: Any) -> Any:
     """A value made of what JSON knows; other objects become their text.
 
     >>> from fractions import Fraction
-    >>> plain({"dt": Fraction(1, 3), 2: (True, None, 1e300)})
-    {'dt': '1/3', '2': [True, None, 1e+300]}
+    >>> import numpy as np
+    >>> plain({"dt": Fraction(1, 3), 2: (True, None, 1e300), "counts": np.array([1, 2])})
+    {'dt': '1/3', '2': [True, None, 1e+300], 'counts': [1, 2]}
     """
     if value is None or isinstance(value, bool | int | str):
         return value
@@ -78,6 +71,6 @@ def plain(value: Any) -> Any:
         return {str(plain(key)): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
         return [plain(item) for item in value]
-    if hasattr(value, "item") and getattr(value, "ndim", None) == 0:
-        return plain(value.item())
+    if isinstance(value, np.generic | np.ndarray):
+        return plain(value.tolist())
     return str(value)

@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from .amounts import exact_text
+from flint import arb
+
+from ...exact.results.value import ExactValue
+from ...scenarios.numbers.real import Real
+from ..deadline import Clock
 
 NORMAL_WORK = 5_000_000
 """What one document may spend on normal forms, in units of about a microsecond that are counted, not timed, so that
@@ -31,43 +35,48 @@ class ExactTexts:
 
     Attributes:
         work: units left for normal forms.
+        watch: the user's seconds: once they are over, values are given by definitions, which is quick.
         deep: rows, keys and values to be given by definitions.
     """
 
     work: int = NORMAL_WORK
-    deep: list[tuple[dict[str, Any], str, Any]] = field(default_factory=list)
+    watch: Clock = field(default_factory=lambda: Clock(None))
+    deep: list[tuple[dict[str, Any], str, ExactValue]] = field(default_factory=list)
     _failed: dict[tuple[int, ...], int] = field(default_factory=dict)
 
-    def put(self, row: dict[str, Any], key: str, value: Any) -> None:
+    def put(self, row: dict[str, Any], key: str, value: Real) -> None:
         """Puts the text of a value into a row under `KEY_exact`, now or in `finish`.
 
         >>> row = {}
-        >>> ExactTexts().put(row, "x", 0.375)
+        >>> from truebreak.scenarios.numbers.real import real
+        >>> ExactTexts().put(row, "x", real(0.375))
         >>> row
         {'x_exact': '3/8'}
         """
-        if not hasattr(value, "formula"):
-            row[f"{key}_exact"] = exact_text(value)
+        if not isinstance(value, ExactValue):
+            row[f"{key}_exact"] = value.text()
             return
         row[f"{key}_exact"] = text = self._normal_form(value)
         if text is None:
             self.deep.append((row, f"{key}_exact", value))
 
-    def _normal_form(self, value: Any) -> str | None:
+    def _normal_form(self, value: ExactValue) -> str | None:
         """The normal form of a value of an exact run; None if it is too long, or too much work.
 
         A circle whose state had none earlier has none later.
         """
-        if self.work <= 0 or any(
-            value.upto >= upto and set(bodies) <= set(value.bodies) for bodies, upto in self._failed.items()
+        if (
+            self.work <= 0
+            or self.watch.over
+            or any(value.upto >= upto and set(bodies) <= set(value.bodies) for bodies, upto in self._failed.items())
         ):
             return None
-        text = exact_text(value)
+        text = value.text()
         if text is None:
             self.work -= FAILED_UNITS
             self._failed[value.bodies] = min(value.upto, self._failed.get(value.bodies, value.upto))
             return None
-        steps = value.upto if hasattr(value.near, "rel_accuracy_bits") else 0
+        steps = value.upto if isinstance(value.near, arb) else 0
         self.work -= VALUE_UNITS + STEP_UNITS * steps + CHARACTER_UNITS * len(text)
         return text if len(text) <= NORMAL_LENGTH else None
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
+from ...scenarios.numbers.real import real
+from ..deadline import Clock
 from .amounts import bounds, double, plain
 from .exact_texts import ExactTexts
 
@@ -14,7 +16,7 @@ if TYPE_CHECKING:
 TRAJECTORY_SCHEMA = "truebreak/trajectory-1"
 
 
-def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str, Any]:
+def trajectory_json(trajectory: Trajectory, *, exact: bool = False, watch: Clock | None = None) -> dict[str, Any]:
     """The object that `truebreak run --json` prints.
 
     Times and coordinates are the nearest doubles; null stands for one beyond the doubles. An engine of
@@ -23,8 +25,9 @@ def trajectory_json(trajectory: Trajectory, *, exact: bool = False) -> dict[str,
     Args:
         exact: add each time and coordinate as exact text, under `..._exact`. Values of too many nested roots
             refer to `definitions`, each a text of numbers and of the definitions before it.
+        watch: the user's seconds; once they are over, every value that is left does.
     """
-    texts = ExactTexts() if exact else None
+    texts = ExactTexts(watch=watch or Clock(None)) if exact else None
     data: dict[str, Any] = {
         "schema": TRAJECTORY_SCHEMA,
         "scene": scene_json(trajectory),
@@ -106,7 +109,7 @@ def state_json(state: State, texts: ExactTexts | None = None) -> dict[str, Any]:
     return data
 
 
-def put(row: dict[str, Any], key: str, value: Any, texts: ExactTexts | None) -> None:
+def put(row: dict[str, Any], key: str, value: SupportsFloat, texts: ExactTexts | None) -> None:
     """Puts one number into a row: the nearest double, bounds if it is an interval, exact text if asked for.
 
     >>> row = {}
@@ -115,8 +118,9 @@ def put(row: dict[str, Any], key: str, value: Any, texts: ExactTexts | None) -> 
     {'x': 0.5, 'x_exact': '1/2'}
     """
     row[key] = double(value)
-    interval = bounds(value)
+    number = real(value)
+    interval = bounds(number)
     if interval is not None:
         row[f"{key}_interval"] = list(interval)
     elif texts is not None:
-        texts.put(row, key, value)
+        texts.put(row, key, number)

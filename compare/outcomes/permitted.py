@@ -18,6 +18,7 @@ from ...exact.policies.all_orders import all_orders
 from ...exact.policies.guided import Guided
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.real import real
 from ...scenarios.trajectory import StopReason, Trajectory
 from ..deadline import OutOfTime
 from .break_pattern import pattern as pattern_of
@@ -207,9 +208,7 @@ class _ExactSpan:
         near, end = float(time), float(self.end)
         if near != end:
             return near > end
-        if hasattr(time, "ball") and hasattr(self.end, "ball"):
-            return ball.sign_of(time.ball(SAME_BITS) - self.end.ball(SAME_BITS)) == 1
-        return False
+        return ball.sign_of(real(time).ball(SAME_BITS) - real(self.end).ball(SAME_BITS)) == 1
 
 
 PAST = 2.0**-30

@@ -9,14 +9,12 @@ from ..alignment.streams import history
 if TYPE_CHECKING:
     from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
-    from ...scenarios.things import Circle, Wall
     from ...scenarios.trajectory import Trajectory
 
 Axis: TypeAlias = Literal["x", "y"]
 
-DIGITS = 9
-"""Decimals of a double by which likely mirror images are looked up; whether they are is then decided
-exactly."""
+LINEAR_PARTS: dict[Axis, tuple[int, int, int, int]] = {"y": (1, 0, 0, -1), "x": (-1, 0, 0, 1)}
+"""Of the mirror whose line is a value of the axis: (x, y) becomes (a x + b y, c x + d y)."""
 
 
 def symmetry(trajectory: Trajectory) -> dict[str, Any] | None:
@@ -42,63 +40,25 @@ def symmetry(trajectory: Trajectory) -> dict[str, Any] | None:
 def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
     """A mirror line `axis = constant` of the whole scene, with the image of every circle and wall; else None.
 
+    The exact engine's own isometries are looked through; a lone circle has none worth telling.
+
     >>> from truebreak.scenarios import Circle, Scene
     >>> mirror(Scene([Circle(0, 2, id="a"), Circle(0, -2, id="b")]), "y")[1]
     {'a': 'b', 'b': 'a'}
     """
+    from ...exact.predicates.scene_symmetry import symmetries
     from ...scenarios.numbers.quantity import ZERO
 
-    if len(scene.circles) < 2:
+    circles = scene.circles
+    if len(circles) < 2:
         return None
-    line = sum((getattr(c, axis) for c in scene.circles), ZERO) / len(scene.circles)
-    image: dict[str, str] = {}
-    if not _map_circles(scene, axis, line, image) or not _map_walls(scene, axis, line, image):
+    found = next((s for s in symmetries(scene) if s.mirror and s.matrix == LINEAR_PARTS[axis]), None)
+    if found is None:
         return None
+    line = sum((getattr(c, axis) for c in circles), ZERO) / len(circles)
+    image = {str(c.id): str(circles[place].id) for c, place in zip(circles, found.circles, strict=True)}
+    image |= {str(w.id): str(scene.walls[place].id) for w, place in zip(scene.walls, found.walls, strict=True)}
     return line, image
-
-
-def _map_circles(scene: Scene, axis: Axis, line: Quantity, image: dict[str, str]) -> bool:
-    places: dict[tuple[float, float], list[Circle]] = {}
-    for circle in scene.circles:
-        places.setdefault(_key(circle.x, circle.y), []).append(circle)
-    other: Axis = "x" if axis == "y" else "y"
-    for circle in scene.circles:
-        across = 2 * line - getattr(circle, axis)
-        place = (circle.x, across) if axis == "y" else (across, circle.y)
-        twin = next(
-            (
-                c
-                for c in places.get(_key(*place), [])
-                if (c.x, c.y, c.r, c.m) == (*place, circle.r, circle.m)
-                and getattr(c, f"v{other}") == getattr(circle, f"v{other}")
-                and (getattr(c, f"v{axis}") + getattr(circle, f"v{axis}")).sign() == 0
-            ),
-            None,
-        )
-        if twin is None:
-            return False
-        image[str(circle.id)] = str(twin.id)
-    return True
-
-
-def _map_walls(scene: Scene, axis: Axis, line: Quantity, image: dict[str, str]) -> bool:
-    for wall in scene.walls:
-        ends = [
-            (x, 2 * line - y) if axis == "y" else (2 * line - x, y) for x, y in ((wall.x0, wall.y0), (wall.x1, wall.y1))
-        ]
-        twin = next((w for w in scene.walls if _holds(w, ends)), None)
-        if twin is None:
-            return False
-        image[str(wall.id)] = str(twin.id)
-    return True
-
-
-def _holds(wall: Wall, points: list[tuple[Quantity, Quantity]]) -> bool:
-    return all(wall.height(x, y).sign() == 0 for x, y in points)
-
-
-def _key(x: Quantity, y: Quantity) -> tuple[float, float]:
-    return round(float(x), DIGITS) + 0.0, round(float(y), DIGITS) + 0.0
 
 
 def _lost_at(trajectory: Trajectory, image: dict[str, str]) -> float | None:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..documents.amounts import plain
-from .break_pattern import break_pattern
-from .pockets import pocketed
-from .symmetry import symmetry
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
@@ -20,55 +17,34 @@ Outcome: TypeAlias = "Callable[[Trajectory], Any]"
 it says nothing about the scene. Two runs have the same outcome when the values are equal."""
 
 
-def collisions(trajectory: Trajectory) -> int:
-    """Number of collisions: of pairwise impulses."""
-    return trajectory.collisions
-
-
-def collisions_per_ball(trajectory: Trajectory) -> dict[str, int]:
-    """Number of impulses that each circle took part in, in scene order; circles without any are left out."""
-    counts = Counter(name for event in trajectory.events for pair in event.impulses for name in pair)
-    return {str(c.id): counts[str(c.id)] for c in trajectory.scene.circles if counts[str(c.id)]}
-
-
-def who_hit_whom(trajectory: Trajectory) -> dict[str, int]:
-    """Number of impulses between each pair, under `first-second` in scene order."""
-    place = {name: number for number, name in enumerate(trajectory.scene.ids)}
-    counts = Counter(pair for event in trajectory.events for pair in event.impulses)
-    ordered = sorted(counts.items(), key=lambda item: (place[item[0][0]], place[item[0][1]]))
-    return {f"{first}-{second}": count for (first, second), count in ordered}
-
-
-def moved(trajectory: Trajectory) -> list[str]:
-    """Ids of the circles that moved: those that did at the start, and those that were hit."""
-    hit = {name for event in trajectory.events for pair in event.impulses for name in pair}
-    return [str(c.id) for c in trajectory.scene.circles if not c.at_rest or (str(c.id) in hit and not c.fixed)]
-
-
-def final_velocities(trajectory: Trajectory) -> dict[str, list[float]]:
-    """The velocity (vx, vy) with which each circle that can move ends, as doubles."""
-    movable = {str(c.id) for c in trajectory.scene.circles if not c.fixed}
-    return {c.id: [float(c.vx), float(c.vy)] for c in trajectory.final.circles if c.id in movable}
-
-
-OUTCOMES: dict[str, Outcome] = {
-    "collisions": collisions,
-    "collisions_per_ball": collisions_per_ball,
-    "who_hit_whom": who_hit_whom,
-    "moved": moved,
-    "break_pattern": break_pattern,
-    "pocketed": pocketed,
-    "symmetry": symmetry,
-    "final_velocities": final_velocities,
+OUTCOMES: dict[str, str] = {
+    "collisions": "counts:collisions",
+    "collisions_per_ball": "counts:collisions_per_ball",
+    "who_hit_whom": "counts:who_hit_whom",
+    "moved": "counts:moved",
+    "break_pattern": "break_pattern:break_pattern",
+    "pocketed": "pockets:pocketed",
+    "symmetry": "symmetry:symmetry",
+    "final_velocities": "counts:final_velocities",
 }
-"""The outcomes that every comparison reports. A new one adds its own function and one line here; `compare`
-takes more through its argument `outcomes`."""
+"""The outcomes that every comparison reports, by module and function. A new one is its own file, and one line here;
+`compare` takes more through its argument `outcomes`."""
+
+
+def outcome(name: str) -> Outcome:
+    """The outcome of that name, imported now.
+
+    Raises:
+        KeyError: for an unknown name.
+    """
+    module, _, function = OUTCOMES[name].partition(":")
+    return getattr(import_module(f".{module}", __package__), function)
 
 
 def outcomes_of(trajectory: Trajectory, more: Mapping[str, Outcome] | None = None) -> dict[str, Any]:
     """Every outcome of a trajectory by name, those that say nothing left out."""
-    table = {**OUTCOMES, **(more or {})}
-    values = {name: outcome(trajectory) for name, outcome in table.items()}
+    table = {**{name: outcome(name) for name in OUTCOMES}, **(more or {})}
+    values = {name: function(trajectory) for name, function in table.items()}
     return {name: value for name, value in values.items() if value is not None}
 
 

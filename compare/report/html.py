@@ -17,6 +17,7 @@ from .page.why import amounts, enough
 from .picture import STYLE, divergence_picture, scene_picture
 from .plot import NARROW, WIDE, separation_plot
 from .sentences import (
+    consequence_phrase,
     counted,
     divergence_phrase,
     experiment_rows,
@@ -147,6 +148,7 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
         "evidence": sentence_case(candidate.diagnosis.evidence) if candidate.diagnosis else "",
         "pattern": pattern_phrase(comparison, candidate),
+        "consequence": consequence_phrase(comparison, candidate),
         "margin": margin_phrase(candidate),
         "amounts": amounts(candidate),
         "enough": enough(candidate),

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 import os
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ..documents.amounts import bounds, double, exact_text
+from ...scenarios.numbers.real import real
+from ..documents.amounts import bounds, double
 from .sentences import counted
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from ...scenarios.event import Event
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
+    from ..deadline import Clock
 
 PLAIN_WIDTH = 110
 """Columns of a table where the output is not a terminal."""
@@ -178,8 +180,12 @@ def cut(text: str) -> str:
     return text if len(text) <= SHOWN_DIGITS else f"{text[:SHOWN_DIGITS]}... ({len(text):,} characters)"
 
 
-def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
-    """A run: why it stopped, its events, its final state."""
+def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> None:
+    """A run: why it stopped, its events, its final state.
+
+    Args:
+        exact: whether numbers are told as exact text, as long as the user's seconds last.
+    """
     from rich.markup import escape
 
     out = console()
@@ -199,10 +205,10 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
     if trajectory.assumptions:
         for assumption in trajectory.assumptions[:1]:
             say(out, str(assumption), "bold yellow")
-    out.print(events_table(trajectory, exact))
+    out.print(events_table(trajectory, exact, watch))
     table = grid("circle", "x", "y", "vx", "vy", title="at the end")
     for circle in trajectory.final.circles:
-        cells = [number(getattr(circle, key), exact) for key in ("x", "y", "vx", "vy")]
+        cells = [number(getattr(circle, key), exact and not watch.over) for key in ("x", "y", "vx", "vy")]
         table.add_row(escape(circle.id), *map(escape, cells))
     out.print(table)
     if trajectory.plan:
@@ -210,7 +216,7 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool) -> None:
         say(out, f"plan: {told}")
 
 
-def events_table(trajectory: Trajectory, exact: bool) -> Table:
+def events_table(trajectory: Trajectory, exact: bool, watch: Clock) -> Table:
     """The first and last events of a run."""
     from rich.markup import escape
 
@@ -226,21 +232,23 @@ def events_table(trajectory: Trajectory, exact: bool) -> Table:
             continue
         contacts = " ".join(f"{a}-{b}" for a, b in event.contacts)
         impulses = " ".join(f"{a}-{b}" for a, b in event.impulses) if event.impulses != event.contacts else ""
-        table.add_row(str(event.index), escape(number(event.time, exact)), escape(contacts), escape(impulses))
+        table.add_row(
+            str(event.index), escape(number(event.time, exact and not watch.over)), escape(contacts), escape(impulses)
+        )
     return table
 
 
-def number(value: Any, exact: bool) -> str:
+def number(value: SupportsFloat, exact: bool) -> str:
     """A number for people: exact text if asked for, bounds of an interval, else the nearest double.
 
     >>> number(0.5, True), number(0.1, False)
     ('1/2', '0.1')
     """
-    ends = bounds(value)
+    ends = bounds(real(value))
     if ends is not None and ends[0] != ends[1]:
         return f"[{ends[0]:.17g}, {ends[1]:.17g}]"
     if exact:
-        text = exact_text(value)
+        text = real(value).text()
         if text is not None:
             return cut(text)
     nearest = double(value)

@@ -187,6 +187,19 @@ def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
     return f"{told}; the exact engine has it under {policy}" if policy and pattern != permitted.exact else told
 
 
+def consequence_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
+    """What the divergence comes to: the collisions, and the circle that ends with the velocity farthest off."""
+    mine, theirs, parts = comparison.outcomes, candidate.outcomes, []
+    if "collisions" in candidate.changed:
+        parts.append(f"{counted(theirs['collisions'], 'collision')} instead of {mine['collisions']:,}")
+    if "final_velocities" in candidate.changed:
+        expected, got = mine["final_velocities"], theirs["final_velocities"]
+        name = max(expected, key=lambda circle: math.dist(expected[circle], got[circle]))
+        pairs = [f"({vx:.6g}, {vy:.6g})" for vx, vy in (got[name], expected[name])]
+        parts.append(f"{named(comparison.scene, name)} ends with velocity {pairs[0]} instead of {pairs[1]}")
+    return "; ".join(parts) or None
+
+
 def margin_phrase(candidate: Candidate) -> str | None:
     """How close it was, how far off the engine was by then, and what that makes of it, in words."""
     margin = candidate.margin

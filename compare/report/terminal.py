@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from .listing import console, grid, say
 from .sentences import (
+    consequence_phrase,
     counted,
     divergence_phrase,
     experiment_rows,
@@ -118,6 +119,9 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
     pattern = pattern_phrase(comparison, candidate)
     if pattern is not None:
         say(out, f"  whom each circle meets, and where it ends: {pattern}")
+    consequence = consequence_phrase(comparison, candidate)
+    if consequence is not None:
+        say(out, f"  consequence: {consequence}")
     close = margin_phrase(candidate)
     if close is not None:
         say(out, f"  margin: {close}")

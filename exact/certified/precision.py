@@ -23,6 +23,12 @@ results should round to doubles without another look."""
 FORESIGHT = 1.1
 """Share by which the bits foreseen for a whole run exceed the extrapolation, so that one rise mostly suffices."""
 
+LONG_BITS = 8192
+"""Precision from which on deviations are kept in a set, which costs an instant about as much as numbers so long."""
+
+CENTRED_SHARE = 0.6
+"""Share of the bits that balls need which then suffices; if it does not, one more rise comes."""
+
 MOST_FORESIGHT = 16
 """Most by which one rise multiplies the precision: an extrapolation from a short past may be far off."""
 
@@ -72,7 +78,10 @@ class Precision:
                 f"{self.where()}; allow more bits to go on"
             )
         self._history.plan["precision raised"] += 1
-        self._state.rise(bits)
+        centred = self._state.centred or bits >= LONG_BITS
+        if centred and not self._state.centred:
+            bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits))
+        self._state.rise(bits, centred)
 
     def _foreseen(self) -> int:
         """The bits that the whole run will need if it goes on losing them as it has."""

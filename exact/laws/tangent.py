@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,7 @@ px, py, qx, qy = symbols("px, py, qx, qy")
 e, tau, approach, wait, mx, my, weight, turn, push, shift = symbols(
     "e, tau, approach, wait, mx, my, weight, turn, push, shift"
 )
+cross, square, c, slope, bxx, bxy, byy, spin = symbols("cross, square, c, slope, bxx, bxy, byy, spin")
 
 FORMULAS = Path(__file__).with_name("tangent_formulas.py")
 
@@ -75,6 +76,27 @@ FORMS = (
         at which it comes.""",
         ("pair_tangent(Q(2), Q(0), Q(-1), Q(0), Q(2), Q(1), Q(1), Q(0), Q(1), Q(0), Q(0))",
          "(Fraction(0, 1), Fraction(0, 1), Fraction(0, 1), Fraction(1, 2))"),
+    ),
+    StableForm(
+        "pair_tangent_blocks",
+        (dx, dy, approach, cross, square, c),
+        (
+            (slope, square / approach),
+            (bxx, c * dx * dx),
+            (bxy, c * dx * dy),
+            (byy, c * dy * dy),
+            (push, c * approach),
+            (spin, c * cross),
+        ),
+        (bxx, bxy, byy,
+         push - slope * bxx, spin - slope * bxy, -spin - slope * bxy, push - slope * byy),
+        """`pair_tangent` as a matrix: B by (xx, xy, yy), it is symmetric, and A by (xx, xy, yx, yy).
+
+        A displacement (p, q) becomes (B p, A p + B q). d.v is the approach, d x v the cross, |v|^2 the square, and
+        c is -2 / (R^2 (wa + wb)). Equals `tangent_laws.pair_displacement`.""",
+        ("pair_tangent_blocks(Q(2), Q(0), Q(-2), Q(0), Q(1), Q(-1, 2))",
+         "(Fraction(-2, 1), Fraction(0, 1), Fraction(0, 1), Fraction(0, 1), "
+         "Fraction(0, 1), Fraction(0, 1), Fraction(1, 1))"),
     ),
 )  # fmt: skip
 
@@ -132,12 +154,27 @@ def prove(formulas: Mapping[str, Callable[..., Any]], bounce: Callable[..., Any]
     for name, one, other in zip(("x", "y", "vx", "vy"), written, pair_displacement(), strict=True):
         if not is_zero(_expression(one - other).subs(contact)):
             raise LawError(f"pair_tangent: its {name} is not what the laws lead to")
+    blocks = (dx * vx + dy * vy, dx * vy - dy * vx, vx**2 + vy**2, -2 / (R**2 * (wa + wb)))
+    xx, xy, yy, *a = formulas["pair_tangent_blocks"](dx, dy, *blocks)
+    b = (xx, xy, xy, yy)
+    mapped = (
+        *_times(b, px, py),
+        *(one + other for one, other in zip(_times(a, px, py), _times(b, qx, qy), strict=True)),
+    )
+    for name, one, other in zip(("x", "y", "vx", "vy"), mapped, pair_displacement(), strict=True):
+        if not is_zero(_expression(one - other).subs(contact)):
+            raise LawError(f"pair_tangent_blocks: its {name} is not what the laws lead to")
     normal = w_y0 - w_y1, w_x1 - w_x0
     nn = normal[0] ** 2 + normal[1] ** 2
     mirrored = (*bounce(px, py, *normal, nn), *bounce(qx, qy, *normal, nn))
     for name, one, other in zip(("x", "y", "vx", "vy"), mirrored, wall_displacement(), strict=True):
         if not is_zero(_expression(one - other)):
             raise LawError(f"wall_bounce: a displacement's {name} is not mirrored like a velocity")
+
+
+def _times(matrix: Sequence[Any], x: Any, y: Any) -> tuple[Any, Any]:
+    xx, xy, yx, yy = matrix
+    return xx * x + xy * y, yx * x + yy * y
 
 
 def _expression(value: Any) -> Any:

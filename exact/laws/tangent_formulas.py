@@ -28,3 +28,22 @@ def pair_tangent(dx: N, dy: N, vx: N, vy: N, R: N, wa: N, wb: N, px: N, py: N, q
     turn = (-(dx + dx) * qx - (dy + dy) * qy - (vx + vx) * mx - (vy + vy) * my) / weight
     shift = (-(dx + dx) * px - (dy + dy) * py) / weight
     return dx * shift, dy * shift, dx * turn + mx * push, dy * turn + my * push
+
+
+def pair_tangent_blocks(dx: N, dy: N, approach: N, cross: N, square: N, c: N) -> tuple[N, N, N, N, N, N, N]:
+    """`pair_tangent` as a matrix: B by (xx, xy, yy), it is symmetric, and A by (xx, xy, yx, yy).
+
+    A displacement (p, q) becomes (B p, A p + B q). d.v is the approach, d x v the cross, |v|^2 the square, and
+    c is -2 / (R^2 (wa + wb)). Equals `tangent_laws.pair_displacement`.
+
+    >>> from fractions import Fraction as Q
+    >>> pair_tangent_blocks(Q(2), Q(0), Q(-2), Q(0), Q(1), Q(-1, 2))
+    (Fraction(-2, 1), Fraction(0, 1), Fraction(0, 1), Fraction(0, 1), Fraction(0, 1), Fraction(0, 1), Fraction(1, 1))
+    """
+    slope = square / approach
+    bxx = dx * dx * c
+    bxy = dx * dy * c
+    byy = dy * dy * c
+    push = approach * c
+    spin = cross * c
+    return bxx, bxy, byy, push - slope * bxx, spin - slope * bxy, -slope * bxy - spin, push - slope * byy

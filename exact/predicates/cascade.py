@@ -7,21 +7,32 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
+from importlib import import_module
 
-from .enclosures import Balls, Field
 from .grounds import Grounds
-from .proofs import Symmetry, WayBack
 from .question import Decision, Question
-from .refinement import RootsAndBits
 
 Rung = Callable[[Question], Decision | None]
 """The decision of a question, or None where it is left to the next rung."""
 
-RUNGS: tuple[Callable[[Grounds], Rung], ...] = (Balls, Field, WayBack, Symmetry, RootsAndBits)
-"""From the cheapest up: each makes a rung for one run."""
+RUNGS: tuple[str, ...] = (
+    "enclosures:Balls",
+    "enclosures:Field",
+    "proofs:WayBack",
+    "proofs:Symmetry",
+    "refinement:RootsAndBits",
+)
+"""From the cheapest up, by module and class: each class makes a rung for one run. A new one is its file, and one line
+here."""
 
-QUICK = 2
-"""How many of them cost next to nothing."""
+QUICK = RUNGS.index("enclosures:Field") + 1
+"""How many of them cost next to nothing: those up to the field."""
+
+
+def rung_maker(text: str) -> Callable[[Grounds], Rung]:
+    """What makes a rung of the table for a run, imported now."""
+    module, _, name = text.partition(":")
+    return getattr(import_module(f".{module}", __package__), name)
 
 
 class Cascade:
@@ -33,7 +44,7 @@ class Cascade:
     """
 
     def __init__(self, grounds: Grounds, plan: Counter[str]) -> None:
-        self._rungs = [make(grounds) for make in RUNGS]
+        self._rungs = [rung_maker(text)(grounds) for text in RUNGS]
         self._plan = plan
 
     def decide(self, question: Question) -> Decision:

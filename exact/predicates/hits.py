@@ -9,11 +9,11 @@ from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import Number
 from ..replay.state import State
 from ..replay.steps import Link
-from .question import RootSum, circles_of
+from .question import Form, Plain, RootSum, circles_of
 
 
 @dataclass(frozen=True)
-class _OfLink:
+class _OfLink(Plain):
     """A root-free question about one contact."""
 
     link: Link
@@ -29,6 +29,12 @@ class _OfLink:
         raise AssertionError("each question has its own value")
 
 
+def _fly_alike(link: Link, form: Form, n: int) -> bool:
+    """Whether the two of a contact fly abreast, or a circle along its wall; of a pocket nothing is known."""
+    i, j = link
+    return form.along(i, j - n) if j >= n else j >= 0 and form.abreast(i, j)
+
+
 @dataclass(frozen=True)
 class Approach(_OfLink):
     """Do the two of a contact come nearer (negative) or part (positive)?"""
@@ -38,6 +44,9 @@ class Approach(_OfLink):
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} come nearer or part"
+
+    def is_zero_by(self, form: Form, n: int) -> bool:
+        return _fly_alike(self.link, form, n)
 
 
 @dataclass(frozen=True)
@@ -49,6 +58,9 @@ class Closing(_OfLink):
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} come nearer or part as they touch"
+
+    def is_zero_by(self, form: Form, n: int) -> bool:
+        return _fly_alike(self.link, form, n)
 
 
 @dataclass(frozen=True)
@@ -83,6 +95,9 @@ class RelativeSpeed(_OfLink):
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} move together"
+
+    def is_zero_by(self, form: Form, n: int) -> bool:
+        return form.abreast(*self.link)
 
 
 @dataclass(frozen=True)
@@ -137,12 +152,15 @@ class Sooner:
         p2, q2, d2 = self.second.parts(state)
         return p1 - p2, q1, d1, -q2, d2
 
+    def is_zero_by(self, form: Form, n: int) -> bool:
+        return self.first.graze == self.second.graze and form.together(self.first.link, self.second.link)
+
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.first.link)} meet before, with or after {name(self.second.link)}"
 
 
 @dataclass(frozen=True)
-class BeforeTime:
+class BeforeTime(Plain):
     """Does a meeting come before (negative), at (zero) or after (positive) a given time?
 
     `time` None stands for the return: twice the moment at which the velocities were negated.

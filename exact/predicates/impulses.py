@@ -9,11 +9,11 @@ from ..numbers.system import Number
 from ..replay.linear import solve_positive
 from ..replay.state import State
 from ..replay.steps import Link
-from .question import RootSum, circles_of
+from .question import Plain, RootSum, circles_of
 
 
 @dataclass(frozen=True)
-class Strength:
+class Strength(Plain):
     """In a set of contacts kicked together, how strong is one impulse?"""
 
     basis: tuple[Link, ...]
@@ -87,7 +87,7 @@ class Share(Strength):
 
 
 @dataclass(frozen=True)
-class Coupling:
+class Coupling(Plain):
     """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
 
     first: Link

@@ -29,7 +29,6 @@ from flint import fmpq  # type: ignore[attr-defined]
 from ...scenarios.scene import Scene
 from ..numbers.field import LeavesField, field_sign
 from ..replay.steps import Link
-from .hits import Approach, Closing, RelativeSpeed, Sooner
 from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data
 from .past import TAKE, Block, Past
 from .question import Question
@@ -59,18 +58,7 @@ class LogSymmetry:
 
     def proves_zero(self, question: Question) -> bool:
         """Whether the number asked about is zero because of the form of its past; False says nothing."""
-        if not self._ready():
-            return False
-        if isinstance(question, Sooner):
-            return question.first.graze == question.second.graze and self._together(
-                question.first.link, question.second.link
-            )
-        if isinstance(question, Approach | Closing):
-            i, j = question.link
-            return self._along(i, j - self.past.n) if j >= self.past.n else j >= 0 and self._abreast(i, j)
-        if isinstance(question, RelativeSpeed):
-            return self._abreast(*question.link)
-        return False
+        return self._ready() and question.is_zero_by(self, self.past.n)
 
     def follows(self, g: Isometry, i: int) -> bool:
         """Whether g maps all that circle i depends on to all that its image depends on."""
@@ -111,8 +99,8 @@ class LogSymmetry:
 
     # -- the questions
 
-    def _together(self, first: Link, second: Link) -> bool:
-        """Whether some isometry maps one meeting and its past to the other."""
+    def together(self, first: Link, second: Link) -> bool:
+        """See `Form`."""
         known = list(self._known.values())
         if any(g.link(first) == second and self._all_follow(g, first) for g in known):
             return True
@@ -123,8 +111,8 @@ class LogSymmetry:
     def _all_follow(self, g: Isometry, link: Link) -> bool:
         return all(self.follows(g, i) for i in link if 0 <= i < self.past.n)
 
-    def _along(self, i: int, wall: int) -> bool:
-        """Whether circle i flies parallel to a wall: the mirror through its centre, parallel to it, keeps its past."""
+    def along(self, i: int, wall: int) -> bool:
+        """See `Form`: the mirror goes through the centre of the circle."""
         assert self._data is not None
         _, (nx, ny) = self._data.walls[wall]
         square = nx * nx + ny * ny
@@ -132,8 +120,8 @@ class LogSymmetry:
         matrix = (1 - 2 * nx * nx / square, -across, -across, 1 - 2 * ny * ny / square)
         return self._fixes(matrix, i, i)
 
-    def _abreast(self, i: int, j: int) -> bool:
-        """Whether two circles have one velocity: the shift from one to the other maps the past of the one."""
+    def abreast(self, i: int, j: int) -> bool:
+        """See `Form`."""
         return self._fixes(IDENTITY, i, j)
 
     def _fixes(self, matrix: Matrix, i: int, j: int) -> bool:

@@ -34,6 +34,22 @@ class Decision(NamedTuple):
     bound: int | None = None
 
 
+class Form(Protocol):
+    """What the form of a run's past proves, by an isometry that maps one part of it to another."""
+
+    def together(self, first: Link, second: Link) -> bool:
+        """Whether some isometry maps one meeting and its past to the other: they fall on one instant."""
+        ...
+
+    def along(self, i: int, wall: int) -> bool:
+        """Whether a mirror parallel to a wall keeps a circle and its past: it flies along the wall."""
+        ...
+
+    def abreast(self, i: int, j: int) -> bool:
+        """Whether a shift maps one circle and its past to another: they have one velocity."""
+        ...
+
+
 class Question(Protocol):
     """The sign of a number that depends on the state of some bodies."""
 
@@ -49,9 +65,21 @@ class Question(Protocol):
         """The number as A + B*sqrt(D1) + C*sqrt(D2), with parts that need no new root."""
         ...
 
+    def is_zero_by(self, form: Form, n: int) -> bool:
+        """Whether the form of the past makes the number zero, in a scene of n circles; False says nothing."""
+        ...
+
     def describe(self, name: Callable[[Link], str]) -> str:
         """The question as a person reads it."""
         ...
+
+
+class Plain:
+    """What the form of the past never makes zero."""
+
+    def is_zero_by(self, form: Form, n: int) -> bool:
+        """False: says nothing."""
+        return False
 
 
 def circles_of(link: Link, n: int) -> tuple[int, ...]:

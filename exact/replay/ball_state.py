@@ -19,6 +19,8 @@ Interval arithmetic pays for every number that it uses twice. So:
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..laws.formulas import (
@@ -37,13 +39,16 @@ from .body import Body
 from .state import State
 from .steps import Link
 
+Told: TypeAlias = tuple[Link, Number, Number] | None
+"""A contact of two circles, and d at it, as the law of their meeting tells it."""
+
 
 class BallState(State):
     """`State` on `flint.arb`, at flint's working precision."""
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene, ball.BALLS)
-        self._told: tuple[Link, Number, Number] | None = None
+        self._told: Told = None
         self._root: Number | None = None
         self._straight = False
         self._mirrors: dict[int, tuple[Number, Number, Number]] = {}

@@ -15,8 +15,8 @@ from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.field import Field, LeavesField, field_ball, height
 from ..numbers.system import Number
-from .ball_state import BallState
 from .body import Body
+from .centred_state import CentredState
 from .state import State
 from .steps import Flip, Go, Kick, Step, Take
 
@@ -53,7 +53,7 @@ class RefinableState:
         self._stale = set(range(self.n))
         self.numbers = Field()
         ball.use_bits(bits)
-        self.balls = BallState(scene)
+        self.balls = CentredState(scene, centred=False)
         self.bodies = self.balls.bodies
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
@@ -65,6 +65,7 @@ class RefinableState:
             self._admit_walls()
             self.numbers.tower.max_depth = self.numbers.tower.depth
             self.exact = [True] * self.n
+            self.balls.outside.update(range(self.n))
         except LeavesField:
             self.field = None
             self.exact = [False] * self.n
@@ -123,6 +124,7 @@ class RefinableState:
         """The body's exact life ends here; the log keeps its last exact state."""
         self.sync((i,))
         self.exact[i] = False
+        self.balls.outside.discard(i)
         self._in_play -= 1
         assert self.field is not None
         body = self.field.bodies[i]
@@ -206,8 +208,9 @@ class RefinableState:
         self.lowest = min(self.lowest, accuracy)
 
     @staticmethod
-    def _project_all(state: State, held: Iterable[tuple[int, Projection]]) -> None:
+    def _project_all(state: CentredState, held: Iterable[tuple[int, Projection]]) -> None:
         """A circle on a mirror line, or at a centre of rotation, stays there: exactly, whatever the balls say."""
+        state.loosen()
         bits = ball.bits_in_use()
         for i, ((a, b, c, d), (cx, cy)) in held:
             a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
@@ -217,7 +220,7 @@ class RefinableState:
             body.vx, body.vy = a * body.vx + b * body.vy, c * body.vx + d * body.vy
             body.rest = body.vx.is_zero() and body.vy.is_zero()
 
-    def _step_in_balls(self, state: State, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
+    def _step_in_balls(self, state: CentredState, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
         """One step, with no more bits than the bodies' accuracy deserves; gives the accuracy after it."""
         bodies = state.bodies
         accuracy = bits
@@ -241,14 +244,21 @@ class RefinableState:
 
     # -- precision
 
-    def rise(self, bits: int) -> None:
-        """Computes the balls again with `bits` bits, from the log."""
+    @property
+    def centred(self) -> bool:
+        """Whether the balls keep their deviations in a set."""
+        return self.balls.centred
+
+    def rise(self, bits: int, centred: bool = False) -> None:
+        """Computes the balls again with `bits` bits, from the log; `centred` or not (see `CentredState`)."""
         self.bits = bits
         self.lowest = bits
         ball.use_bits(bits)
-        state = BallState(self.scene)
+        state = CentredState(self.scene, centred)
         for body in state.bodies:
             body.acc = bits
+        if self.field is not None:
+            state.outside.update(range(self.n))
         for k, step in enumerate(self.steps):
             if k in self._left:
                 self._arrive(state, k)
@@ -270,7 +280,7 @@ class RefinableState:
         self.balls.become(state)
         self._stale = {i for i in range(self.n) if self.exact[i]}
 
-    def _arrive(self, state: State, k: int) -> None:
+    def _arrive(self, state: CentredState, k: int) -> None:
         """Bodies whose exact life ended before step k enter the balls of a replay."""
         for i, (t, x, y, vx, vy, last, rest) in self._left[k]:
             body = state.bodies[i]
@@ -279,3 +289,4 @@ class RefinableState:
             body.instant, body.late = body.t, None
             body.vx, body.vy = field_ball(vx, bits), field_ball(vy, bits)
             body.last, body.rest, body.acc = last, rest, bits
+            state.outside.discard(i)

@@ -11,7 +11,7 @@ from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.nested import Nested
 from ..numbers.system import Number, number_system
-from ..replay.ball_state import BallState
+from ..replay.centred_state import CentredState
 from ..replay.state import State, replay
 from ..replay.steps import Step, causal_past
 
@@ -31,12 +31,14 @@ class RunLog:
         scene: the scene.
         steps: the log.
         bits: a precision that sufficed for the run.
+        centred: whether it sufficed with the deviations in a set (see `CentredState`).
     """
 
-    def __init__(self, scene: Scene, steps: Sequence[Step], bits: int) -> None:
+    def __init__(self, scene: Scene, steps: Sequence[Step], bits: int, centred: bool = False) -> None:
         self.scene = scene
         self.steps = steps
         self.bits = bits
+        self.centred = centred
         self._key: tuple[int, int] | None = None
         self._state: State | None = None
         self._too_deep: list[frozenset[int]] = []
@@ -45,7 +47,7 @@ class RunLog:
         """The state after the first `upto` steps, in balls computed with `bits` bits."""
         if self._key != (bits, upto):
             ball.use_bits(bits)
-            state = BallState(self.scene)
+            state = CentredState(self.scene, self.centred)
             replay(state, self.steps, range(upto))
             self._key, self._state = (bits, upto), state
         assert self._state is not None

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from truebreak.compare import engine
 from truebreak.compare.alignment.align import VERDICTS, Span, Wanted, align
 from truebreak.compare.alignment.divergence import Kind
+from truebreak.compare.alignment.impulse_order import order_reproduces, same_velocity
 from truebreak.compare.alignment.patience import Patience
 from truebreak.compare.alignment.streams import history
-from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall
+from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall, catalogue
 
 WALL = "w"
 
@@ -192,6 +194,15 @@ def test_rounds_of_impulses_are_partners_in_order() -> None:
     several = told((1.0, "ab"), (1.1, "bc"), (1.2, "ab"), (5.0, "bw"))
     assert align(told((1.0, "ab bc ab"), (5.0, "bw")), several, step=0.01).verdict == "agree"
     assert align(told((1.0, "ab bc"), (5.0, "bw")), several, step=0.01).verdict == "diverged"
+
+
+@pytest.mark.parametrize(("name", "bits"), [("single", 24), ("double", 53), ("quad", 106)])
+def test_an_engine_s_own_order_leads_to_its_own_velocities(name: str, bits: int) -> None:
+    run = engine(name).run(catalogue.build("rack:rows=2"), events=1)
+    assert run.events[0].coupled
+    impulses = run.events[0].impulses
+    assert order_reproduces(run, 0, [impulses], same_velocity(bits))
+    assert not order_reproduces(run, 0, [[pair] for pair in impulses], same_velocity(bits))
 
 
 def test_an_engine_with_a_step_may_report_a_contact_twice_within_it() -> None:

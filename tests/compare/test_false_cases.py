@@ -14,35 +14,11 @@ from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
 from truebreak.floating import PymunkEngine
-from truebreak.scenarios import Circle, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Scene, StopReason, catalogue
+from truebreak.scenarios.files import load_scene
 
-BULLET = Scene(
-    [Circle(0, 0, "1/1000", vx=10, id="bullet"), Circle("100.0625", 0, "1/1000", id="target")], name="bullet"
-)
-GRAZE = Scene([Circle(-5, "0.3", vx=1, id="mover"), Circle(0, "2.3", id="target")], name="graze")
-TIED = Scene(
-    [
-        Circle("-3.1", 0, vx=1, id="left"),
-        Circle(0, 0, id="middle"),
-        Circle("4.1", 0, 2, vx=-1, m=4, id="right"),
-    ],
-    name="tied",
-)
-LAST = Scene(
-    [
-        Circle("11.9", "9.3", vx=1, id="one"),
-        Circle(15, "9.3", id="two"),
-        Circle("19.1", "9.3", 2, vx=-1, m=4, id="three"),
-        Circle(15, 3, vx="2.5", id="far"),
-    ],
-    [
-        Wall(0, 0, 0, 1, id="left"),
-        Wall(30, 0, 30, 1, id="right"),
-        Wall(0, 0, 1, 0, id="bottom"),
-        Wall(0, 18, 1, 18, id="top"),
-    ],
-    name="last",
-)
+DATA = Path(__file__).parents[1] / "data" / "verdict"
+BULLET, GRAZE, LAST, TIED = (load_scene(DATA / f"{name}.json") for name in ("bullet", "graze", "impossible", "tied"))
 
 
 def one(scene: Scene, name: str, *, causes: bool = False, **limits: Any) -> Candidate:
@@ -51,11 +27,19 @@ def one(scene: Scene, name: str, *, causes: bool = False, **limits: Any) -> Cand
 
 
 def test_a_run_that_loses_most_events_does_not_agree() -> None:
-    comparison = compare(catalogue.build("galperin:n=2"), ["pymunk"])
+    comparison = compare(catalogue.build("galperin:n=3"), ["pymunk"])
     assert comparison.verdict == "diverged"
-    assert not verdict_sentence(comparison).startswith("Floating point did not")
-    assert comparison["pymunk"].diagnosis is not None
-    assert comparison["pymunk"].diagnosis.name is CauseName.STEP
+    assert verdict_sentence(comparison).startswith("The time step changed what happened: pymunk first differs")
+    found = comparison["pymunk"]
+    assert {"collisions", "who_hit_whom"} <= set(found.changed)
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.STEP
+    # A step takes several meetings as one as soon as they are nearer in time than that.
+    step = PymunkEngine().step
+    assert step is not None
+    assert found.margin is not None
+    assert found.margin.gap is not None
+    assert 0 < found.margin.gap[0] < step
 
 
 @pytest.mark.parametrize("events", [156, 157, 158, 159, 160, 161, 170])
@@ -63,7 +47,9 @@ def test_a_divergence_inside_the_span_is_told_however_long_the_span(events: int)
     found = one(catalogue.build("gas"), "double", events=events)
     if events < 157:
         assert found.verdict == "agree"
+        assert found.changed == ()
         return
+    assert {"collisions_per_ball", "who_hit_whom"} <= set(found.changed)
     divergence = found.alignment.divergence
     assert divergence is not None
     assert (divergence.event, divergence.body, divergence.expected, divergence.got) == (161, "c7", "bottom", "c1")
@@ -96,9 +82,10 @@ def test_another_resolution_of_a_tie_is_a_divergence() -> None:
     assert one(catalogue.build("lee"), "pymunk", until=10).verdict == "agree"
 
 
-def test_what_only_the_step_blurs_is_no_divergence() -> None:
-    scene = catalogue.build("rack:rows=2,speed=60")
-    assert one(scene, "pymunk:dt=1/4096", until=1).verdict == "agree"
+@pytest.mark.parametrize(("rows", "step"), [(2, ":dt=1/4096"), (2, ""), (3, ":dt=1/4096"), (3, "")])
+def test_what_only_the_step_blurs_is_no_divergence(rows: int, step: str) -> None:
+    found = one(catalogue.build(f"rack:rows={rows}"), f"pymunk{step}", until=50)
+    assert (found.verdict, found.changed) == ("agree", ())
 
 
 def test_rounds_of_one_instant_may_come_in_several_steps() -> None:
@@ -145,6 +132,44 @@ def test_a_step_that_is_small_enough_agrees() -> None:
     assert one(BULLET, "pymunk:dt=1/131072", causes=True, until=12).verdict == "agree"
 
 
+def beside(*others: Circle) -> Scene:
+    """The bullet and its target, with circles far off."""
+    return BULLET.with_changes(circles=[*BULLET.circles, *others])
+
+
+HIT = "10.00605"
+"""When the bullet meets its target."""
+
+FAR_TIE = (
+    Circle(f"500 - {HIT}", 500, vx=1, id="left"),
+    Circle(502, 500, id="middle"),
+    Circle(f"505 + {HIT}", 500, 2, vx=-1, m=4, id="right"),
+)
+"""Both outer circles meet the middle one when the bullet meets its target."""
+
+FAR_NEAR_TIE = (
+    Circle(f"499 - {HIT}", 500, vx=1, id="left"),
+    Circle(502, 500, id="middle"),
+    Circle(f"506 + {HIT} + 10**-10", 500, 2, vx=-1, m=4, id="right"),
+)
+"""They do so one time unit later, 10**-10 apart."""
+
+
+@pytest.mark.parametrize("others", [(), FAR_TIE, FAR_NEAR_TIE])
+def test_passing_through_is_told_whatever_falls_beside_it(others: tuple[Circle, ...]) -> None:
+    scene = beside(*others)
+    reference = engine("exact").run(scene, until=12).events[0]
+    assert ("bullet", "target") in reference.contacts
+    assert len(reference.contacts) == (3 if others is FAR_TIE else 1)
+    found = one(scene, "pymunk:dt=1/64", causes=True, until=12)
+    divergence = found.alignment.divergence
+    assert divergence is not None
+    assert (divergence.event, {divergence.body, divergence.expected}) == (0, {"bullet", "target"})
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.TUNNELLING
+    assert set(found.diagnosis.sufficient) <= {CauseName.TUNNELLING, CauseName.STEP}
+
+
 def test_a_near_tie_is_no_tie() -> None:
     found = one(catalogue.build("near-tie:k=4"), "pymunk", causes=True)
     assert found.diagnosis is not None
@@ -154,12 +179,17 @@ def test_a_near_tie_is_no_tie() -> None:
 
 
 def test_a_width_that_suffices_is_found() -> None:
-    found = one(catalogue.build("near-tie:k=40"), "interval", causes=True)
+    scene = catalogue.build("near-tie:k=40")
+    found = one(scene, "interval", causes=True)
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.WIDTH
-    assert "136 bits" in found.diagnosis.evidence
-    assert len(engine("interval:bits=136").run(catalogue.build("near-tie:k=40")).events) >= 1
-    assert len(engine("interval:bits=135").run(catalogue.build("near-tie:k=40")).events) == 0
+    told = found.diagnosis.evidence
+    assert "with 136 bits it goes on past event 0, with 135 it does not" in told
+    assert "with 139 it comes to the end, with 138 it does not" in told
+    runs = {bits: engine(f"interval:bits={bits}").run(scene) for bits in (135, 136, 138, 139, 163)}
+    assert [len(run.events) >= 1 for run in runs.values()] == [False, True, True, True, True]
+    quiet = [run.stop.reason is StopReason.QUIET for run in runs.values()]
+    assert quiet == [False, False, False, True, True]
 
 
 def test_input_and_arithmetic_are_told_by_their_displacements() -> None:
@@ -174,6 +204,21 @@ def test_input_and_arithmetic_are_told_by_their_displacements() -> None:
     assert by_arithmetic.displacement is not None
     assert abs(by_input.displacement) < found.margin.distance[0] < abs(by_arithmetic.displacement)
     assert found.diagnosis.sufficient == (CauseName.ARITHMETIC,)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3, 14])
+def test_what_suffices_is_what_moves_the_decision_past_zero(seed: int) -> None:
+    found = one(catalogue.build(f"gas:seed={seed}"), "double", causes=True, events=230)
+    assert found.diagnosis is not None
+    assert found.diagnosis.name in found.diagnosis.sufficient
+    margin = found.margin
+    assert margin is not None
+    bounds = margin.distance if margin.gap is None else margin.gap
+    assert bounds is not None
+    for experiment in found.diagnosis.experiments[:2]:
+        assert experiment.displacement is not None
+        over = -experiment.displacement if bounds[0] > 0 else experiment.displacement
+        assert experiment.suffices == (over >= abs(bounds[0])), experiment
 
 
 def test_one_graze_has_one_cause_and_no_margin() -> None:
@@ -215,7 +260,7 @@ def test_only_an_engine_that_proves_is_said_to() -> None:
 
 def test_what_a_run_has_before_its_end_does_not_depend_on_its_end() -> None:
     scene = catalogue.build("gas:n=5,seed=6819,mixed=yes")
-    for a, b in ((20, 21), (33, 50)):
+    for a, b in ((20, 21), (33, 50), (150, 151)):
         one_run, other = (engine("pymunk").run(scene, until=until) for until in (a, b))
         count = len(one_run.events)
         assert one_run.events == other.events[:count]

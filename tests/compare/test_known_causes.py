@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import partial
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -11,43 +13,11 @@ from truebreak.compare import compare
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.causes.rounding import rounded
 from truebreak.exact import ExactEngine
-from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine
-from truebreak.scenarios import Circle, Declared, Scene, Wall, catalogue
+from truebreak.floating import DoubleEngine, PymunkEngine
+from truebreak.scenarios import Circle, Declared, Quantity, Scene, Wall, catalogue
 
-
-def found(scene: Scene, engine: Any, **limits: Any) -> CauseName:
-    """The cause of an engine's divergence, or of its stop."""
-    candidate = compare(scene, [engine], **limits).candidates[0]
-    assert candidate.verdict != "agree", candidate
-    assert candidate.diagnosis is not None
-    assert candidate.diagnosis.name is not CauseName.UNKNOWN
-    assert all(e.result for e in candidate.diagnosis.experiments)
-    return candidate.diagnosis.name
-
-
-def graze(miss: str, x: str = "-5") -> Scene:
-    """A circle that passes another by a distance, and then meets a wall."""
-    return Scene(
-        [Circle(x, f"0.3 + {miss}", vx=1, id="mover"), Circle(0, "2.3", id="target")],
-        [Wall(20, 0, 20, 1, id="wall")],
-        until=40,
-    )
-
-
-@pytest.mark.parametrize("k", [20, 25, 30, 35, 40])
-def test_events_nearer_than_the_scene_s_rounding_are_input(k: int) -> None:
-    assert found(catalogue.build(f"near-tie:k={k}"), "double") is CauseName.INPUT
-
-
-@pytest.mark.parametrize("x", ["-5", "-6", "-7", "-9", "-11"])
-def test_a_graze_that_rounding_makes_a_hit_is_input(x: str) -> None:
-    assert found(graze("0", x), "double") is CauseName.INPUT
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
-def test_a_chaotic_scene_of_doubles_is_arithmetic(seed: int) -> None:
-    scene = rounded(catalogue.build(f"gas:n=6,seed={seed}"))
-    assert found(scene, "double", events=500) is CauseName.ARITHMETIC
+LEAST = 5
+"""How many scenes there are for each cause."""
 
 
 @dataclass(frozen=True)
@@ -72,64 +42,14 @@ class Coarse(Declared):
     def run(self, scene: Scene, **limits: Any) -> Any:
         given = rounded(scene)
         first, *others = given.circles
-        moved = replace_circle(first, y=first.y + self.arithmetic_quantity)
+        moved = replace_circle(first, y=first.y + Quantity.of(self.arithmetic))
         run = ExactEngine().run(given.with_changes(circles=[moved, *others]), **limits)
         return replace(run, scene=scene, engine=self.name)
-
-    @property
-    def arithmetic_quantity(self) -> Any:
-        from truebreak.scenarios import Quantity
-
-        return Quantity.of(self.arithmetic)
 
 
 def replace_circle(circle: Circle, **changes: Any) -> Circle:
     values = {key: getattr(circle, key) for key in ("x", "y", "r", "vx", "vy", "m", "id", "point")}
     return Circle(**{**values, **changes})
-
-
-@pytest.mark.parametrize("share", ["0.6", "1", "1.2", "1.5", "1.9"])
-def test_two_errors_of_which_neither_suffices_are_together(share: str) -> None:
-    # The pass is 2**-51 + e wide. Rounding takes e of it, for the nearest double to 1/2 - e is 1/2; the engine then
-    # takes 2**-51 + 2**-57, which is less than the whole, and more than what rounding leaves.
-    circles = [Circle(-5, f"1/2 - {share} * 2**-56", vx=1, id="mover"), Circle(0, "5/2 + 2**-51", id="target")]
-    scene = Scene(circles, [Wall(20, 0, 20, 1, id="wall")], until=40)
-    assert found(scene, Coarse("2**-51 + 2**-57")) is CauseName.TOGETHER
-
-
-@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
-def test_a_coarse_step_is_the_step(seed: int) -> None:
-    scene = catalogue.build(f"gas:n=5,seed={seed}")
-    assert found(scene, "pymunk:dt=1/64", events=40) is CauseName.STEP
-
-
-@pytest.mark.parametrize("k", [2, 3, 4, 5, 6])
-def test_events_within_one_step_are_the_step(k: int) -> None:
-    assert found(catalogue.build(f"near-tie:k={k}"), f"pymunk:dt=1/{4 * 8 ** (k - 1)}") is CauseName.STEP
-
-
-@pytest.mark.parametrize("place", ["10.0625", "20.0625", "30.0625", "50.0625", "100.0625"])
-def test_a_bullet_through_a_small_target_is_tunnelling(place: str) -> None:
-    circles = [Circle(0, 0, "1/1000", vx=10, id="bullet"), Circle(place, 0, "1/1000", id="target")]
-    assert found(Scene(circles), "pymunk:dt=1/64", until=20) is CauseName.TUNNELLING
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["rack:rows=3", "lee:tie=sequential:order=scene", "tied-3", "tied-5", "tied-7"],
-)
-def test_a_tie_taken_otherwise_is_a_tie(text: str) -> None:
-    if text.startswith("tied"):
-        shift = f"0.{text[-1]}"
-        circles = [
-            Circle(f"-3 - {shift}", 0, vx=1),
-            Circle(0, 0),
-            Circle(f"4 + {shift}", 0, 2, vx=-1, m=4),
-        ]
-        assert found(Scene(circles), Reordered()) is CauseName.TIE
-        return
-    engine: Any = "double" if text.startswith("rack") else "pymunk"
-    assert found(catalogue.build(text), engine, events=6) is CauseName.TIE
 
 
 class Reordered(DoubleEngine):
@@ -138,33 +58,6 @@ class Reordered(DoubleEngine):
     def run(self, scene: Scene, **limits: Any) -> Any:
         run = super().run(scene.with_changes(tie_policy="sequential:order=scene"), **limits)
         return replace(run, scene=scene)
-
-
-ONTO_TWO = {
-    "equal": ("1", "1"),
-    "heavy": ("3", "1"),
-    "light": ("1/2", "1"),
-    "onto heavier ones": ("1", "2"),
-    "onto lighter ones": ("1", "1/2"),
-}
-
-
-@pytest.mark.parametrize("name", ONTO_TWO)
-def test_a_solver_that_is_stopped_early_is_its_iterations(name: str) -> None:
-    mass, other = ONTO_TWO[name]
-    scene = Scene([Circle(-4, 0, vx=1, m=mass), Circle("sqrt(3)", 1, m=other), Circle("sqrt(3)", -1, m=other)])
-    assert compare(scene, ["pymunk"], until=5).verdict == "agree"
-    assert found(scene, "pymunk:iterations=1", until=5) is CauseName.ITERATIONS
-
-
-@pytest.mark.parametrize("text", ["cradle", "gas", "gas:seed=2", "near-tie:k=20", "near-tie:k=40"])
-def test_intervals_that_more_bits_decide_are_too_wide(text: str) -> None:
-    assert found(catalogue.build(text), "interval", events=60) is CauseName.WIDTH
-
-
-@pytest.mark.parametrize("x", ["-5", "-6", "-7", "-9", "-11"])
-def test_no_width_tells_a_graze(x: str) -> None:
-    assert found(graze("0", x), IntervalEngine()) is CauseName.ZERO
 
 
 @dataclass(frozen=True)
@@ -182,11 +75,6 @@ class Heavy(Declared):
         return replace(DoubleEngine().run(scene.with_changes(circles=circles), **limits), scene=scene)
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
-def test_another_law_is_the_model(seed: int) -> None:
-    assert found(catalogue.build(f"gas:n=5,seed={seed}"), Heavy(), events=40) is CauseName.MODEL
-
-
 @dataclass(frozen=True)
 class Blind(Heavy):
     """Doubles that report nothing."""
@@ -195,17 +83,150 @@ class Blind(Heavy):
         return replace(DoubleEngine().run(scene, **limits), events=())
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3, 4, 5])
-def test_a_meeting_that_is_not_told_is_the_model(seed: int) -> None:
-    assert found(catalogue.build(f"gas:n=4,seed={seed}"), Blind(), events=5) is CauseName.MODEL
+def graze(miss: str, x: str = "-5") -> Scene:
+    """A circle that passes another by a distance, and then meets a wall."""
+    return Scene(
+        [Circle(x, f"0.3 + {miss}", vx=1, id="mover"), Circle(0, "2.3", id="target")],
+        [Wall(20, 0, 20, 1, id="wall")],
+        until=40,
+    )
 
 
-@pytest.mark.parametrize("steps", [10, 20, 30, 40, 50])
-def test_a_spent_budget_is_the_budget(steps: int) -> None:
-    assert found(catalogue.build("cradle"), PymunkEngine(max_steps=steps)) is CauseName.BUDGET
+def narrow(share: str) -> Scene:
+    """A pass of 2**-51 + e: rounding takes e of it, for the nearest double to 1/2 - e is 1/2.
+
+    An engine that then takes 2**-51 + 2**-57 takes less than the whole, and more than what rounding leaves.
+    """
+    circles = [Circle(-5, f"1/2 - {share} * 2**-56", vx=1, id="mover"), Circle(0, "5/2 + 2**-51", id="target")]
+    return Scene(circles, [Wall(20, 0, 20, 1, id="wall")], until=40)
 
 
-@pytest.mark.parametrize("name", ["pymunk", "sympy", "pymunk:dt=1/8", "pymunk:iterations=3", "pymunk:dt=1/1024"])
-def test_a_scene_that_an_engine_cannot_take_is_said_so(name: str) -> None:
-    scene = catalogue.build("rack:rows=2").with_changes(capture=True, events=3)
-    assert found(scene, name) is CauseName.UNABLE
+def bullet(place: str) -> Scene:
+    """A small fast circle on its way to another."""
+    return Scene([Circle(0, 0, "1/1000", vx=10, id="bullet"), Circle(place, 0, "1/1000", id="target")])
+
+
+def onto_two(mass: str, other: str) -> Scene:
+    """One circle onto two that touch: their impulses hang together."""
+    return Scene([Circle(-4, 0, vx=1, m=mass), Circle("sqrt(3)", 1, m=other), Circle("sqrt(3)", -1, m=other)])
+
+
+def tied(shift: str) -> Scene:
+    """Three balls on a line, of which the outer two arrive at once."""
+    return Scene([Circle(f"-3 - {shift}", 0, vx=1), Circle(0, 0), Circle(f"4 + {shift}", 0, 2, vx=-1, m=4)])
+
+
+def captured(text: str) -> Scene:
+    """A scene of the catalogue in which pockets capture circles."""
+    return catalogue.build(text).with_changes(capture=True, events=3)
+
+
+class Known(NamedTuple):
+    """A scene, an engine and limits, of which the cause is known."""
+
+    cause: CauseName
+    label: str
+    scene: Callable[[], Scene]
+    engine: Any
+    limits: dict[str, int]
+
+
+def known(cause: CauseName, engine: Any, scenes: dict[str, Callable[[], Scene]], **limits: int) -> list[Known]:
+    """Several scenes of one cause and engine."""
+    return [Known(cause, label, scene, engine, limits) for label, scene in scenes.items()]
+
+
+def named(*texts: str) -> dict[str, Callable[[], Scene]]:
+    """Scenes of the catalogue."""
+    return {text: partial(catalogue.build, text) for text in texts}
+
+
+def doubles(text: str) -> Scene:
+    """A scene of the catalogue in doubles, so that no input is rounded."""
+    return rounded(catalogue.build(text))
+
+
+SEEDS, PLACES = range(1, 6), ("-5", "-6", "-7", "-9", "-11")
+FAR = ("10.0625", "20.0625", "30.0625", "50.0625", "100.0625")
+
+KNOWN = [
+    # Nearer than the rounding of the scene; a graze that doubles turn into a hit.
+    *known(CauseName.INPUT, "double", named(*(f"near-tie:k={k}" for k in (20, 25, 30, 35, 40)))),
+    *known(CauseName.INPUT, "double", {f"graze {x}": partial(graze, "0", x) for x in PLACES}),
+    # Chaos in a scene that doubles hold exactly.
+    *known(
+        CauseName.ARITHMETIC, "double", {f"gas {k}": partial(doubles, f"gas:n=6,seed={k}") for k in SEEDS}, events=500
+    ),
+    *known(
+        CauseName.TOGETHER,
+        Coarse("2**-51 + 2**-57"),
+        {f"narrow {e}": partial(narrow, e) for e in ("0.6", "1", "1.2", "1.5", "1.9")},
+    ),
+    *known(CauseName.STEP, "pymunk:dt=1/64", named(*(f"gas:n=5,seed={k}" for k in SEEDS)), events=40),
+    *(
+        case
+        for k in range(2, 7)
+        for case in known(CauseName.STEP, f"pymunk:dt=1/{4 * 8 ** (k - 1)}", named(f"near-tie:k={k}"))
+    ),
+    # Overlap for 0.0004 time units, between two steps of 1/64.
+    *known(CauseName.TUNNELLING, "pymunk:dt=1/64", {f"bullet {x}": partial(bullet, x) for x in FAR}, until=20),
+    *known(
+        CauseName.ITERATIONS,
+        "pymunk:iterations=1",
+        {
+            f"onto two, {m} on {o}": partial(onto_two, m, o)
+            for m, o in (("1", "1"), ("3", "1"), ("1/2", "1"), ("1", "2"), ("1", "1/2"))
+        },
+        until=5,
+    ),
+    *known(CauseName.TIE, "double", named("rack:rows=3"), events=6),
+    *known(CauseName.TIE, "pymunk", named("lee:tie=sequential:order=scene"), events=6),
+    *known(CauseName.TIE, Reordered(), {f"tied {x}": partial(tied, x) for x in ("0.3", "0.5", "0.7")}),
+    # An engine that stops: too narrow, at a zero, at its budget, or before it begins.
+    *known(
+        CauseName.WIDTH, "interval", named("cradle", "gas", "gas:seed=2", "near-tie:k=20", "near-tie:k=40"), events=60
+    ),
+    *known(
+        CauseName.WIDTH,
+        "interval",
+        {f"a miss by {miss}": partial(graze, miss) for miss in ("10**-30", "10**-300", "10**-3000", "10**-9000")},
+    ),
+    *known(CauseName.ZERO, "interval", {f"graze {x}": partial(graze, "0", x) for x in PLACES}),
+    *known(
+        CauseName.BUDGET,
+        PymunkEngine(max_steps=20),
+        named("cradle", "gas", "lee", "near-tie:k=4", "galperin:n=1"),
+        events=10,
+    ),
+    *known(
+        CauseName.UNABLE,
+        "pymunk",
+        {
+            text: partial(captured, text)
+            for text in ("rack:rows=1", "rack:rows=2", "rack:rows=3", "rack:rows=2,speed=10", "rack:rows=2,gap=1/9")
+        },
+    ),
+    *known(CauseName.MODEL, Heavy(), named(*(f"gas:n=5,seed={k}" for k in SEEDS)), events=40),
+    *known(CauseName.MODEL, Blind("blind"), named(*(f"gas:n=4,seed={k}" for k in SEEDS)), events=5),
+]
+
+
+def test_every_cause_has_scenes() -> None:
+    for cause in CauseName:
+        scenes = {case.label for case in KNOWN if case.cause is cause}
+        assert cause is CauseName.UNKNOWN or len(scenes) >= LEAST, cause
+
+
+@pytest.mark.parametrize("case", KNOWN, ids=lambda case: f"{case.cause.name}-{case.label}-{case.engine!s:.12}")
+def test_the_cause_is_found(case: Known) -> None:
+    candidate = compare(case.scene(), [case.engine], **case.limits).candidates[0]
+    assert candidate.verdict != "agree", candidate
+    assert candidate.diagnosis is not None
+    assert all(e.result for e in candidate.diagnosis.experiments)
+    assert candidate.diagnosis.name is case.cause
+    assert case.cause in candidate.diagnosis.sufficient
+
+
+@pytest.mark.parametrize("case", [c for c in KNOWN if c.cause is CauseName.ITERATIONS], ids=lambda case: case.label)
+def test_a_solver_that_is_not_stopped_early_agrees(case: Known) -> None:
+    assert compare(case.scene(), ["pymunk"], **case.limits).verdict == "agree"

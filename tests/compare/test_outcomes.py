@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from truebreak.compare import compare, engine
@@ -92,6 +93,13 @@ def test_users_add_their_own_outcomes() -> None:
     assert comparison.outcomes["last_partner"] == "right"
     assert comparison["double"].outcomes["last_partner"] == "right"
     assert "last_partner" not in OUTCOMES
+
+
+def test_arrays_are_compared_to_their_last_number() -> None:
+    long = np.zeros(5000)
+    other = long.copy()
+    other[2500] = 1.0
+    assert changed_outcomes({"a": long, "b": long}, {"a": long.copy(), "b": other}) == ["b"]
 
 
 def test_changed_outcomes_are_named() -> None:

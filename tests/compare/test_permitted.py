@@ -199,6 +199,15 @@ def test_a_sequential_policy_s_own_pattern_is_among_all_orders(events: int, poli
             assert other in found.orders, name
 
 
+def test_the_scene_s_own_pattern_is_in_a_complete_set() -> None:
+    scene = catalogue.build("rack:rows=2").with_changes(tie_policy="sequential:order=scene")
+    found = permitted_patterns(study(scene, events=4))
+    assert found is not None
+    assert found.complete
+    assert found.exact in found.orders
+    assert found.relation(found.exact) is Relation.OWN
+
+
 def test_the_span_is_exact_for_every_order() -> None:
     from test_false_cases import LAST
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import pytest
 
-from truebreak.compare import compare, engine
+from truebreak.compare import ENGINES, compare, engine
 from truebreak.compare.comparison import Comparison
-from truebreak.scenarios import Quantity, Scene, catalogue
+from truebreak.scenarios import Quantity, Scene, Trajectory, catalogue
 
 SCENES = (
     "gas:n=4,seed=3",
@@ -22,8 +23,27 @@ SCENES = (
     "grazing",
     "galperin:n=1",
 )
-ENGINES = ("double", "interval", "pymunk:dt=1/32", "pymunk")
-EVENTS = 16
+QUICK = ("exact", "double", "single", "quad", "interval", "pymunk:dt=1/32", "pymunk")
+LITERAL_SCENES = (
+    "gas:n=2,seed=1",
+    "lee",
+    "lee:tie=sequential:order=scene",
+    "near-tie:k=4",
+    "near-tie:k=40",
+    "galperin:n=1",
+    "pinball",
+    "corner",
+    "corner:angle=45",
+    "corner:angle=60,skew=1/3",
+)
+"""Scenes of few roots, which SymPy alone can run."""
+
+EVENTS, TIMES, LITERAL = 12, 4, 3
+"""Events of the sweeps, and those about whose times `until` is set; of the engine that takes the article literally."""
+
+
+def test_every_engine_is_swept() -> None:
+    assert {name.partition(":")[0] for name in QUICK} | {"sympy"} == set(ENGINES)
 
 
 def told(comparison: Comparison, name: str) -> tuple[Any, ...] | None:
@@ -32,13 +52,11 @@ def told(comparison: Comparison, name: str) -> tuple[Any, ...] | None:
     return None if found is None else (found.event, found.time, found.body, found.expected, found.got, found.kind)
 
 
-def held(scene: Scene, **limits: Any) -> Comparison:
-    return compare(scene, ENGINES, causes=False, **limits)
-
-
-def swept(comparisons: list[Comparison]) -> None:
+def swept(scene: Scene, engines: Sequence[str], spans: Sequence[dict[str, Any]]) -> None:
     """Along ever longer spans, each engine's first divergence comes and stays as it is."""
-    for name in ENGINES:
+    comparisons = [compare(scene, engines, causes=False, **limits) for limits in spans]
+    assert comparisons
+    for name in engines:
         seen = [told(comparison, name) for comparison in comparisons]
         known = [one for one in seen if one is not None]
         assert len(set(known)) <= 1, (name, known)
@@ -50,27 +68,65 @@ def swept(comparisons: list[Comparison]) -> None:
                 assert one is not None or comparison.span <= time, (name, comparison.span, time)
         for comparison in comparisons:
             candidate = comparison[name]
+            assert candidate.verdict != "unsettled", (name, comparison.span)
             if candidate.verdict == "agree":
                 assert candidate.alignment.agreed == len(comparison.reference.events)
                 assert not {"collisions", "who_hit_whom"} & set(candidate.changed)
+        if name in ("exact", "sympy"):
+            assert {comparison[name].verdict for comparison in comparisons} == {"agree"}
+
+
+def endless(text: str) -> Scene:
+    """A scene of the catalogue without limits of its own."""
+    return catalogue.build(text).with_changes(until=None, events=None)
+
+
+def counts(scene: Scene, most: int) -> list[dict[str, Any]]:
+    """Every number of events."""
+    run = engine("exact").run(scene, events=most)
+    return [{"events": events} for events in range(1, len(run.events) + 1)]
+
+
+def ends(run: Trajectory) -> Iterator[dict[str, Any]]:
+    """The time of every event, exactly or to 60 digits, with one just before and one just after."""
+    for event in run.events:
+        exact = event.time.text()
+        if exact is None or len(exact) > 200:
+            exact = event.time.digits(60)
+        around = [Quantity.of(f"{exact}{shift}") for shift in (" - 10**-60", "", " + 10**-60")]
+        yield from ({"until": end} for end in around if end.sign() > 0)
 
 
 @pytest.mark.parametrize("text", SCENES)
 def test_sweeping_the_number_of_events(text: str) -> None:
-    scene = catalogue.build(text).with_changes(until=None, events=None)
-    most = len(engine("exact").run(scene, events=EVENTS).events)
-    swept([held(scene, events=events) for events in range(1, most + 1)])
+    scene = endless(text)
+    swept(scene, QUICK, counts(scene, EVENTS))
 
 
 @pytest.mark.parametrize("text", SCENES)
 def test_sweeping_the_end_over_each_event(text: str) -> None:
-    scene = catalogue.build(text).with_changes(until=None, events=None)
-    run = engine("exact").run(scene, events=EVENTS // 4)
-    ends: list[Any] = []
-    for event in run.events:
-        time: Any = event.time
-        exact = time.text()
-        if exact is None or len(exact) > 200:
-            exact = time.digits(60)
-        ends += [Quantity.of(f"{exact} - 10**-60"), Quantity.of(exact), Quantity.of(f"{exact} + 10**-60")]
-    swept([held(scene, until=end) for end in ends if end.sign() > 0])
+    scene = endless(text)
+    swept(scene, QUICK, list(ends(engine("exact").run(scene, events=TIMES))))
+
+
+@pytest.mark.parametrize("text", LITERAL_SCENES)
+def test_sweeping_the_literal_engine(text: str) -> None:
+    scene = endless(text)
+    swept(scene, ["sympy"], counts(scene, LITERAL))
+    swept(scene, ["sympy"], list(ends(engine("exact").run(scene, events=1))))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", SCENES)
+def test_sweeping_far(text: str) -> None:
+    scene = endless(text)
+    swept(scene, QUICK, counts(scene, 5 * EVENTS))
+    swept(scene, QUICK, list(ends(engine("exact").run(scene, events=2 * EVENTS))))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("text", LITERAL_SCENES)
+def test_sweeping_the_literal_engine_far(text: str) -> None:
+    scene = endless(text)
+    swept(scene, ["sympy"], counts(scene, 3 * LITERAL))
+    swept(scene, ["sympy"], list(ends(engine("exact").run(scene, events=LITERAL))))

@@ -15,6 +15,7 @@ from fuzz.table import Row, shifted
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.steps import Step
 from truebreak.scenarios import Scene, Trajectory
 
@@ -167,22 +168,24 @@ MANY_BITS = 1500
 
 
 def narrower_holds_wider(run: Trajectory) -> None:
-    """The instants of a log, replayed with few bits, hold those replayed with many."""
+    """The instants of a log, replayed with few bits, hold those replayed with many: in balls, and in centred ones."""
     log = getattr(run.motion, "log", None)
     if log is None:
         return
     steps = log.steps[:40]
-    wider = _instants(run.scene, steps, MANY_BITS)
-    for bits in FEW_BITS:
-        for k, (few, many) in enumerate(zip(_instants(run.scene, steps, bits), wider, strict=True)):
-            with ball.precision(2 * MANY_BITS):
-                apart = bool(few < many) or bool(few > many)
-            expect(not apart, f"step {k} of the log: {bits} bits and {MANY_BITS} tell different instants")
+    wider = _instants(BallState, run.scene, steps, MANY_BITS)
+    for make in (BallState, CentredState):
+        for bits in FEW_BITS:
+            for k, (few, many) in enumerate(zip(_instants(make, run.scene, steps, bits), wider, strict=True)):
+                with ball.precision(2 * MANY_BITS):
+                    apart = bool(few < many) or bool(few > many)
+                told = f"step {k} of the log, {make.__name__}: {bits} bits and {MANY_BITS} tell different instants"
+                expect(not apart, told)
 
 
-def _instants(scene: Scene, steps: Iterable[Step], bits: int) -> list[arb]:
+def _instants(make: type[BallState], scene: Scene, steps: Iterable[Step], bits: int) -> list[arb]:
     with ball.precision(bits):
-        state, found = BallState(scene), []
+        state, found = make(scene), []
         for step in steps:
             state.do(step)
             found.append(state.instant)

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 from ....scenarios.errors import SceneError
 from ....scenarios.files import dump_json, dump_toml
 from ....scenarios.trajectory import StopReason
-from ...documents.amounts import exact_text
 from ...documents.comparison import comparison_json
 from ..listing import laid_out
 
@@ -147,7 +146,7 @@ def _command(comparison: Comparison) -> str:
     if reference.stop.reason is StopReason.EVENTS:
         words += ["--events", str(len(reference.events))]
     elif reference.stop.reason is StopReason.HORIZON:
-        words += ["--until", exact_text(reference.final_time) or repr(float(reference.final_time))]
+        words += ["--until", reference.final_time.text() or repr(float(reference.final_time))]
     return shlex.join(words)
 
 

@@ -1,0 +1,219 @@
+"""The deviations of bodies from their midpoints: what `ErrorSet` counts in doubles, in the bodies' own numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import inf, ldexp, log2
+from typing import TypeAlias
+
+from flint import arb  # type: ignore[attr-defined]
+
+from ..numbers import ball
+from ..numbers.system import Number
+from .ball_state import BallState, Told
+from .body import Body
+from .derivatives import CLOSE, SMALL_WAIT, pair_derivative, wall_steepness
+from .errors import MOST, UP, Blocks, Fly, Meet, Mirror, Round, Spent, scaled
+from .steps import Link
+
+LEAST_WEIGHT = 1e-100
+"""Bounds the squares of radii over masses that doubles hold well."""
+
+Numbers: TypeAlias = tuple[Number, Number, Number, Number]
+
+
+class Deviations:
+    """The midpoints of some bodies, and the set of what the truth is away from them.
+
+    Args:
+        members: the bodies; their balls are the first set.
+        circles: all circles by index, fixed ones too.
+
+    Attributes:
+        errors: the set.
+        place: where each body stands in it, by index.
+    """
+
+    def __init__(self, members: Sequence[Body], circles: Sequence[Body]) -> None:
+        from .error_set import ErrorSet  # here, since it loads numpy, which short runs do without
+
+        self._time_power = _unit_of_time(members)
+        self._unit = 2.0**self._time_power
+        self._circles = circles
+        self._weights = [float(body.w) for body in circles]
+        self._mid = {body.index: _midpoints(numbers_of(body)) for body in members}
+        self.place = {body.index: k for k, body in enumerate(members)}
+        radii = [[number.rad().man_exp() for number in numbers_of(body)] for body in members]
+        shift = max((int(e) + 30 for four in radii for m, e in four if m != 0), default=-ball.bits_in_use())
+        powers = (0, 0, self._time_power, self._time_power)
+        boxes = [[scaled(int(m), int(e) + p, shift) for (m, e), p in zip(four, powers, strict=True)] for four in radii]
+        self.errors = ErrorSet(boxes, shift)
+        self._balls: dict[int, arb] = {}
+        self._strengths: dict[Link, float] = {}
+
+    def holds(self, bodies: Iterable[int]) -> bool:
+        """Whether all of these bodies are members."""
+        return all(i in self.place for i in bodies)
+
+    # -- the bodies' numbers
+
+    def centre(self, body: Body, numbers: Numbers | None = None) -> None:
+        """Gives a body its midpoints, or other numbers made of midpoints alone."""
+        body.x, body.y, body.vx, body.vy = numbers or self._mid[body.index]
+
+    def show(self, body: Body) -> None:
+        """Gives a body its balls: its midpoints, and its bound; none for a velocity of exactly zero."""
+        power = self.errors.power(self.place[body.index])
+        wide, narrow = self._ball(power), self._ball(power - self._time_power)
+        x, y, vx, vy = self._mid[body.index]
+        body.x, body.y = x + wide, y + wide
+        if not body.rest:
+            body.vx, body.vy = vx + narrow, vy + narrow
+
+    def show_place(self, body: Body, before: Numbers) -> None:
+        """Gives a body that has been advanced its place as a ball, and the velocity that it had as one."""
+        wide = self._ball(self.errors.power(self.place[body.index]))
+        body.x, body.y, body.vx, body.vy = body.x + wide, body.y + wide, before[2], before[3]
+
+    def _ball(self, power: int) -> arb:
+        """All numbers of at most 2**power."""
+        if power not in self._balls:
+            self._balls[power] = arb(0, arb((1, power)))
+        return self._balls[power]
+
+    # -- steps
+
+    def advance(
+        self, lags: Iterable[tuple[int, float]], state: BallState, link: Link, told: Told, root: Number | None
+    ) -> tuple[arb, arb, Blocks | None] | None:
+        """Carries flights to a contact; gives all errors of the instant, all of d at it, and the derivative.
+
+        None where the truth may be too far from the midpoints for a derivative in doubles: then all is to be given up.
+
+        Args:
+            lags: the bodies that have flown, and how long.
+            state: the state, advanced by midpoints.
+            link: the contact.
+            told, root: d at the hit of two circles and -d.v, as `BallState` has them.
+        """
+        for i, lag in lags:
+            self.errors.do(Fly(self.place[i], ldexp(lag, -self._time_power)))
+        if state.late is None or not abs(float(state.late)) < SMALL_WAIT * self._unit:
+            return None
+        try:
+            if link[1] >= state.n:
+                return self._to_wall(state, link)
+            return None if told is None or root is None else self._to_pair(state, link, told, root)
+        except Spent:
+            return None
+
+    def _to_wall(self, state: BallState, link: Link) -> tuple[arb, arb, None] | None:
+        body, line = state.bodies[link[0]], state.line(state.bodies[link[0]], link[1] - state.n)
+        spread = self.errors.nu[self.place[link[0]]]
+        steep = wall_steepness(float(line.nx), float(line.ny), float(body.vx), float(body.vy))
+        if not steep * spread / self._unit < self.errors.doubles(CLOSE):
+            return None
+        return self._ball(self.errors.power_of(steep * spread * UP)), ball.ZERO, None
+
+    def _to_pair(
+        self, state: BallState, link: Link, told: tuple[Link, Number, Number], root: Number
+    ) -> tuple[arb, arb, Blocks] | None:
+        i, j = link
+        a, b = state.bodies[i], state.bodies[j]
+        spread = (self.errors.nu[self.place.get(i, -1)] + self.errors.nu[self.place.get(j, -1)]) * UP
+        d, v = (float(told[1]), float(told[2])), (float(b.vx - a.vx), float(b.vy - a.vy))
+        near = self.errors.doubles(CLOSE)
+        found = pair_derivative(d, v, float(root), self._strength(state, link), self._unit, spread, near)
+        if found is None:
+            return None
+        steep, apart, blocks = found
+        if not blocks.norm * spread * (1.0 + self._weights[i] + self._weights[j]) < MOST:
+            return None
+        power = self.errors.power_of
+        return self._ball(power(steep * spread * UP)), self._ball(power(apart)), blocks
+
+    def _strength(self, state: BallState, link: Link) -> float:
+        """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
+        if link not in self._strengths:
+            i, j = link
+            weight = float(state.reach(state.bodies[i], state.bodies[j])) ** 2 * (self._weights[i] + self._weights[j])
+            self._strengths[link] = -2.0 / weight if LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT else 0.0
+        return self._strengths[link]
+
+    def mirror(self, body: Body, parts: tuple[Number, Number, Number]) -> bool:
+        """A wall has mirrored a body by the matrix (xx, xy; xy, yy); whether that could be carried."""
+        xx, xy, yy = (float(part) for part in parts)
+        off = 2.0 * (max(float(part.rad()) for part in parts) + 2.0**-52) * UP
+        self.errors.do(Mirror(self.place[body.index], xx, xy, yy, off, self._recentre(body)))
+        return self._bounded((body,))
+
+    def meet(self, link: Link, movers: Sequence[Body], blocks: Blocks) -> bool:
+        """Two circles have collided; whether that could be carried."""
+        rounded = {body.index: self._recentre(body) for body in movers}
+        i, j = link
+        places = [self.place[k] if k in rounded else -1 for k in link]
+        weights = self._weights
+        self.errors.do(
+            Meet(places[0], places[1], weights[i], weights[j], blocks, rounded.get(i, 0.0), rounded.get(j, 0.0))
+        )
+        return self._bounded(movers)
+
+    def land(self, body: Body, numbers: Numbers) -> bool:
+        """A body has flown on, and no impulse came; whether that could be carried."""
+        self._mid[body.index] = _midpoints(numbers)
+        self.errors.do(Round(self.place[body.index], self._largest(numbers)))
+        if not self._bounded((body,)):
+            return False
+        self.show(body)
+        return True
+
+    def close(self) -> bool:
+        """Ends a block of the set; whether it could be carried."""
+        try:
+            self.errors.close()
+        except Spent:
+            return False
+        return True
+
+    def _bounded(self, bodies: Iterable[Body]) -> bool:
+        return all(self.errors.nu[self.place[body.index]] < MOST for body in bodies)
+
+    def _recentre(self, body: Body) -> float:
+        """Takes a body's midpoints from its numbers; gives what that drops, as the set counts it."""
+        numbers = numbers_of(body)
+        self._mid[body.index] = _midpoints(numbers)
+        return self._largest(numbers)
+
+    def _largest(self, numbers: Numbers) -> float:
+        """A bound of all radii, as the set counts them: a radius is below 2**-accuracy of its number.
+
+        Infinite where the bits were too few for a number.
+        """
+        if not all(number.is_finite() for number in numbers):
+            return inf
+        x, y, vx, vy = numbers
+        size = max(abs(float(x)), abs(float(y)), self._unit * abs(float(vx)), self._unit * abs(float(vy))) * UP
+        bits = min(x.rel_accuracy_bits(), y.rel_accuracy_bits(), vx.rel_accuracy_bits(), vy.rel_accuracy_bits())
+        return ldexp(size, min(max(2 - bits - self.errors.shift, -900), 900))
+
+
+def numbers_of(body: Body) -> Numbers:
+    """(x, y, vx, vy) of a body."""
+    return body.x, body.y, body.vx, body.vy
+
+
+def is_finite(body: Body) -> bool:
+    """Whether no number of a body has an infinite radius."""
+    return body.x.is_finite() and body.y.is_finite() and body.vx.is_finite() and body.vy.is_finite()
+
+
+def _midpoints(numbers: Numbers) -> Numbers:
+    x, y, vx, vy = numbers
+    return x.mid(), y.mid(), vx.mid(), vy.mid()
+
+
+def _unit_of_time(bodies: Sequence[Body]) -> int:
+    """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
+    speed = max(max(abs(float(body.vx)), abs(float(body.vy))) for body in bodies)
+    width = sum(float(body.r) for body in bodies) / len(bodies)
+    return round(log2(width / speed)) if width > 0.0 and speed > 0.0 else 0

@@ -1,0 +1,137 @@
+"""Exact midpoints and one set of their deviations: every number lies in its ball, and few bits are lost."""
+
+import random
+from math import log, log2
+
+import pytest
+
+from truebreak.exact import ExactEngine
+from truebreak.exact.certified import precision
+from truebreak.exact.numbers import ball
+from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.centred_state import CentredState
+from truebreak.exact.replay.error_set import ErrorSet
+from truebreak.exact.replay.errors import Fly, Meet, Spent
+from truebreak.exact.results.growth import error_growth
+from truebreak.scenarios import Circle, Scene, Wall, catalogue
+
+FEW, MANY = 500, 4096
+
+
+def oblique(seed: int) -> Scene:
+    """Unequal circles, a fixed one and a point, between walls of which none is parallel to an axis."""
+    draw = random.Random(seed)
+
+    def speed() -> str:
+        return f"{draw.choice([-1, 1]) * draw.randrange(20, 90)}/97"
+
+    circles = [
+        Circle(0, 0, vx=speed(), vy=speed(), m="3/7"),
+        Circle(4, "1/3", r="1/2", vx=speed(), vy=speed(), m=2),
+        Circle("-7/2", 2, r="sqrt(2)/2", vx=speed(), vy=speed()),
+        Circle(0, 4, r="3/4", m="oo"),
+        Circle(1, "-7/2", r=0, vx=speed(), vy=speed(), m="1/5", point=True),
+    ]
+    walls = [Wall(-8, -9, 9, -7), Wall(9, -7, 7, 9), Wall(7, 9, -9, 8), Wall(-9, 8, -8, -9)]
+    return Scene(circles, walls)
+
+
+SCENES = {
+    **{name: (lambda name=name: catalogue.build(name)) for name in ("gas:n=3,seed=2", "gas:n=7,seed=5,mixed=yes")},
+    "a reversal": lambda: catalogue.build("gas:n=4,seed=3").with_changes(reverse_after=40),
+    "a rack": lambda: catalogue.build("rack:rows=3,gap=1/9,jitter=1/1000,seed=4"),
+    "pinball": lambda: catalogue.build("pinball"),
+    **{f"oblique {seed}": (lambda seed=seed: oblique(seed)) for seed in range(3)},
+}
+
+
+def deviations(scene, events):
+    """For each coordinate of each body after each step: log2 of what the midpoint is off, over the ball's radius."""
+    steps = ExactEngine().run(scene, events=events).motion.log.steps
+    with ball.precision(MANY):
+        true = BallState(scene)
+    with ball.precision(FEW):
+        ours = CentredState(scene)
+    for step in steps:
+        for state, bits in ((ours, FEW), (true, MANY)):
+            ball.use_bits(bits)
+            state.do(step)
+        assert ours.instant.overlaps(true.instant)
+        for one, other in zip(ours.bodies[: ours.n], true.bodies, strict=False):
+            lag = one.t - other.t
+            there = (other.x + other.vx * lag, other.y + other.vy * lag, other.vx, other.vy)
+            for mine, exact in zip((one.x, one.y, one.vx, one.vy), there, strict=True):
+                off, radius = abs(mine.mid() - exact.mid()), mine.rad()
+                yield -1e9 if off.is_zero() else float((off / radius).log()) / log(2) if radius > 0 else 0.0
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_number_lies_in_its_ball(name):
+    """Against balls of eight times the bits; and the bound is no mere upper bound: it comes within 40 bits."""
+    found = list(deviations(SCENES[name](), 120))
+    assert max(found) <= 0.0
+    assert max(found[len(found) // 2 :]) > -60.0
+
+
+@pytest.mark.parametrize(("n", "events"), [(3, 600), (10, 1200)])
+def test_bits_go_as_fast_as_small_displacements_grow(n, events):
+    """Balls lose twice as many."""
+    scene = catalogue.build(f"gas:n={n},seed=1")
+    run = ExactEngine().run(scene, events=events)
+    lost = []
+    for make in (CentredState, BallState):
+        with ball.precision(3000):
+            state = make(scene)
+            for step in run.motion.log.steps:
+                state.do(step)
+            lost.append(3000 + max(float(body.x.rad().log()) / log(2) for body in state.bodies[:n]))
+    growth = error_growth(run, events) * events
+    assert growth < lost[0] < 1.1 * growth + 45
+    assert lost[1] > 1.9 * growth
+
+
+def test_a_long_run_keeps_its_deviations_in_a_set(monkeypatch):
+    """With the set from early on: the same history, with fewer bits; its times are had to any digit again."""
+    scene = catalogue.build("gas:n=6,seed=2")
+    plain = ExactEngine().run(scene, events=900)
+    monkeypatch.setattr(precision, "LONG_BITS", 512)
+    centred = ExactEngine().run(scene, events=900)
+    assert centred.motion.log.centred
+    assert not plain.motion.log.centred
+    assert [e.contacts for e in centred.events] == [e.contacts for e in plain.events]
+    assert centred.plan["bits"] < plain.plan["bits"]
+    for one, other in ((a.time.ball(400), b.time.ball(400)) for a, b in zip(centred.events, plain.events, strict=True)):
+        assert one.overlaps(other)
+        assert one.rel_accuracy_bits() > 380
+
+
+def test_a_set_holds_what_is_carried_exactly():
+    """A set against its own steps: points of the box, carried one by one, lie within the bounds, block after block."""
+    draw = random.Random(1)
+    errors = ErrorSet([[1.0, 1.0, 1.0, 1.0]] * 3, 0)
+    points = [[[draw.uniform(-1, 1) for _ in range(4)] for _ in range(3)] for _ in range(50)]
+    for _ in range(60):
+        i, lag = draw.randrange(3), draw.uniform(0, 2)
+        errors.do(Fly(i, lag))
+        for point in points:
+            x, y, vx, vy = point[i]
+            point[i] = [x + lag * vx, y + lag * vy, vx, vy]
+        for k in range(3):
+            bound = 2.0 ** errors.power(k)
+            assert all(abs(value) <= bound for point in points for value in point[k])
+        errors.close()
+    widest = max(log2(abs(value)) for point in points for row in point for value in row)
+    assert max(errors.power(k) for k in range(3)) < widest + 8
+
+
+def test_a_set_that_doubles_cannot_carry_says_so():
+    from truebreak.exact.replay.errors import Blocks
+
+    errors = ErrorSet([[1.0] * 4] * 2, 0)
+    huge = Blocks(((1e200, 0.0), (0.0, 1e200)), ((0.0, 0.0), (0.0, 0.0)), 1e200, 1e190)
+    errors.do(Meet(0, 1, 1.0, 1.0, huge, 0.0, 0.0))
+    errors.do(Meet(0, 1, 1.0, 1.0, huge, 0.0, 0.0))
+    with pytest.raises(Spent):
+        errors.close()
+    with pytest.raises(Spent):
+        errors.power(0)
