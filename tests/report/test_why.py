@@ -6,12 +6,10 @@ from xml.etree import ElementTree
 
 from pages import comparison, page
 
-from truebreak.compare import compare
 from truebreak.compare.report.page.patterns import gallery, met
 from truebreak.compare.report.page.recording import recording
 from truebreak.compare.report.page.why import amounts, enough, foreseen_bits
 from truebreak.compare.report.sentences import headline, verdict_sentence
-from truebreak.scenarios import catalogue
 
 
 def test_the_margin_stands_beside_the_error_on_one_scale() -> None:
@@ -77,10 +75,11 @@ def test_pairs_that_met_are_counted_once() -> None:
 
 
 def test_the_player_starts_with_the_engine_that_the_verdict_is_about() -> None:
-    found = compare(catalogue.build("galperin:n=1"), ["pymunk:dt=1/8", "pymunk:dt=1/4", "double"], causes=False)
+    found = comparison("gas")
     lead = headline(found)
     data = recording(found)
     assert lead is not None
     assert data is not None
-    assert data["runs"][data["lead"]]["name"] == lead.engine
-    assert f"{lead.engine} first differs" in verdict_sentence(found)
+    assert data["lead"] == 2
+    assert data["runs"][2]["name"] == lead.engine == "pymunk"
+    assert "pymunk first differs" in verdict_sentence(found)
