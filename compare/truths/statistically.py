@@ -74,8 +74,8 @@ def ensemble(specs: Iterable[str], until: int, exponent: bool = False) -> Rates:
 
 
 def _free_path() -> Measured:
-    told = ensemble((f"point:size=1,disc=1/5,{way}" for way in directions(100)), 120)
-    return near(told.time / told.hits, (1 - math.pi / 25) / (2 / 5), 0.05, 4)
+    told = ensemble((f"point:size=1,disc=1/5,{way}" for way in directions(12, 5)), 1000)
+    return near(told.time / told.hits, (1 - math.pi / 25) / (2 / 5), 0.03, 4)
 
 
 def two_disc_rate(size: float, r: float, square: float) -> float:
