@@ -29,7 +29,7 @@ def directions(count: int, seed: int = 1) -> Iterator[str]:
     """Settings of unit speeds in rational numbers, drawn from a seed: `vx=...,vy=...`.
 
     >>> next(directions(1))
-    'vx=213239/787789,vy=758380/787789'
+    'vx=-236160/876872,vy=844472/876872'
     """
     draw = Draw(seed)
     for _ in range(count):

@@ -13,7 +13,7 @@ from truebreak.compare.truths.statistically import STATISTICAL, two_disc_rate
 from truebreak.compare.truths.truth import NotReproduced, Truth, near, same
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
 
 ALL = (*EXACT, *STATISTICAL)
 
@@ -84,12 +84,8 @@ def test_the_walls_fold_the_triangular_lattice() -> None:
     spec = "d=3,vx=1,vy=1/7"
     cell = catalogue.build(f"hexagon:{spec}")
     ball = cell.circles[0]
-    spacing, rise = 3, "3*sqrt(3)/2"
-    discs = [
-        Circle(spacing * i + f_(j, spacing), scaled(rise, j), m="oo", id=f"{i},{j}")
-        for j in range(-4, 5)
-        for i in range(-8, 9)
-    ]
+    across, up = Quantity.of("3/2"), Quantity.of("3*sqrt(3)/2")
+    discs = [Circle(across * (2 * i + j), up * j, m="oo", id=f"{i},{j}") for j in range(-4, 5) for i in range(-8, 9)]
     open_scene = Scene([ball, *discs])
     times = []
     for scene in (cell, open_scene):
@@ -97,18 +93,6 @@ def test_the_walls_fold_the_triangular_lattice() -> None:
         times.append([e.time.digits(30) for e in run.events if not isinstance(partner(scene, e.contacts[0]), Wall)])
     assert times[0] == times[1]
     assert len(times[0]) >= 2
-
-
-def f_(row: int, spacing: int) -> object:
-    from truebreak.scenarios import Quantity
-
-    return Quantity.of(row * spacing) / 2
-
-
-def scaled(rise: str, row: int) -> object:
-    from truebreak.scenarios import Quantity
-
-    return Quantity.of(rise) * row
 
 
 def partner(scene: Scene, contact: tuple[str, str]) -> Circle | Wall:

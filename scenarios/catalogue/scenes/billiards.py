@@ -33,7 +33,7 @@ def siam(t: int) -> Scene:
 
     >>> scene = siam(2)
     >>> len(scene.circles), scene.until
-    (22, Quantity('2'))
+    (17, Quantity('2'))
     """
     x, y, reach = Quantity.of("1/2"), Quantity.of("1/10"), t + Quantity.of("1/3")
     photon = Circle(x, y, r=0, vx=1, id="photon", point=True)
