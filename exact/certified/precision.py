@@ -23,10 +23,10 @@ results should round to doubles without another look."""
 FORESIGHT = 1.1
 """Share by which the bits foreseen for a whole run exceed the extrapolation, so that one rise mostly suffices."""
 
-LONG_BITS = 8192
+LONG_BITS = 24_000
 """Precision from which on deviations are kept in a set, which costs an instant about as much as numbers so long."""
 
-CENTRED_SHARE = 0.6
+CENTRED_SHARE = 0.5
 """Share of the bits that balls need which then suffices; if it does not, one more rise comes."""
 
 MOST_FORESIGHT = 16
@@ -71,7 +71,9 @@ class Precision:
         return f"after {len(self._history.records)} instants"
 
     def _rise(self, why: str, foreseen: int) -> None:
-        bits = max(2 * self._state.bits, min(foreseen, self._max_bits))
+        near = foreseen > 0 and self._state.centred  # the rate has settled: no need to double
+        least = self._state.bits * 5 // 4 if near else 2 * self._state.bits
+        bits = max(least, min(foreseen, self._max_bits))
         if bits > self._max_bits:
             raise Undecided(
                 f"{why} at {self._state.bits} bits, and max_bits is {self._max_bits}; "
