@@ -17,13 +17,14 @@ if TYPE_CHECKING:
     from .compare.comparison import compare as comparison
     from .compare.run import run
     from .compare.scene_argument import scene_from as scene
+    from .exact.results.saved import load_run
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
     from .scenarios.things import Circle, Pocket, Wall
 
     __version__: str
 
-__all__ = ["Circle", "Pocket", "Scene", "Wall", "__version__", "comparison", "load", "run", "scene"]
+__all__ = ["Circle", "Pocket", "Scene", "Wall", "__version__", "comparison", "load", "load_run", "run", "scene"]
 
 _HOMES = {
     "Circle": ("scenarios.things", "Circle"),
@@ -32,6 +33,7 @@ _HOMES = {
     "Wall": ("scenarios.things", "Wall"),
     "comparison": ("compare.comparison", "compare"),
     "load": ("scenarios.files", "load_scene"),
+    "load_run": ("exact.results.saved", "load_run"),
     "run": ("compare.run", "run"),
     "scene": ("compare.scene_argument", "scene_from"),
 }
