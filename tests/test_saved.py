@@ -61,6 +61,7 @@ RUNS = {
     "there and back": lambda: named("reversal"),
     "rack": lambda: named("rack:rows=2", events=12),
     "cradle": lambda: named("cradle:n=3", until=4),
+    "point": lambda: named("point", events=6),
     "grazing": lambda: named("grazing"),
     "nothing happens": lambda: ExactEngine().run(Scene([Circle(0, 0, vx=1)]), until="sqrt(2)"),
     "quiet at once": lambda: ExactEngine().run(Scene([Circle(0, 0, vx=1)])),
@@ -96,6 +97,7 @@ def test_a_run_is_had_again(kind: str, way: str) -> None:
     exact = len(run.events) <= 50
     assert json.dumps(trajectory_json(again, exact=exact)) == json.dumps(trajectory_json(run, exact=exact))
     assert saved_run(again) == text
+    assert again.scene.data() == run.scene.data()
     for mine, its in zip(run.events[-2:], again.events[-2:], strict=True):
         assert its.time.digits(300) == mine.time.digits(300)
         assert [c.x.digits(60) for c in again.at(its.time).circles] == [
@@ -149,6 +151,19 @@ def test_balls_are_kept_bit_for_bit() -> None:
             assert parts_of(from_parts(*parts_of(number))) == parts_of(number)
             assert parts_of(pickle.loads(pickle.dumps(number))) == parts_of(number)
     assert parts_of(from_parts(*parts_of(arb.nan()))) == ()
+
+
+def test_only_what_can_be_had_again_is_saved(tmp_path: Path) -> None:
+    """The other engines have no log; a limit whose text is longer than a number may be is not read."""
+    file = tmp_path / "run.json"
+    scene = catalogue.build("lee")
+    with pytest.raises(SceneError, match="only runs of the exact engine"):
+        tb.save_run(tb.run(scene, "double"), file)
+    with pytest.raises(SceneError, match="too long for one number"):
+        tb.save_run(tb.run(scene, until=10**30000), file)
+    assert list(tmp_path.iterdir()) == []
+    tb.save_run(tb.run(scene), file)
+    assert tb.load_run(file).final["left"].x.text() == tb.run(scene).final["left"].x.text()
 
 
 # -- the command line

@@ -134,12 +134,14 @@ def run(
         from ..certificates import check_certifiable
 
         check_certifiable(chosen.name, certificate)
-    check_savable(chosen.name, save)
+    if save is not None:
+        check_savable(chosen.name, loaded, save)
     goal = goal_of(loaded, until, events)
     with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
         told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
         trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)
-    save_run(trajectory, save)
+    if save is not None:
+        save_run(trajectory, save)
     if certificate is not None:
         from ..certificates import write_certificate
 

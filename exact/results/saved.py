@@ -18,7 +18,16 @@ from ...scenarios.trajectory import Stop, StopReason, Trajectory
 from ..simulation.history import Mark
 from .motion import ExactMotion
 from .run_log import RunLog
-from .saved_numbers import NumberReader, NumberWriter, Written, source_data, source_of, step_data, step_of
+from .saved_numbers import (
+    NumberReader,
+    NumberWriter,
+    Written,
+    set_time_data,
+    source_data,
+    source_of,
+    step_data,
+    step_of,
+)
 from .times import TimeFormula, time_of
 from .value import ExactValue
 
@@ -29,7 +38,7 @@ def saved_run(trajectory: Trajectory) -> str:
     """A run as the text of a file that `load_run` reads.
 
     Raises:
-        SceneError: for a run of another engine, and for a scene that no file can hold.
+        SceneError: for a run of another engine, and for a scene or a limit that no file can hold.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -133,7 +142,7 @@ def _data(run: Trajectory, motion: ExactMotion) -> dict[str, Any]:
         "assumptions": [[a.event, a.question, a.proof.name, a.bound] for a in run.assumptions],
         "end": time(run.final_time),
         "returned": motion.returned,
-        "set_times": [[when.text(), part] for when, part in motion.set_times.items()],
+        "set_times": [[set_time_data(when), part] for when, part in motion.set_times.items()],
         "reversal": None if run.reversal is None else [run.reversal.after, time(run.reversal.time)],
         "entries": [[e.circle, e.pocket, time(e.time)] for e in run.pocketings],
         "steps": [step_data(step) for step in log.steps],
@@ -149,7 +158,7 @@ def _data(run: Trajectory, motion: ExactMotion) -> dict[str, Any]:
 def _time_data(time: Any, number: NumberWriter) -> Written:
     """A set time as text; one of an instant as its number, step, source and the number at hand."""
     if isinstance(time, Quantity):
-        return time.text()
+        return set_time_data(time)
     assert isinstance(time, ExactValue)
     assert isinstance(time.formula, TimeFormula)
     return [time.instant, time.upto, source_data(time.formula.source), number(time.near)]

@@ -142,8 +142,19 @@ def step_of(data: Written) -> Step:
 def source_data(source: Source | Quantity) -> Written:
     """Whose time it is: a meeting as a list, a circle as a number, anything else as text."""
     if isinstance(source, Quantity):
-        return source.text()
+        return set_time_data(source)
     return list(source) if isinstance(source, tuple) else source
+
+
+def set_time_data(time: Quantity) -> Written:
+    """A set time as text.
+
+    Raises:
+        SceneError: if the reader of numbers does not take that text.
+    """
+    text = time.text()
+    Quantity.of(text)
+    return text
 
 
 def source_of(data: Written) -> Source:
