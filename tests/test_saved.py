@@ -26,6 +26,16 @@ from truebreak.scenarios.files import loads_json
 BOX = (Wall(0, 0, 0, 1), Wall(9, 0, 9, 1), Wall(0, 0, 1, 0), Wall(0, 7, 1, 7))
 
 
+MANY_ROOTS = Scene(
+    [
+        Circle(3, 3, vx="sqrt(2)"),
+        Circle(8, 3, m="sqrt(3)"),
+        Circle(5, 6, vx="-sqrt(11)", vy="sqrt(13)", m="sqrt(5) + sqrt(7)"),
+    ],
+    BOX,
+)
+
+
 def roots() -> Trajectory:
     """Numbers in a field of roots, nested ones among them."""
     nested = Quantity.of("sqrt(2 + sqrt(3)) + sqrt(5)")
@@ -69,6 +79,7 @@ RUNS = {
         catalogue.build("rack:rows=2").with_changes(tie_policy="sequential:seed=3"), events=8
     ),
     "roots": roots,
+    "many roots": lambda: ExactEngine().run(MANY_ROOTS, events=30),
     "pocketed": pocketed,
     "assumed": assumed,
     "undecided": undecided,
@@ -117,6 +128,16 @@ def test_what_is_known_comes_from_the_log() -> None:
     data["events"] = [[[*when[:3], []], *rest] for when, *rest in data["events"]]
     bare = run_of(resealed(data))
     assert [e.time.digits(200) for e in bare.events] == [e.time.digits(200) for e in run.events]
+
+
+def test_a_normal_form_too_long_to_be_read_is_kept_as_a_ball(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its exact value is then the log's."""
+    run = roots()
+    monkeypatch.setattr("truebreak.exact.results.saved_numbers.MAX_LENGTH", 5)
+    again = run_of(saved_run(run))
+    assert isinstance(again.events[1].time.near, arb)  # type: ignore[attr-defined]
+    assert trajectory_json(again, exact=True) == trajectory_json(run, exact=True)
+    assert [e.time.digits(200) for e in again.events] == [e.time.digits(200) for e in run.events]
 
 
 def resealed(data: dict[str, Any]) -> str:
