@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
+from ..scenarios.notebook import html_table
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
@@ -79,6 +80,17 @@ class Comparison:
         if self.reference.stop.reason in UNKNOWING:
             verdicts.add("undecided")
         return next(verdict for verdict in VERDICTS if verdict in verdicts)
+
+    def _repr_html_(self) -> str:
+        """One row an engine, for a notebook."""
+        rows: list[tuple[object, ...]] = [(self.reference.engine, "reference", len(self.reference.events), "", "")]
+        for candidate in self.candidates:
+            parted = candidate.alignment.divergence
+            where = "" if parted is None else f"event {parted.event:,}"
+            cause = "" if candidate.diagnosis is None else candidate.diagnosis
+            rows.append((candidate.engine, candidate.verdict, candidate.alignment.agreed, where, cause))
+        headings = ("engine", "verdict", "agreed", "differs at", "cause")
+        return html_table(f"{self.scene.name}: {self.verdict}", headings, rows, len(rows))
 
     def __getitem__(self, engine: str) -> Candidate:
         """The candidate of an engine, by the text with which it was asked for."""

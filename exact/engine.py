@@ -18,9 +18,9 @@ from .predicates.ties import TieRule
 from .replay.steps import Link
 from .results.home import return_note
 from .results.motion import ExactMotion
-from .results.run_log import Formula, RunLog
-from .results.value import ExactValue
-from .simulation.history import REVERSAL, History, Mark
+from .results.run_log import RunLog
+from .results.times import time_of, time_of_return, time_zero
+from .simulation.history import History
 from .simulation.limits import Limits, run_limits
 from .simulation.loop import Loop
 
@@ -156,41 +156,9 @@ def _end(log: RunLog, history: History, limits: Limits, stop: Stop) -> Any:
     if stop.reason is StopReason.HORIZON and limits.to_return and history.reversal is not None:
         mark = history.reversal[1]
         last = history.last.number if history.last is not None else mark.number
-        return ExactValue(
-            log, mark.step, (0,), lambda m: m.flip_time + m.flip_time, mark.time + mark.time, instant=last
-        )
+        return time_of_return(log, mark, last)
     if stop.reason is StopReason.HORIZON:
         return limits.until
     if history.last is None:
-        return ExactValue(log, 0, (0,), lambda m: m.zero, history.knots[0][0][0], instant=0)
+        return time_zero(log, history.knots[0][0][0])
     return time_of(log, history.last)
-
-
-def time_of(log: RunLog, mark: Mark) -> ExactValue:
-    """The time of an instant, which knows its exact value."""
-    source = mark.source
-    formula: Formula
-    if source == REVERSAL:
-        bodies, formula = (0,), _flip_time
-    elif isinstance(source, int):
-        bodies, formula = (source,), _clock(source)
-    else:
-        assert isinstance(source, tuple)
-        bodies, formula = source[:1], _meeting(source)
-    return ExactValue(log, mark.step, bodies, formula, mark.time, instant=mark.number)
-
-
-def _flip_time(state: Any) -> Any:
-    return state.flip_time
-
-
-def _clock(body: int) -> Formula:
-    return lambda state: state.bodies[body].instant
-
-
-def _meeting(link: Link) -> Formula:
-    def time(state: Any) -> Any:
-        clock, wait = state.hit(link)
-        return clock + wait
-
-    return time

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 import math
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
@@ -79,6 +80,18 @@ class IntervalNumber:
 
     def __repr__(self) -> str:
         return f"[{self.low!r}, {self.high!r}]"
+
+
+def _from_ends(ends: Any) -> Any:
+    """The `mpmath.iv` interval between these ends."""
+    return mpmath.iv.make_mpf(ends)
+
+
+def _reduced(value: Any) -> tuple[Any, tuple[Any]]:
+    return _from_ends, (value._mpi_,)
+
+
+copyreg.pickle(type(mpmath.iv.mpf(0)), _reduced)
 
 
 def bounds(value: Any) -> tuple[float, float]:

@@ -11,7 +11,9 @@ from typing import Any, TypeVar
 
 from .errors import SceneError
 from .limits import checked_truth, positive_count, positive_time
+from .notebook import html_table
 from .numbers.quantity import Quantity, QuantityLike
+from .showing import shortened
 from .things import Circle, Pocket, Wall
 from .tie_policy import TiePolicy
 from .validation import check_apart
@@ -185,6 +187,14 @@ class Scene:
         if self.pockets:
             data["pocket"] = [_texts(p, ("x", "y", "r")) for p in self.pockets]
         return data
+
+    def _repr_html_(self) -> str:
+        """The circles as a table, for a notebook."""
+        keys = ("x", "y", "r", "vx", "vy", "m")
+        rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)
+        counts = {"circle": len(self.circles), "wall": len(self.walls), "pocket": len(self.pockets)}
+        told = ", ".join(f"{count:,} {kind}{'s' * (count != 1)}" for kind, count in counts.items() if count)
+        return html_table(f"{self.name}: {told}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
 
     @property
     def digest(self) -> str:

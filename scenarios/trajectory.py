@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
 
 from .event import Assumption, Event, Pocketing, Reversal
+from .notebook import html_table
 from .numbers.quantity import Quantity
 from .numbers.real import Real, real
 from .scene import Scene
@@ -153,6 +154,16 @@ class Trajectory:
     def rests_on(self, event: int) -> Assumption | None:
         """The first assumption on which an event rests; None if all before it is proved."""
         return next((assumption for assumption in self.assumptions if assumption.event <= event), None)
+
+    def _repr_html_(self) -> str:
+        """The events as a table, for a notebook."""
+        rows = (
+            [event.index, float(event.time), ", ".join(f"{first} and {second}" for first, second in event.impulses)]
+            for event in self.events
+        )
+        told = [f"{len(self.events):,} events, {self.stop.message}", *map(str, self.assumptions[:1])]
+        caption = f"{self.scene.name} in {self.engine}: {'; '.join(told)}"
+        return html_table(caption, ("event", "time", "impulses"), rows, len(self.events))
 
     @property
     def collisions(self) -> int:

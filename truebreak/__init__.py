@@ -16,14 +16,28 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .compare.comparison import compare as comparison
     from .compare.run import run
+    from .compare.saved_runs import save_run
     from .compare.scene_argument import scene_from as scene
+    from .exact.results.saved import load_run
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
     from .scenarios.things import Circle, Pocket, Wall
 
     __version__: str
 
-__all__ = ["Circle", "Pocket", "Scene", "Wall", "__version__", "comparison", "load", "run", "scene"]
+__all__ = [
+    "Circle",
+    "Pocket",
+    "Scene",
+    "Wall",
+    "__version__",
+    "comparison",
+    "load",
+    "load_run",
+    "run",
+    "save_run",
+    "scene",
+]
 
 _HOMES = {
     "Circle": ("scenarios.things", "Circle"),
@@ -32,7 +46,9 @@ _HOMES = {
     "Wall": ("scenarios.things", "Wall"),
     "comparison": ("compare.comparison", "compare"),
     "load": ("scenarios.files", "load_scene"),
+    "load_run": ("exact.results.saved", "load_run"),
     "run": ("compare.run", "run"),
+    "save_run": ("compare.saved_runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),
 }
 """The module of each name, and what it is called there: imported when it is asked for."""

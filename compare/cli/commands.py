@@ -93,6 +93,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 @click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
 @JSON
 @click.option("--certificate", metavar="FILE", help="Also write a certificate that `truebreak verify` checks.")
+@click.option("--save", metavar="FILE", help="Also save the run, or what there is of it, for `truebreak.load_run`.")
 @TIES
 @WORK
 @SECONDS
@@ -107,6 +108,7 @@ def run(
     exact: bool,
     as_json: bool,
     certificate: str | None,
+    save: str | None,
     ties: str | None,
     work: int | None,
     max_seconds: float | None,
@@ -120,6 +122,7 @@ def run(
     from ..engines import engine
     from ..foreign.guard import is_own, run_guarded
     from ..report.listing import print_json, print_trajectory
+    from ..saved_runs import check_savable, save_run
     from ..scene_argument import changed, with_settings
     from ..validation import check_trajectory, check_until
     from .progress import goal_of, showing_progress
@@ -131,10 +134,14 @@ def run(
         from ..certificates import check_certifiable
 
         check_certifiable(chosen.name, certificate)
+    if save is not None:
+        check_savable(chosen.name, loaded, save)
     goal = goal_of(loaded, until, events)
     with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
         told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
         trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)
+    if save is not None:
+        save_run(trajectory, save)
     if certificate is not None:
         from ..certificates import write_certificate
 

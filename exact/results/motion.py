@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from flint import arb, fmpq
@@ -16,7 +17,9 @@ from ..laws.formulas import advance
 from ..numbers import ball
 from ..numbers.system import Number
 from ..replay.state import State
+from ..simulation.history import Mark
 from .run_log import RunLog
+from .times import time_of
 from .value import ExactValue
 
 if TYPE_CHECKING:
@@ -25,6 +28,45 @@ if TYPE_CHECKING:
 
 READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Computes a coordinate of a circle at a time, from the state after its last change of velocity before it."""
+
+    body: int
+    name: str
+    speed: str
+    time: ExactValue | Quantity
+
+    def __call__(self, state: State) -> Number:
+        body = state.bodies[self.body]
+        place = getattr(body, self.name)
+        if body.rest:
+            return place
+        when = self.time.formula(state) if isinstance(self.time, ExactValue) else state.constant(self.time)
+        return advance(place, getattr(body, self.speed), when - body.t)
+
+
+@dataclass(frozen=True)
+class Velocity:
+    """Computes a component of a circle's velocity."""
+
+    body: int
+    name: str
+
+    def __call__(self, state: State) -> Number:
+        return getattr(state.bodies[self.body], self.name)
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number that the scene gives."""
+
+    value: Quantity
+
+    def __call__(self, state: State) -> Number:
+        return state.constant(self.value)
 
 
 class ExactMotion:
@@ -137,7 +179,7 @@ class ExactMotion:
         """The instant of a knot. In balls the knot's own number is only a clock beside it, so nothing is at hand."""
         t, *_, upto, instant = self.knots[i][k]
         near = arb.nan() if isinstance(t, arb) else t
-        return ExactValue(self.log, upto, (i,), lambda m: m.bodies[i].instant, near, instant=instant)
+        return time_of(self.log, Mark(instant, near, upto, i))
 
     def _of_circle(self, i: int, time: Any) -> tuple[Any, Any, Any, Any]:
         k = self._knot(i, time)
@@ -150,24 +192,13 @@ class ExactMotion:
             bodies = (i,)
             near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
 
-        def when(state: State) -> Number:
-            return time.formula(state) if isinstance(time, ExactValue) else state.constant(time)
-
-        def x_at(state: State) -> Number:
-            body = state.bodies[i]
-            return body.x if body.rest else advance(body.x, body.vx, when(state) - body.t)
-
-        def y_at(state: State) -> Number:
-            body = state.bodies[i]
-            return body.y if body.rest else advance(body.y, body.vy, when(state) - body.t)
-
         near_x, near_y = _near(x, vx, near_time, t), _near(y, vy, near_time, t)
         make = ExactValue
         return (
-            make(self.log, upto, bodies, x_at, near_x),
-            make(self.log, upto, bodies, y_at, near_y),
-            make(self.log, upto, bodies, lambda m: m.bodies[i].vx, vx),
-            make(self.log, upto, bodies, lambda m: m.bodies[i].vy, vy),
+            make(self.log, upto, bodies, Place(i, "x", "vx", time), near_x),
+            make(self.log, upto, bodies, Place(i, "y", "vy", time), near_y),
+            make(self.log, upto, bodies, Velocity(i, "vx"), vx),
+            make(self.log, upto, bodies, Velocity(i, "vy"), vy),
         )
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -240,4 +271,4 @@ def _shown(time: Any) -> str:
 
 def _known(log: RunLog, value: Quantity) -> ExactValue:
     near = value.rational if value.rational is not None else value.ball(READ_BITS)
-    return ExactValue(log, 0, (), lambda state: state.constant(value), near)
+    return ExactValue(log, 0, (), Constant(value), near)

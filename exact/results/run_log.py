@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.field import TowerLimit
@@ -42,6 +43,10 @@ class RunLog:
         self._key: tuple[int, int] | None = None
         self._state: State | None = None
         self._too_deep: list[frozenset[int]] = []
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is computed again at need."""
+        return {**self.__dict__, "_key": None, "_state": None}
 
     def in_balls(self, bits: int, upto: int) -> State:
         """The state after the first `upto` steps, in balls computed with `bits` bits."""

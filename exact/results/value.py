@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
@@ -13,7 +14,10 @@ from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.tower import Tower
 from ..numbers import ball
 from ..numbers.system import Number
+from .ball_parts import reduced
 from .run_log import Formula, RunLog
+
+copyreg.pickle(arb, reduced)
 
 GUARD_BITS = 32
 """Bits asked for beyond the digits wanted."""

@@ -1,0 +1,218 @@
+"""A run of the exact engine as a file: the scene, the log, and the numbers at hand, so that it is had again whole."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from ...scenarios.errors import SceneError
+from ...scenarios.event import Assumption, Contact, Event, Pocketing, Reversal, Tie, TieProof
+from ...scenarios.files import dump_json, loads_json
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.showing import cut
+from ...scenarios.trajectory import Stop, StopReason, Trajectory
+from ..simulation.history import Mark
+from .motion import ExactMotion
+from .run_log import RunLog
+from .saved_numbers import (
+    NumberReader,
+    NumberWriter,
+    Written,
+    set_time_data,
+    source_data,
+    source_of,
+    step_data,
+    step_of,
+)
+from .times import TimeFormula, time_of
+from .value import ExactValue
+
+SCHEMA = "truebreak/run-1"
+
+
+def saved_run(trajectory: Trajectory) -> str:
+    """A run as the text of a file that `load_run` reads.
+
+    Raises:
+        SceneError: for a run of another engine, and for a scene or a limit that no file can hold.
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> run = ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]))
+    >>> run_of(saved_run(run)).events[0].time.text()
+    '-sqrt(3) + 4'
+    """
+    motion = trajectory.motion
+    if trajectory.engine != "exact" or not isinstance(motion, ExactMotion):
+        raise SceneError(f"only runs of the exact engine are saved with their log, not those of {trajectory.engine}")
+    data = {"schema": SCHEMA, "version": version("truebreak"), **_data(trajectory, motion)}
+    return _text({**data, "digest": _digest(data)})
+
+
+def load_run(path: str | os.PathLike[str]) -> Trajectory:
+    """The run in a file that `truebreak run SCENE --save FILE` wrote.
+
+    It is the run that was saved: the same events, states and proofs, and any digit of any number, computed again from
+    the log. The digest in the file tells damage, not forgery: load what you, or those whom you trust, have written.
+
+    Raises:
+        SceneError: one line, for a file that is not there, is none of these, is damaged or is of another version.
+    """
+    where = os.fspath(path)
+    path = Path(where)
+    try:
+        other = path.exists() and not path.is_file()
+        raw = b"" if other else path.read_bytes()
+    except FileNotFoundError:
+        raise SceneError(f"{where}: no such file; check the path") from None
+    except OSError as error:
+        raise SceneError(f"{where}: cannot be read: {error.strerror or error}") from None
+    except ValueError as error:  # a zero byte in the path
+        raise SceneError(f"{where!r}: cannot be read: {error}") from None
+    if other:
+        raise SceneError(f"{where}: is not a regular file; give the path of a saved run")
+    text = raw.decode("utf-8", errors="replace")
+    return run_of(text, where)
+
+
+def run_of(text: str, where: str = "the text") -> Trajectory:
+    """The run in the text of such a file; `where` names it in errors.
+
+    Raises:
+        SceneError: as `load_run`.
+    """
+    try:
+        data: Any = json.loads(text)
+    except (ValueError, RecursionError):
+        data = None
+        if text.startswith(f'{{"schema":"{SCHEMA}"'):
+            raise SceneError(f"{where}: is damaged; save the run again") from None
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:  # type: ignore[reportUnknownMemberType]
+        raise SceneError(f"{where}: is not a saved run; write one with `truebreak run SCENE --save FILE`")
+    known: dict[str, Any] = data
+    if known.get("version") != version("truebreak"):
+        raise SceneError(
+            f"{where}: was saved by truebreak {cut(known.get('version'))}, and this is {version('truebreak')}; "
+            "save the run again, or install that version"
+        )
+    if known.pop("digest", None) != _digest(known):
+        raise SceneError(f"{where}: is damaged; save the run again")
+    try:
+        return _trajectory(known, where)
+    except (ArithmeticError, AssertionError, AttributeError, LookupError, TypeError, ValueError):
+        raise SceneError(f"{where}: is damaged; save the run again") from None
+
+
+def _digest(data: dict[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+
+
+def _text(data: dict[str, Any]) -> str:
+    """One line a key; of the long lists, one line an entry."""
+    lines = []
+    for key, value in data.items():
+        told = json.dumps(value, separators=(",", ":"))
+        if key in ("steps", "events", "knots"):
+            told = "[\n" + ",\n".join(json.dumps(row, separators=(",", ":")) for row in value) + "]"
+        lines.append(f"{json.dumps(key)}:{told}")
+    return "{" + ",\n".join(lines) + "}\n"
+
+
+# -- writing
+
+
+def _data(run: Trajectory, motion: ExactMotion) -> dict[str, Any]:
+    log, number = motion.log, NumberWriter()
+
+    def time(value: Any) -> Written:
+        return _time_data(value, number)
+
+    data: dict[str, Any] = {
+        "engine": dict(run.parameters),
+        "stop": [run.stop.reason.name, run.stop.message],
+        "scene": json.loads(dump_json(run.scene)),
+        "lost": log.lost,
+        "centred": log.centred,
+        "plan": dict(run.plan),
+        "notes": list(run.notes),
+        "assumptions": [[a.event, a.question, a.proof.name, a.bound] for a in run.assumptions],
+        "end": time(run.final_time),
+        "returned": motion.returned,
+        "set_times": [[set_time_data(when), part] for when, part in motion.set_times.items()],
+        "reversal": None if run.reversal is None else [run.reversal.after, time(run.reversal.time)],
+        "entries": [[e.circle, e.pocket, time(e.time)] for e in run.pocketings],
+        "steps": [step_data(step) for step in log.steps],
+        "events": [
+            [time(e.time), e.contacts, e.impulses, [[t.contacts, t.proof.name, t.bound] for t in e.ties], e.coupled]
+            for e in run.events
+        ],
+        "knots": [[[*map(number, knot[:5]), *knot[5:]] for knot in row] for row in motion.knots],
+    }
+    return json.loads(json.dumps({**data, "roots": number.roots}))
+
+
+def _time_data(time: Any, number: NumberWriter) -> Written:
+    """A set time as text; one of an instant as its number, step, source and the number at hand."""
+    if isinstance(time, Quantity):
+        return set_time_data(time)
+    assert isinstance(time, ExactValue)
+    assert isinstance(time.formula, TimeFormula)
+    return [time.instant, time.upto, source_data(time.formula.source), number(time.near)]
+
+
+# -- reading
+
+
+def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
+    scene = loads_json(json.dumps(data["scene"]), where)
+    number = NumberReader(data["roots"])
+    log = RunLog(scene, [step_of(step) for step in data["steps"]], data["lost"], data["centred"])
+
+    def time(written: Written) -> Any:
+        if isinstance(written, str):
+            return Quantity.of(written)
+        instant, upto, source, near = written
+        return time_of(log, Mark(instant, number(near), upto, source_of(source)))
+
+    end = time(data["end"])
+    knots = [[(*map(number, knot[:5]), *knot[5:]) for knot in row] for row in data["knots"]]
+    motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
+    motion.returned = data["returned"]
+    reason, message = data["stop"]
+    return Trajectory(
+        scene=scene,
+        engine="exact",
+        parameters=data["engine"],
+        events=tuple(
+            Event(index, time(when), _contacts(links), _contacts(impulses), tuple(map(_tie, ties)), coupled)
+            for index, (when, links, impulses, ties, coupled) in enumerate(data["events"])
+        ),
+        stop=Stop(StopReason[reason], message),
+        final_time=end,
+        motion=motion,
+        reversal=None if data["reversal"] is None else Reversal(data["reversal"][0], time(data["reversal"][1])),
+        pocketings=tuple(Pocketing(circle, pocket, time(when)) for circle, pocket, when in data["entries"]),
+        assumptions=tuple(
+            Assumption(at, asked, TieProof[proof], bits) for at, asked, proof, bits in data["assumptions"]
+        ),
+        plan=data["plan"],
+        notes=tuple(data["notes"]),
+    )
+
+
+def _contacts(data: Written) -> tuple[Contact, ...]:
+    return tuple(Contact(first, second) for first, second in data)
+
+
+def _tie(data: Written) -> Tie:
+    contacts, proof, bound = data
+    return Tie(_contacts(contacts), TieProof[proof], bound)
+
+
+def _assumption(data: Written) -> Assumption:
+    event, question, proof, bound = data
+    return Assumption(event, question, TieProof[proof], bound)
