@@ -297,3 +297,21 @@ def test_a_limit_that_came_first_is_code_4_and_the_scene_is_written(
     assert called("gas:n=6", "--engine", "double", "--runs", "2", "--out", str(path)) == 4
     assert "the limit on comparisons was reached" in capsys.readouterr().out
     assert verdict(load_scene(path), "double") == "diverged"
+
+
+def test_ctrl_c_is_code_130_and_the_scene_so_far_is_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = itertools.count()
+
+    def interrupted(*given: Any, **options: Any) -> Any:
+        if next(calls) == 4:
+            raise KeyboardInterrupt
+        return compare(*given, **options)
+
+    monkeypatch.setattr(module, "compare", interrupted)
+    path = tmp_path / "some.toml"
+    assert called("gas:n=6", "--engine", "double", "-o", str(path)) == 130
+    assert "interrupted" in capsys.readouterr().out
+    assert len(load_scene(path).circles) < 6
+    assert verdict(load_scene(path), "double") == "diverged"
