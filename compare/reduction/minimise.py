@@ -159,29 +159,33 @@ class _Search:
             self._reduce(settings(self.best), by_one)
             for denominator in DENOMINATORS:
                 self._reduce(digits(self.best, denominator), by_one)
-            if self.best is before:
+            if by_one and self.best is before:
                 return End.SECONDS if self.cut_short else End.MINIMAL
             by_one = True
 
     def _reduce(self, parts: Parts, by_one: bool) -> None:
         """Leaves out of the best scene what can be of these parts."""
+        gone: set[str] = set()
 
         def still(kept: Sequence[str]) -> bool:
             try:
                 smaller = parts.keeping(kept)
             except SceneError:
                 return False
-            left_out = tuple(item for item in parts.items if item not in kept)
+            left_out = tuple(item for item in parts.items if item not in kept and item not in gone)
             if not by_one and parts.kind in THINGS and smaller.until is None:
                 smaller = smaller.with_changes(until=self.until)
-            return any(self._take(smaller.with_changes(events=n), parts.kind, left_out) for n in self._spans())
+            taken = any(self._take(smaller.with_changes(events=n), parts.kind, left_out) for n in self._spans())
+            gone.update(left_out if taken else ())
+            return taken
 
         ddmin(parts.items, still, len(parts.items) if by_one else 2)
 
     def _shorten(self) -> None:
         """Ends the run with the divergence, without a limit in time that the original lacks; then earlier while it
         still shows."""
-        shown, told = self._shown(), (str(self._shown()),)
+        shown = min(self._shown(), self.span)
+        told = (str(shown),)
         if self.original.until is None and self.best.until is not None:
             self._take(self.best.with_changes(events=shown, until=None), "events", told)
         if self.best.events is None or shown < self.best.events:
@@ -214,8 +218,8 @@ class _Search:
         """
         reference = self.comparison.reference
         self.span = self.original.events or max(len(reference.events), self._shown())
-        over = reference.stop.reason is StopReason.QUIET
-        self.until = None if over else math.floor(reference.final_time.bounds()[1]) + 1
+        end = math.inf if reference.stop.reason is StopReason.QUIET else reference.final_time.bounds()[1]
+        self.until = math.floor(end) + 1 if math.isfinite(end) else None
 
     def _take(self, scene: Scene, kind: str, removed: tuple[str, ...]) -> bool:
         """Takes a smaller scene if the engine diverges on it."""
@@ -292,7 +296,7 @@ class _Search:
         events = len(comparison.reference.events)
         raise SceneError(
             f"engine {candidate.engine!r} is not known to diverge on {self.original.name}: {_told(candidate)} "
-            f"(the exact run has {events} events); there is nothing to minimise; try a longer span or another engine"
+            f"(events of the exact run: {events}); there is nothing to minimise; try a longer span or another engine"
         )
 
 

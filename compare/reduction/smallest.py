@@ -75,7 +75,7 @@ class Smallest:
         original: the scene that it comes from, with the limits that were asked for.
         comparison: of the smallest scene: the engine held against the certified run.
         steps: what was left out, in this order.
-        runs: comparisons made.
+        runs: comparisons made in the search; one more, of the last scene, tells its cause.
         end: why the search ended.
     """
 

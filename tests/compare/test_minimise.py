@@ -127,6 +127,18 @@ def test_each_step_has_a_certified_verdict_and_fewer_parts(of_gas: dict[str, Sma
     assert found.steps[-1].runs <= found.runs
 
 
+@pytest.mark.parametrize("engine", ["double", "pymunk"])
+def test_each_step_tells_what_it_left_out_and_no_more(of_gas: dict[str, Smallest], engine: str) -> None:
+    found = of_gas[engine]
+    ids = [*found.original.ids]
+    for step in found.steps:
+        if step.kind in ("circles", "walls"):
+            assert {*step.removed} <= {*ids}
+            ids = [name for name in ids if name not in step.removed]
+        assert [*step.comparison.scene.ids] == ids
+    assert [*found.scene.ids] == ids
+
+
 def test_what_has_no_part_in_a_near_tie_is_left_out() -> None:
     scene = near_tie(
         Circle("123/7", 50, vx="sqrt(2)", id="stranger"),
