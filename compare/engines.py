@@ -16,55 +16,37 @@ if TYPE_CHECKING:
     from ..scenarios.engine import Engine
 
 
+ROOT = __name__.rpartition(".compare")[0]
+
+
 @dataclass(frozen=True)
 class EngineEntry:
     """Where an engine lives and what it is, without importing it.
 
     Attributes:
         name: what the command line calls it.
-        module: dotted path of the module that has the class.
-        attribute: name of the class, a frozen dataclass whose fields are the engine's parameters.
+        path: the module below `truebreak`, and the class: a frozen dataclass whose fields are the engine's parameters.
         summary: one line for a listing.
     """
 
     name: str
-    module: str
-    attribute: str
+    path: str
     summary: str
 
     def load(self) -> type[Any]:
         """The engine's class, imported now."""
-        return getattr(import_module(self.module), self.attribute)
+        module, _, name = self.path.partition(":")
+        return getattr(import_module(f"{ROOT}.{module}"), name)
 
-
-ROOT = __name__.rpartition(".compare")[0]
 
 ENGINES: dict[str, EngineEntry] = {
-    entry.name: entry
-    for entry in (
-        EngineEntry("exact", f"{ROOT}.exact.engine", "ExactEngine", "certified: every decision proved, or it says so"),
-        EngineEntry(
-            "sympy",
-            f"{ROOT}.exact.literal.engine",
-            "SymbolicEngine",
-            "SymPy alone, taken literally: slow, an oracle",
-        ),
-        EngineEntry("double", f"{ROOT}.floating.double", "DoubleEngine", "event-driven in 53-bit floating point"),
-        EngineEntry("single", f"{ROOT}.floating.single", "SingleEngine", "event-driven in 24-bit floating point"),
-        EngineEntry("quad", f"{ROOT}.floating.quad", "QuadEngine", "event-driven in pairs of doubles: 106 bits"),
-        EngineEntry(
-            "interval",
-            f"{ROOT}.floating.interval",
-            "IntervalEngine",
-            "event-driven in intervals; stops where unsure",
-        ),
-        EngineEntry(
-            "pymunk",
-            f"{ROOT}.floating.pymunk_engine",
-            "PymunkEngine",
-            "the game engine Chipmunk, by time steps",
-        ),
-    )
+    "exact": EngineEntry("exact", "exact.engine:ExactEngine", "certified: every decision proved, or it says so"),
+    "sympy": EngineEntry("sympy", "exact.literal.engine:SymbolicEngine", "SymPy alone, literally: slow, an oracle"),
+    "double": EngineEntry("double", "floating.double:DoubleEngine", "event-driven in 53-bit floating point"),
+    "single": EngineEntry("single", "floating.single:SingleEngine", "event-driven in 24-bit floating point"),
+    "quad": EngineEntry("quad", "floating.quad:QuadEngine", "event-driven in pairs of doubles: 106 bits"),
+    "interval": EngineEntry("interval", "floating.interval:IntervalEngine", "in intervals; stops where unsure"),
+    "pymunk": EngineEntry("pymunk", "floating.pymunk_engine:PymunkEngine", "the game engine Chipmunk, by time steps"),
 }
 """Every engine that the command line and `compare` know. A new engine adds its own file and one line here."""
 

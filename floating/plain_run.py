@@ -56,7 +56,9 @@ def run_plain(
         time = history.reversal[1].time
         end = shown(time + time, history.last.number)
     elif stop.reason is StopReason.HORIZON:
-        end = limits.until
+        assert limits.until is not None
+        late = history.last is not None and float(at(history.last)) > float(limits.until)
+        end = at(history.last) if history.last is not None and late else limits.until  # rounded up, it let this in
     else:
         end = shown(decider.state.zero, 0) if history.last is None else at(history.last)
     return Trajectory(

@@ -20,19 +20,13 @@ settings.load_profile("ci" if os.environ.get("CI") else "local")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-# A shell starts what runs in the background deaf to Ctrl-C; what the tests interrupt must hear it.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-# A shell starts what runs in the background deaf to Ctrl-C; what the tests interrupt must hear it.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-# A shell starts what runs in the background deaf to Ctrl-C; what the tests interrupt must hear it.
-signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The project's top folder."""
     return ROOT
+
+
+@pytest.fixture(autouse=True)
+def _no_columns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As wide as without the variable, which workers of xdist are given."""
+    monkeypatch.delenv("COLUMNS", raising=False)

@@ -73,6 +73,7 @@ def test_there_are_recipes() -> None:
     assert [recipe.title for recipe in RECIPES] == [
         "A scene family",
         "An outcome",
+        "An engine",
         "A number system",
         "A tie policy",
         "A rung of the cascade",

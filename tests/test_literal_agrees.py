@@ -30,6 +30,8 @@ TIED = {
     "rack:rows=2": 6,
     "inscribed:n=3,spin=0": 8,
     "inscribed:n=4": 5,
+    "magic-masses": 3,
+    "magic-masses:a=1/2": 3,
 }
 """Scenes in which several contacts fall on one instant, and how many instants are compared."""
 
@@ -61,6 +63,12 @@ SINGLE = {
     "grazing:angle=0": 10,
     "grazing:angle=45": 6,
     "grazing:miss=-10**-40": 4,
+    "siam:t=1": 1,
+    "hexagon:d=4": 1,
+    "two-in-a-box": 2,
+    "three-disc:seed=3": 2,
+    "free-discs": 2,
+    "cross": 2,
 }
 """Scenes without such instants, or almost, under their own policy."""
 

@@ -17,7 +17,7 @@ from ...exact.laws.formulas import pair_impulse, wall_bounce
 from ...exact.numbers import ball
 from ...exact.replay.state import State
 from ...exact.results.growth import Displacements
-from ...exact.results.impacts import moving
+from ...exact.results.impacts import LEAST_BITS, moving
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -169,7 +169,7 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
     """
     log = trajectory.motion.log  # type: ignore[attr-defined]
     reach, circles = _usual_reach(trajectory.scene), trajectory.scene.circles
-    bits = 2 * log.bits
+    bits = 2 * (log.lost + LEAST_BITS)
     while True:
         with ball.precision(bits):
             state = State(trajectory.scene, ball.BALLS)

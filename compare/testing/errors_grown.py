@@ -134,4 +134,4 @@ def _impacts(run: Trajectory) -> list[list[Impact]]:
     try:
         return impacts(run, len(run.events))
     except NoTangentMap as none:
-        return impacts(run, none.events)
+        return impacts(run, none.events) if none.events else []

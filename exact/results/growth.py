@@ -14,7 +14,7 @@ from ..laws.formulas import wall_bounce
 from ..laws.tangent_formulas import pair_tangent
 from ..numbers import ball
 from ..numbers.system import Number
-from .impacts import Impact, NoTangentMap, impacts, moving
+from .impacts import LEAST_BITS, Impact, NoTangentMap, impacts, moving
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -178,7 +178,7 @@ def certified_growth(trajectory: Trajectory, events: int) -> CertifiedGrowth:
         raise NoTangentMap("growth is certified along a certified run only; run the exact engine")
     start = unit_displacements(trajectory.scene)
     direction = _most_grown(trajectory, events)
-    bits = log.bits
+    bits = log.lost + LEAST_BITS
     while True:
         with ball.precision(bits):
             carried = Displacements(trajectory.scene, np.vectorize(arb, otypes=[object])(start))

@@ -28,6 +28,13 @@ FAMILIES = {
     "point": "scatterers",
     "grazing": "touch",
     "corner": "touch",
+    "siam": "billiards",
+    "hexagon": "billiards",
+    "two-in-a-box": "billiards",
+    "three-disc": "billiards",
+    "free-discs": "impacts",
+    "magic-masses": "impacts",
+    "cross": "impacts",
 }
 """Every scene, and the module here whose `SCENES` hold it. A new scene touches that module and this table."""
 

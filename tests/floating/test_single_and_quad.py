@@ -109,3 +109,14 @@ def test_a_state_at_an_event_is_as_the_event_leaves_it(engine):
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_every_system_of_the_table_can_be_had(name):
     assert hasattr(number_system(name), "constant")
+
+
+def test_a_limit_that_is_rounded_up_lets_its_event_in() -> None:
+    """A run ends with the event that the limit, in singles, does not exclude: it is part of what may be asked for."""
+    scene = catalogue.build("three-disc")
+    exact = ExactEngine().run(scene, events=1).events[0].time
+    run = SingleEngine().run(scene, until=float(exact))
+    assert len(run.events) == 1
+    assert float(run.events[0].time) > float(exact)
+    assert float(run.final_time) == float(run.events[0].time)
+    assert run.at(run.events[0].time)["ball"].vx != scene.circles[0].vx

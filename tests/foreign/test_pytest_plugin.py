@@ -18,13 +18,15 @@ SAMPLE = ROOT / "tests" / "data" / "sample_project"
 
 
 def test_the_plugin_imports_nothing_but_pytest(tmp_path: Path) -> None:
-    """A run of pytest that uses no check loads nothing of the project's beyond the plugin's own file."""
+    """A run of pytest that uses no check loads nothing of the project's beyond the plugin's own file, and the few lines by
+    which its packages find their names."""
     (tmp_path / "test_it.py").write_text(
         "import sys\n"
         "def test_it():\n"
         "    own = sorted(m for m in sys.modules if m == 'truebreak' or m.startswith('truebreak.'))\n"
         "    assert own == ['truebreak', 'truebreak.compare', 'truebreak.compare.testing',\n"
-        "                   'truebreak.compare.testing.plugin'], own\n"
+        "                   'truebreak.compare.testing.plugin', 'truebreak.scenarios',\n"
+        "                   'truebreak.scenarios.names'], own\n"
         "    heavy = {'sympy', 'numpy', 'flint', 'mpmath', 'pymunk', 'click', 'rich', 'jinja2', 'hypothesis'}\n"
         "    assert not heavy & set(sys.modules), heavy & set(sys.modules)\n",
         "utf-8",

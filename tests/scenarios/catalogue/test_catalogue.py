@@ -49,6 +49,13 @@ SPECS = (
     "grazing:miss=-10**-40",
     *(f"corner:angle={angle}" for angle in (36, 45, 60, 72, 90)),
     "corner:angle=90,skew=1/3,tie=sequential",
+    "siam:t=3",
+    "hexagon:d=2*sqrt(3),vx=1,vy=0",
+    "two-in-a-box:r=1/5,seed=7",
+    "three-disc:distance=5/2,seed=9",
+    "free-discs:n=4",
+    "magic-masses:a=1/2,start=one,tie=sequential",
+    "cross:angle=45",
 )
 
 

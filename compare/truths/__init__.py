@@ -1,0 +1,1 @@
+"""Published numbers, reproduced: `python -m truebreak.compare.truths` writes docs/truths.md."""

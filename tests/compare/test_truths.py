@@ -1,0 +1,119 @@
+"""Published numbers are reproduced, and the page that says so is current."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from truebreak.compare.truths.__main__ import line, main, page
+from truebreak.compare.truths.exactly import EXACT, SIAM_DIGITS, siam
+from truebreak.compare.truths.statistically import STATISTICAL, two_disc_rate
+from truebreak.compare.truths.truth import NotReproduced, Truth, near, same
+from truebreak.exact import ExactEngine
+from truebreak.floating import DoubleEngine
+from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
+
+ALL = (*EXACT, *STATISTICAL)
+
+
+def name(truth: Truth) -> str:
+    return truth.title
+
+
+@pytest.mark.parametrize("truth", [truth for truth in ALL if not truth.long], ids=name)
+def test_a_truth_is_reproduced_as_the_page_says(truth: Truth, root: Path) -> None:
+    assert line(truth) in (root / "docs" / "truths.md").read_text("utf-8")
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+def test_the_page_is_what_the_command_writes(root: Path) -> None:
+    assert page() == (root / "docs" / "truths.md").read_text("utf-8")
+
+
+@pytest.mark.parametrize("truth", ALL, ids=name)
+def test_the_page_names_every_truth(truth: Truth, root: Path) -> None:
+    text = (root / "docs" / "truths.md").read_text("utf-8")
+    (row,) = [row for row in text.splitlines() if row.startswith(f"| {truth.title} |")]
+    assert f"| {truth.published} |" in row
+    assert f"`{truth.command}`" in row
+
+
+def test_what_is_not_reproduced_stops_the_command(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import importlib
+
+    module = importlib.import_module("truebreak.compare.truths.__main__")
+    wrong = Truth("two and two", "5", "nobody", "expr 2 + 2", lambda: same("4", "5"))
+    monkeypatch.setattr(module, "EXACT", (wrong,))
+    assert main([str(tmp_path / "t.md")]) == 1
+    assert "not reproduced: two and two: 4 is not 5" in capsys.readouterr().err
+    assert not (tmp_path / "t.md").exists()
+    with pytest.raises(NotReproduced):
+        near(1.1, 1.0, 0.05)
+
+
+# -- the scenes behind them
+
+
+def test_the_photon_has_14_hits_and_doubles_have_five_digits() -> None:
+    scene = catalogue.build("siam")
+    run = ExactEngine().run(scene)
+    assert (len(run.events), run.certified) == (14, True)
+    rounded = DoubleEngine().run(scene)
+    assert [event.contacts for event in rounded.events] == [event.contacts for event in run.events]
+    photon = rounded.final["photon"]
+    error = abs(math.hypot(float(photon.x), float(photon.y)) - float(SIAM_DIGITS))
+    assert 1e-8 < error < 1e-4
+    assert siam(digits=150).startswith(SIAM_DIGITS)
+
+
+def test_no_mirror_within_reach_of_the_photon_is_left_out() -> None:
+    """Twice as many mirrors, the same path."""
+    near_run, far = catalogue.build("siam:t=4"), catalogue.build("siam:t=9")
+    mine, theirs = (ExactEngine().run(scene, until=4) for scene in (near_run, far))
+    assert [event.contacts for event in mine.events] == [event.contacts for event in theirs.events]
+    assert mine.final["photon"].x.digits(40) == theirs.final["photon"].x.digits(40)
+
+
+def test_the_walls_fold_the_triangular_lattice() -> None:
+    """The time between hits of a disc is that in the lattice itself, wherever no copy of the start is needed."""
+    spec = "d=3,vx=1,vy=1/7"
+    cell = catalogue.build(f"hexagon:{spec}")
+    ball = cell.circles[0]
+    across, up = Quantity.of("3/2"), Quantity.of("3*sqrt(3)/2")
+    discs = [Circle(across * (2 * i + j), up * j, m="oo", id=f"{i},{j}") for j in range(-4, 5) for i in range(-8, 9)]
+    open_scene = Scene([ball, *discs])
+    times = []
+    for scene in (cell, open_scene):
+        run = ExactEngine().run(scene, until=6)
+        times.append([e.time.digits(30) for e in run.events if not isinstance(partner(scene, e.contacts[0]), Wall)])
+    assert times[0] == times[1]
+    assert len(times[0]) >= 2
+
+
+def partner(scene: Scene, contact: tuple[str, str]) -> Circle | Wall:
+    things = {str(thing.id): thing for thing in (*scene.circles, *scene.walls)}
+    return things[contact[1]]
+
+
+def test_the_closed_form_of_two_discs_is_the_published_figure() -> None:
+    assert two_disc_rate(1.0, 0.1, 0.98) == pytest.approx(0.485268, abs=5e-7)
+
+
+@pytest.mark.parametrize("policy", ["simultaneous", "sequential:order=scene", "sequential:seed=3"])
+def test_a_ball_onto_one_of_two_gives_what_it_gives_by_hand(policy: str) -> None:
+    run = ExactEngine().run(catalogue.build(f"cross:tie={policy}"))
+    ends = [(c.vx.text(), c.vy.text()) for c in run.final.circles]
+    assert ends == [("0", "0"), ("0", "1/2*sqrt(3)"), ("1/2", "0")]
+
+
+def test_a_ratio_of_masses_has_the_collisions_of_its_angle() -> None:
+    """ceil(pi / arctan(sqrt(m / M))) - 1, for ratios that are no squares."""
+    for ratio in (2, 3, 5, 7, 10, 50):
+        circles = [Circle(2, 0, id="small"), Circle(6, 0, r=2, vx=-1, m=ratio, id="big")]
+        run = ExactEngine().run(Scene(circles, [Wall(0, 0, 0, 1)]))
+        assert run.collisions == math.ceil(math.pi / math.atan(math.sqrt(1 / ratio)) - 1e-9) - 1
