@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from .documents.trajectory import trajectory_json
     from .engines import ENGINES, engine
     from .outcomes.table import OUTCOMES, Outcome
+    from .reduction.minimise import minimise
+    from .reduction.smallest import Smallest
     from .report.html import html_report
 
 __all__ = [
@@ -31,10 +33,12 @@ __all__ = [
     "Comparison",
     "Divergence",
     "Outcome",
+    "Smallest",
     "compare",
     "comparison_json",
     "engine",
     "html_report",
+    "minimise",
     "trajectory_json",
 ]
 
@@ -46,10 +50,12 @@ _HOMES = {
     "Comparison": "comparison",
     "Divergence": "alignment.divergence",
     "Outcome": "outcomes.table",
+    "Smallest": "reduction.smallest",
     "compare": "comparison",
     "comparison_json": "documents.comparison",
     "engine": "engines",
     "html_report": "report.html",
+    "minimise": "reduction.minimise",
     "trajectory_json": "documents.trajectory",
 }
 """The module of each name: imported when it is asked for, so that `truebreak --help` loads no engine."""

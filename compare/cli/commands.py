@@ -8,6 +8,7 @@ from . import completion
 from .chaos import chaos
 from .examples import examples
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
+from .minimise import minimise
 from .numbers import Whole
 from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 from .sweep import sweep
@@ -26,6 +27,7 @@ Examples:
   truebreak orders lee                            every outcome that some order of impulses leads to
   truebreak chaos gas --events 400                how fast errors grow, and when each engine is lost
   truebreak sweep gas --vary seed=1..20           the same question for a family of scenes
+  truebreak minimise gas --engine double          the smallest scene that still shows it
   truebreak show rack:rows=3 --plot rack.svg
 
 \b
@@ -339,4 +341,5 @@ def bench(arguments: tuple[str, ...]) -> int:
 
 
 cli.add_command(chaos)
+cli.add_command(minimise)
 cli.add_command(sweep)

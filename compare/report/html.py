@@ -11,7 +11,7 @@ from markupsafe import Markup
 from .engine_style import engine_css
 from .page.outcome_tables import changed, kept
 from .page.patterns import gallery
-from .page.provenance import provenance
+from .page.provenance import minimise_command, provenance
 from .page.recording import recording
 from .page.why import amounts, enough
 from .picture import STYLE, divergence_picture, scene_picture
@@ -153,6 +153,7 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "amounts": amounts(candidate),
         "enough": enough(candidate),
         "experiments": experiment_rows(candidate),
+        "minimise": minimise_command(comparison, candidate),
         "rows": side_by_side(comparison, candidate),
         "picture": Markup(divergence_picture(comparison, candidate, number)) if _drawn(comparison) else "",
     }

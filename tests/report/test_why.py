@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from xml.etree import ElementTree
 
 from pages import comparison, page
 
 from truebreak.compare.report.page.patterns import gallery, met
+from truebreak.compare.report.page.provenance import minimise_command
 from truebreak.compare.report.page.recording import recording
 from truebreak.compare.report.page.why import amounts, enough, foreseen_bits
 from truebreak.compare.report.sentences import headline, verdict_sentence
@@ -83,3 +85,15 @@ def test_the_player_starts_with_the_engine_that_the_verdict_is_about() -> None:
     assert data["lead"] == 2
     assert data["runs"][2]["name"] == lead.engine == "pymunk"
     assert "pymunk first differs" in verdict_sentence(found)
+
+
+def test_the_page_tells_how_to_find_the_smallest_scene_where_the_command_can() -> None:
+    found = comparison("gas")
+    events = len(found.reference.events)
+    told = f"truebreak minimise gas.toml --engine pymunk --events {events}"
+    assert found["pymunk"].verdict == "diverged"
+    assert minimise_command(found, found["pymunk"]) == told
+    assert f"<code>{told}</code>" in page("gas")
+    assert minimise_command(found, replace(found["pymunk"], engine="log.jsonl")) is None
+    other = replace(found, reference=replace(found.reference, engine="quad"))
+    assert minimise_command(other, found["pymunk"]) is None

@@ -19,11 +19,13 @@ from ....scenarios.errors import SceneError
 from ....scenarios.files import dump_json, dump_toml
 from ....scenarios.trajectory import StopReason
 from ...documents.comparison import comparison_json
+from ...engines import ENGINES
 from ..listing import laid_out
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Trajectory
+    from ...candidate import Candidate
     from ...comparison import Comparison
 
 LIBRARIES = ("python-flint", "sympy", "mpmath", "numpy", "pymunk")
@@ -140,14 +142,32 @@ def _settings(run: Trajectory) -> str:
 
 def _command(comparison: Comparison) -> str:
     """A command that runs the scene, saved from the page, to where this run ended."""
-    reference = comparison.reference
     words = ["truebreak", "compare", f"{_stem(comparison.scene)}.toml"]
-    words += ["--engines", ",".join(c.engine for c in comparison.candidates), "--reference", reference.engine]
-    if reference.stop.reason is StopReason.EVENTS:
-        words += ["--events", str(len(reference.events))]
-    elif reference.stop.reason is StopReason.HORIZON:
-        words += ["--until", reference.final_time.text() or repr(float(reference.final_time))]
+    words += ["--engines", ",".join(c.engine for c in comparison.candidates)]
+    words += ["--reference", comparison.reference.engine, *_limits(comparison)]
     return shlex.join(words)
+
+
+def minimise_command(comparison: Comparison, candidate: Candidate) -> str | None:
+    """A command that looks for the smallest scene on which the engine diverges, from the scene saved from the page.
+
+    None for an engine that is not in the table of engines, and where the exact engine is not the reference: the
+    command would be another question.
+    """
+    if candidate.engine.partition(":")[0] not in ENGINES or comparison.reference.engine != "exact":
+        return None
+    words = ["truebreak", "minimise", f"{_stem(comparison.scene)}.toml", "--engine", candidate.engine]
+    return shlex.join([*words, *_limits(comparison)])
+
+
+def _limits(comparison: Comparison) -> list[str]:
+    """The options that end a run where the reference's ended."""
+    reference = comparison.reference
+    if reference.stop.reason is StopReason.EVENTS:
+        return ["--events", str(len(reference.events))]
+    if reference.stop.reason is StopReason.HORIZON:
+        return ["--until", reference.final_time.text() or repr(float(reference.final_time))]
+    return []
 
 
 def _stem(scene: Scene) -> str:

@@ -1,0 +1,1 @@
+"""The smallest scene on which an engine still leaves the true history."""

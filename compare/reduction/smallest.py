@@ -1,0 +1,102 @@
+"""What a search for the smallest scene comes to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from .parts import length
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ..candidate import Candidate
+    from ..comparison import Comparison
+
+
+class End(Enum):
+    """Why a search ended; the value is what a person reads."""
+
+    MINIMAL = "1-minimal: nothing more can be left out by itself"
+    RUNS = "the limit on comparisons was reached: more might be left out"
+    SECONDS = "the seconds were over: more might be left out"
+    INTERRUPTED = "interrupted: more might be left out"
+
+
+@dataclass(frozen=True)
+class Step:
+    """One scene that still shows a divergence, and what was left out for it.
+
+    Attributes:
+        kind: what was left out: circles, walls, pockets, settings, events or digits.
+        removed: ids of things, names of settings, `ID.KEY` of numbers that were rounded; of events, where the run ends.
+        comparison: of what is left: the engine held against the certified run.
+        runs: comparisons made by then.
+    """
+
+    kind: str
+    removed: tuple[str, ...]
+    comparison: Comparison = field(repr=False)
+    runs: int
+
+    @property
+    def told(self) -> str:
+        """What was left out, in words.
+
+        >>> Step("circles", ("a", "b"), None, 3).told, Step("events", ("12",), None, 4).told
+        ('circles a, b', 'events after 12')
+        """
+        if self.kind == "events":
+            return f"events after {self.removed[0]}"
+        return f"{self.kind}{' of' if self.kind == 'digits' else ''} {', '.join(self.removed)}"
+
+
+@dataclass(frozen=True)
+class Size:
+    """How large a scene is: its things, the limit on its instants, the characters of its numbers."""
+
+    circles: int
+    walls: int
+    pockets: int
+    events: int | None
+    characters: int
+
+    @staticmethod
+    def of(scene: Scene) -> Size:
+        """The size of a scene."""
+        return Size(len(scene.circles), len(scene.walls), len(scene.pockets), scene.events, length(scene))
+
+
+@dataclass(frozen=True)
+class Smallest:
+    """The smallest scene found on which an engine diverges.
+
+    Attributes:
+        original: the scene that it comes from, with the limits that were asked for.
+        comparison: of the smallest scene: the engine held against the certified run.
+        steps: what was left out, in this order.
+        runs: comparisons made in the search; one more, of the last scene, tells its cause.
+        end: why the search ended.
+    """
+
+    original: Scene = field(repr=False)
+    comparison: Comparison
+    steps: tuple[Step, ...] = field(repr=False)
+    runs: int
+    end: End
+
+    @property
+    def scene(self) -> Scene:
+        """The smallest scene; its limits are its own, so that `compare` needs none."""
+        return self.comparison.scene
+
+    @property
+    def minimal(self) -> bool:
+        """Whether it is 1-minimal: without any one circle, wall, pocket, setting, its last event, or the digits that
+        any one number has beyond the next shorter rounding, the divergence is gone, or the scene is none."""
+        return self.end is End.MINIMAL
+
+    @property
+    def candidate(self) -> Candidate:
+        """The engine's side of the comparison."""
+        return self.comparison.candidates[0]
