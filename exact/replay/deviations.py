@@ -39,7 +39,6 @@ class Deviations:
 
         self._time_power = _unit_of_time(members)
         self._unit = 2.0**self._time_power
-        self._circles = circles
         self._weights = [float(body.w) for body in circles]
         self._mid = {body.index: _midpoints(numbers_of(body)) for body in members}
         self.place = {body.index: k for k, body in enumerate(members)}

@@ -14,8 +14,8 @@ Parts: TypeAlias = tuple[int, int, int, int] | tuple[()]
 def parts_of(ball: arb) -> Parts:
     """A ball as whole numbers.
 
-    >>> parts_of(arb(3) / 4), from_parts(*parts_of(arb(3) / 4))
-    ((3, -2, 0, 0), 0.750000000000000)
+    >>> parts_of(arb(3) / 4), float(from_parts(*parts_of(arb(3) / 4)))
+    ((3, -2, 0, 0), 0.75)
     """
     if not ball.is_finite():
         return ()

@@ -95,8 +95,8 @@ OLD: tuple[Mutant, ...] = (
     Mutant(
         "w09_end_before_the_last",
         "exact/engine.py",
-        "mark.time + mark.time, instant=last",
-        "mark.time + mark.time, instant=mark.number",
+        "return time_of_return(log, mark, last)",
+        "return time_of_return(log, mark, mark.number)",
         "the final state of a run to the return is the one before what happens at that very time",
     ),
     Mutant(
