@@ -246,8 +246,24 @@ TINY = "Scene([Circle(0, 0, vx=1), Circle('9/2', 1, vx=-1)], [Wall(9, 0, 9, 1)])
             "import sys; sys.argv[1:] = ['scenes']; from truebreak.compare.cli import main; main()",
             "sympy pymunk",
         ),
+        (
+            "from truebreak.compare.cli import main; main(['run', 'gas', '--events', '5'])",
+            "sympy numpy pymunk mpmath jinja2",
+        ),
     ],
-    ids=["face", "face-scene", "scenarios", "scene", "exact", "exact-run", "floating", "compare", "help", "scenes"],
+    ids=[
+        "face",
+        "face-scene",
+        "scenarios",
+        "scene",
+        "exact",
+        "exact-run",
+        "floating",
+        "compare",
+        "help",
+        "scenes",
+        "run",
+    ],
 )
 def test_heavy_packages_are_not_imported_before_they_are_needed(code: str, absent: str, tmp_path: Path) -> None:
     script = (

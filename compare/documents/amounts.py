@@ -7,8 +7,6 @@ from collections.abc import Mapping
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
-import numpy as np
-
 if TYPE_CHECKING:
     from ...scenarios.numbers.real import Real
 
@@ -71,6 +69,6 @@ def plain(value: Any) -> Any:
         return {str(plain(key)): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple | set | frozenset):
         return [plain(item) for item in value]
-    if isinstance(value, np.generic | np.ndarray):
+    if type(value).__module__ == "numpy":  # not imported for it: a value of numpy's is there only if numpy is
         return plain(value.tolist())
     return str(value)
