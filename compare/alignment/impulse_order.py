@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ...exact.policies.complementarity import pushing_contacts
 from ...exact.replay import state as exact_state
-from ...floating.double import DOUBLES
-from ...floating.plain_decider import PlainDecider
 
 if TYPE_CHECKING:
     from ...exact.replay.steps import Link
@@ -118,6 +116,9 @@ class _Impact:
     """The circles of a scene at one instant, in doubles, and the exact engine's laws upon them."""
 
     def __init__(self, trajectory: Trajectory, places: Velocities, velocities: Velocities) -> None:
+        from ...floating.double import DOUBLES  # here, since it loads numpy, which a listing does without
+        from ...floating.plain_decider import PlainDecider
+
         scene = trajectory.scene
         self.least_reach = min((r for c in scene.circles if (r := float(c.r)) > 0), default=1.0)
         self._places = {name: place for place, name in enumerate(scene.ids)}
