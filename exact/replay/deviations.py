@@ -19,6 +19,9 @@ from .steps import Link
 LEAST_WEIGHT = 1e-100
 """Bounds the squares of radii over masses that doubles hold well."""
 
+MOST_UNIT = 300
+"""The largest power of two that is taken for a unit of time."""
+
 Numbers: TypeAlias = tuple[Number, Number, Number, Number]
 
 
@@ -95,15 +98,15 @@ class Deviations:
             link: the contact.
             told, root: d at the hit of two circles and -d.v, as `BallState` has them.
         """
-        for i, lag in lags:
-            self.errors.do(Fly(self.place[i], ldexp(lag, -self._time_power)))
-        if state.late is None or not abs(float(state.late)) < SMALL_WAIT * self._unit:
+        if state.late is None or not abs(float(state.late)) < SMALL_WAIT / 2 * self._unit:
             return None
         try:
+            for i, lag in lags:
+                self.errors.do(Fly(self.place[i], ldexp(lag, -self._time_power)))
             if link[1] >= state.n:
                 return self._to_wall(state, link)
             return None if told is None or root is None else self._to_pair(state, link, told, root)
-        except Spent:
+        except (Spent, OverflowError):
             return None
 
     def _to_wall(self, state: BallState, link: Link) -> tuple[arb, arb, None] | None:
@@ -126,6 +129,8 @@ class Deviations:
         if found is None:
             return None
         steep, apart, blocks = found
+        if not steep * spread < self.errors.doubles(SMALL_WAIT / 2 * self._unit):
+            return None  # the hit, wherever it may truly be, is not so near the clock
         if not blocks.norm * spread * (1.0 + self._weights[i] + self._weights[j]) < MOST:
             return None
         power = self.errors.power_of
@@ -186,14 +191,15 @@ class Deviations:
     def _largest(self, numbers: Numbers) -> float:
         """A bound of all radii, as the set counts them: a radius is below 2**-accuracy of its number.
 
-        Infinite where the bits were too few for a number.
+        Infinite where the bits were too few for a number, or for doubles to tell.
         """
         if not all(number.is_finite() for number in numbers):
             return inf
         x, y, vx, vy = numbers
         size = max(abs(float(x)), abs(float(y)), self._unit * abs(float(vx)), self._unit * abs(float(vy))) * UP
         bits = min(x.rel_accuracy_bits(), y.rel_accuracy_bits(), vx.rel_accuracy_bits(), vy.rel_accuracy_bits())
-        return ldexp(size, min(max(2 - bits - self.errors.shift, -900), 900))
+        power = 2 - bits - self.errors.shift
+        return ldexp(size, max(power, -900)) if power < 500 and size < 2.0**500 else inf
 
 
 def numbers_of(body: Body) -> Numbers:
@@ -215,4 +221,4 @@ def _unit_of_time(bodies: Sequence[Body]) -> int:
     """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
     speed = max(max(abs(float(body.vx)), abs(float(body.vy))) for body in bodies)
     width = sum(float(body.r) for body in bodies) / len(bodies)
-    return round(log2(width / speed)) if width > 0.0 and speed > 0.0 else 0
+    return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed)))) if width > 0.0 and speed > 0.0 else 0
