@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from truebreak.exact.predicates.double_filter import DoubleFilter, float_line
-from truebreak.exact.replay.body import Body
+from truebreak.exact.replay.body import Body, Flight
 
 wide = st.fractions(min_value=-1000, max_value=1000, max_denominator=10**6)
 slow = st.fractions(min_value=-2, max_value=2, max_denominator=10**6)
@@ -21,7 +21,7 @@ tiny = st.sampled_from([Q(0), Q(1, 10**9), Q(-1, 10**12), Q(1, 10**15), Q(-1, 10
 
 
 def body(index: int, state: list[Q], filter_: DoubleFilter) -> Body:
-    made = Body(index, (0, 0, 0, 0), 0, 1, 1)
+    made = Body(index, Flight(*[arb(0)] * 6), arb(1), arb(1))
     ctx.prec = 128
     made.q = tuple(arb(q.numerator) / q.denominator for q in state)
     filter_.admit(made)
@@ -187,7 +187,7 @@ def test_scales_beyond_safe_doubles_are_left_to_balls_or_told_rightly(scale):
 
 def test_an_unsharp_ball_is_not_admitted():
     filter_ = DoubleFilter()
-    blurred = Body(0, (0, 0, 0, 0), 0, 1, 1)
+    blurred = Body(0, Flight(*[arb(0)] * 6), arb(1), arb(1))
     blurred.q = (arb("1 +/- 1e-10"), arb(0), arb(1), arb(0), arb(0))
     filter_.admit(blurred)
     assert blurred.f is None

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, contextmanager
 from math import inf, nextafter
 from typing import ClassVar
 
-from flint import arb, ctx  # type: ignore[attr-defined]
+from flint import arb, ctx
 
 from ...scenarios.numbers.quantity import Quantity
 from .undecided import Undecided

@@ -11,7 +11,7 @@ from ...scenarios.event import Contact
 from ...scenarios.numbers.quantity import QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Trajectory
-from ..replay.steps import Link
+from ..replay.contact import Touch, contact_of
 from .policy import Policy
 from .scripted import BranchDone, Choice, Scripted
 from .sequential import Sequential
@@ -120,7 +120,7 @@ def all_orders(
     seen: dict[Hashable, int] = {}
     outcomes: list[Outcome] = []
     merged = swapped = 0
-    stack: list[tuple[tuple[Link, ...], frozenset[Link]]] = [((), frozenset())]
+    stack: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = [((), frozenset())]
     while stack and len(outcomes) < cap:
         script, asleep = stack.pop()
         policy = Scripted(script, asleep, movers, seen)
@@ -147,12 +147,12 @@ def all_orders(
     return OrderTree(tuple(outcomes), not stack, cap, merged, swapped, sampled)
 
 
-def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Link, ...], frozenset[Link]]]:
+def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Touch, ...], frozenset[Touch]]]:
     """The branches not taken at the choices after the script, each with the contacts asleep at it.
 
     The last choice comes last, so that the stack goes depth first; at one choice, contacts in scene order.
     """
-    branches: list[tuple[tuple[Link, ...], frozenset[Link]]] = []
+    branches: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = []
     for place in range(followed, len(choices)):
         choice = choices[place]
         before = tuple(earlier.chosen for earlier in choices[:place])
@@ -167,13 +167,13 @@ def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Link
 
 
 def _decisions(scene: Scene, choices: list[Choice]) -> tuple[Decision, ...]:
-    ids = scene.ids
-
-    def contact(link: Link) -> Contact:
-        return Contact(ids[link[0]], ids[link[1]])
-
     return tuple(
-        Decision(choice.instant, tuple(map(contact, choice.offered)), contact(choice.chosen)) for choice in choices
+        Decision(
+            choice.instant,
+            tuple(contact_of(scene, link) for link in choice.offered),
+            contact_of(scene, choice.chosen),
+        )
+        for choice in choices
     )
 
 

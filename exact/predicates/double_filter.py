@@ -30,7 +30,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ..replay.body import Body
 
@@ -81,7 +81,7 @@ class DoubleFilter:
         self.largest = 0.0
         self.fastest = 0.0
 
-    def admit(self, body: Body) -> None:
+    def admit(self, body: Body[arb]) -> None:
         """Sets a body's doubles from its short balls, or None if they are not accurate enough."""
         x, y, vx, vy, t = body.q
         if not (
@@ -102,7 +102,7 @@ class DoubleFilter:
         ):
             body.f = None
             return
-        late = 0.0 if body.late is None else float(body.late.abs_upper()) * ROUND_UP
+        late = 0.0 if body.flight.late is None else float(body.flight.late.abs_upper()) * ROUND_UP
         if not late < BIG:
             body.f = None
             return
@@ -110,7 +110,9 @@ class DoubleFilter:
         self.fastest = max(self.fastest, speed)
         body.f = (fx, fy, fvx, fvy, ft, late)
 
-    def pairs(self, a: Body, others: Iterable[Body], reaches: Sequence[float]) -> Iterator[tuple[Body, float, float]]:
+    def pairs(
+        self, a: Body[arb], others: Iterable[Body[arb]], reaches: Sequence[float]
+    ) -> Iterator[tuple[Body[arb], float, float]]:
         """Which of several bodies a hits, which has just moved, and when; all keep their velocities.
 
         A body that a surely misses is left out; one that doubles cannot tell comes with nan for its times.
@@ -174,7 +176,7 @@ class DoubleFilter:
             else:
                 yield b, time - off_time, time + off_time
 
-    def apart(self, a: Body, pocket: Body, r: float) -> bool:
+    def apart(self, a: Body[arb], pocket: Body[arb], r: float) -> bool:
         """Whether a centre, at its clock, is surely not on the rim of a pocket of radius r.
 
         The clock is off the instant by less than 2**-90 of the time (`SAFE_BITS` of the cascade), which E covers.
@@ -187,7 +189,7 @@ class DoubleFilter:
         off = 8.0 * near * (abs(dx) + abs(dy) + near) + 32 * UNIT * r * r
         return abs(dx * dx + dy * dy - r * r) > off
 
-    def walls(self, a: Body, lines: Iterable[FloatLine]) -> Iterator[tuple[int, float, float]]:
+    def walls(self, a: Body[arb], lines: Iterable[FloatLine]) -> Iterator[tuple[int, float, float]]:
         """Which of several walls a circle hits, which has just moved, and when; as `pairs`."""
         fa = a.f
         for k, (x0, y0, nx, ny, offset, norm, size) in enumerate(lines):

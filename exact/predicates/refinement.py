@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...scenarios.event import TieProof
 from ...scenarios.work import Work
@@ -82,6 +82,6 @@ class RootsAndBits:
         """To how many bits, in absolute value, the number asked about agrees with zero."""
         state = self._grounds.state
         ball.use_bits(state.bits)
-        state.sync(question.bodies(len(self._grounds.scene.circles)))
+        state.sync(question.bodies)
         size = question.value(state.balls).abs_upper()
         return 0 if not size.is_finite() else max(0, -int(size.log().__truediv__(arb(2).log()).upper().ceil().fmpz()))
