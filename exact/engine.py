@@ -16,7 +16,7 @@ from .numbers import ball
 from .numbers.field import Known
 from .policies import Policy
 from .predicates.ties import TieRule
-from .replay.contact import contact_of
+from .replay.contact import Named
 from .results.home import return_note
 from .results.motion import ExactMotion
 from .results.run_log import RunLog
@@ -105,14 +105,13 @@ class ExactEngine(Declared):
         history = decider.history
         state = decider.state
         log = RunLog(scene, history.steps, state.bits - min(state.lowest, state.bits), state.centred)
-        ids = scene.ids
-
+        ids, named = scene.ids, Named(scene)
         events = tuple(
             Event(
                 index,
                 time_of(log, record.mark),
-                tuple([contact_of(scene, link) for link in record.links]),
-                tuple([contact_of(scene, link) for link in record.impulses]),
+                named(record.links),
+                named(record.impulses),
                 record.ties,
                 record.coupled,
             )

@@ -7,7 +7,7 @@ from typing import Any
 
 from ..exact.numbers.system import M
 from ..exact.policies import Policy
-from ..exact.replay.contact import contact_of
+from ..exact.replay.contact import Named
 from ..exact.simulation.history import Mark
 from ..exact.simulation.limits import run_limits
 from ..exact.simulation.loop import Loop
@@ -43,7 +43,7 @@ def run_plain(
     """
     limits = run_limits(scene, until, events)
     stop = Loop(scene, decider, limits, progress, policy).run()
-    ids, history = scene.ids, decider.history
+    ids, history, named = scene.ids, decider.history, Named(scene)
 
     def at(mark: Mark[M]) -> Any:
         return shown(mark.time, mark.number)
@@ -71,8 +71,8 @@ def run_plain(
             Event(
                 index,
                 at(record.mark),
-                tuple(contact_of(scene, link) for link in record.links),
-                tuple(contact_of(scene, link) for link in record.impulses),
+                named(record.links),
+                named(record.impulses),
                 record.ties,
                 record.coupled,
             )

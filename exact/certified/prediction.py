@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable
-from math import isnan
 
 from flint import arb
 
@@ -104,26 +103,24 @@ class FilteredPredictor(Predictor[arb]):
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`."""
-        queue = self.queue
-        for b, low, high in self.filter.pairs(a, others, self._float_reaches[a.kind]):
-            if isnan(low):
-                self.plan["unclear in doubles"] += 1
-                self.pair(a, b, standing)
-                continue
-            link = link_of(a, b)
-            if link not in standing:
-                queue.push(low, high, None, link)
+        found, unclear = self.filter.pairs(a, others, self._float_reaches[a.kind])
+        until = a.until
+        for low, high, b in found:
+            if low <= until and (link := link_of(a, b)) not in standing:
+                self.queue.push(low, high, None, link)
+        for b in unclear:
+            self.plan["unclear in doubles"] += 1
+            self.pair(a, b, standing)
 
     def walls(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.walls`."""
-        i, queue = a.index, self.queue
-        lines = self._float_lines.get(i) or self._as_seen_from(a)
-        for k, low, high in self.filter.walls(a, lines):
-            if isnan(low):
-                self.plan["unclear in doubles"] += 1
-                self.wall(a, k, standing)
-            elif (link := AtWall(i, k)) not in standing:
-                queue.push(low, high, None, link)
+        found, unclear = self.filter.walls(a, self._float_lines.get(a.index) or self._as_seen_from(a))
+        for low, high, k in sorted(found):
+            if low <= a.until and (link := AtWall(a.index, k)) not in standing:
+                self.queue.push(low, high, None, link)
+        for k in unclear:
+            self.plan["unclear in doubles"] += 1
+            self.wall(a, k, standing)
 
     def _as_seen_from(self, a: Body[arb]) -> list[FloatLine]:
         lines = self._float_lines[a.index] = [float_line(*self.line(a, k)) for k in range(self.wall_count)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Generic, NamedTuple
 
 from ..numbers.system import N
@@ -37,12 +38,13 @@ class Body(Generic[N]):
         r, w: radius and inverse mass.
         is_pocket: whether it is one.
         serial: how often its velocity has changed; tells stale predictions.
+        until: a double by which its flight ends at a wall, if nothing ends it before.
         q: (x, y, vx, vy, t) as predictions use them.
         f: these as doubles, and a bound of `late`, where their error is bounded; None where not.
         kind, acc: for the exact engine: which radius it has, how many bits of it are known.
     """
 
-    __slots__ = ("acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "w")
+    __slots__ = ("acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "until", "w")
 
     def __init__(self, index: int, flight: Flight[N], r: N, w: N, is_pocket: bool = False) -> None:
         self.index = index
@@ -53,6 +55,7 @@ class Body(Generic[N]):
         self.q: tuple[N, N, N, N, N] = flight[:5]
         self.f: tuple[float, float, float, float, float, float] | None = None
         self.serial = 0
+        self.until = inf
         self.kind = 0
         self.acc = 0
 

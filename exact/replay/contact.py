@@ -230,6 +230,25 @@ def contact_of(scene: Scene, link: Touch) -> Contact:
     return Contact(scene.ids[i], scene.ids[j])
 
 
+class Named:
+    """Contacts by ids; the same contacts are the same tuple.
+
+    Args:
+        scene: whose ids.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._known: dict[tuple[Touch, ...], tuple[Contact, ...]] = {}
+
+    def __call__(self, links: tuple[Touch, ...]) -> tuple[Contact, ...]:
+        """Some contacts, in their order."""
+        found = self._known.get(links)
+        if found is None:
+            found = self._known[links] = tuple([contact_of(self._scene, link) for link in links])
+        return found
+
+
 def name_of(scene: Scene, link: Link) -> str:
     """A contact as a person reads it.
 

@@ -13,7 +13,6 @@ from typing import TypeAlias
 
 from flint import arb
 
-from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
@@ -155,12 +154,10 @@ class RefinableState:
     def _taking_part(self, step: Step) -> tuple[int, ...]:
         if type(step) is Go:
             source = step.source
-            if isinstance(source, int):
-                return (*step.bodies, source)
-            if isinstance(source, Quantity):
-                return step.bodies
-            extra = [i for i in source.circles if i not in step.bodies]
-            return (*step.bodies, *extra) if extra else step.bodies
+            if isinstance(source, tuple):
+                extra = [i for i in source.circles if i not in step.bodies]
+                return (*step.bodies, *extra) if extra else step.bodies
+            return (*step.bodies, source) if isinstance(source, int) else step.bodies
         if type(step) is Kick:
             if len(step.links) == 1:
                 return step.links[0].circles

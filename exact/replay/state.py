@@ -57,14 +57,14 @@ class State(Flights[N]):
         """Advances bodies to the instant that `source` names (see `Go`)."""
         self.met = None
         base = lag = None
-        if isinstance(source, int):
-            clock = self.recall(self.bodies[source])
-        elif isinstance(source, Quantity):
-            clock = self.constant(source)
-            self.instant, self.late = clock, None
-        else:
+        if isinstance(source, tuple):
             base, wait = self._hit_from_base(source)
             clock, lag = self.set_instant(base, wait)
+        elif isinstance(source, int):
+            clock = self.recall(self.bodies[source])
+        else:
+            clock = self.constant(source)
+            self.instant, self.late = clock, None
         instant, late, done = self.instant, self.late, self.steps_done
         for index in bodies:
             body = self.bodies[index]

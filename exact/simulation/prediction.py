@@ -78,6 +78,8 @@ class Predictor(Generic[M]):
     def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of some circles with every other circle, wall and pocket.
 
+        Walls come first: what a flight would meet after a wall, it does not meet (see `ArrivalQueue`).
+
         Args:
             moved: circles whose flights are new.
             standing: contacts and rims at gap zero that do not approach: nothing to predict until a flight changes.
@@ -91,6 +93,11 @@ class Predictor(Generic[M]):
         pockets = self.state.pockets
         if gone:
             moved = [a for a in moved if a.index not in gone]
+        for a in moved:
+            a.until = inf
+            if not a.flight.rest:
+                plan["walls predicted"] += self.wall_count
+                self.walls(a, standing)
         for done, a in enumerate(moved, start=1):
             others.remove(a)
             met = others
@@ -99,9 +106,6 @@ class Predictor(Generic[M]):
                 plan["pairs at rest skipped"] += len(others) - len(met)
             plan["pairs predicted"] += count - done - len(others) + len(met)
             self.pairs(a, [*met, *pockets] if pockets and not a.flight.rest else met, standing)
-            if not a.flight.rest:
-                plan["walls predicted"] += self.wall_count
-                self.walls(a, standing)
 
     def pairs(self, a: Body[M], others: list[Body[M]], standing: Collection[Link]) -> None:
         """Queues the next meetings of a, which has a new flight, with circles and pockets."""

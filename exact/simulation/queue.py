@@ -9,7 +9,7 @@ from typing import Generic, NamedTuple
 
 from ..numbers.system import N
 from ..replay.body import Body
-from ..replay.contact import Link, Pair
+from ..replay.contact import AtWall, Link, Pair
 
 
 class Arrival(NamedTuple, Generic[N]):
@@ -57,8 +57,19 @@ class ArrivalQueue(Generic[N]):
         self._push(low, inf, False, None, link, False)
 
     def _push(self, low: float, high: float, certain: bool, time: N | None, link: Link, graze: bool) -> None:
-        bodies, first = self._bodies, self._bodies[link[0]].serial
-        serials = (first, bodies[link.b].serial) if isinstance(link, Pair) else (first,)
+        """Queues one, unless a wall ends the flight of one of the two before it can come."""
+        a = self._bodies[link[0]]
+        if low > a.until:
+            return
+        if isinstance(link, Pair):
+            b = self._bodies[link.b]
+            if low > b.until:
+                return
+            serials = (a.serial, b.serial)
+        else:
+            serials = (a.serial,)
+            if high < a.until and isinstance(link, AtWall):
+                a.until = high
         self._order += 1
         heappush(self._heap, Arrival(low, self._order, high, certain, time, link, serials, graze))
 

@@ -259,6 +259,18 @@ GATHERING = (
         "an arrival is fresh although the second circle has turned away",
     ),
     Mutant(
+        "wall_ends_early", QUEUE,
+        "                a.until = high\n",
+        "                a.until = low - (high - low) * 2**40\n",
+        "what comes shortly before a wall is left out with what comes after it",
+    ),
+    Mutant(
+        "wall_of_an_old_flight", "exact/simulation/prediction.py",
+        "            a.until = inf\n",
+        "",
+        "the wall that ended the flight before ends the new one too",
+    ),
+    Mutant(
         "one_rival", QUEUE,
         "        while heap and heap[0].low <= bar:\n            other",
         "        if heap and heap[0].low <= bar:\n            other",
@@ -652,8 +664,8 @@ FILTERS = (
     ),
     Mutant(
         "filter_times_bare", FILTER,
-        "yield b, time - off_time, time + off_time",
-        "yield b, time, time",
+        "found.append((time - off_time, time + off_time, b))",
+        "found.append((time, time, b))",
         "a time in doubles is taken as it is",
     ),
     Mutant(
@@ -672,8 +684,8 @@ FILTERS = (
     ),
     Mutant(
         "filter_late_hit", FILTER,
-        "if not (wait > off_time + late) or not isfinite(time):\n                yield b,",
-        "if not (wait > off_time) or not isfinite(time):\n                yield b,",
+        "if not (wait > off_time + late) or not isfinite(time):\n                unclear.append(b)",
+        "if not (wait > off_time) or not isfinite(time):\n                unclear.append(b)",
         "a meeting between the clock and the instant counts",
         why_it_survives="the clock misses the instant by less than 2**-96 of the time; the bound on times is "
         "over 2**40 times that",
@@ -741,8 +753,8 @@ FILTERS = (
     ),
     Mutant(
         "filter_wall_time", FILTER,
-        "yield k, time - off_time, time + off_time",
-        "yield k, time, time",
+        "found.append((time - off_time, time + off_time, k))",
+        "found.append((time, time, k))",
         "a time at a wall in doubles is taken as it is",
     ),
     Mutant(
