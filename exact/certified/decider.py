@@ -12,7 +12,7 @@ from ..numbers import ball
 from ..numbers.field import Known
 from ..numbers.undecided import BudgetSpent
 from ..predicates.cascade import Cascade
-from ..predicates.enclosures import Balls
+from ..predicates.enclosures import InBalls
 from ..predicates.grounds import Grounds
 from ..predicates.held import Held
 from ..predicates.log_symmetry import LogSymmetry
@@ -75,7 +75,7 @@ class CertifiedDecider:
         plan = self.history.plan
         self._cascade = Cascade(grounds, plan)
         self.meetings = CertifiedMeetings(
-            scene, self.state, self.queue, plan, self._precision, Balls(grounds), self, self._note_graze
+            scene, self.state, self.queue, plan, self._precision, InBalls(grounds), self, self._note_graze
         )
         self.reading = CertifiedReading(self.state, self.meetings)
         self._held = Held(scene, log)

@@ -10,7 +10,7 @@ from flint import arb
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
-from ..predicates.enclosures import Balls
+from ..predicates.enclosures import InBalls
 from ..predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
 from ..predicates.question import Decision, Question
 from ..replay.body import Body
@@ -54,7 +54,7 @@ class CertifiedMeetings:
         queue: ArrivalQueue[arb],
         plan: Counter[str],
         precision: Precision,
-        balls: Balls,
+        balls: InBalls,
         judge: Judge,
         grazes: Callable[[Link], None],
     ) -> None:

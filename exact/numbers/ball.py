@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import AbstractContextManager, contextmanager
 from math import inf, nextafter
 from typing import ClassVar
@@ -77,7 +77,7 @@ def root(value: arb) -> arb:
 
 
 @contextmanager
-def precision(bits: int) -> Iterator[None]:
+def precision(bits: int) -> Generator[None]:
     """Sets flint's working precision for a while."""
     saved = ctx.prec
     ctx.prec = bits

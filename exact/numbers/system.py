@@ -7,16 +7,7 @@ from importlib import import_module
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
-
-
-class Number(Protocol):
-    """A number of some system, which combines with numbers of its own system alone."""
-
-    def __add__(self, other: Self, /) -> Self: ...
-    def __sub__(self, other: Self, /) -> Self: ...
-    def __mul__(self, other: Self, /) -> Self: ...
-    def __truediv__(self, other: Self, /) -> Self: ...
-    def __neg__(self) -> Self: ...
+from ..laws.formulas import N, Number
 
 
 class Ordered(Number, Protocol):
@@ -27,7 +18,6 @@ class Ordered(Number, Protocol):
     def __ge__(self, other: Self, /) -> bool: ...
 
 
-N = TypeVar("N", bound=Number)
 M = TypeVar("M", bound=Ordered)
 
 

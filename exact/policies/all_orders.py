@@ -39,7 +39,7 @@ class Runner(Protocol):
         ...
 
 
-class Decision(NamedTuple):
+class Branching(NamedTuple):
     """One branching: at the nth instant of several impulses, the contacts that could be first, and which was."""
 
     instant: int
@@ -48,7 +48,7 @@ class Decision(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Leaf:
     """One leaf of the tree: the decisions that lead to it, and the history that follows.
 
     Attributes:
@@ -57,7 +57,7 @@ class Outcome:
         seed: for a sampled outcome, the seed of `sequential:seed=N` that gives it; else None.
     """
 
-    decisions: tuple[Decision, ...]
+    decisions: tuple[Branching, ...]
     trajectory: Trajectory
     seed: int | None = None
 
@@ -75,7 +75,7 @@ class OrderTree:
         sampled: orders drawn at random beyond the cap.
     """
 
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[Leaf, ...]
     complete: bool
     cap: int
     merged: int
@@ -118,7 +118,7 @@ def all_orders(
         raise SceneError(f"samples = {samples!r}: must be a whole number from 0")
     movers = [not circle.fixed for circle in scene.circles]
     seen: dict[Hashable, int] = {}
-    outcomes: list[Outcome] = []
+    outcomes: list[Leaf] = []
     merged = swapped = 0
     stack: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = [((), frozenset())]
     while stack and len(outcomes) < cap:
@@ -126,7 +126,7 @@ def all_orders(
         policy = Scripted(script, asleep, movers, seen)
         try:
             trajectory = engine.run_with(scene, policy, until=until, events=events)
-            outcomes.append(Outcome(_decisions(scene, policy.choices), trajectory))
+            outcomes.append(Leaf(_decisions(scene, policy.choices), trajectory))
         except BranchDone as done:
             merged += done.args[0] == "merged"
             swapped += done.args[0] == "asleep"
@@ -141,7 +141,7 @@ def all_orders(
             sampled += 1
             if _impulses(trajectory) not in known:
                 known.add(_impulses(trajectory))
-                outcomes.append(Outcome((), trajectory, drawn))
+                outcomes.append(Leaf((), trajectory, drawn))
             if progress is not None:
                 progress(Progress(len(outcomes), 0.0, f"{sampled} of {samples} orders drawn"))
     return OrderTree(tuple(outcomes), not stack, cap, merged, swapped, sampled)
@@ -166,9 +166,9 @@ def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Touc
     return branches
 
 
-def _decisions(scene: Scene, choices: list[Choice]) -> tuple[Decision, ...]:
+def _decisions(scene: Scene, choices: list[Choice]) -> tuple[Branching, ...]:
     return tuple(
-        Decision(
+        Branching(
             choice.instant,
             tuple(contact_of(scene, link) for link in choice.offered),
             contact_of(scene, choice.chosen),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from flint import fmpq
 
 from ...scenarios.event import TieProof
-from ...scenarios.numbers.tower.root_sum import sign_of_root_sum
+from ...scenarios.numbers.tower.sums import sign_of_root_sum
 from ..numbers import ball
 from ..numbers.field import LeavesField, field_sign
 from ..replay.refinable import RefinableState
@@ -13,7 +13,7 @@ from .grounds import Grounds
 from .question import Decision, Question
 
 
-class Balls:
+class InBalls:
     """Signs from the state in balls, at its precision."""
 
     def __init__(self, grounds: Grounds) -> None:
@@ -39,7 +39,7 @@ class Balls:
             return None
 
 
-class Field:
+class InField:
     """Signs in the scene's field, where all bodies concerned are exact."""
 
     def __init__(self, grounds: Grounds) -> None:

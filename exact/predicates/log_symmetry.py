@@ -184,10 +184,11 @@ class LogSymmetry:
         """The blocks just before two blocks, in pairs; None if g does not map the one block to the other."""
         if a.kind != b.kind or a.kind == TAKE or len(a.places) != len(b.places):
             return None
-        if {g.link(link) for link in a.among} != b.among:
+        images: set[Link | None] = {g.link(link) for link in a.among}
+        if images != {*b.among}:
             return None
         rows = self.past.rows
-        found = []
+        found: list[tuple[Block, Block]] = []
         for i, place in a.places.items():
             k = g.circle(i)
             if k is None or b.places.get(k) != place:

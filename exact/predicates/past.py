@@ -102,7 +102,7 @@ class Past:
         groups: list[tuple[set[int], set[Touch]]] = []
         for link in links:
             bodies, mine = {i for i in link.circles if self.movable[i]}, {link}
-            apart = []
+            apart: list[tuple[set[int], set[Touch]]] = []
             for others, theirs in groups:
                 if others & bodies:
                     bodies, mine = bodies | others, mine | theirs

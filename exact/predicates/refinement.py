@@ -8,7 +8,7 @@ from ...scenarios.event import TieProof
 from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.undecided import Undecided
-from .enclosures import Balls, Field
+from .enclosures import InBalls, InField
 from .grounds import Grounds
 from .nested_roots import NestedRoots
 from .question import Decision, Question
@@ -33,7 +33,7 @@ class RootsAndBits:
     def __init__(self, grounds: Grounds) -> None:
         self._grounds = grounds
         self._roots = NestedRoots(grounds.scene)
-        self._quick = (Balls(grounds), Field(grounds))
+        self._quick = (InBalls(grounds), InField(grounds))
 
     def __call__(self, question: Question) -> Decision:
         """The sign.

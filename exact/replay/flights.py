@@ -24,7 +24,7 @@ from .contact import AtWall, Round
 from .sides import Sides
 
 
-class Line(NamedTuple, Generic[N]):
+class SeenWall(NamedTuple, Generic[N]):
     """A wall as seen from one circle: a point on it, the normal to the circle's side, and |n|^2, |n|."""
 
     x0: N
@@ -65,11 +65,11 @@ class Flights(Generic[N]):
         self.constant = constant = numbers.constant
         self.root = numbers.root
         self.n = len(scene.circles)
-        self.zero = constant(Quantity.of(0))
-        self.one = constant(Quantity.of(1))
+        self.zero: N = constant(Quantity.of(0))
+        self.one: N = constant(Quantity.of(1))
         self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
         self.pockets = [self._pocket(k) for k in range(len(scene.pockets))]
-        self._lines: dict[int, tuple[Line[N], Line[N]]] = {}
+        self._lines: dict[int, tuple[SeenWall[N], SeenWall[N]]] = {}
         self.sides = Sides(scene)
 
     def _circle(self, i: int) -> Body[N]:
@@ -85,7 +85,7 @@ class Flights(Generic[N]):
 
     # -- what the steps need
 
-    def line(self, circle: int, wall: int) -> Line[N]:
+    def line(self, circle: int, wall: int) -> SeenWall[N]:
         """The wall as seen from a circle."""
         if wall not in self._lines:
             exact = self.scene.walls[wall]
@@ -93,7 +93,7 @@ class Flights(Generic[N]):
             x0, y0, mx, my = (self.constant(value) for value in (exact.x0, exact.y0, nx, ny))
             nn = mx * mx + my * my
             length = self.root(nn)
-            self._lines[wall] = (Line(x0, y0, mx, my, nn, length), Line(x0, y0, -mx, -my, nn, length))
+            self._lines[wall] = (SeenWall(x0, y0, mx, my, nn, length), SeenWall(x0, y0, -mx, -my, nn, length))
         return self._lines[wall][self.sides.negative(circle, wall)]
 
     def relation(self, link: Round) -> Relation[N]:

@@ -36,8 +36,8 @@ class State(Flights[N]):
     def __init__(self, scene: Scene, numbers: Arithmetic[N], only: Iterable[int] | None = None) -> None:
         super().__init__(scene, numbers, only)
         self.steps_done = 0
-        self.flip_time = self.zero
-        self.instant = self.zero
+        self.flip_time: N = self.zero
+        self.instant: N = self.zero
         self.late: N | None = None
         self.met: tuple[Round, N, N] | None = None
 

@@ -561,7 +561,7 @@ SYMMETRY = (
     ),
     Mutant(
         "among_not_asked", LOG,
-        "        if {g.link(link) for link in a.among} != b.among:\n",
+        "        if images != {*b.among}:\n",
         "        if len(a.among) != len(b.among):\n",
         "rounds of as many contacts match",
     ),
