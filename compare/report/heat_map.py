@@ -26,13 +26,15 @@ LIGHT = {
     "page": "#ffffff", "ink": "#1b1f24", "faint": "#555f69",
     "right": "#d7ecdd", "right-ink": "#1f6b39", "wrong": "#a3201a", "wrong-ink": "#ffffff",
     "unsettled": "#f3e0a6", "unsettled-ink": "#5a4200", "undecided": "#d3dae3", "undecided-ink": "#2c3743",
-    "refused": "#ffffff", "refused-ink": "#555f69", "unchecked": "#ffb703", "unchecked-ink": "#000000",
+    "refused": "#ffffff", "refused-ink": "#555f69",
+    "failed": "#5b3a86", "failed-ink": "#ffffff", "unchecked": "#ffb703", "unchecked-ink": "#000000",
 }  # fmt: skip
 DARK = {
     "page": "#14171b", "ink": "#e6e9ed", "faint": "#a4adb8",
     "right": "#1d3f2a", "right-ink": "#a6e0b6", "wrong": "#ff8a80", "wrong-ink": "#2b0000",
     "unsettled": "#5b4a12", "unsettled-ink": "#ffe39a", "undecided": "#38424e", "undecided-ink": "#dbe2ea",
-    "refused": "#14171b", "refused-ink": "#a4adb8", "unchecked": "#ffb703", "unchecked-ink": "#000000",
+    "refused": "#14171b", "refused-ink": "#a4adb8",
+    "failed": "#c3a5f0", "failed-ink": "#1d0b3a", "unchecked": "#ffb703", "unchecked-ink": "#000000",
 }  # fmt: skip
 """Colours: of the page, of letters on it, and of each mark's cell and its letter."""
 

@@ -43,7 +43,7 @@ class Job:
 
 
 def row_of(job: Job) -> Row:
-    """The row of one place; the same on every machine.
+    """The row of one place; there is no clock in it, and nothing is drawn but from its seed.
 
     >>> row = row_of(Job(Place("near-ties", 20, "left"), ("double", "quad")))
     >>> row["exact"]["mark"], row["engines"]["double"]["mark"], row["engines"]["quad"]["mark"]
@@ -70,12 +70,17 @@ def row_of(job: Job) -> Row:
 def _held(run: Trajectory, label: str, outcomes: Mapping[str, Any]) -> Row:
     """The mark of one engine: where it is wrong, with the first event that differs and the outcomes changed.
 
-    An engine that hands back what can be no history, such as an event before the start, is wrong too.
+    An engine that hands back what can be no history, such as an event before the start, is wrong too. What it raises,
+    one of truebreak's own too, is the end of its answer, and not of the map.
     """
     try:
         told = follow(run, engine_named(label), len(run.events))
     except EngineError as error:
+        if error.__cause__ is not None:  # somebody else's engine raised it
+            return {"mark": Mark.FAILED.value, "told": str(error)}
         return {"mark": Mark.WRONG.value, "event": None, "changed": [], "told": str(error)}
+    except Exception as error:
+        return {"mark": Mark.FAILED.value, "told": f"{type(error).__name__}: {' '.join(str(error).split())}"}
     matched = matched_history(told.run, told.study.longest or run, told.alignment, told.study.span)
     divergence = told.alignment.divergence
     changed = changed_outcomes(outcomes, outcomes_of(matched), agrees=divergence is None)

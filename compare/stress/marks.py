@@ -13,6 +13,7 @@ class Mark(Enum):
     UNSETTLED = "unsettled"
     UNDECIDED = "undecided"
     REFUSED = "refused"
+    FAILED = "failed"
     UNCHECKED = "unchecked"
 
     @property
@@ -20,7 +21,7 @@ class Mark(Enum):
         """As one letter.
 
         >>> "".join(mark.sign for mark in Mark)
-        '.X~?-!'
+        '.X~?-#!'
         """
         return SIGNS[self][0]
 
@@ -36,5 +37,6 @@ SIGNS = {
     Mark.UNSETTLED: ("~", "not settled: the runs at hand do not tell"),
     Mark.UNDECIDED: ("?", "undecided: it stopped, not knowing, or its counted steps were spent"),
     Mark.REFUSED: ("-", "refused: it does not take the scene"),
+    Mark.FAILED: ("#", "failed: it ended with an error of its own, and no answer"),
     Mark.UNCHECKED: ("!", "unchecked: decided, but the independent checker does not tell"),
 }

@@ -114,8 +114,8 @@ def plan(
     found = None if levels is None else levels_of(levels)
     if found is not None and short:
         raise SceneError("--short and --levels both say which levels; keep one of them")
-    for one in chosen if found is not None else ():
-        for k in (found[0], found[-1]):
+    for one in chosen:
+        for k in () if found is None else (found[0], found[-1]):
             one.check(k)
     return Plan(tuple(chosen), labels, found, short)
 

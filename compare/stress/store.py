@@ -116,15 +116,14 @@ class Store:
     def _said(self, line: bytes, number: int) -> dict[str, Any]:
         """What a line says, if its sum is right."""
         try:
-            says = json.loads(line)["says"]
-            whole = self._line(says) == line + b"\n"
+            says: dict[str, Any] = json.loads(line)["says"]
+            if self._line(says) == line + b"\n":
+                return says
         except (ValueError, LookupError, TypeError, RecursionError):
-            whole, says = False, None
-        if not whole:
-            if number == 1:
-                raise self._foreign()
-            raise SceneError(f"--store {self.path!r}: is damaged at line {number}; choose another file")
-        return says
+            pass
+        if number == 1:
+            raise self._foreign()
+        raise SceneError(f"--store {self.path!r}: is damaged at line {number}; choose another file")
 
     def _line(self, says: Mapping[str, Any]) -> bytes:
         """A line, and its sum kept for the next."""

@@ -1,0 +1,90 @@
+"""The full map in docs/stress.md: its tables, made of the ladders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from hashlib import sha256
+from itertools import groupby
+
+from ...scenarios.errors import SceneError
+from .family import Family
+from .ladder import Ladder
+from .marks import Mark
+from .plan import Plan
+
+BEGIN = "<!-- made by `python -m truebreak.compare.stress docs/stress.md`: from here -->\n"
+END = "<!-- to here -->\n"
+
+
+def rewritten(page: str, part: str) -> str:
+    """The page with what is between the two marks replaced.
+
+    Raises:
+        SceneError: for a page without them.
+    """
+    head, begin, rest = page.partition(BEGIN)
+    _, end, tail = rest.partition(END)
+    if not begin or not end:
+        raise SceneError(f"the page has no place for the map; put there {BEGIN.strip()!r} and {END.strip()!r}")
+    return f"{head}{begin}{part}{end}{tail}"
+
+
+def map_part(asked: Plan, told: Sequence[Ladder]) -> str:
+    """The tables of a map, family by family, and what the witnesses say of the exact engine."""
+    by_family = {name: list(group) for name, group in groupby(told, key=lambda ladder: ladder.family)}
+    parts = [
+        f"Made with {asked.settings['versions']}.",
+        exact_part(asked.families, told),
+        "![The map: a row for each engine and scene, a cell for each k](stress.svg)",
+        *(family_part(one, by_family[one.name]) for one in asked.families),
+    ]
+    return "".join(f"\n{part}\n" for part in parts) + "\n"
+
+
+def exact_part(families: Sequence[Family], told: Sequence[Ladder]) -> str:
+    """What the witnesses say of the exact engine."""
+    closed = {one.name for one in families if one.known is not None}
+    marks = [(ladder.family, mark) for ladder in told if ladder.engine == "exact" for mark in ladder.marks]
+    right = [name for name, mark in marks if mark is Mark.RIGHT]
+    wrong = sum(mark is Mark.WRONG for _, mark in marks)
+    others = len(marks) - len(right) - wrong
+    return (
+        f"The exact engine is wrong at {wrong} of {len(marks):,} places. At {len(right):,} of them its whole run is "
+        f"proved again by the independent checker, and at {sum(name in closed for name in right):,} of these a closed "
+        f"form gives the same outcome; at {others} neither is known."
+    )
+
+
+def family_part(one: Family, told: Sequence[Ladder]) -> str:
+    """One family's table."""
+    levels = told[0].levels
+    rows = [
+        f"| {ladder.engine} | {ladder.lane} | {_first(ladder)} | {ladder.told()} |"
+        for ladder in sorted(told, key=lambda ladder: list(dict.fromkeys(x.engine for x in told)).index(ladder.engine))
+    ]
+    return "\n".join(
+        [
+            f"### {one.name}",
+            "",
+            f"{one.summary} {one.grows}; k = {levels[0]} to {levels[-1]}.",
+            f"SHA-256 of the scenes' digests, one after the other: `{scenes_digest(one, levels)}`.",
+            "",
+            "| engine | scene | first wrong | every k |",
+            "|---|---|---|---|",
+            *rows,
+        ]
+    )
+
+
+def scenes_digest(one: Family, levels: Sequence[int]) -> str:
+    """The first 16 letters of the SHA-256 of the digests of a family's scenes, lane by lane."""
+    digests = "".join(one.scene(place).digest for place in one.places(tuple(levels)))
+    return sha256(digests.encode()).hexdigest()[:16]
+
+
+def _first(ladder: Ladder) -> str:
+    """The first wrong k, and those after it that are right."""
+    if ladder.first_wrong is None:
+        return "none"
+    again = ", ".join(map(str, ladder.right_again))
+    return f"{ladder.first_wrong}{f', but right at {again}' if again else ''}"
