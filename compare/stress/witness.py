@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ...exact.certificate import certificate_json
 from ...scenarios.errors import SceneError
 from ...tools.verify import BROKEN
 from ..alignment.align import UNKNOWING
-from ..certificates import certified
+from ..certificates import Certified, certified, verdict
 from .marks import Mark
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
     from .family import Family, Place
 
-VERIFIED, REFUTED = 0, 1
+VERIFIED, REFUTED, NOT_DECIDED = 0, 1, 4
 """Exit codes of the checker."""
+
+MOST_TIMES = 16
+"""By how much more bits a certificate is checked, where its own do not tell."""
 
 
 @dataclass(frozen=True)
@@ -62,4 +67,19 @@ def witness(run: Trajectory, family: Family, place: Place) -> Witness:
         return Witness(Mark.WRONG, found.sentence, fits)
     if fits is False:
         return Witness(Mark.WRONG, "its outcome is not that of the closed form", fits)
+    found = with_more_bits(found)
     return Witness(Mark.RIGHT if found.code == VERIFIED else Mark.UNCHECKED, found.sentence, fits)
+
+
+def with_more_bits(found: Certified) -> Certified:
+    """A certificate whose own bits decide nothing, checked with more of them; what the checker proves is as certain.
+
+    Bits are how finely the checker counts, and no part of what it is told.
+    """
+    told, factor = json.loads(found.text), 1
+    while found.code == NOT_DECIDED and factor < MOST_TIMES:
+        factor *= 2
+        finer = {**told, "bits": [[instant, factor * bits] for instant, bits in told["bits"]]}
+        code, sentence = verdict(certificate_json(finer))
+        found = Certified(found.text, code, f"{sentence} (with {factor} times its bits)")
+    return found

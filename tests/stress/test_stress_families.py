@@ -108,7 +108,7 @@ def test_units_of_length_change_no_history(side: str) -> None:
     assert all([e.time.text() for e in t.events] == [e.time.text() for e in told[0].events] for t in told[1:])
 
 
-@pytest.mark.parametrize("side", ["out", "back"])
+@pytest.mark.parametrize("side", ["along", "aslant"])
 def test_the_place_of_the_origin_changes_no_history(side: str) -> None:
     one = family("moved")
     told = [run(one, k, side) for k in (0, 12, 40)]

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from truebreak.compare.certificates import Certified
+from truebreak.compare.certificates import Certified, verdict
 from truebreak.compare.cli import main
 from truebreak.compare.cli.exit_codes import ExitCode
 from truebreak.compare.cli.stress import code_of
@@ -20,6 +20,7 @@ from truebreak.compare.stress.marks import Mark
 from truebreak.compare.stress.table import family
 from truebreak.compare.stress.witness import witness
 from truebreak.exact import ExactEngine
+from truebreak.exact.certificate import certificate_json, certify
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Scene, SceneError, Trajectory
 
@@ -41,7 +42,7 @@ def call(arguments: list[str]) -> int:
         Place("near-ties", 16, "left"),
         Place("grazes", 18, "miss"),
         Place("unstable", 16, "right"),
-        Place("moved", 9, "out", 1),
+        Place("moved", 9, "along", 1),
         Place("scaled", 12, "down", 2),
         Place("touching", 2, "row"),
         Place("pi", 3, "wall"),
@@ -146,6 +147,7 @@ def checked(code: int) -> Mark:
     place = one.place(3)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(witnessing, "certified", lambda run: Certified("{}", code, "its sentence"))
+        patch.setattr(witnessing, "MOST_TIMES", 1)
         told = witness(ExactEngine().run(one.scene(place)), one, place)
     assert told.told == "its sentence"
     return told.mark
@@ -164,6 +166,21 @@ def test_the_history_of_another_scene_is_refuted() -> None:
     told = witness(replace(run, scene=one.scene(mine)), one, mine)
     assert told.mark is Mark.WRONG
     assert told.closed_form is False
+
+
+def test_a_certificate_of_too_few_bits_is_checked_with_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Refuted it is not, and right only once the checker has proved it."""
+    one = family("near-ties")
+    place = one.place(30)
+    run = ExactEngine().run(one.scene(place))
+    text = certificate_json({**certify(run), "bits": [[0, 80]]})
+    assert verdict(text)[0] == 4
+    monkeypatch.setattr(witnessing, "certified", lambda run: Certified(text, *verdict(text)))
+    told = witness(run, one, place)
+    assert told.mark is Mark.RIGHT
+    assert told.told == "verified: 4 events, to the end: quiet (with 2 times its bits)"
+    monkeypatch.setattr(witnessing, "MOST_TIMES", 1)
+    assert witness(run, one, place).mark is Mark.UNCHECKED
 
 
 def test_a_closed_form_that_says_otherwise_refutes() -> None:

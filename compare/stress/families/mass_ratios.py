@@ -32,7 +32,7 @@ FAMILY = Family(
     grows="10**k is the ratio of masses",
     make=kick,
     first=0,
-    last=40,
+    last=36,
     most=300,
     sides=("left", "right"),
 )
