@@ -96,6 +96,8 @@ def stress(
         _list()
         return DONE
     if show is not None:
+        if short or as_json or any(value is not None for value in (engines, levels, store, svg)):
+            raise click.UsageError("--show prints one scene and runs nothing; give --side and --seed alone with it")
         _show(families, show, side, seed)
         return DONE
     if side is not None or seed is not None:

@@ -72,10 +72,11 @@ def exact_sentence(rows: Sequence[Row]) -> str:
 
 
 def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
-    """One table a family, a row for each engine and lane, a letter for each k."""
+    """One table a family, a row for each engine and lane, a letter for each k, in tens."""
     from rich.markup import escape
 
     from ..report.listing import console, grid, say
+    from ..stress.family import Place
     from ..stress.marks import Mark
     from ..stress.table import family
 
@@ -89,15 +90,15 @@ def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
             wrong = "" if ladder.first_wrong is None else str(ladder.first_wrong)
             if ladder.right_again:
                 wrong += ", not always"
-            table.add_row(escape(ladder.engine), escape(ladder.lane), wrong, ladder.signs)
+            tens = [ladder.signs[k : k + 10] for k in range(0, len(ladder.signs), 10)]
+            table.add_row(escape(ladder.engine), escape(ladder.lane), wrong, " ".join(tens))
         out.print(table)
     for mark in Mark:
         say(out, f"{mark.sign}  {mark.meaning}")
     say(out, "")
     say(out, exact_sentence(rows), "bold")
     if rows:
-        one = rows[-1]
-        from ..stress.family import Place
-
-        say(out, f"Any of the scenes: {Place(one['family'], one['k'], one['side'], one['seed']).show} > scene.toml")
+        last = rows[-1]
+        place = Place(last["family"], last["k"], last["side"], last["seed"])
+        say(out, f"Any of the scenes: {place.show} > scene.toml")
         say(out, "and then: truebreak compare scene.toml --engines ENGINE")

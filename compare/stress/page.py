@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from hashlib import sha256
 from itertools import groupby
@@ -14,6 +15,8 @@ from .plan import Plan
 
 BEGIN = "<!-- made by `python -m truebreak.compare.stress docs/stress.md`: from here -->\n"
 END = "<!-- to here -->\n"
+
+POWER = re.compile(r"\w+\*\*(-?\w+|\([^)]*\))")
 
 
 def rewritten(page: str, part: str) -> str:
@@ -66,7 +69,8 @@ def family_part(one: Family, told: Sequence[Ladder]) -> str:
         [
             f"### {one.name}",
             "",
-            f"{one.summary} {one.grows}; k = {levels[0]} to {levels[-1]}.",
+            f"{_shown(one.summary)} {_shown(one.grows)}; k = {levels[0]} to {levels[-1]}.",
+            "",
             f"SHA-256 of the scenes' digests, one after the other: `{scenes_digest(one, levels)}`.",
             "",
             "| engine | scene | first wrong | every k |",
@@ -80,6 +84,15 @@ def scenes_digest(one: Family, levels: Sequence[int]) -> str:
     """The first 16 letters of the SHA-256 of the digests of a family's scenes, lane by lane."""
     digests = "".join(one.scene(place).digest for place in one.places(tuple(levels)))
     return sha256(digests.encode()).hexdigest()[:16]
+
+
+def _shown(words: str) -> str:
+    """Powers as code: two stars are the beginning of bold letters elsewhere.
+
+    >>> _shown("about pi * 10**(k/2), late by 10**-k.")
+    'about pi * `10**(k/2)`, late by `10**-k`.'
+    """
+    return POWER.sub(r"`\g<0>`", words)
 
 
 def _first(ladder: Ladder) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -144,7 +145,7 @@ def carry_out(asked: Plan, store: Store, *, jobs: int = 1, progress: Callable[[D
         progress: called after each row.
 
     Raises:
-        SceneError: if the store cannot be written any more.
+        SceneError: if the store cannot be written any more, or a worker process was ended by another.
         KeyboardInterrupt: on Ctrl-C; what is done is in the store.
 
     >>> asked = plan(["near-ties"], ["double"], levels="15..16")
@@ -155,12 +156,15 @@ def carry_out(asked: Plan, store: Store, *, jobs: int = 1, progress: Callable[[D
     places = list(asked.places())
     waiting = [Job(place, asked.engines) for place in places[len(store.rows) :]]
     began, fresh = clock.perf_counter(), 0
-    with _rows(waiting, jobs) as rows:
-        for job, row in zip(waiting, rows, strict=True):
-            store.add(row)
-            fresh += 1
-            if progress is not None:
-                progress(Done(len(store.rows), len(places), clock.perf_counter() - began, fresh, job.place))
+    try:
+        with _rows(waiting, jobs) as rows:
+            for job, row in zip(waiting, rows, strict=True):
+                store.add(row)
+                fresh += 1
+                if progress is not None:
+                    progress(Done(len(store.rows), len(places), clock.perf_counter() - began, fresh, job.place))
+    except BrokenExecutor:
+        raise SceneError(f"--jobs {jobs}: a worker process was ended; call again: what is done stays") from None
     return store.rows
 
 

@@ -296,6 +296,8 @@ def test_the_list_names_every_family(capsys: pytest.CaptureFixture[str]) -> None
         (["near-ties", "--show", "3", "--seed", "4"], "draws nothing"),
         (["scaled", "--show", "3", "--seed", "4"], "has the seeds 1, 2"),
         (["--show", "3"], "name one family"),
+        (["near-ties", "--show", "3", "--engines", "double"], "--show prints one scene and runs nothing"),
+        (["near-ties", "--show", "3", "--json"], "--show prints one scene and runs nothing"),
         (["near-ties", "grazes", "--show", "3"], "name one family"),
         (["near-ties", "--side", "left"], "add --show K"),
         (["near-ties", "--store", "/nowhere/map.jsonl"], "no folder"),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 import signal
 import subprocess
 import sys
@@ -158,6 +160,27 @@ def test_the_file_of_another_map_is_refused(whole: bytes, tmp_path: Path, other:
     assert path.read_bytes() == whole
 
 
+def test_the_file_of_another_version_is_refused(whole: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "map.jsonl"
+    path.write_bytes(whole)
+    with pytest.raises(SceneError, match="its versions = "):
+        Store(str(path), {**SMALL.settings, "versions": "truebreak 9"}, list(SMALL.places()))
+
+
+def test_a_worker_that_is_ended_ends_the_map_with_one_line(whole: bytes, tmp_path: Path) -> None:
+    """By SIGKILL, after the first row; the next call goes on."""
+    path = tmp_path / "map.jsonl"
+
+    def kill(done: Done) -> None:
+        for child in multiprocessing.active_children() if done.there == 1 else ():
+            os.kill(child.pid or 0, signal.SIGKILL)
+
+    long = plan(["near-ties", "corners"], ["double"], levels="1..40")
+    with pytest.raises(SceneError, match="a worker process was ended; call again"):
+        carry_out(long, opened(path, long), jobs=2, progress=kill)
+    assert 1 <= len(opened(path, long).rows) < 160
+
+
 def test_a_family_that_has_changed_since_is_noticed(
     whole: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -192,8 +215,6 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
 
 
 def test_a_full_disk_ends_it_with_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import os
-
     path = tmp_path / "map.jsonl"
     store, real, calls = opened(path), os.fsync, []
 
