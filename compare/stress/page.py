@@ -71,7 +71,7 @@ def family_part(one: Family, told: Sequence[Ladder]) -> str:
             "",
             f"{_shown(one.summary)} {_shown(one.grows)}; k = {levels[0]} to {levels[-1]}.",
             "",
-            f"SHA-256 of the scenes' digests, one after the other: `{scenes_digest(one, levels)}`.",
+            f"A scene of it: `{_show(one)}`. SHA-256 of all scenes' digests: `{scenes_digest(one, levels)}`.",
             "",
             "| engine | scene | first wrong | every k |",
             "|---|---|---|---|",
@@ -84,6 +84,17 @@ def scenes_digest(one: Family, levels: Sequence[int]) -> str:
     """The first 16 letters of the SHA-256 of the digests of a family's scenes, lane by lane."""
     digests = "".join(one.scene(place).digest for place in one.places(tuple(levels)))
     return sha256(digests.encode()).hexdigest()[:16]
+
+
+def _show(one: Family) -> str:
+    """The command that prints one of a family's scenes.
+
+    >>> from truebreak.compare.stress.table import family
+    >>> _show(family("scaled"))
+    'truebreak stress scaled --show K --side up|down --seed 1|2'
+    """
+    seeds = "" if one.seeds == (0,) else f" --seed {'|'.join(map(str, one.seeds))}"
+    return f"truebreak stress {one.name} --show K --side {'|'.join(one.sides)}{seeds}"
 
 
 def _shown(words: str) -> str:
