@@ -35,6 +35,7 @@ def test_a_family_bears_the_name_of_its_line_in_the_table(name: str) -> None:
     assert one.name == name
     assert one.first < one.last <= one.most
     assert len(set(one.sides)) == len(one.sides) > 0
+    assert all(side.isalnum() for side in one.sides)
     assert "k" in one.grows
 
 
