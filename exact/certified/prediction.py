@@ -14,6 +14,7 @@ from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import Body
 from ..replay.contact import AtWall, Entry, Link
 from ..replay.refinable import RefinableState
+from ..simulation.cells import Spot
 from ..simulation.prediction import Predictor, link_of
 from ..simulation.queue import ArrivalQueue
 
@@ -121,6 +122,10 @@ class FilteredPredictor(Predictor[arb]):
         for k in unclear:
             self.plan["unclear in doubles"] += 1
             self.wall(a, k, standing)
+
+    def spot(self, a: Body[arb]) -> Spot | None:
+        """See `Predictor.spot`."""
+        return None if a.f is None else Spot(*a.f[:5])
 
     def _as_seen_from(self, a: Body[arb]) -> list[FloatLine]:
         lines = self._float_lines[a.index] = [float_line(*self.line(a, k)) for k in range(self.wall_count)]

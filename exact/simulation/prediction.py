@@ -22,10 +22,15 @@ from ..numbers.system import M
 from ..replay.body import Body
 from ..replay.contact import AtWall, Entry, Link, Pair, Round
 from ..replay.state import State
+from .cells import Spot
+from .crowd import Crowd, cells_for
 from .queue import ArrivalQueue
 
 ROUNDED_DOWN = 1 - 2.0**-50
 """Makes a quotient of doubles a lower bound: its rounding, 2**-53, is less."""
+
+SHARP = 2.0**-49
+"""Most by which bounds of a number may differ, as a share of it, where a double tells it to a few roundings."""
 
 
 class Predictor(Generic[M]):
@@ -59,6 +64,8 @@ class Predictor(Generic[M]):
         self._count = len(scene.circles)
         self.wall_count = len(scene.walls)
         self.points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
+        self._begun = False
+        self._crowd: Crowd[M] | None = None
         self.zero = state.zero
         self.root = state.root
 
@@ -87,17 +94,19 @@ class Predictor(Generic[M]):
         """
         plan, count = self.plan, self._count
         self.prepare()
+        if gone:
+            moved = [a for a in moved if a.index not in gone]
+        self._walls_of(moved, standing)
+        if not self._begun:
+            self._begun = True
+            self._gather_crowd()
+        if self._crowd is not None:
+            self._crowd.predict(moved, standing, gone)
+            return
         others = (
             [b for b in self.state.bodies.values() if b.index not in gone] if gone else [*self.state.bodies.values()]
         )
         pockets = self.state.pockets
-        if gone:
-            moved = [a for a in moved if a.index not in gone]
-        for a in moved:
-            a.until = inf
-            if not a.flight.rest:
-                plan["walls predicted"] += self.wall_count
-                self.walls(a, standing)
         for done, a in enumerate(moved, start=1):
             others.remove(a)
             met = others
@@ -106,6 +115,33 @@ class Predictor(Generic[M]):
                 plan["pairs at rest skipped"] += len(others) - len(met)
             plan["pairs predicted"] += count - done - len(others) + len(met)
             self.pairs(a, [*met, *pockets] if pockets and not a.flight.rest else met, standing)
+
+    def _gather_crowd(self) -> None:
+        """Puts the circles in cells, if they are many."""
+        state = self.state
+        spots = {i: self.spot(body) for i, body in state.bodies.items()}
+        cells = cells_for(spots, [float(circle.r) for circle in self.scene.circles])
+        if cells is not None:
+            self._crowd = self.queue.crossings = Crowd(
+                cells, state.bodies, state.pockets, self.plan, self.prepare, self.pairs, self.spot
+            )
+
+    def spot(self, a: Body[M]) -> Spot | None:
+        """A flight in doubles; None where they do not tell it to a rounding."""
+        numbers: list[float] = []
+        for number in a.q:
+            low, high = self.bounds(number)
+            if not high - low <= SHARP * abs(low) < inf:
+                return None
+            numbers.append(low)
+        return Spot(*numbers)
+
+    def _walls_of(self, moved: Sequence[Body[M]], standing: Collection[Link]) -> None:
+        for a in moved:
+            a.until = inf
+            if not a.flight.rest:
+                self.plan["walls predicted"] += self.wall_count
+                self.walls(a, standing)
 
     def pairs(self, a: Body[M], others: list[Body[M]], standing: Collection[Link]) -> None:
         """Queues the next meetings of a, which has a new flight, with circles and pockets."""

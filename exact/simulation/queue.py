@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from heapq import heappop, heappush
 from math import inf
-from typing import Generic, NamedTuple
+from typing import Generic, NamedTuple, Protocol
 
 from ..numbers.system import N
 from ..replay.body import Body
@@ -36,17 +36,43 @@ class Arrival(NamedTuple, Generic[N]):
     graze: bool = False
 
 
+class Crossings(Protocol):
+    """What may make new arrivals of flights that stay as they are."""
+
+    @property
+    def next_crossing(self) -> float:
+        """When that comes next; infinite if never."""
+        ...
+
+    def cross(self, since: float, until: float) -> None:
+        """Queues what it makes up to a time, where what happens next may come as early as `since`."""
+        ...
+
+
+class NoCrossings:
+    """Every arrival is queued as its flights begin."""
+
+    next_crossing = inf
+
+    def cross(self, since: float, until: float) -> None:
+        """Nothing."""
+
+
 class ArrivalQueue(Generic[N]):
     """The arrivals of a run.
 
     Args:
         bodies: the circles, whose serial numbers tell which arrivals are stale.
+
+    Attributes:
+        crossings: what comes before an arrival is taken off.
     """
 
     def __init__(self, bodies: Mapping[int, Body[N]]) -> None:
         self._bodies = bodies
         self._heap: list[Arrival[N]] = []
         self._order = 0
+        self.crossings: Crossings = NoCrossings()
 
     def push(self, low: float, high: float, time: N | None, link: Link, graze: bool = False) -> None:
         """Queues an arrival that is certain, predicted from the flights as they are."""
@@ -97,6 +123,23 @@ class ArrivalQueue(Generic[N]):
 
         An arrival is left where it is if its lower bound lies above the least upper bound of those taken.
         """
+        while True:
+            found = self._rivals()
+            until = self.crossings.next_crossing
+            if until == inf:
+                return found
+            since = until
+            if found:
+                since, bar = found[0].low, min(arrival.high for arrival in found)
+                last = since if bar == inf else bar
+                if until > last:
+                    return found
+                until = last
+                for arrival in found:
+                    heappush(self._heap, arrival)
+            self.crossings.cross(since, until)
+
+    def _rivals(self) -> list[Arrival[N]]:
         heap = self._heap
         while heap and not self.fresh(heap[0]):
             heappop(heap)

@@ -1,0 +1,60 @@
+"""Histories with cells and without are the same."""
+
+from __future__ import annotations
+
+import pytest
+
+from truebreak.compare import engine
+from truebreak.exact.simulation import cells
+from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
+
+LATTICE = Scene(
+    [Circle(3 * i, 3 * j, vx=(i * 7 + j) % 5 - 2, vy=(i + 3 * j) % 5 - 2) for i in range(8) for j in range(7)],
+    [Wall(-4, 0, -4, 1), Wall(26, 0, 26, 1), Wall(0, -4, 1, -4), Wall(0, 23, 1, 23)],
+    events=300,
+)
+"""Many instants of several contacts, far from one another."""
+
+SCENES = {
+    "gas": lambda: (catalogue.build("gas:n=60,seed=3"), {"events": 300}),
+    "mixed": lambda: (catalogue.build("gas:n=60,seed=4,mixed=yes"), {"events": 300}),
+    "crowd": lambda: (catalogue.build("gas:n=200,seed=1"), {"events": 400}),
+    "lattice": lambda: (LATTICE, {"events": 200}),
+    "there and back": lambda: (
+        catalogue.build("gas:n=50,seed=2").with_changes(until=None, events=None, reverse_after=60),
+        {},
+    ),
+    "turned at a time": lambda: (
+        catalogue.build("gas:n=50,seed=5").with_changes(until=None, events=None, reverse_at=1),
+        {},
+    ),
+    "one large among small": lambda: (
+        Scene(
+            [
+                Circle(0, 0, 40, 1, 0, m=9),
+                *(Circle(50 + 3 * i, 3 * j, vx=-1 - i % 3) for i in range(8) for j in range(-3, 4)),
+            ]
+        ),
+        {"events": 60},
+    ),
+}
+
+
+def told(run: Trajectory) -> list[object]:
+    """All that a history says, its numbers as doubles; the contacts of one instant in no order."""
+    events = [(float(e.time), sorted(e.contacts), sorted(e.impulses), {t.proof for t in e.ties}) for e in run.events]
+    final = [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in run.final.circles]
+    return [events, final, float(run.final_time), run.stop.reason, [(p.circle, float(p.time)) for p in run.pocketings]]
+
+
+@pytest.mark.parametrize("name", ["exact", "double"])
+@pytest.mark.parametrize("scene", SCENES)
+def test_cells_change_nothing(scene: str, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    built, limits = SCENES[scene]()
+    with_cells = engine(name).run(built, **limits)
+    assert with_cells.plan["cells crossed"] > 0
+    monkeypatch.setattr(cells, "FEWEST", 10**9)
+    without = engine(name).run(built, **limits)
+    assert "cells crossed" not in without.plan
+    assert told(with_cells) == told(without)
+    assert with_cells.plan["pairs predicted"] < without.plan["pairs predicted"] / 2
