@@ -123,26 +123,30 @@ class ArrivalQueue(Generic[N]):
 
         An arrival is left where it is if its lower bound lies above the least upper bound of those taken.
         """
+        heap, crossings = self._heap, self.crossings
         while True:
+            self._drop_stale()
+            crossing = crossings.next_crossing
+            if crossing < inf and (not heap or heap[0].low > crossing):
+                crossings.cross(crossing, crossing)
+                continue
             found = self._rivals()
-            until = self.crossings.next_crossing
-            if until == inf:
+            if crossing == inf or crossing > min(arrival.high for arrival in found):
                 return found
-            since = until
-            if found:
-                since, bar = found[0].low, min(arrival.high for arrival in found)
-                last = since if bar == inf else bar
-                if until > last:
-                    return found
-                until = last
-                for arrival in found:
-                    heappush(self._heap, arrival)
-            self.crossings.cross(since, until)
+            since = found[0].low
+            if crossing > since and not any(arrival.certain for arrival in found):
+                return found
+            for arrival in found:
+                heappush(heap, arrival)
+            crossings.cross(since, crossing)
 
-    def _rivals(self) -> list[Arrival[N]]:
+    def _drop_stale(self) -> None:
         heap = self._heap
         while heap and not self.fresh(heap[0]):
             heappop(heap)
+
+    def _rivals(self) -> list[Arrival[N]]:
+        heap = self._heap
         if not heap:
             return []
         first = heappop(heap)
