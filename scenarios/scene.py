@@ -18,7 +18,8 @@ from .things import Circle, Pocket, Wall
 from .tie_policy import TiePolicy
 from .validation import check_apart
 
-MAX_CIRCLES = 10_000
+MAX_CIRCLES = 100_000
+"""A gas of so many is built in some seconds, and its first event comes in some twenty; each has nine near it."""
 
 THINGS = frozenset({"circles", "walls", "pockets"})
 

@@ -6,7 +6,7 @@ from math import isqrt
 
 from ...errors import SceneError
 from ...numbers.quantity import Quantity
-from ...scene import Scene
+from ...scene import MAX_CIRCLES, Scene
 from ...things import Circle, Wall
 from ..draw import Draw
 from ..entry import Entry, Parameter
@@ -115,9 +115,9 @@ def _walls(side: int) -> list[Wall]:
 SINAI = "Y. G. Sinai, Dynamical systems with elastic reflections, Russian Mathematical Surveys 25 (1970), 137-189"
 
 PARAMETERS = (
-    Parameter("n", "10", "number of discs", whole(1, 10_000)),
+    Parameter("n", "10", "number of discs", whole(1, MAX_CIRCLES)),
     Parameter("seed", "1", "seed of the positions and velocities", whole(0, 10**9)),
-    Parameter("size", "auto", "side of the box; auto leaves nine tenths free", automatic(whole(3, 10_000))),
+    Parameter("size", "auto", "side of the box; auto leaves nine tenths free", automatic(whole(3, MAX_CIRCLES))),
     Parameter("mixed", "no", "yes draws radii from 1/2 to 3/2; the mass is their square", yes_no),
 )
 

@@ -113,9 +113,9 @@ def test_settings_are_given_as_text_or_by_name() -> None:
         ),
         ("gas:n", "catalogue scene 'gas': 'n' is not a setting; write key=value"),
         ("gas:n=1,n=2", "catalogue scene 'gas': n is set twice; keep one"),
-        ("gas:n=x", "catalogue scene 'gas': n = 'x': must be a whole number from 1 to 10000"),
-        ("gas:n=10001", "catalogue scene 'gas': n = '10001': must be a whole number from 1 to 10000"),
-        ("gas:n=-3", "catalogue scene 'gas': n = '-3': must be a whole number from 1 to 10000"),
+        ("gas:n=x", "catalogue scene 'gas': n = 'x': must be a whole number from 1 to 100000"),
+        ("gas:n=100001", "catalogue scene 'gas': n = '100001': must be a whole number from 1 to 100000"),
+        ("gas:n=-3", "catalogue scene 'gas': n = '-3': must be a whole number from 1 to 100000"),
         ("gas:mixed=maybe", "catalogue scene 'gas': mixed = 'maybe': must be yes or no"),
         (
             "gas:n=50,size=10",
