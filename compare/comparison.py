@@ -233,7 +233,7 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
 
     if candidate.alignment.divergence is not None:
         lab = Laboratory(study, candidate, engine, progress)
-        return replace(candidate, diagnosis=diagnosis_of(lab), margin=margin_of(study, lab))
+        return replace(candidate, diagnosis=diagnosis_of(lab), margin=margin_of(lab))
     if candidate.alignment.undecided:
         return replace(candidate, diagnosis=diagnosis_of_stop(study, candidate, engine, progress))
     return candidate

@@ -9,6 +9,7 @@ from flint import arb  # type: ignore[attr-defined]
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span, align
+from ..deadline import OutOfTime
 from ..engines import engine
 from ..study import SERIES_MORE
 from .decision import Decision, answer
@@ -67,6 +68,25 @@ class Laboratory:
             if other is not None and answer(decision, other) != answer(decision, value):
                 return decision
         return min(told, key=lambda pair: abs(float(pair[1].mid())), default=(None, None))[0]
+
+    @property
+    def tied(self) -> bool:
+        """Whether the decision is an order of two meetings that the reference has at one instant."""
+        events, event = self.reference.events, self.divergence.event
+        if self.decision is None or self.decision.second is None or event >= len(events):
+            return False
+        pairs = {frozenset(pair) for pair in events[event].contacts}
+        asked = {frozenset((p.body, p.partner)) for p in (self.decision.first, self.decision.second)}
+        return len(asked) == 2 and asked <= pairs
+
+    def check_time(self) -> None:
+        """Ends what is tried once the user's seconds are over.
+
+        Raises:
+            OutOfTime: then.
+        """
+        if self.study.watch.over:
+            raise OutOfTime(str(self.study.watch.is_up()))
 
     @property
     def scale(self) -> float:

@@ -35,11 +35,9 @@ class Fewest:
     engine: Engine | None = None
 
 
-def bits_past(
-    study: Study, engine: Engine, event: int, time: float = 0.0, progress: OnProgress | None = None
-) -> Fewest:
-    """The fewest bits with which an engine goes on past so many events, or past a time, whichever is later."""
-    until = max(study.until_event(event), study.past(time))
+def bits_past(study: Study, engine: Engine, event: int, progress: OnProgress | None = None) -> Fewest:
+    """The fewest bits with which an engine goes on past so many events."""
+    until = study.until_event(event)
 
     def does(chosen: Engine) -> bool:
         run = study.run(chosen, study.scene, until, progress)

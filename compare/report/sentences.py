@@ -213,6 +213,14 @@ def consequence_phrase(comparison: Comparison, candidate: Candidate) -> str | No
     return "; ".join(parts) or None
 
 
+CHECKED = {
+    "run": "found by runs in balls of so many bits, and of one less",
+    "replay": "found by replays of the exact run's log in balls of so many bits, and of one less",
+    None: "",
+}
+"""What was seen to decide with so many bits."""
+
+
 def margin_phrase(candidate: Candidate) -> str | None:
     """How close it was, how far off the engine was by then, and what that makes of it, in words."""
     margin = candidate.margin
@@ -238,8 +246,8 @@ def margin_phrase(candidate: Candidate) -> str | None:
         parts.append(f"the engine is {margin.error:.3g} off by then{ratio}")
     if margin.growth is not None and margin.growth > 0:
         parts.append(f"errors grow by {margin.growth:.3g} bits an event")
-    if margin.bits is not None:
-        parts.append(f"{margin.bits} bits decide it")
+    if margin.enough.bits is not None:
+        parts.append(f"{margin.enough.bits:,} bits decide it ({CHECKED[margin.enough.by]})")
     return "; ".join(parts) or None
 
 
