@@ -70,7 +70,7 @@ class Replay(Reader):
         """t, x, y, vx, vy of each circle in question, after the steps of its last event."""
         steps, place = steps_of(self.run), {str(c.id): k for k, c in enumerate(self.run.scene.circles)}
         wanted: dict[int, set[str]] = {}
-        for pairing in pairings(self.decision):
+        for pairing in self.decision.pairings:
             for name in (pairing.body, pairing.partner):
                 if name in place:
                     wanted.setdefault(self._upto(pairing, name), set()).add(name)
@@ -104,7 +104,7 @@ class Replay(Reader):
     def decides(self) -> bool:
         """Whether the balls tell the answer, and all that it rests on: that the circles come nearer, and meet."""
         with ball.precision(self.bits):
-            if not all(self._clear(pairing) for pairing in pairings(self.decision)):
+            if not all(self._clear(pairing) for pairing in self.decision.pairings):
                 return False
             value = self._value(self.decision, self.bits)
             return value is not None and ball.sign_of(value) in (-1, 1)
@@ -120,11 +120,6 @@ class Replay(Reader):
         if self.decision.kind == "hit":
             return nearer is not None
         return nearer == -1 and ball.sign_of(pair_discriminant(dx, dy, vx, vy, reach)) == 1
-
-
-def pairings(decision: Decision) -> list[Pairing]:
-    """What a decision is between."""
-    return [pairing for pairing in (decision.first, decision.second) if pairing is not None]
 
 
 def steps_of(run: Trajectory) -> Sequence[Step]:

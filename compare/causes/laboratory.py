@@ -12,7 +12,7 @@ from ..alignment.align import Span, align
 from ..deadline import OutOfTime
 from ..engines import engine
 from ..study import SERIES_MORE
-from .decision import Decision, answer
+from .decision import Decision, Pairing, answer
 from .decisions import decisions
 from .reader import Reader
 from .rounding import rounded
@@ -70,6 +70,19 @@ class Laboratory:
         return min(told, key=lambda pair: abs(float(pair[1].mid())), default=(None, None))[0]
 
     @property
+    def pairings(self) -> list[Pairing]:
+        """What the decision is between."""
+        return [] if self.decision is None else self.decision.pairings
+
+    def run(self, judged: Engine, scene: Scene, until: float) -> Trajectory:
+        """A run that no want of time has cut short.
+
+        Raises:
+            OutOfTime: if the user's seconds are over before it ends.
+        """
+        return self.study.whole_run(judged, scene, until, self.progress)
+
+    @property
     def tied(self) -> bool:
         """Whether the decision is an order of two meetings that the reference has at one instant."""
         events, event = self.reference.events, self.divergence.event
@@ -116,7 +129,7 @@ class Laboratory:
         """
         assert self.decision is not None
         if self._doubles is None:
-            run = self.study.run(engine("double"), self.study.scene, self.until(None), self.progress)
+            run = self.run(engine("double"), self.study.scene, self.until(None))
             self._doubles = self.reader(run, self.given, None)
         return self.moved(self._doubles.value(self.decision), start)
 

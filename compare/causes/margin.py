@@ -41,6 +41,7 @@ class Margin:
             earlier of the two events.
         growth: bits an event by which a small error grows along the exact run up to there; None if not known.
         enough: the bits that would have been enough.
+        cut: whether the user's seconds were over before all of this was measured.
     """
 
     gap: Bounds | None
@@ -49,6 +50,7 @@ class Margin:
     error: float | None = None
     growth: float | None = None
     enough: BitsEnough = BitsEnough()
+    cut: bool = False
 
     @property
     def ratio(self) -> float | None:

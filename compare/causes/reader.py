@@ -184,10 +184,8 @@ class Reader:
         _, dx, dy, vx, vy, reach = relative
         if ball.sign_of(law.pair_approach(dx, dy, vx, vy)) in (0, 1):
             return ball.root(dx * dx + dy * dy) - reach
-        cross = abs(dx * vy - dy * vx)
-        if self._exactly_grazing(pairing):
-            return arb(0)
-        return cross / ball.root(vx * vx + vy * vy) - reach
+        least = abs(dx * vy - dy * vx) / ball.root(vx * vx + vy * vy) - reach
+        return arb(0) if ball.sign_of(least) is None and self._exactly_grazing(pairing) else least
 
     def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
         """The distance between two surfaces at a time of their free flight."""

@@ -83,16 +83,12 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
         finer = finer_by(lab.engine, halvings)
         if finer is None or finer.step is None or until > SERIES_STEPS * finer.step:
             break
-        run = lab.study.run(finer, lab.study.scene, until, lab.progress)
+        run = lab.run(finer, lab.study.scene, until)
         gone.append(_gone(lab, run, finer.step))
         told.append(f"{finer.step:.3g}")
         if lab.decision is not None:
             reader = lab.reader(run, lab.given, finer.step)
-            last = (
-                reader.value(lab.decision)
-                if all(reader.follows(p) for p in (lab.decision.first, lab.decision.second) if p is not None)
-                else None
-            )
+            last = reader.value(lab.decision) if all(reader.follows(p) for p in lab.pairings) else None
         if gone[-2:] == [True, True]:
             break
     if not gone and lab.engine.finer() is None:
@@ -156,7 +152,7 @@ def _iterations(lab: Laboratory) -> Experiment:
     until = lab.until(lab.engine.step)
     if until > SERIES_STEPS * (lab.engine.step or math.inf):
         return Experiment(CauseName.ITERATIONS, f"not tried: it takes more than {SERIES_STEPS:,} steps")
-    run = lab.study.run(firmer, lab.study.scene, until, lab.progress)
+    run = lab.run(firmer, lab.study.scene, until)
     gone = _gone(lab, run, firmer.step)
     return Experiment(
         CauseName.ITERATIONS, f"with four times as many it {'agrees' if gone else 'differs too'}", None, gone

@@ -40,7 +40,7 @@ def bits_past(study: Study, engine: Engine, event: int, progress: OnProgress | N
     until = study.until_event(event)
 
     def does(chosen: Engine) -> bool:
-        run = study.run(chosen, study.scene, until, progress)
+        run = study.whole_run(chosen, study.scene, until, progress)
         return len(run.events) > event or run.stop.reason is not StopReason.UNDECIDED
 
     return _fewest(engine, does, event + 1)
@@ -50,7 +50,7 @@ def bits_through(study: Study, engine: Engine, progress: OnProgress | None = Non
     """The fewest bits, from its own on, with which an engine decides all that the reference has inside the span."""
 
     def does(chosen: Engine) -> bool:
-        run = study.run(chosen, study.scene, study.span.time, progress)
+        run = study.whole_run(chosen, study.scene, study.span.time, progress)
         return run.stop.reason is not StopReason.UNDECIDED
 
     return _fewest(engine, does, len(study.reference.events) + 1)

@@ -171,12 +171,12 @@ def listed(words: list[str]) -> str:
 
 
 def short(value: float | None) -> str:
-    """A small number for a table; a dash for none.
+    """A small number for a table; a dash for none, and for nan.
 
     >>> short(1.23456e-9), short(None), short(0.0)
     ('1.23e-09', '-', '0')
     """
-    return "-" if value is None else f"{value:.3g}"
+    return "-" if value is None or math.isnan(value) else f"{value:.3g}"
 
 
 def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
