@@ -15,6 +15,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ..alignment.align import align
 from ..alignment.impulse_order import DOUBLE_BITS
+from ..deadline import NO_TIME
 from .alone import arithmetic_alone
 from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
 from .laboratory import Laboratory, verb
@@ -36,20 +37,24 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     Each experiment moves the number that decides: input rounding alone (the reference engine on the scene in doubles),
     arithmetic alone (from there to the engine), both together; for an engine with a time step, the step, in a series,
     passing through within a step, and the iterations of its solver; another resolution of an exact tie; and, where
-    none of these, the engine's law. One that moves it past zero suffices.
+    none of these, the engine's law. One that moves it past zero suffices. What the user's seconds leave no time for is
+    not tried, and says so.
     """
     tie = _tie(lab)
     rows: list[Experiment] = []
-    entered, by_input = _input(lab)
+    entered, by_input = lab.tried(lambda: _input(lab), (None, Experiment(CauseName.INPUT, NO_TIME)))
     rows.append(by_input)
     if lab.engine.step is None:
-        rows += _arithmetic(lab, entered, by_input)
+        left = [Experiment(CauseName.ARITHMETIC, NO_TIME)]
+        rows += left if by_input.result == NO_TIME else lab.tried(lambda: _arithmetic(lab, entered, by_input), left)
     else:
         rows += stepped(lab, entered, by_input, tie)
     if any(e.cause is CauseName.ITERATIONS and e.suffices for e in rows):
         tie = Experiment(CauseName.TIE, "with more iterations it resolves the instant as the policy does", None, False)
     rows.append(tie)
-    untried = [e for e in rows if e.suffices is None and e.cause in (CauseName.STEP, CauseName.INPUT)]
+    untried = [
+        e for e in rows if e.suffices is None and (e.cause in (CauseName.STEP, CauseName.INPUT) or e.result == NO_TIME)
+    ]
     if any(e.suffices for e in rows):
         rows.append(Experiment(CauseName.MODEL, "not tried: something else suffices"))
     elif untried:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
 
 from flint import arb  # type: ignore[attr-defined]
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span, align
-from ..deadline import OutOfTime
+from ..deadline import OutOfTime, time_to_read
 from ..engines import engine
 from ..study import SERIES_MORE
 from .decision import Decision, Pairing, answer
@@ -32,6 +33,9 @@ radii. A time step, or another law, knows no such bound."""
 
 LEAST_ROUNDING = 2.0**-50
 """A share of the scene's measures that a few operations in doubles are off by, whatever one run of them shows."""
+
+
+Told = TypeVar("Told")
 
 
 class Laboratory:
@@ -91,6 +95,14 @@ class Laboratory:
         pairs = {frozenset(pair) for pair in events[event].contacts}
         asked = {frozenset((p.body, p.partner)) for p in (self.decision.first, self.decision.second)}
         return len(asked) == 2 and asked <= pairs
+
+    def tried(self, experiment: Callable[[], Told], otherwise: Told) -> Told:
+        """What an experiment tells; something else once the user's seconds are over."""
+        try:
+            with time_to_read(self.study.watch):
+                return experiment()
+        except OutOfTime:
+            return otherwise
 
     def check_time(self) -> None:
         """Ends what is tried once the user's seconds are over.

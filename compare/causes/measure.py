@@ -6,19 +6,16 @@ import math
 from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
+from ..deadline import NO_TIME
 from .enough import bits_enough
-from .margin import Bounds, Margin
+from .margin import BitsEnough, Bounds, Margin
 
 if TYPE_CHECKING:
     from .laboratory import Laboratory
 
 
 def margin_of(lab: Laboratory) -> Margin:
-    """The margin of a candidate's divergence.
-
-    Raises:
-        OutOfTime: if the user's seconds are over.
-    """
+    """The margin of a candidate's divergence: as much of it as the user's seconds leave time for."""
     from ...exact.results.growth import error_growth
 
     divergence = lab.divergence
@@ -28,10 +25,13 @@ def margin_of(lab: Laboratory) -> Margin:
         if lab.decision.kind == "hit":
             distance = ball.double_bounds(lab.margin)
         else:
-            gap, distance = (0.0, 0.0) if lab.tied else ball.double_bounds(lab.margin), _second_gap(lab)
+            gap = (0.0, 0.0) if lab.tied else ball.double_bounds(lab.margin)
             ulps = max(abs(gap[0] + gap[1]) / 2, 0.0) / math.ulp(max(abs(divergence.time), math.ulp(0.0)))
-    growth = error_growth(lab.reference, divergence.event)
-    return Margin(gap, distance, ulps, _error(lab), growth, bits_enough(lab))
+            distance = lab.tried(lambda: _second_gap(lab), None)
+    error = lab.tried(lambda: _error(lab), None)
+    growth = lab.tried(lambda: error_growth(lab.reference, divergence.event), None)
+    enough = lab.tried(lambda: bits_enough(lab), BitsEnough(told=NO_TIME))
+    return Margin(gap, distance, ulps, error, growth, enough, cut=enough.told == NO_TIME)
 
 
 def _second_gap(lab: Laboratory) -> Bounds | None:
