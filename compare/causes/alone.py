@@ -1,9 +1,9 @@
-"""What an engine's arithmetic does by itself, where the rounding of its input has changed the history before.
+"""What an engine's arithmetic does by itself, beside the rounding of its input.
 
-The exact run of the scene in doubles then no longer comes to the contact in question, and the engine cannot be held
-against it there. But it can be earlier, while all three runs still lie close together: displacements add up as long as
-they are small. The exact run is stopped at such a moment, displaced by the difference between the engine and the exact
-run of what it was given, and run on: exactly, whatever becomes of the displacement.
+At the contact in question the exact run of the scene in doubles may have left the history long before, or be so far off
+that what the engine adds to it says nothing of what it would add to the exact motion. But while all three runs still
+lie close together, displacements add up. The exact run is stopped at such a moment, displaced by the difference between
+the engine and the exact run of what it was given, and run on: exactly, whatever becomes of the displacement.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ LARGE = 2.0**-36
 """Share that the engine's displacement has to have come to, so that what it rounds later on is small beside it."""
 
 DIGITS = 80
-"""Digits with which the exact run is taken up again: so many fewer bits than any displacement that they grow to nothing
-before it does. That the run goes on as before is looked at."""
+"""Digits with which the exact run is taken up again. What they leave out grows as any displacement does, and so stays
+10**-69 of the engine's; that the run goes on as before is looked at."""
 
 
 @dataclass(frozen=True)

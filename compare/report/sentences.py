@@ -13,6 +13,7 @@ from ..outcomes.permitted import Relation
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ..candidate import Candidate
+    from ..causes.margin import BitsEnough
     from ..comparison import Comparison
 
 
@@ -213,12 +214,15 @@ def consequence_phrase(comparison: Comparison, candidate: Candidate) -> str | No
     return "; ".join(parts) or None
 
 
-CHECKED = {
-    "run": "found by runs in balls of so many bits, and of one less",
-    "replay": "found by replays of the exact run's log in balls of so many bits, and of one less",
-    None: "",
-}
-"""What was seen to decide with so many bits."""
+def checked(enough: BitsEnough) -> str:
+    """What was seen to decide with so many bits, and not to with one less.
+
+    >>> from truebreak.compare.causes.margin import BitsEnough
+    >>> checked(BitsEnough(145, 144, "run")), checked(BitsEnough(24, None, "replay"))
+    ('found by runs in balls of so many bits, and of one less', "found by replays of the exact run's log in so few")
+    """
+    how = "runs" if enough.by == "run" else "replays of the exact run's log"
+    return f"found by {how} in balls of so many bits, and of one less" if enough.short else f"found by {how} in so few"
 
 
 def margin_phrase(candidate: Candidate) -> str | None:
@@ -247,7 +251,7 @@ def margin_phrase(candidate: Candidate) -> str | None:
     if margin.growth is not None and margin.growth > 0:
         parts.append(f"errors grow by {margin.growth:.3g} bits an event")
     if margin.enough.bits is not None:
-        parts.append(f"{margin.enough.bits:,} bits decide it ({CHECKED[margin.enough.by]})")
+        parts.append(f"{margin.enough.bits:,} bits decide it ({checked(margin.enough)})")
     return "; ".join(parts) or None
 
 

@@ -38,7 +38,9 @@ def test_a_run_in_so_many_balls_comes_past_the_divergence_and_in_one_bit_less_do
     assert bits.short is None or reached[1] <= event
     # Intervals of other code come past it too, if not with the same bits.
     assert len(engine(f"interval:bits={2 * bits.bits + 64}").run(scene, events=event + 1).events) == event + 1
-    assert f"{bits.bits} bits decide it (found by runs in balls" in (margin_phrase(found) or "")
+    told_so = margin_phrase(found) or ""
+    assert f"{bits.bits} bits decide it (found by runs in " in told_so
+    assert ("of one less" in told_so) == (bits.short is not None)
 
 
 def test_a_late_divergence_has_them_too() -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...causes.diagnosis import CauseName
-from ..sentences import CHECKED, about, middle, short
+from ..sentences import about, checked, middle, short
 
 if TYPE_CHECKING:
     from ...candidate import Candidate
@@ -78,7 +78,7 @@ def enough(candidate: Candidate) -> list[tuple[str, str]]:
     rows: list[tuple[str, str]] = []
     margin, divergence = candidate.margin, candidate.alignment.divergence
     if margin is not None and margin.enough.bits is not None:
-        rows.append(("bits that decide it", f"{margin.enough.bits:,}, {CHECKED[margin.enough.by]}"))
+        rows.append(("bits that decide it", f"{margin.enough.bits:,}, {checked(margin.enough)}"))
     elif margin is not None and margin.enough.told:
         rows.append(("bits that decide it", margin.enough.told))
     if margin is not None and divergence is not None and not candidate.stepped:
