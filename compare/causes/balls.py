@@ -79,8 +79,8 @@ class Replay(Reader):
             state = BallState(self.run.scene)
             for done in range(max(wanted) + 1):
                 for name in wanted.get(done, ()):
-                    body = state.bodies[place[name]]
-                    found[name, done] = (body.t, body.x, body.y, body.vx, body.vy)
+                    flight = state.bodies[place[name]].flight
+                    found[name, done] = (flight.t, flight.x, flight.y, flight.vx, flight.vy)
                 if done < len(steps):
                     state.do(steps[done])
         return found
