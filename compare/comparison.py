@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,9 +13,9 @@ from ..scenarios.notebook import html_table
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
-from .alignment.separation import return_miss, separation
+from .alignment.separation import not_measured, return_miss, separation
 from .candidate import Candidate
-from .deadline import Clock, OutOfTime, checked_seconds, time_limit, uninterrupted
+from .deadline import NO_TIME, Clock, OutOfTime, checked_seconds, time_limit, time_to_read, uninterrupted
 from .engines import engine as engine_named
 from .foreign.guard import run_guarded
 from .foreign.loading import label_of
@@ -158,9 +159,13 @@ def compare(
     for label, engine in chosen:
         study.share = 1 / (len(chosen) - len(results))
         result = _candidate(study, label, engine, found, outcomes, _noted(progress, label))
+        if math.isnan(result.separation.final):
+            cut.append(f"the position error of {label}")
         if causes and not watch.over:
             try:
                 result = explained(study, result, engine, _noted(progress, f"why {label}"))
+                if _in_part(result):
+                    cut.append(f"part of why {label}")
             except OutOfTime:
                 cut.append(f"why {label}")
         elif causes and result.verdict != "agree":
@@ -209,11 +214,16 @@ def _candidate(
     matched = matched_history(run, reference, alignment, study.span)
     values = outcomes_of(matched, outcomes)
     end = min(study.span.time, float(study.reference.final_time)) or float(run.final_time)
+    try:
+        with time_to_read(study.watch):
+            apart = separation(study.reference, run, end)
+    except OutOfTime:
+        apart = not_measured(study.reference)
     return Candidate(
         engine=label,
         trajectory=run,
         alignment=alignment,
-        separation=separation(study.reference, run, end),
+        separation=apart,
         outcomes=values,
         changed=tuple(changed_outcomes(expected, values, agrees=alignment.divergence is None)),
         return_miss=return_miss(run, study.reference),
@@ -225,18 +235,31 @@ def _candidate(
 
 
 def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Candidate:
-    """The same with causes and margin."""
+    """The same with causes and margin.
+
+    Raises:
+        OutOfTime: if the user's seconds are over before anything was tried.
+    """
     from .causes.experiments import diagnosis_of
     from .causes.laboratory import Laboratory
     from .causes.measure import margin_of
     from .causes.stops import diagnosis_of_stop
 
     if candidate.alignment.divergence is not None:
-        lab = Laboratory(study, candidate, engine, progress)
-        return replace(candidate, diagnosis=diagnosis_of(lab), margin=margin_of(study, lab))
+        with time_to_read(study.watch):
+            lab = Laboratory(study, candidate, engine, progress)
+        return replace(candidate, diagnosis=diagnosis_of(lab), margin=margin_of(lab))
     if candidate.alignment.undecided:
-        return replace(candidate, diagnosis=diagnosis_of_stop(study, candidate, engine, progress))
+        with time_to_read(study.watch):
+            return replace(candidate, diagnosis=diagnosis_of_stop(study, candidate, engine, progress))
     return candidate
+
+
+def _in_part(candidate: Candidate) -> bool:
+    """Whether some of the experiments, or of the margin, was left out for want of time."""
+    found, margin = candidate.diagnosis, candidate.margin
+    cut = found is not None and any(e.result == NO_TIME for e in found.experiments)
+    return cut or (margin is not None and margin.cut)
 
 
 def _checked_scene(scene: Any) -> Scene:

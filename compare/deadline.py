@@ -6,11 +6,12 @@ import signal
 import sys
 import threading
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 from typing import TYPE_CHECKING
 
+from ..exact.numbers import ball
 from ..scenarios.errors import SceneError, TimeIsUp
 
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
 
 AGAIN_SECONDS = 0.05
 """Once the seconds are over, how often a place is looked for at which a run can be ended."""
+
+NO_TIME = "not tried: the seconds (--max-seconds) are over"
+"""What an experiment says for which there was no time."""
 
 _ROOT = __name__.rpartition(".compare")[0]
 
@@ -111,27 +115,48 @@ def time_limit(seconds: float | None, told: float | None = None) -> Iterator[Clo
     """
     watch = Clock(checked_seconds(seconds), told)
     try:
-        with _alarm(watch):
+        with _alarm(watch, _can_end):
             yield watch
     except TimeIsUp as outcome:
         raise OutOfTime(str(outcome)) from None
 
 
 @contextmanager
-def _alarm(watch: Clock) -> Iterator[None]:
-    """Raises `TimeIsUp` in its body when the seconds are over, at a place where an engine's loop catches it."""
+def time_to_read(watch: Clock) -> Iterator[None]:
+    """Ends what its body reads off runs once the seconds are over, wherever it is: there is no partial result of that.
+
+    In the main thread, where the platform has timers; elsewhere where the body looks at the clock itself.
+
+    Raises:
+        OutOfTime: then.
+    """
+    bits = ball.bits_in_use()
+    try:
+        if watch.over:
+            raise watch.is_up()
+        with _alarm(watch, _can_drop):
+            yield
+    except TimeIsUp as outcome:
+        ball.use_bits(bits)
+        raise OutOfTime(str(outcome)) from None
+
+
+@contextmanager
+def _alarm(watch: Clock, ends: Callable[[FrameType | None], bool]) -> Iterator[None]:
+    """Raises `TimeIsUp` in its body when the seconds are over, at a place that can be ended."""
     timers = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
-    if watch.seconds is None or not timers:
+    seconds = watch.left()
+    if seconds is None or not timers:
         yield
         return
 
     def ring(number: int, frame: FrameType | None) -> None:
-        if watch.over and _can_end(frame):
+        if watch.over and ends(frame):
             raise watch.is_up()
 
     began = clock.monotonic()
     handler = signal.signal(signal.SIGALRM, ring)
-    left, interval = signal.setitimer(signal.ITIMER_REAL, watch.seconds, AGAIN_SECONDS)
+    left, interval = signal.setitimer(signal.ITIMER_REAL, seconds, AGAIN_SECONDS)
     try:
         yield
     finally:
@@ -139,6 +164,16 @@ def _alarm(watch: Clock) -> Iterator[None]:
         signal.signal(signal.SIGALRM, handler)
         if left:  # another timer was at work: pytest's, say
             signal.setitimer(signal.ITIMER_REAL, max(left - (clock.monotonic() - began), 0.001), interval)
+
+
+def _can_drop(frame: FrameType | None) -> bool:
+    """Whether nothing is under way in a frame that must be whole: an import, and what C calls."""
+    while frame is not None:
+        module = str(frame.f_globals.get("__name__"))
+        if "pymunk" in module or module.startswith("importlib"):
+            return False
+        frame = frame.f_back
+    return True
 
 
 def _can_end(frame: FrameType | None) -> bool:

@@ -33,6 +33,9 @@ EVENTS_FACTOR, EVENTS_MORE = 4, 1_000
 itself is never run on for longer than that."""
 
 
+RUN_SHARE = 7 / 8
+"""Share of the seconds left that a run may take: what it has by then is still to be read."""
+
 SERIES_STEPS = 1_000_000
 """Time steps of the longest run by which a series in the step is told: about a second of pymunk."""
 
@@ -81,7 +84,22 @@ class Study:
             SceneError: if the engine refuses the scene, or hands back what cannot be judged.
             OutOfTime: if the user's seconds are over.
         """
-        left = self.watch.left(self.share)
+        return self._run(engine, scene, until, progress)[0]
+
+    def whole_run(self, engine: Engine, scene: Scene, until: float, progress: OnProgress | None = None) -> Trajectory:
+        """As `run`, for what is told of the whole run only.
+
+        Raises:
+            OutOfTime: also if the user's seconds have cut it short.
+        """
+        told, cut = self._run(engine, scene, until, progress)
+        if cut:
+            raise OutOfTime(told.stop.message)
+        return told
+
+    def _run(self, engine: Engine, scene: Scene, until: float, progress: OnProgress | None) -> tuple[Trajectory, bool]:
+        """A run, and whether it was cut short as the seconds were over."""
+        left = self.watch.left(RUN_SHARE * self.share)
         with time_limit(left, self.watch.seconds) as watch:
             told = run_guarded(
                 engine,
@@ -90,7 +108,8 @@ class Study:
                 events=self.cap,
                 progress=watch.watched(progress),
             )
-        return uninterrupted(check_trajectory(told, scene, engine.name, engine.bits))
+        checked = uninterrupted(check_trajectory(told, scene, engine.name, engine.bits))
+        return checked, watch.over and checked.stop.reason is StopReason.BUDGET
 
     def until_event(self, event: int) -> float:
         """A time a little past an event of the reference, or past its end."""
@@ -151,13 +170,13 @@ class Study:
 
         def difference(halvings: int, instant: Instant) -> float | None:
             mine, chosen = self.longest or self.reference, finer_by(engine, halvings)
-            if chosen is None or chosen.step is None or self.watch.over:
+            if chosen is None or chosen.step is None:
                 return None
             until = float(mine.events[instant.mine[-1]].time) + SERIES_MORE * (engine.step or 0.0)
             if until > SERIES_STEPS * chosen.step:
                 return None
             if halvings not in runs or float(runs[halvings][0].final_time) < until:
-                run = self.run(chosen, self.scene, until)
+                run = self.whole_run(chosen, self.scene, until)
                 runs[halvings] = run, align(mine, run, span=self.span, step=chosen.step, instants=False)
             run, alignment = runs[halvings]
             for found in instants(alignment.walks):

@@ -27,6 +27,8 @@ class Separation:
         largest: at each time, the largest distance over all circles, in units of the scene.
         circle: id of the circle that is farthest off at the end.
         scale: the largest coordinate of the reference: what a distance is to be compared with.
+
+    A distance of nan was not measured, an infinite one is beyond the doubles.
     """
 
     times: tuple[float, ...]
@@ -52,6 +54,11 @@ class Separation:
         return Separation(
             tuple(self.times[k] for k in keep), tuple(self.largest[k] for k in keep), self.circle, self.scale
         )
+
+
+def not_measured(reference: Trajectory) -> Separation:
+    """What stands for a separation that there was no time for: nan at time 0, of no circle in particular."""
+    return Separation((0.0,), (math.nan,), str(reference.scene.circles[0].id), 0.0)
 
 
 def separation(reference: Trajectory, candidate: Trajectory, end: float, samples: int = SAMPLES) -> Separation:

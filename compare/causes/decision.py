@@ -54,6 +54,11 @@ class Decision:
     first: Pairing
     second: Pairing | None = None
 
+    @property
+    def pairings(self) -> list[Pairing]:
+        """What it is between."""
+        return [self.first] if self.second is None else [self.first, self.second]
+
 
 def answer(decision: Decision, value: arb | None) -> int | None:
     """What a value decides: its sign; for a hit, a touch without depth is a miss. None if it is not known."""

@@ -18,7 +18,11 @@ if TYPE_CHECKING:
 
 
 def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment) -> list[Decision]:
-    """What may have been decided otherwise at the first divergence, likeliest first."""
+    """What may have been decided otherwise at the first divergence, likeliest first.
+
+    Of the meeting that one run has and the one that the other has instead, the earlier: whatever comes after it, its
+    being there or not has changed the history.
+    """
     divergence = alignment.divergence
     assert divergence is not None
     walks, body = alignment.walks, divergence.body
@@ -29,9 +33,9 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
         expected = _pairing(reference, walks, body, divergence.expected, divergence.event, None)
     if divergence.got is not None and divergence.candidate_event is not None:
         got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
-    found: list[Decision] = []
-    found += [Decision("hit", got)] if got is not None else []
-    found += [Decision("hit", expected)] if expected is not None else []
+    hits = [(divergence.got_time, got), (divergence.expected_time, expected)]
+    told = sorted(((time or 0.0, pairing) for time, pairing in hits if pairing is not None), key=lambda hit: hit[0])
+    found = [Decision("hit", pairing) for _, pairing in told]
     if expected is not None and got is not None:
         found.append(Decision("order", expected, got))
     return found

@@ -15,6 +15,8 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ..alignment.align import align
 from ..alignment.impulse_order import DOUBLE_BITS
+from ..deadline import NO_TIME
+from .alone import arithmetic_alone
 from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
 from .laboratory import Laboratory, verb
 from .reader import Reader
@@ -23,6 +25,7 @@ from .stepped import stepped
 
 if TYPE_CHECKING:
     from ...scenarios.event import Contact
+    from .decision import Decision, Pairing
 
 SMALLER = 200
 """Halvings by which the input's rounding is made small, so that the exact run on it stays in the same history."""
@@ -34,20 +37,24 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     Each experiment moves the number that decides: input rounding alone (the reference engine on the scene in doubles),
     arithmetic alone (from there to the engine), both together; for an engine with a time step, the step, in a series,
     passing through within a step, and the iterations of its solver; another resolution of an exact tie; and, where
-    none of these, the engine's law. One that moves it past zero suffices.
+    none of these, the engine's law. One that moves it past zero suffices. What the user's seconds leave no time for is
+    not tried, and says so.
     """
     tie = _tie(lab)
     rows: list[Experiment] = []
-    entered, by_input = _input(lab)
+    entered, by_input = lab.tried(lambda: _input(lab), (None, Experiment(CauseName.INPUT, NO_TIME)))
     rows.append(by_input)
     if lab.engine.step is None:
-        rows += _arithmetic(lab, entered, by_input)
+        left = [Experiment(CauseName.ARITHMETIC, NO_TIME)]
+        rows += left if by_input.result == NO_TIME else lab.tried(lambda: _arithmetic(lab, entered, by_input), left)
     else:
         rows += stepped(lab, entered, by_input, tie)
     if any(e.cause is CauseName.ITERATIONS and e.suffices for e in rows):
         tie = Experiment(CauseName.TIE, "with more iterations it resolves the instant as the policy does", None, False)
     rows.append(tie)
-    untried = [e for e in rows if e.suffices is None and e.cause in (CauseName.STEP, CauseName.INPUT)]
+    untried = [
+        e for e in rows if e.suffices is None and (e.cause in (CauseName.STEP, CauseName.INPUT) or e.result == NO_TIME)
+    ]
     if any(e.suffices for e in rows):
         rows.append(Experiment(CauseName.MODEL, "not tried: something else suffices"))
     elif untried:
@@ -109,14 +116,28 @@ def _input(lab: Laboratory) -> tuple[Reader | None, Experiment]:
         return lab.truth, Experiment(
             CauseName.INPUT, "the scene is exact in doubles, so no input was rounded", 0.0, False
         )
-    run = lab.study.run(lab.study.truth, lab.given, lab.until(None), lab.progress)
+    run = lab.run(lab.study.truth, lab.given, lab.until(None))
     reader = lab.reader(run, lab.given, None)
     if lab.decision is None:
         return reader, Experiment(CauseName.INPUT, "not tried: no contact can be named")
     told = _told(lab, CauseName.INPUT, reader, "the reference engine on the scene in doubles")
-    if told.displacement is None:
-        told = replace(told, displacement=_linear(lab))
-    return reader, told
+    return reader, told if told.displacement is not None else _to_first_order(told, _linear(lab))
+
+
+def _first(decision: Decision, truth: Reader) -> Pairing | None:
+    """Which of two meetings comes first in the exact motion; None where one is in question, or both come at once."""
+    value = truth.value(decision)
+    sign = None if value is None or decision.second is None else ball.sign_of(value)
+    return decision.first if sign == 1 else decision.second if sign == -1 else None
+
+
+def _to_first_order(told: Experiment, moved: float | None) -> Experiment:
+    """With the displacement to the first order, where the run itself does not come to the contact."""
+    if moved is None:
+        return told
+    return replace(
+        told, displacement=moved, result=f"{told.result}; to the first order it moves the decision by {abs(moved):.3g}"
+    )
 
 
 def _linear(lab: Laboratory) -> float | None:
@@ -126,7 +147,7 @@ def _linear(lab: Laboratory) -> float | None:
         scene = shifted(lab.study.scene, Quantity.of(Fraction(1, 2**SMALLER)))
     except SceneError:
         return None
-    run = lab.study.run(lab.study.truth, scene, lab.until(None), lab.progress)
+    run = lab.run(lab.study.truth, scene, lab.until(None))
     moved = lab.moved(lab.reader(run, scene, None).value(lab.decision), lab.margin)
     return None if moved is None else math.ldexp(moved, SMALLER)
 
@@ -134,13 +155,22 @@ def _linear(lab: Laboratory) -> float | None:
 def _told(lab: Laboratory, cause: CauseName, reader: Reader, what: str) -> Experiment:
     """What a run shows at the decision."""
     assert lab.decision is not None
-    pairings = [p for p in (lab.decision.first, lab.decision.second) if p is not None]
-    if not all(reader.follows(p) for p in pairings):
+    return _shown(lab, cause, lab.decision, lab.truth, reader, what)
+
+
+def _shown(
+    lab: Laboratory, cause: CauseName, decision: Decision, truth: Reader, reader: Reader, what: str
+) -> Experiment:
+    """What a run shows at a decision, beside the run of which the true answer is read."""
+    if not all(reader.follows(p) for p in decision.pairings):
         return Experiment(cause, f"{what} leaves the history before that, among what leads to the contact", None, True)
-    value = reader.value(lab.decision)
+    value = reader.value(decision)
     if value is None:
+        first = _first(decision, truth)
+        if first is not None and reader.hit_time(first) is not None:
+            return Experiment(cause, f"{what} has only that of the two meetings which comes first", None, False)
         return Experiment(cause, f"{what} does not have both meetings", None, True)
-    moved = lab.moved(value, lab.margin)
+    moved = lab.moved(value, truth.value(decision))
     flips = lab.changes(value)
     return Experiment(cause, f"{what} {verb(moved, flips)}", moved, flips)
 
@@ -155,6 +185,9 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
     start = entered.value(lab.decision)
     if _other_law(lab, start):
         return [Experiment(CauseName.ARITHMETIC, "not by rounding: doubles stay far nearer", None, False)]
+    by_itself = None if entered is lab.truth else _alone(lab, entered)
+    if by_itself is not None:
+        return [by_itself] if by_itself.suffices or by_input.suffices else _together(lab, start, by_itself)
     what = f"{lab.name} against the exact run of {'the scene in doubles' if entered is not lab.truth else 'the scene'}"
     if start is None or lab.got is None:
         whole = lab.moved(lab.got, lab.margin)
@@ -172,25 +205,36 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
     with ball.precision(4096):
         alone = lab.margin + (lab.got - start)
     flips = lab.changes(alone)
-    rows = [Experiment(CauseName.ARITHMETIC, f"{what} {verb(moved, flips)}", moved, flips)]
-    if by_input.suffices or flips:
-        return rows
-    if lab.changes(lab.got):
-        rows.append(
-            Experiment(
-                CauseName.TOGETHER,
-                "neither suffices alone; both together do",
-                lab.moved(lab.got, lab.margin),
-                True,
-                1.0,
-            )
-        )
-        return rows
-    if abs(float(lab.got.mid())) > lab.by_rounding(start):
-        clear = f"{what}: its flights up to the contact decide as the exact ones do, and clearly"
-        return [Experiment(CauseName.ARITHMETIC, clear, moved, False)]
-    last = f"{what}: its flights up to the contact would decide as the exact ones do; its decision rounds otherwise"
-    return [Experiment(CauseName.ARITHMETIC, last, moved, True)]
+    row = Experiment(CauseName.ARITHMETIC, f"{what} {verb(moved, flips)}", moved, flips)
+    return [row] if by_input.suffices or flips else _together(lab, start, row)
+
+
+def _alone(lab: Laboratory, entered: Reader) -> Experiment | None:
+    """The exact run, displaced by what the engine's arithmetic alone has come to while all is small; see `alone`."""
+    found = arithmetic_alone(lab, entered)
+    if found is None:
+        return None
+    what = f"the exact run, moved after event {found.after - 1} by what {lab.name}'s arithmetic alone has come to,"
+    told = _shown(lab, CauseName.ARITHMETIC, found.decision, found.truth, found.own, what)
+    if told.displacement is None:
+        little = found.small(Quantity.of(Fraction(1, 2**SMALLER)))
+        moved = lab.moved(little.value(found.decision), found.truth.value(found.decision))
+        return _to_first_order(told, None if moved is None else math.ldexp(moved, SMALLER))
+    return told
+
+
+def _together(lab: Laboratory, start: arb | None, row: Experiment) -> list[Experiment]:
+    """What is left where neither rounding suffices alone: both, or the decision's own rounding at the last."""
+    if lab.got is None or lab.changes(lab.got):
+        told = "neither suffices alone; both together do"
+        return [row, Experiment(CauseName.TOGETHER, told, lab.moved(lab.got, lab.margin), True, 1.0)]
+    if start is None or abs(float(lab.got.mid())) > lab.by_rounding(start):
+        clear = f"{row.result}; its flights up to the contact decide as the exact ones do, and clearly"
+        return [replace(row, result=clear)]
+    last = (
+        f"{row.result}; its flights up to the contact would decide as the exact ones do: the decision itself is rounded"
+    )
+    return [replace(row, result=last, suffices=True)]
 
 
 def _other_law(lab: Laboratory, start: arb | None) -> bool:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeVar
 
 from flint import arb
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span, align
+from ..deadline import OutOfTime, time_to_read
 from ..engines import engine
 from ..study import SERIES_MORE
-from .decision import Decision, answer
+from .decision import Decision, Pairing, answer
 from .decisions import decisions
 from .reader import Reader
 from .rounding import rounded
@@ -31,6 +33,9 @@ radii. A time step, or another law, knows no such bound."""
 
 LEAST_ROUNDING = 2.0**-50
 """A share of the scene's measures that a few operations in doubles are off by, whatever one run of them shows."""
+
+
+Told = TypeVar("Told")
 
 
 class Laboratory:
@@ -69,6 +74,46 @@ class Laboratory:
         return min(told, key=lambda pair: abs(float(pair[1].mid())), default=(None, None))[0]
 
     @property
+    def pairings(self) -> list[Pairing]:
+        """What the decision is between."""
+        return [] if self.decision is None else self.decision.pairings
+
+    def run(self, judged: Engine, scene: Scene, until: float) -> Trajectory:
+        """A run that no want of time has cut short.
+
+        Raises:
+            OutOfTime: if the user's seconds are over before it ends.
+        """
+        return self.study.whole_run(judged, scene, until, self.progress)
+
+    @property
+    def tied(self) -> bool:
+        """Whether the decision is an order of two meetings that the reference has at one instant."""
+        events, event = self.reference.events, self.divergence.event
+        if self.decision is None or self.decision.second is None or event >= len(events):
+            return False
+        pairs = {frozenset(pair) for pair in events[event].contacts}
+        asked = {frozenset((p.body, p.partner)) for p in (self.decision.first, self.decision.second)}
+        return len(asked) == 2 and asked <= pairs
+
+    def tried(self, experiment: Callable[[], Told], otherwise: Told) -> Told:
+        """What an experiment tells; something else once the user's seconds are over."""
+        try:
+            with time_to_read(self.study.watch):
+                return experiment()
+        except OutOfTime:
+            return otherwise
+
+    def check_time(self) -> None:
+        """Ends what is tried once the user's seconds are over.
+
+        Raises:
+            OutOfTime: then.
+        """
+        if self.study.watch.over:
+            raise OutOfTime(str(self.study.watch.is_up()))
+
+    @property
     def scale(self) -> float:
         """The largest coordinate or radius of the scene."""
         return max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in self.study.scene.circles)
@@ -96,7 +141,7 @@ class Laboratory:
         """
         assert self.decision is not None
         if self._doubles is None:
-            run = self.study.run(engine("double"), self.study.scene, self.until(None), self.progress)
+            run = self.run(engine("double"), self.study.scene, self.until(None))
             self._doubles = self.reader(run, self.given, None)
         return self.moved(self._doubles.value(self.decision), start)
 

@@ -4,9 +4,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Literal
 
 Bounds = tuple[float, float]
 """Doubles around a number that is known exactly."""
+
+
+@dataclass(frozen=True)
+class BitsEnough:
+    """The fewest bits that decide what a divergence turns on.
+
+    Attributes:
+        bits: them; None where none was found.
+        short: one less, which was seen not to do; None where there is none so few.
+        by: what was seen to decide with so many bits: a whole run in balls, or the log of the exact run carried out in
+            balls, of which no decision but the one in question is asked.
+        told: where no number of bits is given, why.
+    """
+
+    bits: int | None = None
+    short: int | None = None
+    by: Literal["run", "replay"] | None = None
+    told: str = ""
 
 
 @dataclass(frozen=True)
@@ -21,8 +40,8 @@ class Margin:
         error: the largest distance between the engine's place and the exact one of the circles in question, at the
             earlier of the two events.
         growth: bits an event by which a small error grows along the exact run up to there; None if not known.
-        bits: the fewest bits with which intervals decide what comes next there, found by running them; None if not
-            tried, or if no number of bits does.
+        enough: the bits that would have been enough.
+        cut: whether the user's seconds were over before all of this was measured.
     """
 
     gap: Bounds | None
@@ -30,7 +49,8 @@ class Margin:
     ulps: float | None
     error: float | None = None
     growth: float | None = None
-    bits: int | None = None
+    enough: BitsEnough = BitsEnough()
+    cut: bool = False
 
     @property
     def ratio(self) -> float | None:

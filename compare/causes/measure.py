@@ -5,27 +5,17 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from flint import arb
-
 from ...exact.numbers import ball
-from ..alignment.divergence import Kind
-from .margin import Bounds, Margin
-from .widths import bits_past
+from ..deadline import NO_TIME
+from .enough import bits_enough
+from .margin import BitsEnough, Bounds, Margin
 
 if TYPE_CHECKING:
-    from ..study import Study
     from .laboratory import Laboratory
 
-MOST_EVENTS = 60
-"""Events up to which the fewest bits are looked for: a dozen interval runs."""
 
-
-def margin_of(study: Study, lab: Laboratory) -> Margin:
-    """The margin of a candidate's divergence.
-
-    Raises:
-        OutOfTime: if the user's seconds are over.
-    """
+def margin_of(lab: Laboratory) -> Margin:
+    """The margin of a candidate's divergence: as much of it as the user's seconds leave time for."""
     from ...exact.results.growth import error_growth
 
     divergence = lab.divergence
@@ -35,28 +25,19 @@ def margin_of(study: Study, lab: Laboratory) -> Margin:
         if lab.decision.kind == "hit":
             distance = ball.double_bounds(lab.margin)
         else:
-            gap, distance = ball.double_bounds(_together(lab) or lab.margin), _second_gap(lab)
+            gap = (0.0, 0.0) if lab.tied else ball.double_bounds(lab.margin)
             ulps = max(abs(gap[0] + gap[1]) / 2, 0.0) / math.ulp(max(abs(divergence.time), math.ulp(0.0)))
-    growth = error_growth(lab.reference, divergence.event)
-    return Margin(gap, distance, ulps, _error(lab), growth, _bits(study, lab))
-
-
-def _together(lab: Laboratory) -> arb | None:
-    """Exactly zero, where the reference has both meetings at one instant."""
-    assert lab.decision is not None and lab.decision.second is not None
-    events, event = lab.reference.events, lab.divergence.event
-    if event < len(events):
-        pairs = {frozenset(pair) for pair in events[event].contacts}
-        asked = {frozenset((p.body, p.partner)) for p in (lab.decision.first, lab.decision.second)}
-        if len(asked) == 2 and asked <= pairs:
-            return arb(0)
-    return None
+            distance = lab.tried(lambda: _second_gap(lab), None)
+    error = lab.tried(lambda: _error(lab), None)
+    growth = lab.tried(lambda: error_growth(lab.reference, divergence.event), None)
+    enough = lab.tried(lambda: bits_enough(lab), BitsEnough(told=NO_TIME))
+    return Margin(gap, distance, ulps, error, growth, enough, cut=enough.told == NO_TIME)
 
 
 def _second_gap(lab: Laboratory) -> Bounds | None:
     """How far the pair that meets second is apart when the first one meets."""
     assert lab.decision is not None and lab.decision.second is not None
-    if _together(lab) is not None:
+    if lab.tied:
         return 0.0, 0.0
     one, other = lab.decision.first, lab.decision.second
     with ball.precision(4096):
@@ -79,18 +60,3 @@ def _error(lab: Laboratory) -> float | None:
     rows = [k for k, c in enumerate(lab.study.scene.circles) if c.id in names and not c.fixed]
     mine, theirs = reference.sample([at])[0], run.sample([at])[0]
     return max((math.dist(mine[k][:2], theirs[k][:2]) for k in rows), default=None)
-
-
-def _bits(study: Study, lab: Laboratory) -> int | None:
-    """The bits with which intervals decide what comes next at the divergence."""
-    from ..engines import engine
-
-    event, events = lab.divergence.event, lab.reference.events
-    tied = event < len(events) and len(events[event].contacts) > 1
-    if (lab.divergence.kind is Kind.TIE and tied) or event > MOST_EVENTS or study.watch.over:
-        return None
-    return bits_past(study, engine(NARROWEST), event, lab.divergence.time).bits
-
-
-NARROWEST = "interval:bits=24"
-"""The intervals that the search for the fewest bits begins with: there are none of fewer."""

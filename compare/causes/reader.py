@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb
 
@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
     from ..alignment.walk import Walk
+
+
+Numbers: TypeAlias = tuple[arb, arb, arb, arb, arb]
+"""t, x, y, vx, vy of a flight, in balls."""
 
 
 class Reader:
@@ -92,15 +96,20 @@ class Reader:
 
     # -- one pairing
 
+    def numbers(self, pairing: Pairing, name: str, bits: int) -> Numbers | None:
+        """t, x, y, vx, vy of one of the two as its flight has them; None if the run does not have that flight."""
+        flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
+        if flight is None:
+            return None
+        t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
+        return t, x, y, vx, vy
+
     def _relative(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb, arb, arb] | None:
         """t, d, v and R of two circles at the later of their flights' times."""
-        flights = []
-        for name in (pairing.body, pairing.partner):
-            flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
-            if flight is None:
-                return None
-            flights.append([real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy)])
-        (at, ax, ay, avx, avy), (bt, bx, by, bvx, bvy) = flights
+        one, other = self.numbers(pairing, pairing.body, bits), self.numbers(pairing, pairing.partner, bits)
+        if one is None or other is None:
+            return None
+        (at, ax, ay, avx, avy), (bt, bx, by, bvx, bvy) = one, other
         later = at if ball.sign_of(at - bt) in (0, 1) else bt
         ax, ay = law.advance(ax, avx, later - at), law.advance(ay, avy, later - at)
         bx, by = law.advance(bx, bvx, later - bt), law.advance(by, bvy, later - bt)
@@ -117,14 +126,14 @@ class Reader:
     def _wall(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb] | None:
         """t, the gap to a wall, the approach to it, and the length of its normal."""
         wall = next(w for w in self.scene.walls if w.id == pairing.partner)
-        flight = self.flight(pairing.body, pairing.anchors.get(pairing.body), turned=self._turned(pairing))
+        flight = self.numbers(pairing, pairing.body, bits)
         if flight is None:
             return None
         circle = next(c for c in self.scene.circles if c.id == pairing.body)
         nx, ny = wall.normal
         if wall.height(circle.x, circle.y).sign() < 0:
             nx, ny = -nx, -ny
-        t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
+        t, x, y, vx, vy = flight
         x0, y0, mx, my = (q.ball(bits) for q in (wall.x0, wall.y0, nx, ny))
         length = ball.root(mx * mx + my * my)
         gap = law.wall_gap(x, y, x0, y0, mx, my, circle.r.ball(bits) * length)
@@ -175,10 +184,8 @@ class Reader:
         _, dx, dy, vx, vy, reach = relative
         if ball.sign_of(law.pair_approach(dx, dy, vx, vy)) in (0, 1):
             return ball.root(dx * dx + dy * dy) - reach
-        cross = abs(dx * vy - dy * vx)
-        if self._exactly_grazing(pairing):
-            return arb(0)
-        return cross / ball.root(vx * vx + vy * vy) - reach
+        least = abs(dx * vy - dy * vx) / ball.root(vx * vx + vy * vy) - reach
+        return arb(0) if ball.sign_of(least) is None and self._exactly_grazing(pairing) else least
 
     def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
         """The distance between two surfaces at a time of their free flight."""

@@ -11,6 +11,7 @@ from ..alignment.align import align
 from ..alignment.divergence import Kind
 from ..alignment.instants import NEARER, instants, velocity_difference
 from ..alignment.walk import REPEATED
+from ..deadline import NO_TIME
 from ..study import SERIES_STEPS, finer_by
 from .decisions import decisions
 from .diagnosis import CauseName, Experiment
@@ -28,22 +29,29 @@ MOST_HALVINGS = 8
 
 def stepped(lab: Laboratory, entered: Reader | None, by_input: Experiment, tie: Experiment) -> list[Experiment]:
     """What a time step does: its series, passing through, the solver, and rounding where the series leaves the rest."""
-    passed = _tunnelling(lab)
-    series, finest = _series(lab, stays_tied=bool(tie.suffices))
-    firmer = _iterations(lab)
+    passed = lab.tried(lambda: _tunnelling(lab), Experiment(CauseName.TUNNELLING, NO_TIME))
+    cut = Experiment(CauseName.STEP, NO_TIME)
+    series, finest = lab.tried(lambda: _series(lab, stays_tied=bool(tie.suffices)), (cut, None))
+    firmer = lab.tried(lambda: _iterations(lab), Experiment(CauseName.ITERATIONS, NO_TIME))
     rows = [series, passed, firmer]
     if any(e.suffices for e in rows) or by_input.suffices or lab.decision is None:
         rows.append(Experiment(CauseName.ARITHMETIC, "not tried: something else suffices"))
         return rows
+    left = Experiment(CauseName.ARITHMETIC, NO_TIME)
+    untried = any(e.result == NO_TIME for e in (*rows, by_input))
+    return [*rows, left if untried else lab.tried(lambda: _rest(lab, entered, finest), left)]
+
+
+def _rest(lab: Laboratory, entered: Reader | None, finest: arb | None) -> Experiment:
+    """What is left at the finest step, which rounding may explain."""
+    assert lab.decision is not None
     start = None if entered is None else entered.value(lab.decision)
     rest = lab.moved(finest, start)
     if rest is None:
-        rows.append(Experiment(CauseName.ARITHMETIC, "not tried: the finest step does not come to the contact"))
-    else:
-        small = abs(rest) <= lab.by_rounding(start)
-        told = f"at the finest step, {lab.name} is {abs(rest):.3g} off the exact run of the scene in doubles"
-        rows.append(Experiment(CauseName.ARITHMETIC, told, rest, small and lab.changes(finest)))
-    return rows
+        return Experiment(CauseName.ARITHMETIC, "not tried: the finest step does not come to the contact")
+    small = abs(rest) <= lab.by_rounding(start)
+    told = f"at the finest step, {lab.name} is {abs(rest):.3g} off the exact run of the scene in doubles"
+    return Experiment(CauseName.ARITHMETIC, told, rest, small and lab.changes(finest))
 
 
 def _gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
@@ -83,16 +91,12 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
         finer = finer_by(lab.engine, halvings)
         if finer is None or finer.step is None or until > SERIES_STEPS * finer.step:
             break
-        run = lab.study.run(finer, lab.study.scene, until, lab.progress)
+        run = lab.run(finer, lab.study.scene, until)
         gone.append(_gone(lab, run, finer.step))
         told.append(f"{finer.step:.3g}")
         if lab.decision is not None:
             reader = lab.reader(run, lab.given, finer.step)
-            last = (
-                reader.value(lab.decision)
-                if all(reader.follows(p) for p in (lab.decision.first, lab.decision.second) if p is not None)
-                else None
-            )
+            last = reader.value(lab.decision) if all(reader.follows(p) for p in lab.pairings) else None
         if gone[-2:] == [True, True]:
             break
     if not gone and lab.engine.finer() is None:
@@ -156,7 +160,7 @@ def _iterations(lab: Laboratory) -> Experiment:
     until = lab.until(lab.engine.step)
     if until > SERIES_STEPS * (lab.engine.step or math.inf):
         return Experiment(CauseName.ITERATIONS, f"not tried: it takes more than {SERIES_STEPS:,} steps")
-    run = lab.study.run(firmer, lab.study.scene, until, lab.progress)
+    run = lab.run(firmer, lab.study.scene, until)
     gone = _gone(lab, run, firmer.step)
     return Experiment(
         CauseName.ITERATIONS, f"with four times as many it {'agrees' if gone else 'differs too'}", None, gone

@@ -26,7 +26,7 @@ def diagnosis_of_stop(study: Study, candidate: Candidate, engine: Engine, progre
     done = len(candidate.trajectory.events)
     if engine.wider() is None:
         return _only(CauseName.UNKNOWN, stop.message)
-    found = bits_past(study, engine, done, progress=progress)
+    found = bits_past(study, engine, done, progress)
     reference = study.longest or study.reference
     here = reference.events[done] if done < len(reference.events) else None
     tied = here is not None and len(here.contacts) > 1

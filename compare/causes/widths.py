@@ -35,14 +35,12 @@ class Fewest:
     engine: Engine | None = None
 
 
-def bits_past(
-    study: Study, engine: Engine, event: int, time: float = 0.0, progress: OnProgress | None = None
-) -> Fewest:
-    """The fewest bits with which an engine goes on past so many events, or past a time, whichever is later."""
-    until = max(study.until_event(event), study.past(time))
+def bits_past(study: Study, engine: Engine, event: int, progress: OnProgress | None = None) -> Fewest:
+    """The fewest bits with which an engine goes on past so many events."""
+    until = study.until_event(event)
 
     def does(chosen: Engine) -> bool:
-        run = study.run(chosen, study.scene, until, progress)
+        run = study.whole_run(chosen, study.scene, until, progress)
         return len(run.events) > event or run.stop.reason is not StopReason.UNDECIDED
 
     return _fewest(engine, does, event + 1)
@@ -52,7 +50,7 @@ def bits_through(study: Study, engine: Engine, progress: OnProgress | None = Non
     """The fewest bits, from its own on, with which an engine decides all that the reference has inside the span."""
 
     def does(chosen: Engine) -> bool:
-        run = study.run(chosen, study.scene, study.span.time, progress)
+        run = study.whole_run(chosen, study.scene, study.span.time, progress)
         return run.stop.reason is not StopReason.UNDECIDED
 
     return _fewest(engine, does, len(study.reference.events) + 1)

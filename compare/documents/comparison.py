@@ -114,7 +114,9 @@ def _margin_json(margin: Margin) -> dict[str, Any]:
         "position_error": margin.error,
         "ratio": ratio if ratio is not None and math.isfinite(ratio) else None,
         "growth_bits_per_event": margin.growth,
-        "bits_enough": margin.bits,
+        "bits_enough": margin.enough.bits,
+        "bits_checked": margin.enough.by,
+        "bits_told": margin.enough.told or None,
     }
 
 

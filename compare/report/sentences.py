@@ -13,6 +13,7 @@ from ..outcomes.permitted import Relation
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ..candidate import Candidate
+    from ..causes.margin import BitsEnough
     from ..comparison import Comparison
 
 
@@ -171,12 +172,12 @@ def listed(words: list[str]) -> str:
 
 
 def short(value: float | None) -> str:
-    """A small number for a table; a dash for none.
+    """A small number for a table; a dash for none, and for nan.
 
     >>> short(1.23456e-9), short(None), short(0.0)
     ('1.23e-09', '-', '0')
     """
-    return "-" if value is None else f"{value:.3g}"
+    return "-" if value is None or math.isnan(value) else f"{value:.3g}"
 
 
 def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
@@ -213,6 +214,17 @@ def consequence_phrase(comparison: Comparison, candidate: Candidate) -> str | No
     return "; ".join(parts) or None
 
 
+def checked(enough: BitsEnough) -> str:
+    """What was seen to decide with so many bits, and not to with one less.
+
+    >>> from truebreak.compare.causes.margin import BitsEnough
+    >>> checked(BitsEnough(145, 144, "run")), checked(BitsEnough(24, None, "replay"))
+    ('found by runs in balls of so many bits, and of one less', "found by replays of the exact run's log in so few")
+    """
+    how = "runs" if enough.by == "run" else "replays of the exact run's log"
+    return f"found by {how} in balls of so many bits, and of one less" if enough.short else f"found by {how} in so few"
+
+
 def margin_phrase(candidate: Candidate) -> str | None:
     """How close it was, how far off the engine was by then, and what that makes of it, in words."""
     margin = candidate.margin
@@ -238,8 +250,8 @@ def margin_phrase(candidate: Candidate) -> str | None:
         parts.append(f"the engine is {margin.error:.3g} off by then{ratio}")
     if margin.growth is not None and margin.growth > 0:
         parts.append(f"errors grow by {margin.growth:.3g} bits an event")
-    if margin.bits is not None:
-        parts.append(f"{margin.bits} bits decide it")
+    if margin.enough.bits is not None:
+        parts.append(f"{margin.enough.bits:,} bits decide it ({checked(margin.enough)})")
     return "; ".join(parts) or None
 
 

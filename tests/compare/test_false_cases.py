@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ from truebreak.compare import compare, engine
 from truebreak.compare.alignment.divergence import Kind
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.compare.cli.exit_codes import of_comparison
 from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Scene, StopReason, catalogue
@@ -30,8 +33,15 @@ def test_a_run_that_loses_most_events_does_not_agree() -> None:
     comparison = compare(catalogue.build("galperin:n=3"), ["pymunk"])
     assert comparison.verdict == "diverged"
     assert verdict_sentence(comparison).startswith("The time step changed what happened: pymunk first differs")
+    assert "did not change what happened" not in verdict_sentence(comparison)
+    assert of_comparison(comparison) == 1
     found = comparison["pymunk"]
-    assert {"collisions", "who_hit_whom"} <= set(found.changed)
+    assert len(comparison.reference.events) == 3141
+    divergence = found.alignment.divergence
+    assert divergence is not None
+    assert found.alignment.agreed == divergence.event == 22
+    assert found.separation.maximum > 3
+    assert {"collisions", "collisions_per_ball", "who_hit_whom"} <= set(found.changed)
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.STEP
     # A step takes several meetings as one as soon as they are nearer in time than that.
@@ -84,8 +94,20 @@ def test_another_resolution_of_a_tie_is_a_divergence() -> None:
 
 @pytest.mark.parametrize(("rows", "step"), [(2, ":dt=1/4096"), (2, ""), (3, ":dt=1/4096"), (3, "")])
 def test_what_only_the_step_blurs_is_no_divergence(rows: int, step: str) -> None:
-    found = one(catalogue.build(f"rack:rows={rows}"), f"pymunk{step}", until=50)
+    scene = catalogue.build(f"rack:rows={rows}")
+    comparison = compare(scene, [f"pymunk{step}"], until=50)
+    found = comparison.candidates[0]
     assert (found.verdict, found.changed) == ("agree", ())
+    assert "agrees with the exact run in its one event" in verdict_sentence(comparison)
+    rounds = comparison.reference.events[0].impulses
+    assert rounds.count(("cue", "b1")) == 2
+    assert found.alignment.agreed == len(comparison.reference.events)
+    # What differs is the step's alone: it shrinks with it.
+    exact = comparison.reference.final.array()[:, 2:]
+    steps = [1 / 4096, 1 / 16384, 1 / 65536]
+    apart = [abs(PymunkEngine(dt=dt).run(scene, until=50).final.array()[:, 2:] - exact).max() for dt in steps]
+    assert 0 < apart[0] < 1e-4
+    assert all(finer == pytest.approx(coarser / 4, rel=0.05) for coarser, finer in pairwise(apart))
 
 
 def test_rounds_of_one_instant_may_come_in_several_steps() -> None:
@@ -123,12 +145,31 @@ def test_an_engine_is_judged_by_what_it_declares(text: str) -> None:
 def test_what_was_not_tried_is_said_so() -> None:
     found = one(catalogue.build("near-tie:k=8"), "pymunk:dt=1/524288", causes=True)
     assert found.diagnosis is not None
-    step = next(e for e in found.diagnosis.experiments if e.cause is CauseName.STEP)
-    assert step.suffices is None
-    assert step.result.startswith("not tried")
+    by_cause = {e.cause: e for e in found.diagnosis.experiments}
+    assert by_cause[CauseName.STEP].suffices is None
+    assert by_cause[CauseName.STEP].result.startswith("not tried: a finer step takes more than 1,000,000 steps")
+    assert by_cause[CauseName.MODEL].suffices is None
+    assert found.diagnosis.name is CauseName.UNKNOWN
+    assert not any("does not move" in e.result for e in found.diagnosis.experiments)
+
+
+@pytest.mark.parametrize("halvings", [13, 15, 17])
+def test_a_step_is_told_by_the_steps_that_were_run(halvings: int) -> None:
+    """Every step that the table names was run, and does what the table says."""
+    scene = catalogue.build("near-tie:k=8")
+    found = one(scene, f"pymunk:dt=1/{2**halvings}", causes=True)
+    assert found.diagnosis is not None
+    told = next(e for e in found.diagnosis.experiments if e.cause is CauseName.STEP)
+    named = [(float(step), says) for step, says in re.findall(r"([0-9][0-9.e-]*) (agrees|differs)", told.result)]
+    assert named
+    for step, says in named:
+        again = one(scene, f"pymunk:dt=1/{round(1 / step)}")
+        assert (again.verdict == "agree") == (says == "agrees")
+    assert found.diagnosis.name is CauseName.STEP
 
 
 def test_a_step_that_is_small_enough_agrees() -> None:
+    assert one(BULLET, "pymunk:dt=1/64", until=12).verdict == "diverged"
     assert one(BULLET, "pymunk:dt=1/131072", causes=True, until=12).verdict == "agree"
 
 
@@ -174,6 +215,7 @@ def test_a_near_tie_is_no_tie() -> None:
     found = one(catalogue.build("near-tie:k=4"), "pymunk", causes=True)
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.STEP
+    assert CauseName.TIE not in found.diagnosis.sufficient
     assert found.margin is not None
     assert found.margin.gap == pytest.approx((1e-4, 1e-4))
 

@@ -8,8 +8,10 @@ from typing import Any
 import pytest
 
 from truebreak.compare import ENGINES, compare, engine
+from truebreak.compare import comparison as comparison_room
+from truebreak.compare.alignment.separation import not_measured
 from truebreak.compare.comparison import Comparison
-from truebreak.scenarios import Quantity, Scene, Trajectory, catalogue
+from truebreak.scenarios import Event, Quantity, Scene, Trajectory, catalogue
 
 SCENES = (
     "gas:n=4,seed=3",
@@ -40,6 +42,13 @@ LITERAL_SCENES = (
 
 EVENTS, TIMES, LITERAL = 12, 4, 3
 """Events of the sweeps, and those about whose times `until` is set; of the engine that takes the article literally."""
+
+FAR, PART = 60, 10
+"""Events of the long sweeps, in counts and in times alike, and how many of them one test takes. Each test compares the
+whole as well, so that all of them have to name the same divergence."""
+
+LASTS = {"lee": 1, "lee:tie=sequential:order=scene": 1, "near-tie:k=4": 4, "near-tie:k=40": 4, "galperin:n=1": 31}
+"""Events of the scenes that have fewer: all that there are."""
 
 
 def test_every_engine_is_swept() -> None:
@@ -87,9 +96,9 @@ def counts(scene: Scene, most: int) -> list[dict[str, Any]]:
     return [{"events": events} for events in range(1, len(run.events) + 1)]
 
 
-def ends(run: Trajectory) -> Iterator[dict[str, Any]]:
+def ends(events: Sequence[Event]) -> Iterator[dict[str, Any]]:
     """The time of every event, exactly or to 60 digits, with one just before and one just after."""
-    for event in run.events:
+    for event in events:
         exact = event.time.text()
         if exact is None or len(exact) > 200:
             exact = event.time.digits(60)
@@ -106,22 +115,48 @@ def test_sweeping_the_number_of_events(text: str) -> None:
 @pytest.mark.parametrize("text", SCENES)
 def test_sweeping_the_end_over_each_event(text: str) -> None:
     scene = endless(text)
-    swept(scene, QUICK, list(ends(engine("exact").run(scene, events=TIMES))))
+    swept(scene, QUICK, list(ends(engine("exact").run(scene, events=TIMES).events)))
 
 
 @pytest.mark.parametrize("text", LITERAL_SCENES)
 def test_sweeping_the_literal_engine(text: str) -> None:
     scene = endless(text)
     swept(scene, ["sympy"], counts(scene, LITERAL))
-    swept(scene, ["sympy"], list(ends(engine("exact").run(scene, events=1))))
+    swept(scene, ["sympy"], list(ends(engine("exact").run(scene, events=1).events)))
+
+
+@pytest.fixture
+def no_distances(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Leaves out the position error, half of the time of a comparison, which no sweep looks at."""
+    monkeypatch.setattr(comparison_room, "separation", lambda reference, *_: not_measured(reference))
+
+
+PARTS = [(text, first) for text in SCENES for first in range(0, min(FAR, LASTS.get(text, FAR)), PART)]
+"""Each scene with the events of its long sweeps, some at a time."""
+
+
+def part(text: str, first: int) -> tuple[Scene, Trajectory, range]:
+    """A scene, its run to the end of the long sweep, and the events of a part of it."""
+    scene = endless(text)
+    run = engine("exact").run(scene, events=FAR)
+    assert len(run.events) == min(FAR, LASTS.get(text, FAR))
+    return scene, run, range(first, min(first + PART, len(run.events)))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("text", SCENES)
-def test_sweeping_far(text: str) -> None:
-    scene = endless(text)
-    swept(scene, QUICK, counts(scene, 5 * EVENTS))
-    swept(scene, QUICK, list(ends(engine("exact").run(scene, events=2 * EVENTS))))
+@pytest.mark.usefixtures("no_distances")
+@pytest.mark.parametrize(("text", "first"), PARTS)
+def test_sweeping_the_number_of_events_far(text: str, first: int) -> None:
+    scene, run, events = part(text, first)
+    swept(scene, QUICK, [*({"events": event + 1} for event in events), {"events": len(run.events)}])
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("no_distances")
+@pytest.mark.parametrize(("text", "first"), PARTS)
+def test_sweeping_the_end_over_every_event(text: str, first: int) -> None:
+    scene, run, events = part(text, first)
+    swept(scene, QUICK, [*ends(run.events[events.start : events.stop]), {"events": len(run.events)}])
 
 
 @pytest.mark.slow
@@ -129,4 +164,4 @@ def test_sweeping_far(text: str) -> None:
 def test_sweeping_the_literal_engine_far(text: str) -> None:
     scene = endless(text)
     swept(scene, ["sympy"], counts(scene, 3 * LITERAL))
-    swept(scene, ["sympy"], list(ends(engine("exact").run(scene, events=LITERAL))))
+    swept(scene, ["sympy"], list(ends(engine("exact").run(scene, events=LITERAL).events)))

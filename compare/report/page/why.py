@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...causes.diagnosis import CauseName
-from ..sentences import about, middle, short
+from ..sentences import about, checked, middle, short
 
 if TYPE_CHECKING:
     from ...candidate import Candidate
@@ -77,8 +77,10 @@ def enough(candidate: Candidate) -> list[tuple[str, str]]:
     """What would have been enough: bits found by running, bits foreseen from the growth of errors, step, iterations."""
     rows: list[tuple[str, str]] = []
     margin, divergence = candidate.margin, candidate.alignment.divergence
-    if margin is not None and margin.bits is not None:
-        rows.append(("bits, found by runs in intervals", f"{margin.bits:,}"))
+    if margin is not None and margin.enough.bits is not None:
+        rows.append(("bits that decide it", f"{margin.enough.bits:,}, {checked(margin.enough)}"))
+    elif margin is not None and margin.enough.told:
+        rows.append(("bits that decide it", margin.enough.told))
     if margin is not None and divergence is not None and not candidate.stepped:
         foreseen = foreseen_bits(margin.growth, divergence.event, margin.distance, candidate.separation.scale)
         if foreseen is not None:

@@ -1,0 +1,174 @@
+"""Input or arithmetic, or both: what each does alone, judged by plain histories without compare's own code."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import pytest
+
+from truebreak.compare import compare
+from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.exact import ExactEngine
+from truebreak.floating import DoubleEngine
+from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
+
+SOME = (1, 4, 9, 14, 21, 29)
+"""Of thirty gases: input alone, both only together, and either alone, the exact run of the rounded scene coming to the
+contact or leaving before."""
+
+EVENTS = 230
+
+Histories = dict[str, list[tuple[str, float]]]
+
+
+def of_circle(circle: Circle, **changes: Any) -> Circle:
+    """A circle with other numbers."""
+    values = {key: getattr(circle, key) for key in ("x", "y", "r", "vx", "vy", "m", "id", "point")}
+    return Circle(**{**values, **changes})
+
+
+def in_doubles(scene: Scene) -> Scene:
+    """Every number of a scene replaced by its nearest double."""
+    circles = [
+        of_circle(c, **{key: Fraction(float(getattr(c, key))) for key in ("x", "y", "r", "vx", "vy", "m")})
+        for c in scene.circles
+    ]
+    walls = [
+        Wall(*(Fraction(float(getattr(w, key))) for key in ("x0", "y0", "x1", "y1")), id=w.id) for w in scene.walls
+    ]
+    return scene.with_changes(circles=circles, walls=walls)
+
+
+def histories(run: Trajectory) -> Histories:
+    """Whom each circle meets, and when."""
+    met: Histories = {str(c.id): [] for c in run.scene.circles}
+    for event in run.events:
+        for one, other in event.impulses:
+            for name, partner in ((one, other), (other, one)):
+                if name in met:
+                    met[name].append((partner, float(event.time)))
+    return met
+
+
+def leads_to(met: Histories, seeds: dict[str, int]) -> dict[str, int]:
+    """How many meetings of each circle lead to so many meetings of some: their causal past."""
+    needed = dict.fromkeys(met, 0)
+    todo = list(seeds.items())
+    while todo:
+        name, count = todo.pop()
+        if count <= needed[name]:
+            continue
+        for place in range(needed[name], count):
+            partner, time = met[name][place]
+            if partner in met:
+                todo.append((partner, 1 + next(k for k, (_, t) in enumerate(met[partner]) if t == time)))
+        needed[name] = count
+    return needed
+
+
+class Contact(NamedTuple):
+    """The contact in question: of the expected meeting and of the one in its place, the earlier.
+
+    Attributes:
+        body, partner: whose it is.
+        places: how many meetings each of the two has before, if it can move.
+        missed: whether the exact motion has it.
+        needed: for each circle, how many meetings lead to it.
+    """
+
+    body: str
+    partner: str
+    places: dict[str, int]
+    missed: bool
+    needed: dict[str, int]
+
+    def changed(self, truth: Histories, other: Histories) -> bool:
+        """Whether another run lacks what leads to it, or has it where the exact motion has not, or the other way."""
+        for name, count in self.needed.items():
+            if [p for p, _ in truth[name][:count]] != [p for p, _ in other[name][:count]]:
+                return True
+        both = {self.body: self.partner, self.partner: self.body}
+        meet = all(other[name][place][0] == both[name] for name, place in self.places.items())
+        return meet != self.missed
+
+
+def displaced(scene: Scene, runs: tuple[Trajectory, Trajectory, Trajectory], size: float) -> tuple[float, Scene]:
+    """The exact motion at a moment, moved by the last run's distance from the middle one: by about that size."""
+    for one, other in pairwise(runs[0].events):
+        time = (float(one.time) + float(other.time)) / 2
+        states = [run.at(Fraction(time)).circles for run in runs]
+        apart = max(
+            math.hypot(float(a.x) - float(b.x), float(a.y) - float(b.y))
+            for a, b in zip(states[1], states[2], strict=True)
+        )
+        if apart < size:
+            continue
+        circles = []
+        for circle, exact, entered, got in zip(scene.circles, *states, strict=True):
+            numbers = {}
+            for key in ("x", "y", "vx", "vy"):
+                here, there = (Fraction(getattr(state, key).digits(60)) for state in (exact, entered))
+                numbers[key] = here + Fraction(float(getattr(got, key))) - there
+            circles.append(of_circle(circle, **numbers))
+        return time, scene.with_changes(circles=circles)
+    raise AssertionError("the engine never comes so far")
+
+
+def test_a_causal_past_is_followed_through_partners() -> None:
+    assert leads_to({"a": [("b", 1.0), ("w", 2.0)], "b": [("c", 0.5), ("a", 1.0)], "c": [("b", 0.5)]}, {"a": 2}) == {
+        "a": 2,
+        "b": 2,
+        "c": 1,
+    }
+
+
+@pytest.mark.parametrize(
+    "seed", [seed if seed in SOME else pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 31)]
+)
+def test_each_rounding_is_judged_as_an_experiment_by_hand_has_it(seed: int) -> None:
+    scene = catalogue.build(f"gas:seed={seed}")
+    candidate = compare(scene, ["double"], events=EVENTS).candidates[0]
+    divergence, found = candidate.alignment.divergence, candidate.diagnosis
+    assert divergence is not None
+    assert found is not None
+    runs = (
+        ExactEngine().run(scene, events=EVENTS),
+        ExactEngine().run(in_doubles(scene), events=EVENTS),
+        DoubleEngine().run(scene, events=EVENTS),
+    )
+    truth, entered, own = map(histories, runs)
+
+    # The engine leaves where it is said to.
+    body, expected, got = divergence.body, str(divergence.expected), str(divergence.got)
+    assert divergence.expected_time is not None
+    assert divergence.got_time is not None
+    place = sum(time < divergence.expected_time for _, time in truth[body])
+    assert (truth[body][place][0], own[body][place][0]) == (expected, got)
+    assert [p for p, _ in own[body][:place]] == [p for p, _ in truth[body][:place]]
+
+    missed = divergence.expected_time < divergence.got_time
+    partner = expected if missed else got
+    seeds = {body: place}
+    if partner in truth:
+        met, time = (truth, divergence.expected_time) if missed else (own, divergence.got_time)
+        seeds[partner] = next(k for k, meeting in enumerate(met[partner]) if meeting == (body, time))
+    contact = Contact(body, partner, seeds, missed, leads_to(truth, seeds))
+    assert contact.changed(truth, own)
+    assert not contact.changed(truth, truth)
+
+    time, moved = displaced(scene, (runs[0], runs[1], runs[2]), 2.0**-28)
+    alone = histories(ExactEngine().run(moved, events=EVENTS))
+    before = {name: [meeting for meeting in met if meeting[1] < time] for name, met in truth.items()}
+    arithmetic = {name: before[name] + met for name, met in alone.items()}
+    by_hand = {
+        CauseName.INPUT: contact.changed(truth, entered),
+        CauseName.ARITHMETIC: contact.changed(truth, arithmetic),
+    }
+    by_hand[CauseName.TOGETHER] = not any(by_hand.values())
+    told = dict.fromkeys(by_hand, False) | {e.cause: e.suffices for e in found.experiments if e.cause in by_hand}
+    assert told == by_hand
+    assert by_hand[found.name]
+    assert set(found.sufficient) == {cause for cause, enough in by_hand.items() if enough}
