@@ -91,9 +91,13 @@ def test_a_file_of_200_megabytes_is_not_read(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (2, f"no certificate: Malformed: it is longer than {BYTES} bytes\n")
 
 
-def test_a_missing_file(tmp_path: Path) -> None:
-    code, sentence = by_program(tmp_path / "missing.json")
-    assert code == 2 and sentence.startswith("no certificate: FileNotFoundError")
+@pytest.mark.parametrize(
+    ("name", "reason"), [("missing", "No such file or directory"), ("m" * 5000, "File name too long")]
+)
+def test_a_file_that_cannot_be_read(name: str, reason: str, tmp_path: Path) -> None:
+    assert by_program(tmp_path / name) == (2, f"no certificate: it cannot be read: {reason}")
+    if NODE is not None:
+        assert by_node([tmp_path / name])[0][0] == 2
 
 
 def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
