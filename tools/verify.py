@@ -98,29 +98,33 @@ class Exact:
 
 
 class Ball:
-    """The reals from lo to hi, in units of 2**-bits, rounded outward. `how` the number comes about: its exact value, if
-    that is known, and what it is computed by, from what."""
+    """The reals within r of m, in units of 2**-bits; what is exact at these bits stays so. `how` the number comes
+    about: its exact value, if that is known, and what it is computed by, from what."""
     bits = 0
-    def __init__(self, lo, hi, *how): self.lo, self.hi, self.how = lo, hi, [None, *how]
-    def __neg__(self): return Ball(-self.hi, -self.lo, neg, self.how)
-    def __add__(self, o): return Ball(self.lo + o.lo, self.hi + o.hi, add, self.how, o.how)
-    def __sub__(self, o): return Ball(self.lo - o.hi, self.hi - o.lo, sub, self.how, o.how)
-    def sign(self): return 1 if self.lo > 0 else -1 if self.hi < 0 else None if self.lo < self.hi else 0
+    def __init__(self, m, r, *how): self.m, self.r, self.how = m, r, [None, *how]
+    def __neg__(self): return Ball(-self.m, self.r, neg, self.how)
+    def __add__(self, o): return Ball(self.m + o.m, self.r + o.r, add, self.how, o.how)
+    def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r, sub, self.how, o.how)
+    def sign(self): return 1 if self.m > self.r else -1 if self.m < -self.r else None if self.r else 0
     def __mul__(self, o):
-        ends = self.lo * o.lo, self.lo * o.hi, self.hi * o.lo, self.hi * o.hi
-        return Ball(min(ends) >> Ball.bits, -(-max(ends) >> Ball.bits), mul, self.how, o.how)
+        m, r = self.m * o.m, abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
+        exact = r == 0 and (m >> Ball.bits) << Ball.bits == m
+        return Ball(m >> Ball.bits, 0 if exact else (r >> Ball.bits) + 2, mul, self.how, o.how)
     def __truediv__(self, o):
-        if o.lo <= 0 <= o.hi: raise Undecided("a number that may be zero divides")
-        ends = [(a << Ball.bits, b) for a in (self.lo, self.hi) for b in (o.lo, o.hi)]
-        return Ball(min(a // b for a, b in ends), max(-(-a // b) for a, b in ends), truediv, self.how, o.how)
+        if (least := abs(o.m) - o.r) <= 0: raise Undecided("a number that may be zero divides")
+        m, rest = divmod(self.m << Ball.bits, o.m)
+        wide = ((abs(self.m) * o.r // abs(o.m) + 1 + self.r) << Ball.bits) // least + 2
+        return Ball(m, wide if rest or self.r or o.r else 0, truediv, self.how, o.how)
     def sqrt(self):
-        if self.lo <= 0: raise Undecided("a number that may not be positive has a root")
-        return Ball(isqrt(self.lo << Ball.bits), isqrt((self.hi << Ball.bits) - 1) + 1, Exact.sqrt, self.how)
+        if (low := (self.m - self.r) << Ball.bits) <= 0: raise Undecided("a number that may not be positive has a root")
+        root = isqrt(low)
+        half = 0 if self.r == 0 and root * root == low else (self.r << Ball.bits) // root // 2 + 2
+        return Ball(root + half, half, Exact.sqrt, self.how)
     @staticmethod
     def of(x):
         """The interval of an exact number."""
-        if x.k: ball = Ball.of(x.a) + Ball.of(x.b) * Ball.of(Exact.roots[x.k - 1]).sqrt()
-        else: ball = Ball(x.a * 2**Ball.bits // 1, -(-x.a * 2**Ball.bits // 1))
+        m, rest = (0, 0) if x.k else divmod(x.a.numerator << Ball.bits, x.a.denominator)
+        ball = Ball.of(x.a) + Ball.of(x.b) * Ball.of(Exact.roots[x.k - 1]).sqrt() if x.k else Ball(m, int(rest > 0))
         ball.how = [x]
         return ball
     def zero(self):
@@ -419,10 +423,10 @@ class Checker(Zeros):
     def apart(self, m, time):
         """Whether two have not met until a time. Their gap is at least gap + 2 closing * s at s after the start, as it
         is convex; and if it still falls then, it has not been smaller."""
-        s, most = time - m.t, max(-m.closing.lo, m.closing.hi)
+        s, most = time - m.t, Ball(2 * (abs(m.closing.m) + m.closing.r), 0)
         then = m.closing + self.speed(m) * s if m.v else self.none
         end = m.gap + (m.closing + then) * s
-        return (m.gap - Ball(2 * most, 2 * most) * s).sign() == 1 or (then.sign() == -1 and end.sign() == 1)
+        return (m.gap - most * s).sign() == 1 or (then.sign() == -1 and end.sign() == 1)
     def later(self, c, time):
         """Proves that two meet after a time (None: never). A graze is free: then, whether it may come at the time."""
         kind, when = self.settled(c, time)
@@ -437,7 +441,7 @@ class Checker(Zeros):
         rounds = iter(entry.get("rounds", [arrive] if len(arrive) == 1 and arrive[0][1] >= 0 else []))
         moved = set(range(self.n)) if everyone else set()
         while approaching := [c for c in solid if known[c] < 0]:
-            first, time = min(approaching), Ball(self.time.lo, self.time.hi)
+            first, time = min(approaching), Ball(self.time.m, self.time.r)
             group = self.linked(first, solid, range(self.n))
             bodies = {i for c in group for i in c if i < self.n}
             if any(c[1] >= 0 and not bodies.isdisjoint(c) for c in near):
@@ -472,7 +476,7 @@ class Checker(Zeros):
                 lasts = known.get(c) == 0 and (c[1] >= self.n or self.sign("together", c, self.relative(c)) == 0)
                 self.lasting = self.lasting | {c} if lasts else self.lasting - {c}
         for i in moved if self.age > INSTANTS else ():  # how they came about is forgotten, to bound memory
-            self.flights[i] = Flight(*(Ball(x.lo, x.hi) for x in self.flights[i][:5]), self.flights[i].age)
+            self.flights[i] = Flight(*(Ball(x.m, x.r) for x in self.flights[i][:5]), self.flights[i].age)
         self.nexts = {c: x for c, x in self.nexts.items() if moved.isdisjoint(c)} | dict.fromkeys(known, NEVER)
         self.stood = known
     def relative(self, c):

@@ -69,9 +69,9 @@ class Prover(Checker):
             Undecided: if it is not known so sharply.
         """
         scale = 10**self.digits
-        if (value.hi - value.lo) * scale * 4 > 1 << Ball.bits:
+        if value.r * scale * 8 > 1 << Ball.bits:
             raise Undecided("a number is not known to as many digits")
-        nearest = ((value.lo + value.hi) * scale + (1 << Ball.bits)) >> (Ball.bits + 1)
+        nearest = (2 * value.m * scale + (1 << Ball.bits)) >> (Ball.bits + 1)
         whole, part = divmod(abs(nearest), scale)
         return f"{'-' if nearest < 0 else ''}{whole}.{part:0{self.digits}d}"
 
@@ -84,7 +84,7 @@ class Prover(Checker):
     def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
         self.number += 1
-        width = max((x.hi - x.lo).bit_length() for flight in self.flights for x in cast(tuple[Ball, ...], flight[:5]))
+        width = max(x.r.bit_length() for flight in self.flights for x in cast(tuple[Ball, ...], flight[:5]))
         if width > 2 * GUARD:
             self.cut(width - GUARD)
             self.drops.append([self.number, Ball.bits])
@@ -98,7 +98,8 @@ class Prover(Checker):
         """Goes on with so many bits fewer."""
 
         def shorter(x: Ball) -> Ball:
-            short = Ball(x.lo >> drop, -(-x.hi >> drop))
+            kept = x.m >> drop
+            short = Ball(kept, 0 if x.r == 0 and kept << drop == x.m else (x.r >> drop) + 2)
             short.how = x.how
             return short
 
@@ -116,7 +117,7 @@ class Prover(Checker):
         self.tied = set()
         met: dict[Contact, tuple[str, Any]] = {c: known for c in self.meets if (known := self.next(c))[0] != "never"}
         wanted = contacts or {(i, -1 - k) for i, k in entry["entries"]}
-        hits = [(met[c][1].lo, c) for c in wanted if c in met and met[c][0] == "hit"]
+        hits = [(met[c][1].m, c) for c in wanted if c in met and met[c][0] == "hit"]
         if not hits:
             if wanted:
                 raise Undecided("whether the contacts of an event meet")
