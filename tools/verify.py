@@ -315,8 +315,11 @@ class Checker(Zeros):
         if not isinstance(told, dict) or told.get("format") != FORMAT: raise Malformed(f"the format is not {FORMAT}")
         self.told, self.scene, self.end, self.isometries = told, (scene := told["scene"]), told["end"], {}
         Exact.roots, Exact.most, Exact.work, Exact.budget = [], ROOTS, 0, WORK
-        if len(told["roots"]) > SCENE_ROOTS or not 0 < len(scene["circles"]) <= CIRCLES:
-            raise Malformed("it has no circle, or too many, or too many roots")
+        self.n, (first, self.bits) = (n := len(scene["circles"])), told["bits"][0]
+        size = n * sum(len(scene.get(kind, ())) for kind in ("circles", "walls", "pockets"))
+        if not 0 < n <= CIRCLES or size > PAIRS or len(told["roots"]) > SCENE_ROOTS:
+            raise Malformed("it has no circle, or too many circles, walls, pockets or roots")
+        if first != 0 or not 0 < self.bits <= BITS or size * self.bits > SIZE: raise Malformed("bits out of range")
         for text in told["roots"]: Exact.roots.append(number(text))
         def read(kind, keys): return [[number(thing[key]) for key in keys.split()] for thing in scene.get(kind, ())]
         circles, walls, pockets = read("circles", "x y vx vy r"), read("walls", "x0 y0 x1 y1"), read("pockets", "x y r")
@@ -324,10 +327,6 @@ class Checker(Zeros):
             row.append(ZERO if thing["m"] == "oo" else ONE / number(thing["m"]))
         self.bodies = circles + [[x, y, ZERO, ZERO, r, ZERO] for x, y, r in reversed(pockets)]
         self.lines = [[x0, y0, y0 - y1, x1 - x0] for x0, y0, x1, y1 in walls]
-        self.n, (first, self.bits) = (n := len(circles)), told["bits"][0]
-        size = n * (len(self.bodies) + len(walls))
-        if first != 0 or not 0 < self.bits <= BITS or size > PAIRS or size * self.bits > SIZE:
-            raise Malformed("bits out of range, or too many circles, walls and pockets, or too many bits for so many")
         self.movable = {i for i, c in enumerate(circles) if not c[5].zero()}
         points = {i for i, c in enumerate(circles) if c[4].zero()}
         pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not {i, j} <= points and {i, j} & self.movable]
@@ -558,7 +557,7 @@ class Checker(Zeros):
 
 def verdict(path):
     """The exit code for a file, and a sentence."""
-    sys.set_int_max_str_digits(0)
+    sys.set_int_max_str_digits(TEXT)
     try:
         if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)

@@ -51,6 +51,8 @@ BAD = {
     "no bits": changed(bits=[]),
     "roots without end": changed(roots=["2"] * 100_000),
     "a root of itself": changed(roots=["1+1*r1"]),
+    "a whole number of JSON without end": LEE[:-1] + ', "more": ' + "9" * 5_000_000 + "}",
+    "a seed without end": LEE.replace('"simultaneous"', f'"sequential:seed={"9" * 5_000_000}"'),
     "a long number": scene(x="9" * 1_000_000),
     "a decimal": scene(x="0.5"),
     "a power": scene(x="10**10**10"),
