@@ -524,13 +524,14 @@ class Checker(Zeros):
         self.age, self.way, self.turned = self.age + 1, [list(row) for row in self.rows], True
         self.due.pop("reverse", None)
         if self.end["reason"] == "return": self.due["until"] = self.time + self.time
-        for i in range(self.n):
+        for i in self.movable:
             x, y, vx, vy, *start = put(self.flights[i], self.time, self.age)
             self.flights[i] = Flight(x, y, -vx, -vy, *start)
-        for i in self.movable: self.note("turn", (), (), {i})
+            self.note("turn", (), (), {i})
         self.take(entry["reversal"], self.clock)
         self.resolve({c: -sign for c, sign in self.stood.items()}, entry["reversal"], everyone=True)
         self.age += 1
+
     def said(self, value, text):
         """That a number is as the decimal text says, to within one unit of its last digit."""
         if not (decimal := re.fullmatch(r"-?\d{1,400}(?:\.(\d{1,400}))?", text, re.ASCII)):
