@@ -183,19 +183,15 @@ class Laws:
         reach = self.radii[j] if j < 0 else self.radii[i] + self.radii[j]
         gap = dx * dx + dy * dy - (square := reach * reach)
         return Meeting(t, gap, dx * vx + dy * vy, (dx, dy), (vx, vy), square, {i: (-dx, -dy), j: (dx, dy)})
-    def speed(self, m):
-        """|v|^2."""
-        return m.v[0] * m.v[0] + m.v[1] * m.v[1]
+    def speed(self, m): return m.v[0] * m.v[0] + m.v[1] * m.v[1]  # |v|^2
     def disc(self, m):
         """Of two that approach: positive if they hit, zero if they graze, negative if they miss."""
         cross = m.d[0] * m.v[1] - m.d[1] * m.v[0]
         return self.speed(m) * m.square - cross * cross
+    def graze(self, m): return m.t - m.closing / self.speed(m)  # when two are nearest
     def hit(self, m):
         """When the gap falls through zero."""
         return m.t + m.gap / (self.disc(m).sqrt() - m.closing) if m.v else m.t - m.gap / m.closing
-    def graze(self, m):
-        """When two are nearest."""
-        return m.t - m.closing / self.speed(m)
     def blow(self, flights, push, others):
         """Of those that push the impulses s, by elimination from G s = -2u; 2u + G s of others; the new velocities."""
         met = {c: self.meeting(flights, c) for c in (*push, *others)}
@@ -472,15 +468,13 @@ class Checker(Zeros):
         self.enter(known, moved, entry)
         for c in solid:
             if c not in self.lasting or not moved.isdisjoint(c):
-                lasts = known.get(c) == 0 and (c[1] >= self.n or self.sign("together", c, self.relative(c)) == 0)
+                m = self.meeting(self.flights, c)
+                lasts = known.get(c) == 0 and (not m.v or self.sign("together", c, self.speed(m)) == 0)
                 self.lasting = self.lasting | {c} if lasts else self.lasting - {c}
         for i in moved if self.age > INSTANTS else ():  # how they came about is forgotten, to bound memory
             self.flights[i] = Flight(*(Ball(x.m, x.r) for x in self.flights[i][:5]), self.flights[i].age)
         self.nexts = {c: x for c, x in self.nexts.items() if moved.isdisjoint(c)} | dict.fromkeys(known, NEVER)
         self.stood = known
-    def relative(self, c):
-        """The square of the relative velocity of two."""
-        return self.speed(self.meeting(self.flights, c))
     def linked(self, first, contacts, through):
         """The contacts that hang together with one through common circles."""
         group, circles = set(), {*first} & {*through}
