@@ -46,6 +46,7 @@ Block = namedtuple("Block", "kind among push places age")
 class Refuted(Exception): """The certificate states something false."""
 class Malformed(Exception): """This is no certificate."""
 class Undecided(Exception): """The intervals are too wide, or a witness is missing."""
+BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
 
 
 class Exact:
@@ -572,7 +573,7 @@ def verdict(path):
                 return (4, f"{first}; {factor * checker.bits} bits: {refuted}") if first else (1, refuted)
         return 4, f"{first}; nor do 4 times the bits decide"
     except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
-    except (Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
+    except BROKEN as error:
         return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
 
 if __name__ == "__main__":
