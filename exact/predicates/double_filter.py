@@ -18,7 +18,8 @@ speed component that the run has seen, and T the present:
 - |v|^2 is off by less than 3 F W.
 
 A flight begins at its instant, which its clock may miss by `late`; d.v there differs by at most |v|^2 times that, so a
-pair surely parts only beyond that, and a hit counts only if it comes later than `late` after the clock.
+pair surely parts only beyond that, and a hit counts only if it comes later than `late` after the clock. Most pairs that
+part do so beyond one bound for all, with W <= 4 V, D <= 4 S + 2 V T and |v|^2 <= 8 V^2.
 
 All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
 themselves.
@@ -128,6 +129,8 @@ class DoubleFilter:
         fastest = self.fastest
         near = 4.0 * 64 * UNIT * (self.largest + fastest * at)
         slack = 8 * UNIT * fastest
+        largest = 4.0 * self.largest + 2.0 * fastest * at
+        most = 8.0 * near * fastest + 20.0 * slack * largest + (32.0 * fastest + 96.0 * slack) * fastest * late
         for b in others:
             fb = b.f
             if fb is None:
@@ -139,9 +142,11 @@ class DoubleFilter:
             dy = by + bvy * lag - ay
             vx = bvx - avx
             vy = bvy - avy
+            approach = dx * vx + dy * vy
+            if approach > most:
+                continue
             wide = abs(vx) + abs(vy)
             off = near * wide + 10.0 * slack * (abs(dx) + abs(dy))
-            approach = dx * vx + dy * vy
             square = vx * vx + vy * vy
             loose = 6.0 * slack * wide
             early = off + 2.0 * (square + loose) * late
