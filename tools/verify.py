@@ -1,16 +1,17 @@
-"""Checks a certificate of a run of hard circles, walls and pockets, with Python's standard library alone: FILE.
+"""Checks a certificate of a run of hard circles, walls and pockets with the standard library alone: verify.py FILE.
 
-docs/certificates.md defines the format. No search, no queue: what the certificate states is proved again, or refused.
+docs/certificates.md defines the format. There is no search and no queue: what is stated is proved again, or refused.
 
-*Numbers.* A `Ball` is an interval; rounded outward, what it says of a sign is true, or it says nothing. An `Exact` is
-a + b*sqrt(d), where a, b, d are alike with earlier roots: what is zero term by term is zero, whatever the roots are.
+*Numbers.* A `Ball` is an interval: what it says of a sign is true, or it says nothing. It remembers how its number came
+about, and so the number can be computed again as an `Exact` one, a + b*sqrt(d), where a, b, d are alike with earlier
+roots: what is zero term by term is zero, whatever the roots are.
 
 *Flights.* Between instants circles fly straight. A gap, |d|^2 - R^2 of two circles or the distance from a wall, is
-convex in time: it falls through zero once at most. `meeting` encloses that time, or proves that there is none.
+convex in time, so it falls through zero once at most: `next` encloses that time, or proves that there is none.
 
-*Instants.* By induction, let all flights be enclosed. The next instant is when the contact named first meets. `window`
-proves that every other pair, wall and pocket meets later, or is listed, and then a witness proves it simultaneous. So
-nothing is missed and nothing invented.
+*Instants.* By induction, let all flights be enclosed. The next instant is when the contact named first meets. `later`
+proves of every other pair, wall and pocket that it meets later; or it is listed, and then a witness proves it
+simultaneous. So nothing is missed and nothing invented.
 
 *Impulses.* All that stands at gap zero and hangs together is signed, round by round, until nothing approaches.
 `simultaneous`: the impulses s of those said to push solve G s = -2u, are positive, and leave each other contact that
@@ -18,362 +19,562 @@ approaches with 2u + G s >= 0; the velocities that follow are unique (Cottle, Pa
 Problem, 3.1). `sequential`: one contact at a time, in the order that the scene or its seed says.
 
 *Zeros.* That a number is zero takes a witness. "exact": it is computed again from the scene in `Exact` numbers. An
-isometry: it maps the causal past of one number to that of another, or of its negative (`maps`); data are compared
-exactly, rounds as sets of contacts, and by induction over the rounds flights are mapped to flights. "back": the way
-back of a reversed run undoes the way out (`undo`). docs/symmetry-and-ties.md proves both theorems.
+isometry: it maps the causal past of one number to that of another, or of its negative: data are compared exactly,
+rounds as sets of contacts, and by induction over the rounds flights are mapped to flights. "back": the way back of a
+reversed run undoes the way out, round by round. docs/symmetry-and-ties.md proves both theorems.
 """
 
+# fmt: off
 import json
 import random
 import re
 import sys
+from collections import namedtuple
 from fractions import Fraction
+from math import isqrt
+from operator import add, mul, neg, sub, truediv
 from pathlib import Path
 
-if not __package__:  # run as a program
-    folder = Path(__file__).resolve().parent
-    sys.path.insert(0, str(folder.parent))
-    __package__ = folder.name
-
-from .arithmetic import ONE, ROOTS, SCENE_ROOTS, WORK, ZERO, Ball, Exact, Malformed, Refuted, Undecided, number
-from .impulses import Impulses
-from .laws import World, place
-from .witnesses import Block
-
-FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20
-PAIRS, SIZE = 1 << 22, 1 << 30
-DOUBT = "doubt", None
-BROKEN = (Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, OSError)
+FORMAT, BYTES, CIRCLES, BITS, PAIRS, SIZE = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20, 1 << 22, 1 << 30
+TEXT, ROOTS, SCENE_ROOTS, WORK, INSTANTS = 20_000, 16, 12, 1 << 38, 1 << 14
+NEVER, DOUBT = ("never", None), ("doubt", None)
+Flight = namedtuple("Flight", "x y vx vy t age")  # at (x, y) at time t, which is that of the instant `age`
+Meeting = namedtuple("Meeting", "t gap closing d v square arms")
+Block = namedtuple("Block", "kind among push places age")
 
 
-class Checker(Impulses):
-    """Follows the log of a certificate. Between instants it keeps `flights`, all enclosed; `coming`, what is known of
-    the next meeting of two: None, ("hit", when), ("graze", when) or ("doubt", None); `lasting`, the contacts that stay
-    at gap zero; `rows`, the past of each circle."""
+class Refuted(Exception): """The certificate states something false."""
+class Malformed(Exception): """This is no certificate."""
+class Undecided(Exception): """The intervals are too wide, or a witness is missing."""
+BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
 
-    def __init__(self, certificate):
-        if not isinstance(certificate, dict) or certificate.get("format") != FORMAT:
-            raise Malformed(f"the format is not {FORMAT}")
-        self.told = certificate
-        self.scene = scene = certificate["scene"]
+
+class Exact:
+    """a + b*sqrt(d): d is the k-th of `roots`, a and b use those before it; for k = 0 the fraction a."""
+    roots, most, work, budget = [], ROOTS, 0, WORK
+    def __init__(self, a, b=None, k=0): self.a, self.b, self.k = a, b, k
+    def zero(self): return self.k == 0 and self.a == 0
+    def parts(self, k): return (self.a, self.b) if self.k == k else (self, ZERO)
+    def __neg__(self): return Exact(-self.a, self.b and -self.b, self.k)
+    def __sub__(self, o): return self + -o
+    def __add__(self, o):
+        if (k := max(self.k, o.k)) == 0: return Exact(self.a + o.a)
+        (a, b), (c, d) = self.parts(k), o.parts(k)
+        return a + c if (b + d).zero() else Exact(a + c, b + d, k)
+    def __mul__(self, o):
+        if (k := max(self.k, o.k)) == 0:
+            sizes = [x.a.numerator.bit_length() + x.a.denominator.bit_length() for x in (self, o)]
+            Exact.work += 10_000 + (sizes[0] * sizes[1] >> 8)  # about a nanosecond a unit
+            if Exact.work > Exact.budget: raise Undecided("an exact witness takes too much work")
+            return Exact(self.a * o.a)
+        (a, b), (c, d) = self.parts(k), o.parts(k)
+        high, low = a * d + b * c, a * c if b.zero() or d.zero() else a * c + b * d * Exact.roots[k - 1]
+        return low if high.zero() else Exact(low, high, k)
+    def __truediv__(self, o):
+        if o.k == 0: return self * Exact(1 / o.a)
+        norm = o.a * o.a - o.b * o.b * Exact.roots[o.k - 1]
+        return self * Exact(o.a / norm, -o.b / norm, o.k)
+    def sqrt(self):
+        """The positive root: made of the roots at hand if it can be, else a new one."""
+        if Ball.of(self).sign() != 1: raise Undecided("a number that may not be positive has a root")
+        if (root := self.within(len(Exact.roots))) is None:
+            if len(Exact.roots) >= Exact.most: raise Undecided("an exact witness takes too many roots")
+            Exact.roots.append(self)
+            return Exact(ZERO, ONE, len(Exact.roots))
+        if (sign := Ball.of(root).sign()) is None: raise Undecided("a root may have either sign")
+        return root if sign > 0 else -root
+    def within(self, k):
+        """A square root made of the first k roots, or None: from (c + e*sqrt(d))^2 = a + b*sqrt(d)."""
+        if k == 0:
+            root = Fraction(isqrt(abs(self.a.numerator)), isqrt(self.a.denominator))
+            return Exact(root) if root * root == self.a else None
+        d, (a, b) = Exact.roots[k - 1], self.parts(k)
+        if b.zero():
+            e = None if (c := a.within(k - 1)) else (a / d).within(k - 1)
+            return c or (e and Exact(ZERO, e, k))
+        norm = (a * a - b * b * d).within(k - 1)
+        for n in (norm, -norm) if norm else ():
+            if (c := ((a + n) / (ONE + ONE)).within(k - 1)) and not c.zero(): return Exact(c, b / (c + c), k)
+        return None
+
+
+class Ball:
+    """The reals within r of m, in units of 2**-bits; what is exact at these bits stays so. `how` the number comes
+    about: its exact value, if that is known, and what it is computed by, from what."""
+    bits = 0
+    def __init__(self, m, r, *how): self.m, self.r, self.how = m, r, [None, *how]
+    def __neg__(self): return Ball(-self.m, self.r, neg, self.how)
+    def __add__(self, o): return Ball(self.m + o.m, self.r + o.r, add, self.how, o.how)
+    def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r, sub, self.how, o.how)
+    def sign(self): return 1 if self.m > self.r else -1 if self.m < -self.r else None if self.r else 0
+    def __mul__(self, o):
+        m, r = self.m * o.m, abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
+        exact = r == 0 and (m >> Ball.bits) << Ball.bits == m
+        return Ball(m >> Ball.bits, 0 if exact else (r >> Ball.bits) + 2, mul, self.how, o.how)
+    def __truediv__(self, o):
+        if (least := abs(o.m) - o.r) <= 0: raise Undecided("a number that may be zero divides")
+        m, rest = divmod(self.m << Ball.bits, o.m)
+        wide = ((abs(self.m) * o.r // abs(o.m) + 1 + self.r) << Ball.bits) // least + 2
+        return Ball(m, wide if rest or self.r or o.r else 0, truediv, self.how, o.how)
+    def sqrt(self):
+        if (low := (self.m - self.r) << Ball.bits) <= 0: raise Undecided("a number that may not be positive has a root")
+        root = isqrt(low)
+        half = 0 if self.r == 0 and root * root == low else (self.r << Ball.bits) // root // 2 + 2
+        return Ball(root + half, half, Exact.sqrt, self.how)
+    @staticmethod
+    def of(x):
+        """The interval of an exact number."""
+        m, rest = (0, 0) if x.k else divmod(x.a.numerator << Ball.bits, x.a.denominator)
+        ball = Ball.of(x.a) + Ball.of(x.b) * Ball.of(Exact.roots[x.k - 1]).sqrt() if x.k else Ball(m, int(rest > 0))
+        ball.how = [x]
+        return ball
+    def zero(self):
+        """Whether the number is zero, as it is computed again from the scene in exact numbers."""
+        roots, todo, done = len(Exact.roots), [self.how], []
+        try:
+            while todo:
+                value, *by = how = todo[-1]
+                if not value and not by: raise Undecided("it is too long ago to be computed again")
+                if missing := [part for part in by[1:] if not value and not part[0]]: todo += missing
+                else:
+                    how[0] = value or by[0](*(part[0] for part in by[1:]))
+                    done.append(todo.pop())
+            return self.how[0].zero()
+        finally:
+            for how in done: how[0] = how[0] if how[0] and how[0].k <= roots else None
+            del Exact.roots[roots:]
+
+
+ZERO, ONE = Exact(Fraction(0)), Exact(Fraction(1))
+
+def number(text):
+    """Reads a sum of terms such as 3/4*r1*r2."""
+    term, total = r"\d+(?:/0*[1-9]\d*)?(?:\*r\d+)*", ZERO
+    if len(text) > TEXT or not re.fullmatch(f"[+-]?{term}([+-]{term})*", text, re.ASCII):
+        raise Malformed(f"{text[:40]!r} is no number")
+    for factor, *names in (found.split("*r") for found in re.findall(f"[+-]?{term}", text)):
+        value = Exact(Fraction(factor))
+        for k in map(int, names):
+            if not 1 <= k <= len(Exact.roots): raise Malformed(f"there is no root r{k}")
+            value = value * Exact(ZERO, ONE, k)
+        total = total + value
+    return total
+
+def put(flight, t, age):
+    """The same flight, told from where it is at a time t, that of the instant `age`."""
+    x, y, vx, vy, since, then = flight
+    return flight if age == then else Flight(x + vx * (t - since), y + vy * (t - since), vx, vy, t, age)
+
+
+class Laws:
+    """The laws of flight, meeting and impulse. Bodies are circles, and then pockets, which rest, counted from behind. A
+    contact (i, j) is of two circles if 0 <= j < n, of wall j - n, or of the rim of pocket -1 - j."""
+    def meeting(self, flights, c):
+        """Two at the start t of the younger flight: gap, closing speed, d, v, R^2 (of a wall, None), and the directions
+        in which the circles are pushed."""
+        (i, j), a = c, flights[c[0]]
+        if j >= self.n:
+            x, y, nx, ny, length = self.walls[j - self.n]
+            nx, ny = (nx, ny) if self.sides[c] else (-nx, -ny)
+            gap = nx * (a.x - x) + ny * (a.y - y) - self.radii[i] * length
+            return Meeting(a.t, gap, nx * a.vx + ny * a.vy, None, None, None, {i: (nx, ny)})
+        t, age = max(a, flights[j], key=lambda flight: flight.age)[4:]
+        a, b = put(a, t, age), put(flights[j], t, age)
+        dx, dy, vx, vy = b.x - a.x, b.y - a.y, b.vx - a.vx, b.vy - a.vy
+        reach = self.radii[j] if j < 0 else self.radii[i] + self.radii[j]
+        gap = dx * dx + dy * dy - (square := reach * reach)
+        return Meeting(t, gap, dx * vx + dy * vy, (dx, dy), (vx, vy), square, {i: (-dx, -dy), j: (dx, dy)})
+    def speed(self, m): return m.v[0] * m.v[0] + m.v[1] * m.v[1]  # |v|^2
+    def disc(self, m):
+        """Of two that approach: positive if they hit, zero if they graze, negative if they miss."""
+        cross = m.d[0] * m.v[1] - m.d[1] * m.v[0]
+        return self.speed(m) * m.square - cross * cross
+    def graze(self, m): return m.t - m.closing / self.speed(m)  # when two are nearest
+    def hit(self, m):
+        """When the gap falls through zero."""
+        return m.t + m.gap / (self.disc(m).sqrt() - m.closing) if m.v else m.t - m.gap / m.closing
+    def blow(self, flights, push, others):
+        """Of those that push the impulses s, by elimination from G s = -2u; 2u + G s of others; the new velocities."""
+        met = {c: self.meeting(flights, c) for c in (*push, *others)}
+        twice = {c: m.closing + m.closing for c, m in met.items()}
+        def effect(c, o):  # an entry of G
+            if c == o and c[1] < self.n: return (self.weights[c[0]] + self.weights[c[1]]) * met[c].square
+            both = [(self.weights[i], *met[c].arms[i], *met[o].arms[i]) for i in met[c].arms if i in met[o].arms]
+            return sum(((x * p + y * q) * w for w, x, y, p, q in both), self.none)
+        rows, s, new = [[*(effect(c, o) for o in push), -twice[c]] for c in push], {}, {}
+        for k, top in enumerate(rows):
+            for row in rows[k + 1 :]:
+                factor = row[k] / top[k]
+                row[k + 1 :] = [x - factor * y for x, y in zip(row[k + 1 :], top[k + 1 :], strict=True)]
+        for k, c in reversed(list(enumerate(push))):
+            s[c] = sum((-(rows[k][m] * s[push[m]]) for m in range(k + 1, len(push))), rows[k][-1]) / rows[k][k]
+            for i, (x, y) in met[c].arms.items():
+                (vx, vy), w = new.get(i, flights[i][2:4]), self.weights[i]
+                new[i] = vx + w * s[c] * x, vy + w * s[c] * y
+        return s, {c: sum((effect(c, o) * s[o] for o in push), twice[c]) for c in others}, new
+
+
+class Zeros(Laws):
+    """What proves numbers of a run zero. An isometry maps blocks to blocks: rounds of impulses among contacts that hang
+    together through movable circles, or one circle's turn or capture. The way back undoes blocks."""
+    def take(self, entry, clock):
+        """Takes up the witnesses of an entry, and the contact that tells its time."""
+        self.clock, self.witnesses = clock, {}
+        for question, c, *witness in entry.get("zeros", ()):
+            self.witnesses.setdefault((question, tuple(c)), []).append(witness)
+    def sign(self, question, c, value):
+        """The sign of a number: its interval's, or zero by a witness."""
+        if (sign := value.sign()) is None and not self.zero(question, c, value):
+            raise Undecided(f"{question!r} of {c} may be zero, and there is no witness")
+        return sign or 0
+    def zero(self, question, c, value, must=True):
+        """Whether a witness proves the number asked about zero; one that fails refutes the certificate."""
+        witnesses = self.witnesses.get((question, c), ())
+        proved = any(self.proves(question, c, value, *witness) for witness in witnesses)
+        if witnesses and must and not proved: raise Refuted(f"the witness of zero {question!r} of {c} proves nothing")
+        return proved
+    def proves(self, question, c, value, witness, other=None):
+        """Whether a witness proves a number zero."""
+        (i, j), other, tie = c, tuple(other) if other else self.clock, question == "tie"
+        if tie and other not in self.tied: return False
+        if witness == "exact": return (self.nexts[c][1] - self.nexts[other][1] if tie else value).zero()
+        if witness == "back":
+            if not self.turned or question == "graze": return self.turned and self.heights(c) in self.grazed
+            if tie: return self.parted(c) is not None and self.parted(c) == self.parted(other)
+            return question == "until" and "until" not in self.limits and self.parted(c) == 0
+        (a, b, d, e), images, _ = g = self.isometry(witness)
+        if tie:
+            alike = self.nexts[c][0] == self.nexts[other][0] and self.image(images, c) == other
+            return alike and all(self.maps(g, k) for k in c if k < self.n)
+        if question not in ("still", "together") or j < 0: return False
+        if j >= self.n:
+            _, _, nx, ny = self.lines[j - self.n]
+            turned = (a * nx + b * ny + nx).zero() and (d * nx + e * ny + ny).zero()
+            return turned and images.get(i) == i and self.maps(g, i)
+        unturned = all(x.zero() for x in (a - ONE, b, d, e - ONE))
+        return unturned and any(images.get(k) == m and self.maps(g, k) for k, m in ((i, j), (j, i)))
+    def isometry(self, k):
+        """The linear part, what is mapped to what, checked on the data, and the blocks that it is known to map."""
+        if k not in self.isometries:
+            told = self.told["isometries"][k]
+            (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
+            images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
+            alike = all((i < 0, i < self.n) == (j < 0, j < self.n) for i, j in images.items())
+            for i, j in images.items() if alike else ():
+                if i >= self.n:
+                    (x, y, mx, my), (u, v, nx, ny) = self.lines[i - self.n], self.lines[j - self.n]
+                    for s, t in ((x, y), (x + my, y - mx)):
+                        zeros.append(nx * (a * s + b * t + p - u) + ny * (d * s + e * t + q - v))
+                else:
+                    (x, y, vx, vy, *kind), (u, v, wx, wy, *like) = self.bodies[i], self.bodies[j]
+                    zeros += [a * x + b * y + p - u, d * x + e * y + q - v, a * vx + b * vy - wx, d * vx + e * vy - wy]
+                    zeros += [kind[0] - like[0], kind[1] - like[1]]
+            if not alike or len(set(images.values())) < len(images) or not all(x.zero() for x in zeros):
+                raise Refuted(f"isometry {k} does not map what it says")
+            self.isometries[k] = (a, b, d, e), images, set()
+        return self.isometries[k]
+    def image(self, images, c):
+        """The image of a contact."""
+        i, j = images.get(c[0]), images.get(c[1])
+        return None if i is None or j is None else (min(i, j), max(i, j)) if 0 <= j < self.n else (i, j)
+    def maps(self, g, i):
+        """Whether an isometry maps circle i with its past to its image: each block of it to one of the same kind."""
+        _, images, proved = g
+        if images.get(i) is None or len(self.rows[i]) != len(self.rows[images[i]]): return False
+        seen, todo = set(), self.rows[i][-1:]
+        while todo:
+            if (one := todo.pop()) in seen or one in proved: continue
+            block = self.log[one]
+            places = {images.get(k): p for k, p in block.places.items()}
+            k, p = next(iter(places.items()))
+            twin = self.log[self.rows[k][p]] if k is not None and p < len(self.rows[k]) else block
+            if twin.kind != block.kind or twin.kind == "take" or twin.places != places: return False
+            if {self.image(images, c) for c in block.among} != set(twin.among): return False
+            seen.add(one)
+            todo += [self.rows[k][p - 1] for k, p in block.places.items() if p]
+        proved |= seen
+        return True
+    def heights(self, c):
+        """A contact, and how many blocks of its circles' way out are done, or not undone (None: they left the way)."""
+        return c, *(None if row is None else len(row) for row in ((self.way or self.rows)[i] for i in c if i < self.n))
+    def parted(self, c):
+        """The age of the instant of the way out at which two, on their flights of now, stood at gap zero; or None."""
+        rows = [self.way[i] for i in self.movable.intersection(c)]
+        latest = None if None in rows else max((self.log[row[-1]].age for row in rows if row), default=0)
+        return latest if latest is not None and c in self.standing[latest] else None
+
+
+class Checker(Zeros):
+    """Follows the log of a certificate. Between instants it keeps `flights`, all enclosed; `nexts`, what is known of
+    the next meeting of two: never, a hit or a graze, and when, or a doubt; `lasting`, the contacts that stay at gap
+    zero; `rows`, the past of each circle, as places in `log`; `way`, after the reversal, what of that is not undone."""
+    def __init__(self, told):
+        if not isinstance(told, dict) or told.get("format") != FORMAT: raise Malformed(f"the format is not {FORMAT}")
+        self.told, self.scene, self.end, self.isometries = told, (scene := told["scene"]), told["end"], {}
         Exact.roots, Exact.most, Exact.work, Exact.budget = [], ROOTS, 0, WORK
-        if len(certificate["roots"]) > SCENE_ROOTS or not 0 < len(scene["circles"]) <= CIRCLES:
-            raise Malformed("it has no circle, or too many, or too many roots")
-        for text in certificate["roots"]:
-            Exact.roots.append(number(text))
-        circles = [[number(c[key]) for key in ("x", "y", "vx", "vy", "r")] for c in scene["circles"]]
-        for row, c in zip(circles, scene["circles"], strict=True):
-            row.append(ZERO if c["m"] == "oo" else ONE / number(c["m"]))
-        corners = [[number(w[key]) for key in ("x0", "y0", "x1", "y1")] for w in scene.get("walls", ())]
-        walls = [[x0, y0, y0 - y1, x1 - x0] for x0, y0, x1, y1 in corners]
-        pockets = [[number(p[key]) for key in ("x", "y", "r")] for p in scene.get("pockets", ())]
-        self.n, self.data = len(circles), {"circles": circles, "walls": walls, "pockets": pockets, "sides": {}}
-        self.bits = dict(map(tuple, certificate["bits"]))
-        if not all(0 < bits <= BITS for bits in self.bits.values()) or 0 not in self.bits:
-            raise Malformed("bits out of range")
-        if (size := self.n * (self.n + len(walls) + len(pockets))) > PAIRS or size * self.bits[0] > SIZE:
-            raise Malformed("too many circles, walls and pockets, or too many bits for so many")
+        self.n, (first, self.bits) = (n := len(scene["circles"])), told["bits"][0]
+        size = n * sum(len(scene.get(kind, ())) for kind in ("circles", "walls", "pockets"))
+        if not 0 < n <= CIRCLES or size > PAIRS or len(told["roots"]) > SCENE_ROOTS:
+            raise Malformed("it has no circle, or too many circles, walls, pockets or roots")
+        if first != 0 or not 0 < self.bits <= BITS or size * self.bits > SIZE: raise Malformed("bits out of range")
+        for text in told["roots"]: Exact.roots.append(number(text))
+        def read(kind, keys): return [[number(thing[key]) for key in keys.split()] for thing in scene.get(kind, ())]
+        circles, walls, pockets = read("circles", "x y vx vy r"), read("walls", "x0 y0 x1 y1"), read("pockets", "x y r")
+        for row, thing in zip(circles, scene["circles"], strict=True):
+            row.append(ZERO if thing["m"] == "oo" else ONE / number(thing["m"]))
+        self.bodies = circles + [[x, y, ZERO, ZERO, r, ZERO] for x, y, r in reversed(pockets)]
+        self.lines = [[x0, y0, y0 - y1, x1 - x0] for x0, y0, x1, y1 in walls]
         self.movable = {i for i, c in enumerate(circles) if not c[5].zero()}
         points = {i for i, c in enumerate(circles) if c[4].zero()}
-        pairs = [{i, j} for i in range(self.n) for j in range(i + 1, self.n)]
-        others = [*range(self.n, self.n + len(walls)), *range(-len(pockets), 0)]
-        self.meets = [tuple(sorted(pair)) for pair in pairs if pair & self.movable and not pair <= points]
-        self.meets += [(i, j) for i in sorted(self.movable) for j in others]
-        self.end, self.limits = certificate["end"], {}
-        for key, at in (("reverse_at", scene), ("until", self.end)):
-            if key in at:
-                self.limits[key] = number(at[key])
-        self.exact, self.known, self.isometries = World(self.data, lambda x: x), {}, {}
+        pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not {i, j} <= points and {i, j} & self.movable]
+        others = [(i, j) for i in sorted(self.movable) for j in (*range(n, n + len(walls)), *range(-len(pockets), 0))]
+        self.meets = dict.fromkeys(pairs + others)
+        limits = {"reverse": scene.get("reverse_at"), "until": self.end.get("until")}
+        self.limits = {question: number(text) for question, text in limits.items() if text is not None}
         self.policy, _, seed = scene["tie_policy"].partition(":seed=")
         self.draw = random.Random(int(seed)) if seed else None
         if self.policy not in ("simultaneous", "sequential", "sequential:order=scene"):
             raise Malformed(f"tie policy {self.policy!r} is not known")
-        Ball.bits = self.bits[0]
-        positive = [*self.limits.values(), *(p[2] for p in pockets), *(c[4] for c in circles if not c[4].zero())]
-        positive += [c[5] for c in circles if not c[5].zero()]
-        wrong = any(x.ball().sign() != 1 for x in positive) or len(scene.keys() & {"reverse_at", "reverse_after"}) > 1
-        if wrong or any(not (c[2].zero() and c[3].zero()) for c in circles if c[5].zero()):
-            raise Malformed("a size, mass or time is not positive, a fixed circle moves, or there are two reversals")
-
+        Ball.bits, fixed = self.bits, [c for c in circles if c[5].zero()]
+        sizes = [x for c in circles for x in c[4:] if not x.zero()]
+        positive = [*self.limits.values(), *(p[2] for p in pockets), *sizes]
+        if any(Ball.of(x).sign() != 1 for x in positive) or not all(x.zero() for c in fixed for x in c[2:4]):
+            raise Malformed("a size, mass or time is not positive, or a fixed circle moves")
+        if "reverse_at" in scene and "reverse_after" in scene: raise Malformed("there are two reversals")
     def check(self, factor=1):
-        """Checks all of it, with `factor` times the bits.
-
-        Raises:
-            Refuted: if something in it is false.
-            Undecided: if these bits do not tell.
-        """
-        self.age, self.count, self.where, self.levels, self.turned = 0, 0, "at the start", {}, None
-        self.rows, self.standing, self.grazed, self.gone = [[] for _ in range(self.n)], {}, set(), set()
-        self.factor, self.coming, self.lasting, self.tied = factor, {}, set(), set()
-        Ball.bits = self.bits[0] * factor
-        self.balls = World(self.data, Exact.ball)
-        self.flights = [(*c[:4], self.balls.zero, 0) for c in self.balls.circles]
-        self.time, self.turn = self.balls.zero, None
+        """Checks all of it, with `factor` times the bits; raises Refuted, or Undecided if these bits do not tell."""
+        Ball.bits = self.bits * factor
+        self.none, self.due = Ball.of(ZERO), {question: Ball.of(x) for question, x in self.limits.items()}
+        bodies, self.walls = ([[*map(Ball.of, row)] for row in rows] for rows in (self.bodies, self.lines))
+        for row in self.walls: row.append((row[2] * row[2] + row[3] * row[3]).sqrt())
+        self.radii, self.weights = ([row[k] for row in bodies] for k in (4, 5))
+        self.flights = [Flight(*row[:4], self.none, 0) for row in bodies]
+        self.sides, self.nexts, self.standing, self.log, self.rows = {}, {}, {}, [], [[] for _ in bodies]
+        self.lasting, self.grazed, self.gone, self.way, self.turned = set(), set(), set(), None, False
+        self.time, self.age, self.count, self.where = self.none, 0, 0, "at the start"
         self.open(self.told["start"])
         for k, entry in enumerate(self.told["instants"]):
             self.where = f"instant {k}"
-            self.instant(entry, self.bits.get(k + 1))
+            self.instant(entry)
         self.where = "at the end"
-        self.close()
-
-    # -- instants
+        self.close(self.end["reason"])
 
     def open(self, entry):
         """Time 0: nothing overlaps; what touches is known exactly."""
-        self.witnessed(entry, (Exact(Fraction(0)), {}))
         known = {}
-        for i in self.movable:
-            for k, (x, y, nx, ny) in enumerate(self.balls.walls, start=self.n):
-                side = (nx * (self.flights[i][0] - x) + ny * (self.flights[i][1] - y)).sign()
-                if not side:
-                    raise Undecided(f"on which side of wall {k - self.n} circle {i} is")
-                self.data["sides"][i, k] = side > 0
+        self.take(entry, None)
+        for i, j in (c for c in self.meets if c[1] >= self.n):
+            x, y, nx, ny, _ = self.walls[j - self.n]
+            side = (nx * (self.flights[i].x - x) + ny * (self.flights[i].y - y)).sign()
+            if not side: raise Undecided(f"on which side of wall {j - self.n} circle {i} is")
+            self.sides[i, j] = side > 0
         for c in self.meets:
-            gap = self.balls.meeting(self.fly, c)[1].sign()
-            if gap == 0 or (gap is None and self.exactly("rim", c, None)):
-                known[c] = self.sign("still", c, self.balls.meeting(self.fly, c)[2])
-                self.coming[c] = None
-            elif gap is None or (gap < 0 and c[1] >= 0):
-                raise (Refuted if gap else Undecided)(f"{c} overlap, or it is not known that they do not")
-        for c in self.meets:
-            if c not in known:
-                self.coming[c] = self.foreseen(c)
-        self.resolve(known, entry, [])
+            m = self.meeting(self.flights, c)
+            if (gap := m.gap.sign()) == 0 or (gap is None and m.gap.zero()): known[c] = self.sign("still", c, m.closing)
+            elif gap is None or gap < 0 <= c[1]: raise (Refuted if gap else Undecided)(f"{c} overlap, or may")
+        self.resolve(known, entry)
         self.turn_if_due(entry, False)
-
-    def instant(self, entry, bits):
+    def instant(self, entry):
         """One instant: its time, nothing before it, all that falls on it, and what that does."""
-        if bits:
-            self.cut(bits * self.factor)
-        self.age += 2
         arrive, grazes = ([tuple(c) for c in entry.get(key, ())] for key in ("arrive", "grazes"))
-        if arrive:
-            kind, time = self.coming.get(arrive[0]) or ("none", None)
-            if kind != "hit":
-                raise Refuted(f"{arrive[0]} do not meet") if kind != "doubt" else Undecided(f"whether {arrive[0]} meet")
-            source = arrive[0], {i: len(self.rows[i]) for i in arrive[0] if 0 <= i < self.n}
-        else:
-            if self.turned or "reverse_at" not in self.limits or "reversal" not in entry:
-                raise Refuted("nothing falls on it")
-            time, source = self.limits["reverse_at"].ball(), (self.limits["reverse_at"], {})
-        self.time = time
-        self.witnessed(entry, source)
+        kind, time = self.next(arrive[0]) if arrive else ("hit", self.due.get("reverse"))
+        if kind != "hit": raise (Undecided if kind == "doubt" else Refuted)(f"{arrive[0]} do not meet, or may not")
+        if not time or not (arrive or "reversal" in entry): raise Refuted("nothing falls on it")
+        self.time, self.age, self.tied, due = time, self.age + 2, set(arrive[:1]), False
+        self.take(entry, arrive[0] if arrive else None)
         self.said(time, entry["time"])
-        self.tied = set(arrive[:1])
-        for c in [*arrive[1:], *grazes]:
-            self.join(c, time, "hit" if c in arrive else "graze")
-        near = [c for c in self.meets if self.coming[c] and c not in self.tied and self.window(c, time)]
-        due = self.before_limits(arrive)
-        known = {**dict.fromkeys(self.lasting, 0), **dict.fromkeys(grazes, 0), **dict.fromkeys(arrive, -1)}
-        only = [[arrive[0]]] if len(arrive) == 1 and arrive[0][1] >= 0 else []
-        self.resolve(known, entry, only, near)
+        for c in (*arrive[1:], *grazes):
+            kind, when = self.settled(c)
+            if kind != ("hit" if c in arrive else "graze") or c in self.tied or self.sign("tie", c, when - time):
+                raise Refuted(f"{c} do not meet at this instant")
+            self.tied.add(c)
+        near = [c for c in self.meets if c not in self.tied and self.later(c, time)]
+        for question, limit in self.due.items():
+            sign = 0 if not arrive and (limit - time).zero() else self.sign(question, self.clock, limit - time)
+            if sign < 0: raise Refuted("the end, or the reversal, comes before it")
+            due |= question == "reverse" and sign == 0
+        self.resolve(dict.fromkeys(self.lasting | {*grazes}, 0) | dict.fromkeys(arrive, -1), entry, near)
         self.turn_if_due(entry, due)
-
-    def before_limits(self, arrive):
-        """That the instant comes before the end, or at it; whether the reversal at a set time falls on it."""
-        end = self.limits.get("until") and self.limits["until"].ball()
-        if self.end["reason"] == "return" and self.turn:
-            end = self.turn + self.turn
-        same = end and not arrive and (self.limits["until"] - self.limits["reverse_at"]).zero()
-        if end and not same and self.sign("until", arrive[0] if arrive else None, end - self.time) < 0:
-            raise Refuted("it comes after the end")
-        if self.turned or "reverse_at" not in self.limits:
-            return False
-        wait = self.limits["reverse_at"].ball() - self.time
-        sign = 0 if not arrive else self.sign("reverse", arrive[0], wait)
-        if sign < 0:
-            raise Refuted("the reversal comes before it")
-        return sign == 0
-
-    def join(self, c, time, kind):
-        """That a listed contact meets, or grazes, at this very instant."""
-        if (self.coming.get(c) or ("none", None))[0] == "doubt":
-            self.coming[c] = self.settled(c, None)
-        known, when = self.coming.get(c) or ("none", None)
-        if known != kind or c in self.tied or (when - time).sign() in (-1, 1):
-            raise Refuted(f"{c} do not meet at this instant")
-        if (when - time).sign() is None:
-            self.zero("tie", c)
-        self.tied.add(c)
-
-    def window(self, c, time):
-        """Proves that the next meeting of two comes after a time (None: that there is none); or else whether it is a
-        graze that may fall on it."""
-        if self.coming[c][0] == "doubt":
-            self.coming[c] = self.settled(c, time)
-            if self.coming[c] in (None, DOUBT):
-                return False
-        kind, when = self.coming[c]
-        order = (when - time).sign() if time else -1
-        if order == 1:
-            return False
-        if kind == "graze":
-            if order == -1:
-                self.coming[c] = None
-            return order != -1
-        raise (Refuted if order == -1 else Undecided)(f"{c} meet before it, or may")
-
-    def settled(self, c, time):
-        """A doubtful meeting: by a witness a graze, or none as the two do not come nearer; else still in doubt, if they
-        have surely not met until a time."""
-        closing = self.balls.meeting(self.fly, c)[2].sign()
-        if closing == -1 and self.zero("graze", c, must=False):
-            self.grazed.add(self.heights(c))
-            return "graze", self.balls.time(self.fly, c, graze=True)
-        if closing is None and any(self.proves("still", c, *w) for w in self.witnesses.get(("still", c), ())):
-            return None
-        if time and self.apart(c, time):
-            return DOUBT
-        raise Undecided(f"whether {c} meet, graze or miss")
-
-    def apart(self, c, time):
+    def next(self, c):
+        """What is known of the next meeting of two, from the start of the younger of their flights."""
+        if c not in self.nexts:
+            flying = c in self.meets and self.gone.isdisjoint(c)
+            self.nexts[c], m = NEVER, self.meeting(self.flights, c) if flying else None
+            if m and (closing := m.closing.sign()) not in (0, 1) and ((gap := m.gap.sign()) != -1 or c[1] >= 0):
+                if gap == -1: raise Refuted(f"{c} overlap")
+                disc = self.disc(m).sign() if m.v else 1
+                if None in (closing, disc) and disc != -1: self.nexts[c] = DOUBT
+                elif disc >= 0: self.nexts[c] = ("hit", self.hit(m)) if disc else ("graze", self.graze(m))
+        return self.nexts[c]
+    def settled(self, c, time=None):
+        """The same, with a doubt settled by a witness; or it may stay, if the two have surely not met until a time."""
+        if self.next(c) == DOUBT:
+            m = self.meeting(self.flights, c)
+            if m.closing.sign() == -1 and self.zero("graze", c, self.disc(m)):
+                self.grazed |= set() if self.turned else {self.heights(c)}
+                self.nexts[c] = "graze", self.graze(m)
+            elif m.closing.sign() is None and self.zero("still", c, m.closing, must=False): self.nexts[c] = NEVER
+            elif not time or not self.apart(m, time): raise Undecided(f"whether {c} meet, graze or miss")
+        return self.nexts[c]
+    def apart(self, m, time):
         """Whether two have not met until a time. Their gap is at least gap + 2 closing * s at s after the start, as it
         is convex; and if it still falls then, it has not been smaller."""
-        t, gap, closing, _, speed = self.balls.meeting(self.fly, c)
-        fastest, s = Ball(-abs(closing.m) - closing.r), time - t
-        if (gap + (fastest + fastest) * s).sign() == 1:
-            return True
-        if speed is None:
-            return False
-        then = closing + speed * s
-        return then.sign() == -1 and (gap + (closing + then) * s).sign() == 1
+        s, most = time - m.t, Ball(2 * (abs(m.closing.m) + m.closing.r), 0)
+        then = m.closing + self.speed(m) * s if m.v else self.none
+        end = m.gap + (m.closing + then) * s
+        return (m.gap - most * s).sign() == 1 or (then.sign() == -1 and end.sign() == 1)
+    def later(self, c, time):
+        """Proves that two meet after a time (None: never). A graze is free: then, whether it may come at the time."""
+        kind, when = self.settled(c, time)
+        order = (when - time).sign() if when and time else -1
+        if kind == "hit" and order != 1: raise (Refuted if order == -1 else Undecided)(f"{c} meet before it, or may")
+        return kind == "graze" and order in (0, None)
 
-    def foreseen(self, c):
-        """The next meeting of two, from the start of the younger of their flights."""
-        _, gap, closing, disc, _ = self.balls.meeting(self.fly, c)
-        if c[0] in self.gone or c[1] in self.gone or closing.sign() in (0, 1):
-            return None
-        if gap.sign() == -1:
-            if c[1] < 0:
-                return None
-            raise Refuted(f"{c} overlap")
-        sign = 1 if disc is None else disc.sign()
-        if sign == -1:
-            return None
-        if closing.sign() is None or sign is None:
-            return DOUBT
-        return ("hit" if sign else "graze"), self.balls.time(self.fly, c, graze=not sign)
-
-    # -- the reversal
-
+    def resolve(self, known, entry, near=(), everyone=False):
+        """What an instant does with all that stands at gap zero, `known` with the signs of its closing speeds: rounds
+        of impulses among all that hangs together with what approaches; then entries; then what lasts."""
+        arrive, solid, events = entry.get("arrive", ()), [c for c in known if c[1] >= 0], len(self.log)
+        rounds = iter(entry.get("rounds", [arrive] if len(arrive) == 1 and arrive[0][1] >= 0 else []))
+        moved = set(range(self.n)) if everyone else set()
+        while approaching := [c for c in solid if known[c] < 0]:
+            first, time = min(approaching), Ball(self.time.m, self.time.r)
+            group = self.linked(first, solid, range(self.n))
+            bodies = {i for c in group for i in c if i < self.n}
+            if any(c[1] >= 0 and not bodies.isdisjoint(c) for c in near):
+                raise Undecided(f"a graze may take part in the impulses of {first}")
+            own = self.age > 0 and self.age % 2 == 0  # not at time 0, not after the reversal: the time of its own hit
+            time.how = self.nexts[first][1].how if own else self.time.how
+            while coming := sorted(c for c in group if known[c] < 0):
+                self.push, among = [tuple(c) for c in next(rounds, ())], coming
+                if self.policy != "simultaneous":
+                    among = [coming[self.draw.randrange(len(coming)) if self.draw and len(coming) > 1 else 0]]
+                if not self.push or len(set(self.push)) < len(self.push) or not set(self.push) <= set(among):
+                    raise Refuted(f"{self.push} push, but {among} may")
+                here = {i: put(self.flights[i], time, self.age) for i in bodies}
+                s, slacks, new = self.blow(here, self.push, [c for c in among if c not in self.push])
+                if any(x.sign() is None for x in s.values()): raise Undecided(f"whether {self.push} push")
+                for c in among:
+                    if c in s and s[c].sign() < 1: raise Refuted(f"{c} do not push")
+                    if c not in s and self.sign("slack", c, slacks[c]) < 0: raise Refuted(f"{c} push too")
+                while among:
+                    part = self.linked(among[0], among, self.movable)
+                    among = [c for c in among if c not in part]
+                    for i in self.note("kick", part, [c for c in self.push if c in part], {i for c in part for i in c}):
+                        self.flights[i] = Flight(*here[i][:2], *new.get(i, here[i][2:4]), *here[i][4:])
+                moved |= (hit := {i for c in self.push for i in c} & self.movable)
+                for c in group:
+                    if not hit.isdisjoint(c): known[c] = self.sign("still", c, self.meeting(self.flights, c).closing)
+        if next(rounds, None) is not None: raise Refuted("it has rounds of impulses where nothing approaches")
+        self.count, self.standing[self.age] = self.count + (len(self.log) > events), set(solid)
+        self.enter(known, moved, entry)
+        for c in solid:
+            if c not in self.lasting or not moved.isdisjoint(c):
+                m = self.meeting(self.flights, c)
+                lasts = known.get(c) == 0 and (not m.v or self.sign("together", c, self.speed(m)) == 0)
+                self.lasting = self.lasting | {c} if lasts else self.lasting - {c}
+        for i in moved if self.age > INSTANTS else ():  # how they came about is forgotten, to bound memory
+            self.flights[i] = Flight(*(Ball(x.m, x.r) for x in self.flights[i][:5]), self.flights[i].age)
+        self.nexts = {c: x for c, x in self.nexts.items() if moved.isdisjoint(c)} | dict.fromkeys(known, NEVER)
+        self.stood = known
+    def linked(self, first, contacts, through):
+        """The contacts that hang together with one through common circles."""
+        group, circles = set(), {*first} & {*through}
+        while more := {c for c in contacts if not circles.isdisjoint(c)} - group:
+            group |= more
+            circles |= {i for c in more for i in c if i in through}
+        return group
+    def note(self, kind, among, push, circles):
+        """Logs a block; on the way back it undoes one of the way out, or its circles leave that way. Its circles."""
+        block = Block(kind, among, push, {i: len(self.rows[i]) for i in circles & self.movable}, self.age)
+        for i in block.places: self.rows[i].append(len(self.log))
+        self.log.append(block)
+        if self.turned and kind == "kick":
+            last = {self.way[i][-1] if self.way[i] else None for i in block.places}
+            old = self.log[last.pop()] if len(last) == 1 and None not in last else None
+            undone = old and set(old.push) == set(push) and old.places.keys() == block.places.keys()
+            for i in block.places: self.way[i] = self.way[i][:-1] if undone else None
+        return block.places
+    def enter(self, known, moved, entry):
+        """Centres that stand on a rim and move inward, in the state after the impulses; captures."""
+        for c in [c for c in self.meets if c[1] < 0 and c[0] in moved and c[0] not in self.gone]:
+            m = self.meeting(self.flights, c)
+            if c in known or m.gap.sign() not in (1, -1):
+                sign = self.sign("still", c, m.closing)
+                known[c] = sign if c in known or sign >= 0 else self.sign("rim", c, m.gap) - 1
+        found = sorted(c for c in known if c[1] < 0 and known[c] < 0)
+        if found != sorted((i, -1 - k) for i, k in entry.get("entries", ())): raise Refuted(f"{found} enter")
+        for i in {i for i, _ in found} if self.scene.get("capture") else ():
+            x, y = put(self.flights[i], self.time, self.age)[:2]
+            self.flights[i] = Flight(x, y, self.none, self.none, self.time, self.age)
+            self.gone.add(i)
+            moved |= set(self.note("take", (), (), {i}))
+            for c in [c for c in known if i in c]: del known[c]
     def turn_if_due(self, entry, due):
         """The reversal, if it falls on this instant, and what follows from it."""
-        due = due or (not self.turned and self.count > 0 and self.scene.get("reverse_after") == self.count)
+        due = due or (not self.turned and 0 < self.count == self.scene.get("reverse_after"))
         last = entry is (self.told["instants"] or [self.told["start"]])[-1]
-        if due and "reversal" not in entry and last and self.end.get("limit") == self.count:
-            return  # the event after it would be one too many
-        if due != ("reversal" in entry):
-            raise Refuted("the reversal falls on it" if due else "the reversal does not fall on it")
-        if not due:
-            return
-        self.age, self.turned, self.turn = self.age + 1, self.source, self.time
-        self.levels = dict.fromkeys(range(self.n), 0) | {i: len(self.rows[i]) for i in self.movable}
-        for i, old in enumerate(self.flights):
-            self.flights[i] = (*place(old, self.time), -old[2], -old[3], self.time, self.age)
+        if due and last and "reversal" not in entry and self.end.get("limit") == self.count: return  # it comes too late
+        if due != ("reversal" in entry): raise Refuted(f"the reversal {'falls' if due else 'does not fall'} on it")
+        if not due: return
+        self.age, self.way, self.turned = self.age + 1, [list(row) for row in self.rows], True
+        self.due.pop("reverse", None)
+        if self.end["reason"] == "return": self.due["until"] = self.time + self.time
         for i in self.movable:
-            self.log(Block("turn", (), (), {i: len(self.rows[i])}, self.source, self.age))
-        known = {**dict.fromkeys(self.lasting, 0), **{c: -sign for c, sign in self.known_now.items()}}
-        self.witnessed(entry["reversal"], self.source)
-        self.resolve(known, entry["reversal"], [], everyone=True)
+            x, y, vx, vy, *start = put(self.flights[i], self.time, self.age)
+            self.flights[i] = Flight(x, y, -vx, -vy, *start)
+            self.note("turn", (), (), {i})
+        self.take(entry["reversal"], self.clock)
+        self.resolve({c: -sign for c, sign in self.stood.items()}, entry["reversal"], everyone=True)
         self.age += 1
-
-    # -- the frame
-
-    def witnessed(self, entry, source):
-        """Takes up the witnesses of an instant, and what its time comes of."""
-        self.source, self.witnesses = source, {}
-        for question, c, witness, *other in entry.get("zeros", ()):
-            found = self.witnesses.setdefault((question, tuple(c)), [])
-            found.append((witness, *map(tuple, other)))
-
-    def cut(self, bits):
-        """Goes on with fewer bits."""
-        drop, met = Ball.bits - bits, {}
-
-        def shorter(x):
-            return met.setdefault(id(x), (x, x.cut(drop)))[1] if isinstance(x, Ball) else x
-
-        Ball.bits = bits
-        self.balls = World(self.data, Exact.ball)
-        self.flights = [tuple(map(shorter, flight)) for flight in self.flights]
-        self.coming = {c: known and tuple(map(shorter, known)) for c, known in self.coming.items()}
-        self.turn = shorter(self.turn)
 
     def said(self, value, text):
         """That a number is as the decimal text says, to within one unit of its last digit."""
         if not (decimal := re.fullmatch(r"-?\d{1,400}(?:\.(\d{1,400}))?", text, re.ASCII)):
             raise Malformed(f"{text[:40]!r} is no decimal")
-        unit = Exact(Fraction(1, 10 ** len(decimal[1] or ""))).ball()
-        off = value - Exact(Fraction(text)).ball()
-        signs = (unit - off).sign(), (unit + off).sign()
-        if signs != (1, 1):
+        unit, off = Fraction(1, 10 ** len(decimal[1] or "")), value - Ball.of(Exact(Fraction(text)))
+        if (signs := [(Ball.of(Exact(unit)) + x).sign() for x in (off, -off)]) != [1, 1]:
             raise (Undecided if None in signs else Refuted)(f"a number is not {text}")
-
-    def close(self):
+    def close(self, reason):
         """What ended the run, and the final state."""
-        reason, time = self.end["reason"], self.time
-        self.witnessed(self.end, self.source if self.told["instants"] else (Exact(Fraction(0)), {}))
-        if reason == "events":
-            if self.end["limit"] != self.count:
-                raise Refuted(f"there are {self.count} events")
-        elif reason in ("horizon", "return", "quiet"):
-            if reason == "return" and not self.turned:
-                raise Refuted("nothing was reversed")
-            until = None
-            if reason != "quiet":
-                until = self.limits["until"].ball() if reason == "horizon" else self.turn + self.turn
-            if not self.turned and "reverse_at" in self.limits:
-                sign = (self.limits["reverse_at"].ball() - until).sign() if until else -1
-                if sign != 1:
-                    raise (Undecided if sign is None else Refuted)("the reversal comes first")
-            for c in self.meets:
-                if self.coming[c]:
-                    self.window(c, until)
-            self.time = time = until or time
-        elif reason != "stopped":
-            raise Malformed(f"end {reason!r} is not known")
-        self.said(time, self.told["final"]["time"])
-        for flight, row in zip(self.flights, self.told["final"]["circles"], strict=True):
-            for value, text in zip((*place(flight, time), *flight[2:4]), row, strict=True):
-                self.said(value, text)
+        self.take(self.end, self.clock)
+        if reason not in ("events", "stopped", "horizon", "return", "quiet"): raise Malformed(f"end {reason!r}")
+        if reason == "events" and self.end["limit"] != self.count: raise Refuted(f"there are {self.count} events")
+        if reason == "return" and not self.turned: raise Refuted("nothing was reversed")
+        if reason in ("horizon", "return", "quiet"):
+            until, turn = self.due["until"] if reason != "quiet" else None, self.due.get("reverse")
+            order = (turn - until).sign() if turn and until else -1 if turn else 1
+            if order != 1: raise (Undecided if order is None else Refuted)("the reversal comes first")
+            for c in self.meets: self.later(c, until)
+            if until: self.time, self.age = until, self.age + 2
+        self.said(self.time, self.told["final"]["time"])
+        for flight, row in zip(self.flights[: self.n], self.told["final"]["circles"], strict=True):
+            for value, text in zip(put(flight, self.time, self.age)[:4], row, strict=True): self.said(value, text)
 
 
 def verdict(path):
     """The exit code for a file, and a sentence."""
-    sys.set_int_max_str_digits(0)
-    checker = None
+    sys.set_int_max_str_digits(TEXT)
     try:
-        if Path(path).exists() and not Path(path).is_file():
-            raise Malformed("it is no regular file")
-        with Path(path).open("rb") as file:
-            if len(text := file.read(BYTES + 1)) > BYTES:
-                raise Malformed(f"it is longer than {BYTES} bytes")
-        told = json.loads(text)
-        try:
-            checker = Checker(told)
-            checker.check()
-            return 0, f"verified: {checker.count} events, to the end: {checker.end['reason']}"
-        except Undecided as doubt:
-            where = checker.where if checker else "in the scene"
-            return 4, f"not decided: {where}: {doubt}; {enough(told)}"
-    except Refuted as fault:
-        return 1, f"refuted: {checker.where}: {fault}"
+        if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
+        with Path(path).open("rb") as file: text = file.read(BYTES + 1)
+        if len(text) > BYTES: raise Malformed(f"it is longer than {BYTES} bytes")
+        told, first = json.loads(text), None
+        for factor in (1, 2, 4):
+            checker = None
+            try:
+                checker = Checker(told)
+                checker.check(factor)
+                sentence = f"verified: {checker.count} events, to the end: {checker.end['reason']}"
+                return (4, f"{first}; {factor * checker.bits} bits verify it") if first else (0, sentence)
+            except Undecided as doubt:
+                first = first or f"not decided: {checker.where if checker else 'in the scene'}: {doubt}"
+            except Refuted as fault:
+                refuted = f"refuted: {checker.where}: {fault}"
+                return (4, f"{first}; {factor * checker.bits} bits: {refuted}") if first else (1, refuted)
+        return 4, f"{first}; nor do 4 times the bits decide"
+    except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
     except BROKEN as error:
         return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
-
-
-def enough(told):
-    """How many bits would decide."""
-    for factor in (2, 4):
-        try:
-            Checker(told).check(factor)
-        except Undecided:
-            continue
-        except Refuted as fault:
-            return f"{factor} times the bits refute it: {fault}"
-        return f"{factor} times the bits verify it"
-    return "nor with 4 times the bits"
-
 
 if __name__ == "__main__":
     code, sentence = verdict(sys.argv[1]) if len(sys.argv) == 2 else (2, "usage: verify.py FILE")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ...tools.arithmetic import ONE, ZERO, Exact
+from ...tools.verify import ONE, ZERO, Exact
 from .scene_text import text_of
 
 Contact = tuple[int, int]
@@ -18,12 +18,14 @@ class Candidates:
     """Finds isometries of a scene and says what they map to what.
 
     Args:
-        data: the scene in exact numbers, as the checker reads it.
+        bodies: circles, and then pockets from the last to the first, in exact numbers, as the checker reads them.
+        walls: likewise, each a point and a normal.
+        n: how many of the bodies are circles.
     """
 
-    def __init__(self, data: dict[str, Any]) -> None:
-        self.circles, self.walls, self.pockets = data["circles"], data["walls"], data["pockets"]
-        self.n = len(self.circles)
+    def __init__(self, bodies: list[list[Exact]], walls: list[list[Exact]], n: int) -> None:
+        self.circles, self.walls, self.n = bodies[:n], walls, n
+        self.pockets = [[x, y, r] for x, y, _, _, r, _ in reversed(bodies[n:])]
         self._circle_of = {_key(row): i for i, row in enumerate(self.circles)}
         self._wall_of = {_key(_line(*row)): k for k, row in enumerate(self.walls)}
         self._pocket_of = {_key(row): k for k, row in enumerate(self.pockets)}

@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, cast
 
-from ...tools.arithmetic import ROOTS, WORK, Ball, Exact, Undecided
-from ...tools.verify import DOUBT, Checker
+from ...tools.verify import DOUBT, ROOTS, WORK, Ball, Checker, Exact, Flight, Undecided, put
 from .candidates import Candidates, Contact
 
 GUARD = 64
@@ -37,7 +36,7 @@ class Prover(Checker):
         self.contacts = contacts
         self.digits = digits
         self.known_isometries: dict[str, int] = {}
-        self.candidates = Candidates(self.data)
+        self.candidates = Candidates(self.bodies, self.lines, self.n)
         self.drops: list[list[int]] = []
 
     def run(self) -> None:
@@ -51,16 +50,13 @@ class Prover(Checker):
         final: dict[str, Any] = self.told["final"]
         final["time"] = self.decimal(cast(Ball, self.time))
         for i in range(self.n):
-            x, y, vx, vy, t, _ = self.flights[i]
-            wait = self.time - t
-            row = (x + vx * wait, y + vy * wait, vx, vy)
-            final["circles"][i] = [self.decimal(value) for value in row]
+            final["circles"][i] = [self.decimal(value) for value in put(self.flights[i], self.time, self.age)[:4]]
 
     # -- what the checker reads, and this writes
 
-    def witnessed(self, entry: dict[str, Any], source: Any) -> None:
+    def take(self, entry: dict[str, Any], clock: Contact | None) -> None:
         """Starts the list of an entry's witnesses."""
-        super().witnessed(entry, source)
+        super().take(entry, clock)
         self.zeros: list[list[Any]] = entry.setdefault("zeros", [])
 
     def said(self, value: Ball, text: str) -> None:
@@ -85,25 +81,41 @@ class Prover(Checker):
         self.drops.clear()
         super().open(entry)
 
-    def instant(self, entry: dict[str, Any], bits: int | None) -> None:
+    def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
         self.number += 1
         width = max(x.r.bit_length() for flight in self.flights for x in cast(tuple[Ball, ...], flight[:5]))
-        bits = Ball.bits - (width - GUARD) if width > 2 * GUARD else None
-        if bits is not None:
-            self.drops.append([self.number, bits])
-            self.cut(bits)
-        self.shown = set()
+        if width > 2 * GUARD:
+            self.cut(width - GUARD)
+            self.drops.append([self.number, Ball.bits])
+        self.shown: set[Contact] = set()
         self._gather(entry, self.contacts[self.number])
         entry["time"], self.shown = "0", self.tied
-        super().instant(entry, None)
+        super().instant(entry)
         entry["time"] = self.decimal(cast(Ball, self.time))
+
+    def cut(self, drop: int) -> None:
+        """Goes on with so many bits fewer."""
+
+        def shorter(x: Ball) -> Ball:
+            kept = x.m >> drop
+            short = Ball(kept, 0 if x.r == 0 and kept << drop == x.m else (x.r >> drop) + 2)
+            short.how = x.how
+            return short
+
+        Ball.bits -= drop
+        self.none, self.due = shorter(self.none), {question: shorter(x) for question, x in self.due.items()}
+        self.flights = [Flight._make([*map(shorter, flight[:5]), flight.age]) for flight in self.flights]
+        self.walls = [[*map(shorter, row)] for row in self.walls]
+        self.radii, self.weights = [*map(shorter, self.radii)], [*map(shorter, self.weights)]
+        self.nexts = {c: (kind, when and shorter(when)) for c, (kind, when) in self.nexts.items()}
 
     # -- what falls on an instant
 
     def _gather(self, entry: dict[str, Any], contacts: frozenset[Contact]) -> None:
         """Lists the contacts that meet at an instant, first the one whose meeting is its time, and the grazes."""
-        met = {c: known for c, known in self.coming.items() if known is not None}
+        self.tied = set()
+        met: dict[Contact, tuple[str, Any]] = {c: known for c in self.meets if (known := self.next(c))[0] != "never"}
         wanted = contacts or {(i, -1 - k) for i, k in entry["entries"]}
         hits = [(met[c][1].m, c) for c in wanted if c in met and met[c][0] == "hit"]
         if not hits:
@@ -113,7 +125,7 @@ class Prover(Checker):
         clock = min(hits)[1]
         time = met[clock][1]
         entry["arrive"], entry["grazes"], self.tied = [list(clock)], [], {clock}
-        self.witnessed(entry, (clock, {i: len(self.rows[i]) for i in clock if 0 <= i < self.n}))
+        self.take(entry, clock)
         for c, (kind, when) in met.items():
             if kind == "hit" and c != clock and (c in contacts or c[1] < 0) and (when - time).sign() in (None, 0):
                 self._list(entry["arrive"], c, when - time)
@@ -123,7 +135,11 @@ class Prover(Checker):
             before = len(bodies)
             for c in met:
                 near = 0 <= c[1] < self.n and c not in self.tied and bodies & set(c)
-                if near and self._grazes(c, time) and self._list(entry["grazes"], c, self.coming[c][1] - time):
+                if (
+                    near
+                    and self._grazes(c, time)
+                    and self._list(entry["grazes"], c, cast(Ball, self.nexts[c][1]) - time)
+                ):
                     bodies |= set(c)
             for c in self.lasting:
                 if bodies & set(c):
@@ -132,7 +148,7 @@ class Prover(Checker):
 
     def _list(self, listed: list[list[int]], c: Contact, wait: Ball) -> bool:
         """Lists a contact whose meeting is proved to be at the instant; whether it is."""
-        if wait.sign() is None and not self.zero("tie", c, must=False):
+        if wait.sign() is None and not self.zero("tie", c, wait):
             return False
         listed.append(list(c))
         self.tied.add(c)
@@ -140,39 +156,33 @@ class Prover(Checker):
 
     def _grazes(self, c: Contact, time: Ball) -> bool:
         """Whether two graze at a time, as far as intervals tell."""
-        if self.coming[c][0] == "doubt":
-            self.coming[c] = self.settled(c, time)
-        known = self.coming[c]
-        return known is not None and known[0] == "graze" and (known[1] - time).sign() in (None, 0)
+        kind, when = self.settled(c, time)
+        return kind == "graze" and (when - time).sign() in (None, 0)
 
-    def settled(self, c: Contact, time: Ball | None) -> Any:
+    def settled(self, c: Contact, time: Ball | None = None) -> Any:
         """As the checker does it, but a witness is looked for only where it is needed."""
-        if time and self.apart(c, time):
+        if time and self.next(c) == DOUBT and self.apart(self.meeting(self.flights, c), time):
             return DOUBT
-        if self.balls.meeting(self.fly, c)[2].sign() is None and self.zero("still", c, must=False):
-            return None
-        return super().settled(c, None)
+        return super().settled(c)
 
     # -- witnesses
 
-    def zero(self, question: str, c: Contact, must: bool = True) -> bool:
+    def zero(self, question: str, c: Contact, value: Ball, must: bool = True) -> bool:
         """Whether a witness is found; it is kept."""
         if question == "tie" and c in self.shown:
             return True
         for witness in self._witnesses(question, c):
-            if self._accepts(question, c, witness):
+            if self._accepts(question, c, value, witness):
                 told = [question, list(c), witness[0], *map(list, witness[1:])]
                 if told not in self.zeros:
                     self.zeros.append(told)
                 return True
-        if must:
-            raise Undecided(f"no witness is found that {question!r} of {c} is zero")
         return False
 
-    def _accepts(self, question: str, c: Contact, witness: tuple[Any, ...]) -> bool:
+    def _accepts(self, question: str, c: Contact, value: Ball, witness: tuple[Any, ...]) -> bool:
         spent = Exact.work
         try:
-            return self.proves(question, c, *witness)
+            return self.proves(question, c, value, *witness)
         except Undecided:
             Exact.work = spent
             return False
@@ -182,9 +192,9 @@ class Prover(Checker):
         yield from [(w, *map(tuple, o)) for q, other, w, *o in self.zeros if q == question and tuple(other) == c]
         others: list[tuple[Contact, ...]] = [()]
         if question == "tie":
-            others += [(other,) for other in sorted(self.tied) if other != self.source[0]]
+            others += [(other,) for other in sorted(self.tied) if other != self.clock]
             for other in others:
-                at = other[0] if other else self.source[0]
+                at = other[0] if other else self.clock
                 known = range(len(self.told["isometries"]))
                 yield from ((k, *other) for k in known if self.image(self.isometry(k)[1], c) == at)
         elif question in ("still", "together"):
@@ -192,7 +202,7 @@ class Prover(Checker):
         yield from self._exact(CHEAP_ROOTS, CHEAP_WORK)
         if question == "tie":
             for other in others:
-                found = self.candidates.between(c, other[0] if other else self.source[0])
+                found = self.candidates.between(c, other[0] if other else self.clock)
                 yield from ((k, *other) for k in self._new(found))
         elif question in ("still", "together"):
             yield from ((k,) for k in self._new(self.candidates.holding(c)))

@@ -7,7 +7,7 @@ from typing import Any, cast
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...tools.arithmetic import SCENE_ROOTS, WORK, ZERO, Ball, Exact, Undecided
+from ...tools.verify import SCENE_ROOTS, WORK, ZERO, Ball, Exact, Undecided
 
 MOST_BITS = 1 << 14
 """Bits to which the sign of a root is sought before a scene is given up."""

@@ -12,8 +12,7 @@ from typing import Any
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason, Trajectory
-from ...tools.arithmetic import Exact, Refuted, Undecided
-from ...tools.verify import BITS, CIRCLES, FORMAT
+from ...tools.verify import BITS, CIRCLES, FORMAT, Exact, Refuted, Undecided
 from ..certified.precision import FIRST_BITS
 from .log import instants
 from .prover import Prover

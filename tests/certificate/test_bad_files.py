@@ -51,6 +51,8 @@ BAD = {
     "no bits": changed(bits=[]),
     "roots without end": changed(roots=["2"] * 100_000),
     "a root of itself": changed(roots=["1+1*r1"]),
+    "a whole number of JSON without end": LEE[:-1] + ', "more": ' + "9" * 5_000_000 + "}",
+    "a seed without end": LEE.replace('"simultaneous"', f'"sequential:seed={"9" * 5_000_000}"'),
     "a long number": scene(x="9" * 1_000_000),
     "a decimal": scene(x="0.5"),
     "a power": scene(x="10**10**10"),
@@ -91,9 +93,13 @@ def test_a_file_of_200_megabytes_is_not_read(tmp_path: Path) -> None:
     assert (done.returncode, done.stdout) == (2, f"no certificate: Malformed: it is longer than {BYTES} bytes\n")
 
 
-def test_a_missing_file(tmp_path: Path) -> None:
-    code, sentence = by_program(tmp_path / "missing.json")
-    assert code == 2 and sentence.startswith("no certificate: FileNotFoundError")
+@pytest.mark.parametrize(
+    ("name", "reason"), [("missing", "No such file or directory"), ("m" * 5000, "File name too long")]
+)
+def test_a_file_that_cannot_be_read(name: str, reason: str, tmp_path: Path) -> None:
+    assert by_program(tmp_path / name) == (2, f"no certificate: it cannot be read: {reason}")
+    if NODE is not None:
+        assert by_node([tmp_path / name])[0][0] == 2
 
 
 def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
