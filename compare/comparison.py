@@ -157,7 +157,7 @@ def compare(
     results = []
     for label, engine in chosen:
         study.share = 1 / (len(chosen) - len(results))
-        result = _candidate(study, label, engine, found, outcomes, _noted(progress, label))
+        result = candidate_of(study, label, engine, found, outcomes, _noted(progress, label))
         if causes and not watch.over:
             try:
                 result = explained(study, result, engine, _noted(progress, f"why {label}"))
@@ -193,7 +193,7 @@ def compare(
     )
 
 
-def _candidate(
+def candidate_of(
     study: Study,
     label: str,
     engine: Engine,

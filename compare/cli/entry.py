@@ -9,10 +9,12 @@ from pathlib import Path
 
 import click
 
+from .advise import advise
 from .commands import cli
 from .exit_codes import DONE, ExitCode
 from .foreign import export, judge
 
+cli.add_command(advise)
 cli.add_command(judge)
 cli.add_command(export)
 
