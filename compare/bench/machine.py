@@ -33,8 +33,9 @@ def timed(action: object) -> Took:
 
 
 def loop() -> float:
-    """A fixed piece of work of Python's own, in which run times are counted: what is faster by a better clock, or a better
-    interpreter, is faster in both.
+    """A fixed piece of work of Python's own, in which run times are counted.
+
+    What is faster by a better clock, or a better interpreter, is faster in both.
 
     >>> loop() == loop()
     True
@@ -83,7 +84,7 @@ class Idleness:
 
     def __str__(self) -> str:
         verdict = "The machine was idle" if self.idle else "The machine was not idle"
-        rows = f"; {len(self.unsteady)} rows differed between processes" if self.unsteady else ""
+        rows = f"; {len(self.unsteady)} rows differ between processes, or were measured once" if self.unsteady else ""
         return (
             f"{verdict}: {self.wall:.3f} s on the wall for each of the processor (at most {SHARED} where nothing else "
             f"runs), the loop's median {self.uneven:.3f} of its least (at most {UNEVEN:.2f}){rows}."

@@ -34,20 +34,18 @@ class Process:
 
     Attributes:
         runs, loops: each run, and the loop in turns with the runs.
-        memory: bytes of the peak while it ran, above what the process held before.
-        peak: bytes of the peak in all.
+        memory: bytes of the peak while it ran first, above what the process held before; None where it is not told.
     """
 
     runs: tuple[Took, ...]
     loops: tuple[Took, ...]
     memory: int | None
-    peak: int | None
 
     @property
     def ratio(self) -> float:
         """The fastest run, counted in the fastest loop.
 
-        >>> Process((Took(3.0, 3.0), Took(2.0, 9.0)), (Took(0.5, 0.5),), None, None).ratio
+        >>> Process((Took(3.0, 3.0), Took(2.0, 9.0)), (Took(0.5, 0.5),), None).ratio
         4.0
         """
         return min(t.cpu for t in self.runs) / min(t.cpu for t in self.loops)
@@ -69,7 +67,7 @@ def measure(spec: str, engine: str, until: str, seconds: float = SECONDS) -> Pro
         raise RuntimeError(last)
     data = json.loads(done.stdout)
     runs, loops = (tuple(Took(*took) for took in data[key]) for key in ("runs", "loops"))
-    return Process(runs, loops, data["memory"], data["peak"])
+    return Process(runs, loops, data["memory"])
 
 
 def answer(asked: Mapping[str, Any]) -> dict[str, Any]:
@@ -95,13 +93,8 @@ def answer(asked: Mapping[str, Any]) -> dict[str, Any]:
             break
         runs.append(timed(run))
         loops += calibration(1)
-    known = before is not None and after is not None
-    return {
-        "runs": runs,
-        "loops": loops,
-        "memory": max(after[1] - before[0], 0) if known else None,
-        "peak": after[1] if known else None,
-    }
+    grown = None if before is None or after is None else max(after[1] - before[0], 0)
+    return {"runs": runs, "loops": loops, "memory": grown}
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from ...scenarios.errors import SceneError
 from ..engines import ENGINES, suggestion
 from ..foreign.loading import offered
+from ..scene_argument import scene_from
 
 SETTINGS = (
     "single",
@@ -78,6 +79,14 @@ def subjects(only: Sequence[str] = ()) -> tuple[Subject, ...]:
         if name not in names:
             raise SceneError(f"--scenes {name!r}: is none of this table's; {suggestion(name, names)}")
     return tuple(subject for subject in SUBJECTS if not only or subject.name in only)
+
+
+def digest_of(subject: Subject) -> str | None:
+    """What tells its scene from another; None where it cannot be built."""
+    try:
+        return scene_from(subject.spec).digest
+    except SceneError:
+        return None
 
 
 def settings_of(subject: Subject, only: Sequence[str] = ()) -> tuple[str, ...]:

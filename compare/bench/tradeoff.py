@@ -22,7 +22,7 @@ from ..scene_argument import scene_from
 from ..study import Study
 from .machine import UNEVEN, Took
 from .measured import Process, measure
-from .subjects import Subject, settings_of
+from .subjects import Subject, digest_of, settings_of
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -138,7 +138,9 @@ def tradeoffs(
         try:
             study = study_of(subject)
         except SceneError as error:
-            rows += [Tradeoff(subject.name, None, text, refused=str(error)) for text in ("exact", *settings)]
+            rows += [
+                Tradeoff(subject.name, digest_of(subject), text, refused=str(error)) for text in ("exact", *settings)
+            ]
             continue
         for text in ("exact", *settings):
             if progress is not None:
