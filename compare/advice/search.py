@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ...exact.engine import ExactEngine
 from ...scenarios.errors import SceneError
+from ...scenarios.limits import positive_time
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..engines import engine as engine_named
 from ..ensemble.perturbed import nudged
 from ..study import Study
-from ..validation import unsupported
+from ..validation import check_until, checked_number, unsupported
 from .found import Advice, Cost, End, Instance, Tried
 from .goal import History
 from .ladder import Setting, Size, cost, ladder
@@ -132,9 +133,14 @@ class _Search:
         self.size, self.seeds, self.budget, self.progress = size, seeds, budget, progress
         self.spent, self.left_out = 0, list[int]()
         self.exact = ExactEngine()
-        key = unsupported(engine_named(engine), scene)
+        chosen = engine_named(engine)
+        key = unsupported(chosen, scene)
         if key is not None:
             raise SceneError(f"engine {engine!r} does not follow {key!r}, which the scene has; choose another --engine")
+        check_until(chosen, scene, until)
+        end = positive_time("until", until) or scene.until
+        if end is not None:
+            checked_number("until", end)
         began = clock.process_time()
         self.home = self._instance(None, scene)
         self.exact_seconds = clock.process_time() - began

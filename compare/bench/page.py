@@ -21,8 +21,8 @@ from .tradeoff import Tradeoff, told_digits
 HEAD = """# Run time against error, measured
 
 What [each column is](advice.md#run-time-against-error). Made by `python -m truebreak.compare.bench.page
-docs/tradeoffs.json` from [tradeoffs.json](tradeoffs.json), which `truebreak bench tradeoffs --json` printed on a machine
-with {cores} cores ({processor}), Python {python}. {idle}
+docs/tradeoffs.json` from [tradeoffs.json](tradeoffs.json), which `truebreak bench tradeoffs --json` printed on a
+machine with {cores} cores ({processor}), Python {python}. {idle}
 
 ![Digits that are right at the end over run time as a multiple of the exact engine's, a panel a scene](tradeoffs.svg)
 """

@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import math
 import random
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
+from typing import Any, ClassVar
 
 import jsonschema
 import pytest
@@ -24,6 +26,7 @@ from truebreak.compare.ensemble.perturbed import nudged
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.files import load_scene
+from truebreak.scenarios.trajectory import Stop, StopReason
 
 BESIDE = 3
 
@@ -177,9 +180,42 @@ def test_an_engine_with_one_setting_is_told_to_be_enough_or_not() -> None:
     assert "bits to keep every event" in " ".join(told.why)
 
 
-def test_a_certified_run_that_is_not_decided_gives_no_advice() -> None:
-    scene = catalogue.build("gas:n=4")
-    told = advise(scene, History(3), perturbed=0)
+class Unsure(ExactEngine):
+    """The exact engine, which gives up on some scenes; all on which it does are in `on`."""
+
+    on: ClassVar[set[str]] = set()
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        told = super().run(scene, **limits)
+        stop = Stop(StopReason.UNDECIDED, "undecided: for this test")
+        return replace(told, stop=stop) if scene.digest in self.on else told
+
+
+def test_a_certified_run_that_is_not_decided_gives_no_advice(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.build("gas:n=3")
+    monkeypatch.setattr("truebreak.compare.advice.search.ExactEngine", Unsure)
+    monkeypatch.setattr(Unsure, "on", {scene.digest})
+    told = advise(scene, History(9), perturbed=2)
+    assert told.end is End.REFERENCE
+    assert told.tried == ()
+    assert told.why == ("The certified run of the scene itself stops: undecided: for this test.",)
+    assert told.named is told.cheaper is None
+    jsonschema.Draft202012Validator(schema("advice-1")).validate(advice_json(told))
+
+
+def test_scenes_beside_it_without_a_certified_run_are_left_out_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = catalogue.build("gas:n=3")
+    monkeypatch.setattr("truebreak.compare.advice.search.ExactEngine", Unsure)
+    monkeypatch.setattr(Unsure, "on", {nudged(scene, Quantity.of("1/1000"), 2).digest})
+    told = advise(scene, History(9), "quad", perturbed=3)
+    assert told.left_out == (2,)
+    assert [one.seed for one in told.instances] == [None, 1, 3]
+    assert told.end is End.FOUND
+    assert sentences(told)[-1] == "Left out, as their certified run is not decided: perturbed 2."
+
+
+def test_without_scenes_beside_it_the_scene_alone_decides() -> None:
+    told = advise(catalogue.build("gas:n=4"), History(3), perturbed=0)
     assert told.end is End.FOUND
     assert "on gas:n=4 alone" in sentences(told)[0]
 
@@ -222,6 +258,8 @@ def test_differences_are_told_in_few_words(expected: object, got: object, told: 
         (["--digits", "2", "--events", "3"], "ask one"),
         (["--events", "2", "--until", "3"], "give one"),
         (["--until", "-1"], "must be above zero"),
+        (["--until", "10**400"], "beyond 1.8e308"),
+        (["--until", "10**400", "--engine", "exact"], "beyond the doubles"),
         (["--scenes", "nowhere"], "create it first"),
     ],
 )
