@@ -94,7 +94,7 @@ def test_missing_packages_are_named_with_the_command_that_installs_them(
         raise ModuleNotFoundError(name)
 
     monkeypatch.setattr(rivals, "import_module", missing)
-    report = bench.run(only=list(OPTIONAL), size=TINY)
+    report, _ = bench.run(only=list(OPTIONAL), size=TINY)
     assert report.figures == ()
     assert set(report.skipped) == set(OPTIONAL)
     notes = capsys.readouterr().err

@@ -213,7 +213,7 @@ def _check_affordable(subject: Subject, study: Study, engine: Engine) -> None:
     if engine == study.truth:
         return
     if engine.bits is None and engine.step is None and not subject.symbolic:
-        raise SceneError("not run here: it counts in expressions, whose roots nest from event to event")
+        raise SceneError("not run here: it counts in expressions, and would take minutes")
     steps, work = cost(engine, Size.of(study.reference))
     if work > MOST_WORK:
         told = f"{work:,} units of work" + ("" if steps is None else f", {steps:,} steps")
