@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 ALL_DIGITS = 1_000.0
 """Beyond so many digits a row says "all": the rest depends on how far one looks."""
 
-MOST_WORK = 6_000_000
+MOST_WORK = 8_000_000
 """Counted work of the longest run that the table gives to one row: some ten seconds of pymunk."""
 
 LEAST_PROCESSES, MOST_PROCESSES = 2, 4
