@@ -16,9 +16,12 @@ if TYPE_CHECKING:
     from ..scenarios.numbers.real import Real
     from ..scenarios.trajectory import State, Trajectory
 
-LEAST_BITS, MOST_BITS = 192, 1 << 14
-"""Bits with which the places of a certified run are enclosed: more as long as they, and not the engine's own numbers,
-limit what is known of the error; 2**14 bits are 4,900 digits."""
+LEAST_BITS, MOST_BITS = 128, 1 << 14
+"""Bits with which places are enclosed: twice as many as long as the bound of the error still falls, for then it is not
+the error that it tells; 2**14 bits are 4,900 digits."""
+
+STILL = 0.01
+"""A bound that falls by less than so many digits stands still."""
 
 
 @dataclass(frozen=True)
@@ -70,14 +73,16 @@ def end_error(reference: Trajectory, candidate: Trajectory, end: float | None = 
     time = Quantity.of(Fraction(last))
     mine, theirs = reference.at(time), candidate.at(time)
     bits = LEAST_BITS
-    while True:
-        found = _farthest(mine, theirs, bits)
-        if found.sharp or bits >= MOST_BITS:
-            break
+    found = _farthest(mine, theirs, bits)
+    while bits < MOST_BITS:
         bits *= 2
+        before, found = found, _farthest(mine, theirs, bits)
+        if before[0] - found[0] < STILL:
+            break
+    error, circle = found
     reach = max(abs(float(v)) for c in mine.circles for v in (c.x, c.y))
     widest = max(float(c.r) for c in reference.scene.circles)
-    return EndError(last, found.circle, found.error, math.log10(max(reach, widest) or 1.0))
+    return EndError(last, circle, error, math.log10(max(reach, widest) or 1.0))
 
 
 def _at_most(time: Real) -> Quantity:
@@ -85,26 +90,14 @@ def _at_most(time: Real) -> Quantity:
     return time if isinstance(time, Quantity) else Quantity.of(Fraction(max(time.bounds()[0], 0.0)))
 
 
-@dataclass(frozen=True)
-class _Found:
-    circle: str
-    error: float
-    sharp: bool
-
-
-def _farthest(mine: State, theirs: State, bits: int) -> _Found:
-    """The circle farthest off; `sharp` if the certified places are known far better than that."""
-    told: list[tuple[float, str, bool]] = []
+def _farthest(mine: State, theirs: State, bits: int) -> tuple[float, str]:
+    """log10 of a bound of the largest distance of a circle from its place, and the circle."""
+    told: list[tuple[float, str]] = []
     with ball.precision(2 * bits):
         for a, b in zip(mine.circles, theirs.circles, strict=True):
-            places = [(p.ball(bits), q.ball(bits)) for p, q in ((a.x, b.x), (a.y, b.y))]
-            apart = [(p - q).abs_upper() for p, q in places]
-            far = (apart[0] ** 2 + apart[1] ** 2).sqrt().upper()
-            known = sum((p.rad() for p, _ in places), arb(0))
-            sharp = bool(far.is_zero()) or bool(known * 1000 < far)
-            told.append((_log10(far), a.id, sharp))
-    worst = max(told, key=lambda one: one[0])
-    return _Found(worst[1], worst[0], worst[2])
+            apart = [(p.ball(bits) - q.ball(bits)).abs_upper() for p, q in ((a.x, b.x), (a.y, b.y))]
+            told.append((_log10((apart[0] ** 2 + apart[1] ** 2).sqrt().upper()), a.id))
+    return max(told)
 
 
 def _log10(value: arb) -> float:
