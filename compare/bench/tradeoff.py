@@ -259,17 +259,21 @@ def in_exact(rows: Sequence[Tradeoff]) -> list[Tradeoff]:
 def with_front(rows: Sequence[Tradeoff]) -> list[Tradeoff]:
     """The rows of one scene, those marked than which none is at once as fast and as right (Pareto's front).
 
+    Digits count as they are told, to a tenth.
+
     >>> rows = [Tradeoff("s", "", name, loops=t, digits=d) for name, t, d in
     ...         (("a", 1.0, 5.0), ("b", 2.0, 4.0), ("c", 3.0, 9.0), ("d", 0.5, None))]
     >>> [row.engine for row in with_front(rows) if row.front]
     ['a', 'c']
     """
 
+    def digits(row: Tradeoff) -> float:
+        told = told_digits(row.digits)
+        return told if isinstance(told, float) else math.inf
+
     def beats(other: Tradeoff, row: Tradeoff) -> bool:
-        assert other.digits is not None
-        assert row.digits is not None
-        better = other.loops < row.loops or other.digits > row.digits
-        return other.loops <= row.loops and other.digits >= row.digits and better
+        better = other.loops < row.loops or digits(other) > digits(row)
+        return other.loops <= row.loops and digits(other) >= digits(row) and better
 
     there = [row for row in rows if row.refused is None and row.digits is not None]
     return [replace(row, front=row in there and not any(beats(other, row) for other in there)) for row in rows]
