@@ -158,7 +158,7 @@ def compare(
     results = []
     for label, engine in chosen:
         study.share = 1 / (len(chosen) - len(results))
-        result = _candidate(study, label, engine, found, outcomes, _noted(progress, label))
+        result = candidate_of(study, label, engine, found, outcomes, _noted(progress, label))
         if math.isnan(result.separation.final):
             cut.append(f"the position error of {label}")
         if causes and not watch.over:
@@ -198,7 +198,7 @@ def compare(
     )
 
 
-def _candidate(
+def candidate_of(
     study: Study,
     label: str,
     engine: Engine,

@@ -7,13 +7,14 @@ import math
 from importlib.util import find_spec
 
 import click
+import jsonschema
 import pytest
 
 from truebreak.compare.bench import command as bench
 from truebreak.compare.bench import rivals
 from truebreak.compare.bench.command import TRADEOFFS, measure
-from truebreak.compare.bench.figures import BENCHMARKS, GAS, TINY, Figure, Target, interleaved
-from truebreak.compare.bench.tradeoff import SETTINGS, tradeoffs
+from truebreak.compare.bench.figures import BENCHMARKS, GAS, TINY, Figure, Target, _agreed, interleaved
+from truebreak.compare.documents.schemas import schema
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build
@@ -64,20 +65,26 @@ def test_billiards_plays_the_same_gas_from_the_start() -> None:
     assert rivals.run_billiards(scene, 50) == [event.contacts[0] for event in exact.events]
 
 
+def test_a_peer_s_answer_is_checked_beside_its_time() -> None:
+    pytest.importorskip("billiards")
+    (figure,) = measure(TINY, only=["gas-billiards"]).figures
+    assert figure.answer == "billiards has all of 5 collisions in order"
+
+
+def test_a_wrong_answer_of_a_peer_is_told() -> None:
+    scene = build(GAS)
+    right = [event.contacts[0] for event in ExactEngine().run(scene, events=4).events]
+    assert _agreed("it", scene, right) == "it has all of 4 collisions in order"
+    wrong = [*right[:2], right[0], right[3]]
+    assert _agreed("it", scene, wrong) == "it has the first 2 of 4 collisions in order"
+
+
 def test_perfect_physics_ends_with_the_same_exact_velocities() -> None:
     pytest.importorskip("perfect_physics")
     scene = build("galperin:n=0")
     exact = ExactEngine().run(scene, events=3).final
     ends = rivals.run_perfect_physics(scene, 3)
     assert [float(vx) for vx, _ in ends] == [float(circle.vx) for circle in exact.circles]
-
-
-def test_tradeoffs_begin_with_exact_and_list_every_setting() -> None:
-    rows = list(tradeoffs(build(GAS), TINY.traded))
-    assert [row.engine for row in rows] == ["exact", *SETTINGS]
-    assert all(row.agreed <= row.events == TINY.traded for row in rows)
-    assert rows[1].agreed == TINY.traded, "doubles follow a gas over five events"
-    assert rows[1].error < 1e-9
 
 
 def test_missing_packages_are_named_with_the_command_that_installs_them(
@@ -87,7 +94,7 @@ def test_missing_packages_are_named_with_the_command_that_installs_them(
         raise ModuleNotFoundError(name)
 
     monkeypatch.setattr(rivals, "import_module", missing)
-    report = bench.run(only=list(OPTIONAL), size=TINY)
+    report, _ = bench.run(only=list(OPTIONAL), size=TINY)
     assert report.figures == ()
     assert set(report.skipped) == set(OPTIONAL)
     notes = capsys.readouterr().err
@@ -96,12 +103,12 @@ def test_missing_packages_are_named_with_the_command_that_installs_them(
 
 
 def test_json_is_one_object_on_stdout(capsys: pytest.CaptureFixture[str]) -> None:
-    bench.run(as_json=True, only=["gas-double", TRADEOFFS], size=TINY)
+    bench.run(as_json=True, only=["gas-double"], size=TINY)
     data = json.loads(capsys.readouterr().out)
-    assert data["schema"] == "truebreak/bench-1"
+    jsonschema.Draft202012Validator(schema("bench-2")).validate(data)
     (figure,) = data["figures"]
-    assert {"name", "what", "numerator", "denominator", "ratio", "target", "met"} == set(figure)
-    assert data["tradeoffs"][0]["engine"] == "exact"
+    assert figure["name"] == "gas-double"
+    assert data["tradeoffs"] == []
 
 
 def test_tables_show_each_figure(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,45 +3,30 @@
 from __future__ import annotations
 
 import json
-import platform
+import sys
+import time as clock
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from contextlib import contextmanager
 from typing import Any
 
 import click
 
-from ..engines import suggestion
-from .figures import BENCHMARKS, FULL, GAS, SHORT, Figure, Size, scene_of
+from ...scenarios.errors import SceneError
+from ..cli.exit_codes import DONE, ExitCode
+from ..cli.numbers import Whole
+from ..cli.progress import duration
+from ..cli.writing import check_writable, write_whole
+from ..engines import split_engines, suggestion
+from .against import Against, against
+from .figures import BENCHMARKS, FULL, SHORT, Figure, Size
+from .machine import Took, calibration, idleness, machine
+from .report import Report, check_scenes, idleness_of, load, rows_of, worst
 from .rivals import MissingPackage
-from .tradeoff import Tradeoff, tradeoffs
+from .subjects import SUBJECTS, digest_of, subjects
+from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, Tradeoff, tradeoffs
 
 TRADEOFFS = "tradeoffs"
 """The name of the table of run time against error, beside the figures."""
-
-
-@dataclass(frozen=True)
-class Report:
-    """All that was measured.
-
-    Attributes:
-        figures: the ratios.
-        tradeoffs: run time against error, engine by engine.
-        skipped: why a figure is missing, by its name.
-    """
-
-    figures: tuple[Figure, ...]
-    tradeoffs: tuple[Tradeoff, ...]
-    skipped: dict[str, str]
-
-    def data(self) -> dict[str, Any]:
-        """The report as JSON has it."""
-        return {
-            "schema": "truebreak/bench-1",
-            "python": platform.python_version(),
-            "figures": [figure.data() for figure in self.figures],
-            "tradeoffs": [asdict(row) for row in self.tradeoffs],
-            "skipped": self.skipped,
-        }
 
 
 def chosen(only: Sequence[str]) -> tuple[str, ...]:
@@ -53,8 +38,6 @@ def chosen(only: Sequence[str]) -> tuple[str, ...]:
     >>> chosen(["tradeoffs", "gas-long"])
     ('gas-long', 'tradeoffs')
     """
-    from ...scenarios.errors import SceneError
-
     known = (*BENCHMARKS, TRADEOFFS)
     for name in only:
         if name not in known:
@@ -62,13 +45,25 @@ def chosen(only: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for name in known if name in only) if only else known
 
 
-def measure(size: Size = SHORT, only: Sequence[str] = (), progress: Callable[[str], None] | None = None) -> Report:
+def measure(
+    size: Size = SHORT,
+    only: Sequence[str] = (),
+    *,
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    processes: tuple[int, int] = (LEAST_PROCESSES, MOST_PROCESSES),
+    kept: dict[str, Any] | None = None,
+    progress: Callable[[str, int, int], None] | None = None,
+) -> Report:
     """Measures all figures, or those named, one after the other.
 
     Args:
-        size: how much work each does.
+        size: how much work each figure does.
         only: names of figures; none means all.
-        progress: called with the name of each before it starts.
+        scenes, engines: of the table of run time against error; none means all.
+        processes: the fewest and the most for each of its rows.
+        kept: an earlier report, whose scenes are taken over instead of measured.
+        progress: called with the name of each, how many are done, and how many there are, before it starts.
 
     Raises:
         SceneError: for an unknown name.
@@ -76,40 +71,123 @@ def measure(size: Size = SHORT, only: Sequence[str] = (), progress: Callable[[st
     figures: list[Figure] = []
     rows: list[Tradeoff] = []
     skipped: dict[str, str] = {}
-    for name in chosen(only):
-        if progress is not None:
-            progress(name)
+    took: list[Took] = []
+    loops: list[Took] = []
+    names, table = chosen(only), subjects(scenes)
+    for place, name in enumerate(names):
+        if progress is not None and name != TRADEOFFS:
+            progress(name, place, len(names))
+        loops += calibration()
         try:
             if name == TRADEOFFS:
-                rows.extend(tradeoffs(scene_of(GAS), size.traded))
+                old = () if kept is None else rows_of(kept)
+                there = {row.scene for row in old}
+                fresh = tradeoffs(
+                    [subject for subject in table if subject.name not in there],
+                    engines,
+                    processes=processes,
+                    progress=progress,
+                )
+                order = [subject.name for subject in SUBJECTS]
+                rows = sorted([*old, *fresh], key=lambda row: order.index(row.scene))
+                took, loops = [t for row in fresh for t in row.took], [*loops, *(t for row in fresh for t in row.loop)]
             else:
                 figures.append(BENCHMARKS[name](size))
         except MissingPackage as missing:
             skipped[name] = str(missing)
-    return Report(tuple(figures), tuple(rows), skipped)
+        loops += calibration()
+    unsteady = [row.name for row in rows if row.took and not row.steady]
+    now = idleness(took, loops, unsteady)
+    told = now if kept is None else worst([now, idleness_of(kept)])
+    return Report(tuple(figures), tuple(rows), skipped, told)
 
 
-def run(*, full: bool = False, as_json: bool = False, only: Sequence[str] = (), size: Size | None = None) -> Report:
+def run(
+    *,
+    full: bool = False,
+    as_json: bool = False,
+    only: Sequence[str] = (),
+    size: Size | None = None,
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    processes: int = LEAST_PROCESSES,
+    compared: str | None = None,
+    keep: str | None = None,
+    svg: str | None = None,
+) -> tuple[Report, Against | None]:
     """Measures, and prints the report on stdout: tables, or one JSON object. Progress goes to stderr.
 
     With `full`, perfect-physics gets the scene of 314 collisions, which takes it about a minute.
 
     Raises:
-        SceneError: for an unknown name in `only`.
+        SceneError: for an unknown name, a file that cannot be used, and one of other scenes or another version.
     """
     from rich.console import Console
 
     notes = Console(stderr=True)
-    size = size or (FULL if full else SHORT)
-    report = measure(size, only, lambda name: notes.print(f"measuring {name} ...", style="dim"))
-    if as_json:
-        print(json.dumps(report.data(), indent=2))
-    else:
-        for table in _tables(report):
-            Console().print(table)
+    then = None if compared is None else load(compared, "--against")
+    kept = None if keep is None else load(keep, "--keep")
+    asked = {s.name: digest_of(s) for s in subjects(scenes)} if TRADEOFFS in chosen(only) else {}
+    _check_files(asked, then, compared, kept, keep)
+    if svg is not None:
+        from ..report.picture import svg_path
+
+        if not asked:
+            raise SceneError(f"--svg {svg!r}: the plot is that of {TRADEOFFS!r}; name it too")
+        check_writable(svg_path(svg))
+    with _showing() as show:
+        report = measure(size or (FULL if full else SHORT), only, scenes=scenes, engines=engines,
+                         processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1),
+                         kept=kept, progress=show)  # fmt: skip
+    if svg is not None:
+        from ..report.picture import svg_path
+        from ..report.tradeoff_plot import tradeoff_plot
+
+        write_whole(svg_path(svg), tradeoff_plot(report.tradeoffs))
+    held = None if then is None else against(report, then)
+    _print(report, held, as_json)
     for name, reason in report.skipped.items():
         notes.print(f"{name}: not measured: {reason}", markup=False)
-    return report
+    return report, held
+
+
+def _check_files(
+    asked: dict[str, str | None],
+    then: dict[str, Any] | None,
+    compared: str | None,
+    kept: dict[str, Any] | None,
+    keep: str | None,
+) -> None:
+    """Refuses files of other scenes before anything is measured.
+
+    Raises:
+        SceneError: naming the file, the first difference and the remedy.
+    """
+    if then is not None and compared is not None:
+        check_scenes(asked, then, compared)
+    if kept is not None:
+        there = {row["scene"]: row["digest"] for row in kept["tradeoffs"]}
+        strange = sorted(name for name, digest in there.items() if name not in asked or asked[name] != digest)
+        if strange:
+            raise SceneError(f"--keep {keep!r}: has the scene {strange[0]!r}, which is not asked for, or is another")
+        if kept["machine"] != machine():
+            raise SceneError(f"--keep {keep!r}: was measured on another machine; measure all on one")
+
+
+def _print(report: Report, held: Against | None, as_json: bool) -> None:
+    from ..report.listing import console, say
+    from .tables import tables
+
+    out = console()
+    if as_json:
+        print(json.dumps(report.data(), indent=1))
+    else:
+        for table in tables(report):
+            out.print(table)
+        say(out, str(report.idleness))
+    if held is not None:
+        for line in held.sentences():
+            click.echo(line, err=as_json)
 
 
 def main(arguments: list[str]) -> int:
@@ -120,57 +198,90 @@ def main(arguments: list[str]) -> int:
         click.UsageError: for arguments that it does not take.
     """
     with command.make_context("truebreak bench", arguments) as context:
-        command.invoke(context)
-    return 0
+        return command.invoke(context)
 
 
 NAMES = {
     **{name: str(measured.__doc__) for name, measured in BENCHMARKS.items()},
-    TRADEOFFS: "Run time against error, engine by engine.",
+    TRADEOFFS: "Run time against error, scene by scene and engine by engine.",
 }
+
+
+def _words(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str]:
+    return [] if value is None else [word.strip() for word in value.split(",") if word.strip()]
+
+
+def _engines(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str]:
+    return [] if value is None else split_engines(value)
 
 
 @click.command(
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog="\b\nNAME is one of these, or all without one:\n" + "\n".join(f"  {n}: {NAMES[n]}" for n in NAMES),
+    epilog="\b\nNAME is one of these, or all without one:\n"
+    + "\n".join(f"  {n}: {NAMES[n]}" for n in NAMES)
+    + "\n\n\b\nExamples:\n"
+    "  truebreak bench gas-double\n"
+    "  truebreak bench tradeoffs --scenes gas,cradle --svg tradeoffs.svg\n"
+    "  truebreak bench tradeoffs --json > before.json\n"
+    "  truebreak bench tradeoffs --against before.json\n\n"
+    "\b\nWith --against: 0 all ratios agree within 15 %, 1 one does not, 4 one does not and the machine was not idle.",
 )
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--full", is_flag=True, help="Give perfect-physics 314 collisions: about a minute.")
+@click.option("--scenes", callback=_words, metavar="A,B,...", help="Of tradeoffs: these scenes alone.")
+@click.option("--engines", callback=_engines, metavar="A,B,...", help="Of tradeoffs: these beside exact.")
+@click.option(
+    "--processes",
+    type=Whole(1),
+    default=LEAST_PROCESSES,
+    show_default=True,
+    metavar="N",
+    help="Of tradeoffs: fresh processes for each row, more while they differ; 1 for a quick look.",
+)
+@click.option("--svg", metavar="FILE", help="Of tradeoffs: also write the plot of time against digits.")
+@click.option("--against", "compared", metavar="FILE", help="Compare the ratios with those of an earlier --json.")
+@click.option("--keep", metavar="FILE", help="Of tradeoffs: take the scenes of an earlier --json over.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-def command(names: tuple[str, ...], full: bool, as_json: bool) -> None:
-    """Measure speed and print the figures, each a ratio of two things timed in one run."""
-    run(full=full, as_json=as_json, only=names)
+def command(
+    names: tuple[str, ...],
+    full: bool,
+    scenes: list[str],
+    engines: list[str],
+    processes: int,
+    svg: str | None,
+    compared: str | None,
+    keep: str | None,
+    as_json: bool,
+) -> int:
+    """Measure speed and print the figures, each a ratio of two things timed in one run.
+
+    `tradeoffs` sets run time against error: ten scenes, every engine, several settings, each answer held against the
+    certified run. Each row runs in processes of its own, in turns with a loop of Python that tells whether the machine
+    was idle; memory is the peak of that process while it ran, above what it held before.
+    """
+    _, held = run(full=full, as_json=as_json, only=names, scenes=scenes, engines=engines, processes=processes,
+                  compared=compared, keep=keep, svg=svg)  # fmt: skip
+    if held is None or not held.beyond:
+        return DONE
+    return ExitCode.DIVERGED if held.told else ExitCode.UNDECIDED
 
 
-def _tables(report: Report) -> Iterator[Any]:
-    from rich.table import Table
+@contextmanager
+def _showing() -> Iterator[Callable[[str, int, int], None]]:
+    """A line on stderr: what is measured, how many are done, their rate and the time left."""
+    from rich.console import Console
+    from rich.markup import escape
 
-    if report.figures:
-        table = Table("first / second", title="Ratios, each of two things timed in one run", title_justify="left")
-        for heading in ("first (s)", "second (s)", "ratio"):
-            table.add_column(heading, justify="right", no_wrap=True)
-        table.add_column("target")
-        for figure in report.figures:
-            table.add_row(
-                figure.what,
-                f"{figure.numerator:.4g}",
-                f"{figure.denominator:.4g}",
-                f"{figure.ratio:,.4g}",
-                "" if figure.met is None else f"{figure.target}: {'met' if figure.met else 'MISSED'}",
-            )
-        yield table
-    if report.tradeoffs:
-        table = Table(title="Run time against error, 10 discs", title_justify="left")
-        table.add_column("engine", no_wrap=True)
-        for heading in ("seconds", "/ exact", "events agreed", "reached", "largest error"):
-            table.add_column(heading, justify="right", no_wrap=True)
-        for row in report.tradeoffs:
-            table.add_row(
-                row.engine,
-                f"{row.seconds:.4g}",
-                f"{row.ratio:.3g}",
-                f"{row.agreed} of {row.events}",
-                f"{row.reached:.0%}",
-                f"{row.error:.2g}",
-            )
-        yield table
+    notes, began = Console(stderr=True), clock.monotonic()
+    if not sys.stderr.isatty():
+        yield lambda name, done, total: notes.print(f"measuring {name} ({done} of {total} done)", markup=False)
+        return
+    with notes.status("measuring") as status:
+
+        def show(name: str, done: int, total: int) -> None:
+            seconds, told = clock.monotonic() - began, f"measuring {name}: {done} of {total} done"
+            if done:
+                told += f", {60 * done / seconds:.0f} a minute, {duration(seconds / done * (total - done))} left"
+            status.update(escape(told))
+
+        yield show

@@ -9,11 +9,13 @@ from pathlib import Path
 
 import click
 
+from .advise import advise
 from .commands import cli
 from .exit_codes import DONE, ExitCode
 from .foreign import export, judge
 from .stress import stress
 
+cli.add_command(advise)
 cli.add_command(judge)
 cli.add_command(export)
 cli.add_command(stress)

@@ -29,6 +29,19 @@ def check_writable(path: str | Path) -> None:
         raise SceneError(f"file {str(path)!r}: writing there is not permitted; choose another place to write to")
 
 
+def check_folder(path: str | Path) -> None:
+    """Refuses what is no folder that can be written to.
+
+    Raises:
+        SceneError: naming it and the remedy.
+    """
+    from ...scenarios.errors import SceneError
+
+    if not Path(path).is_dir():
+        raise SceneError(f"folder {str(path)!r}: there is none of that name; create it first")
+    check_writable(Path(path) / "perturbed")
+
+
 def write_whole(path: str | Path, text: str) -> None:
     """Writes UTF-8 text beside its place first, then moves it there: an interruption leaves no half-written
     file.

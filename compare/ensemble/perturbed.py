@@ -1,4 +1,4 @@
-"""The certified run of a scene whose circles are displaced a little: what an exact observer errs by."""
+"""Scenes beside a scene: circles displaced a little, which tells what an exact observer errs by, or nudged a little."""
 
 from __future__ import annotations
 
@@ -41,6 +41,25 @@ def displaced(scene: Scene, size: Quantity, seed: int) -> Scene:
         dx, dy = (size * draw.between(-GRAIN, GRAIN) / GRAIN for _ in range(2))
         circles.append(Circle(c.x + dx, c.y + dy, c.r, c.vx, c.vy, m=c.m, id=c.id, point=c.point))
     return scene.with_changes(circles=circles)
+
+
+def nudged(scene: Scene, size: Quantity, seed: int) -> Scene:
+    """The scene with every velocity changed a little, and nothing else: what touches goes on touching.
+
+    A component of a velocity changes by up to `size` times the larger component of it. Circles at rest stay at rest.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> near = nudged(catalogue.build("cradle"), Quantity.of("1/1000"), 1)
+    >>> [(str(c.vx), str(c.vy)) for c in near.circles[:2]], near.circles[0].x == catalogue.build("cradle").circles[0].x
+    ([('1000133/1000000', '123/250000'), ('0', '0')], True)
+    """
+    draw = Draw(seed)
+    circles: list[Circle] = []
+    for c in scene.circles:
+        room = size * max(abs(c.vx), abs(c.vy))
+        vx, vy = (v + room * draw.between(-GRAIN, GRAIN) / GRAIN for v in (c.vx, c.vy))
+        circles.append(Circle(c.x, c.y, c.r, vx, vy, m=c.m, id=c.id, point=c.point))
+    return scene.with_changes(circles=circles, name=f"{scene.name}, perturbed {seed}")
 
 
 @dataclass(frozen=True)

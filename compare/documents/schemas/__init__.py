@@ -6,7 +6,17 @@ import json
 from importlib.resources import files
 from typing import Any
 
-NAMES = ("trajectory-1", "comparison-2", "orders-1", "certificate-1", "chaos-1", "sweep-1", "stress-1")
+NAMES = (
+    "trajectory-1",
+    "comparison-2",
+    "orders-1",
+    "certificate-1",
+    "chaos-1",
+    "sweep-1",
+    "stress-1",
+    "advice-1",
+    "bench-2",
+)
 
 
 def schema(name: str) -> dict[str, Any]:

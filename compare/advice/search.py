@@ -1,0 +1,264 @@
+"""Finds the cheapest setting of an engine that gets what is asked for right on a scene and on scenes beside it."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
+
+from ...exact.engine import ExactEngine
+from ...scenarios.errors import SceneError
+from ...scenarios.limits import positive_time
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.trajectory import StopReason
+from ..alignment.align import UNKNOWING
+from ..engines import engine as engine_named
+from ..ensemble.perturbed import nudged
+from ..study import Study
+from ..validation import check_until, checked_number, unsupported
+from .found import Advice, Cost, End, Instance, Tried
+from .goal import History
+from .ladder import Setting, Size, cost, ladder
+from .why import reasons
+
+if TYPE_CHECKING:
+    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.scene import Scene
+    from .goal import Goal, Judged
+
+DEFAULT_PERTURBED = 8
+
+DEFAULT_SIZE = Quantity.of("1/1000")
+"""Share of a velocity by which it is changed: enough that impacts fall elsewhere between two steps, too little to make
+another scene of it."""
+
+DEFAULT_BUDGET = 30_000_000
+"""Units of work of all runs together: half a minute or so of pymunk."""
+
+FAR = 10**9
+"""Work up to which a ladder is followed to see whether it ends."""
+
+BEYOND = 3
+"""Costlier settings that are looked at once one is right, to tell luck from convergence."""
+
+
+@dataclass(frozen=True)
+class Searching:
+    """How far a search is: units spent, the budget, the setting under way and the scene."""
+
+    spent: int
+    budget: int
+    setting: str
+    scene: str
+
+
+OnSearch: TypeAlias = Callable[[Searching], None]
+
+
+def advise(
+    scene: Scene,
+    goal: Goal | None = None,
+    engine: str = "pymunk",
+    *,
+    until: QuantityLike | None = None,
+    perturbed: int = DEFAULT_PERTURBED,
+    size: QuantityLike = DEFAULT_SIZE,
+    seed: int = 1,
+    budget: int = DEFAULT_BUDGET,
+    progress: OnSearch | None = None,
+) -> Advice:
+    """Searches an engine's settings, from the cheapest up, for the first that is right.
+
+    Every cheaper one is tried, and wrong on the scene or on one of those beside it: nothing is left out by supposing
+    that what costs more is better.
+
+    Args:
+        goal: what is to be right; by default every event.
+        engine: whose settings; parameters that are given say where to begin.
+        until: the end of the history looked at, where the goal sets none; by default the scene's own.
+        perturbed: how many scenes beside this one: velocities differ, by shares of up to `size` of them, drawn from
+            `seed`, `seed` + 1, ...
+        budget: the most units of work (about a microsecond each) that all runs of the engine may cost together. Each
+            run is counted before it is begun, by its setting and by the length of the certified run.
+        progress: called before each run.
+
+    Raises:
+        SceneError: for a goal that the scene has not, an engine that cannot take the scene, and a number out of range.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> told = advise(catalogue.build("gas:n=3"), History(4), perturbed=2)
+    >>> told.named.right, len(told.cheaper.wrong) > 0
+    (True, True)
+    """
+    goal = History() if goal is None else goal
+    share = _checked(size, perturbed, budget)
+    return _Search(scene, goal, engine, until, share, range(seed, seed + perturbed), budget, progress).advice()
+
+
+def _checked(size: QuantityLike, perturbed: int, budget: int) -> Quantity:
+    """The size, if all three are in range."""
+    try:
+        share = Quantity.of(size)
+    except SceneError as error:
+        raise SceneError(f"--size {error}") from None
+    if not 0 < share < 1:
+        raise SceneError(f"--size {share.brief()}: is a share of each velocity; write one above 0 and below 1")
+    if perturbed < 0:
+        raise SceneError(f"--perturbed {perturbed}: must be a whole number from 0")
+    if budget < 1:
+        raise SceneError(f"--budget {budget}: nothing can be tried with that; write a whole number from 1")
+    return share
+
+
+class _Spent(Exception):
+    """The next run costs more than is left."""
+
+
+class _Search:
+    """One search under way."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        goal: Goal,
+        engine: str,
+        until: QuantityLike | None,
+        size: Quantity,
+        seeds: range,
+        budget: int,
+        progress: OnSearch | None,
+    ) -> None:
+        self.scene, self.goal, self.engine, self.until = scene, goal, engine, until
+        self.size, self.seeds, self.budget, self.progress = size, seeds, budget, progress
+        self.spent, self.left_out = 0, list[int]()
+        self.exact = ExactEngine()
+        chosen = engine_named(engine)
+        key = unsupported(chosen, scene)
+        if key is not None:
+            raise SceneError(f"engine {engine!r} does not follow {key!r}, which the scene has; choose another --engine")
+        check_until(chosen, scene, until)
+        end = positive_time("until", until) or scene.until
+        if end is not None:
+            checked_number("until", end)
+        began = clock.process_time()
+        self.home = self._instance(None, scene)
+        self.exact_seconds = clock.process_time() - began
+        goal.check(self.home.study.reference)
+        self._beside: list[Instance] | None = None
+
+    def _instance(self, seed: int | None, scene: Scene) -> Instance:
+        until, events = (None, self.goal.events) if self.goal.events is not None else (self.until, None)
+        run = self.exact.run(scene, until=until, events=events)
+        if run.stop.reason is StopReason.INTERRUPTED:
+            raise KeyboardInterrupt
+        return Instance(seed, Study(scene, self.exact, run))
+
+    @property
+    def instances(self) -> list[Instance]:
+        """The scene, and those beside it whose certified run is decided."""
+        if self._beside is None:
+            self._beside = []
+            for seed in self.seeds:
+                near = self._instance(seed, nudged(self.scene, self.size, seed))
+                if near.study.reference.stop.reason in UNKNOWING:
+                    self.left_out.append(seed)
+                else:
+                    self._beside.append(near)
+        return [self.home, *self._beside]
+
+    def advice(self) -> Advice:
+        """Tries one after the other."""
+        run = self.home.study.reference
+        if run.stop.reason in UNKNOWING:
+            return self._told(
+                (), End.REFERENCE, why=(f"The certified run of the scene itself stops: {run.stop.message}.",)
+            )
+        rungs = ladder(self.engine, Size.of(run), self.budget)
+        tried: list[Tried] = []
+        first: int | None = None
+        for setting in rungs:
+            try:
+                told = self._try(setting, first)
+            except _Spent:
+                return self._none(tried, End.BUDGET, setting)
+            tried.append(told)
+            if told.right:
+                return self._found(tried, rungs[len(tried) :])
+            first = told.wrong[0]
+        return self._none(tried, self._end_of(rungs), None)
+
+    def _end_of(self, rungs: tuple[Setting, ...]) -> End:
+        """Whether the ladder goes on beyond the budget."""
+        more = ladder(self.engine, Size.of(self.home.study.reference), max(4 * self.budget, FAR))
+        return End.BUDGET if len(more) > len(rungs) else End.LADDER
+
+    def _try(self, setting: Setting, first: int | None, whole: Tried | None = None) -> Tried:
+        """Holds a setting against the scene itself, then against the one on which the last was wrong, then the others.
+
+        Args:
+            whole: what is known of it; it is then held against all the others, and not only up to the first failure.
+
+        Raises:
+            _Spent: if the budget does not suffice.
+        """
+        judged = {} if whole is None else dict(whole.judged)
+        if None not in judged:
+            judged[None] = self._judge(setting, self.home)
+        if judged[None].right or whole is not None:
+            for near in sorted(self.instances[1:], key=lambda one: one.seed != first):
+                if near.seed in judged:
+                    continue
+                judged[near.seed] = self._judge(setting, near)
+                if whole is None and not judged[near.seed].right:
+                    break
+        return Tried(setting, judged, 1 + len(self.seeds) - len(self.left_out))
+
+    def _judge(self, setting: Setting, near: Instance) -> Judged:
+        work = cost(setting.engine, Size.of(near.study.reference))[1]
+        if self.spent + work > self.budget:
+            raise _Spent
+        if self.progress is not None:
+            self.progress(Searching(self.spent, self.budget, setting.text, near.label))
+        self.spent += work
+        return self.goal.judge(near.study, setting.text, setting.engine)
+
+    def _found(self, tried: list[Tried], costlier: tuple[Setting, ...]) -> Advice:
+        """Looks at what is one step cheaper on every scene, at what is costlier, and takes the time of the run."""
+        end = float(self.home.study.reference.final_time)
+        began = clock.process_time()
+        self.home.study.run(tried[-1].setting.engine, self.scene, self.home.study.past(end))
+        took = Cost(clock.process_time() - began, self.exact_seconds)
+        beyond: list[Tried] = []
+        try:
+            if len(tried) > 1:
+                tried[-2] = self._try(tried[-2].setting, None, tried[-2])
+            beyond.extend(self._try(setting, None) for setting in costlier[:BEYOND])
+        except _Spent:
+            pass
+        return replace(self._told(tuple(tried), End.FOUND), beyond=tuple(beyond), cost=took)
+
+    def _none(self, tried: list[Tried], end: End, after: Setting | None) -> Advice:
+        seed = tried[-1].wrong[0] if tried else None
+        near = next(one for one in (self.home, *(self._beside or ())) if one.seed == seed)
+        why = reasons(near.label, near.study, [(t.setting, t.judged.get(seed)) for t in tried])
+        return self._told(tuple(tried), end, why=why, after=after)
+
+    def _told(
+        self, tried: tuple[Tried, ...], end: End, why: tuple[str, ...] = (), after: Setting | None = None
+    ) -> Advice:
+        return Advice(
+            self.scene,
+            self.goal,
+            self.engine,
+            self.size,
+            tuple(self.seeds),
+            tuple(self.left_out),
+            self.budget,
+            self.spent,
+            tried,
+            end,
+            why=why,
+            next=after,
+            instances=(self.home, *(self._beside or ())),
+        )
