@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...scenarios.engine import SCENE_KEYS
 from ...scenarios.errors import SceneError
 from ..foreign.recorded import RecordedEngine
 from .package import package
@@ -21,7 +20,12 @@ if TYPE_CHECKING:
 
 
 TURNED = complex(math.cos(1.0), math.sin(1.0))
-"""Scenes are turned by one radian: pooltool divides by zero where a ball moves in the very direction of a cushion."""
+"""Scenes are turned by one radian, so that no wall lies along an axis, for which pooltool has a case of its own."""
+
+
+SPIN = 2.0**-10
+"""Of a ball, as the speed of its rim; friction then does not act in the very direction of the flight, for which, where
+that is the direction of a cushion, pooltool divides by zero."""
 
 
 @dataclass(frozen=True)
@@ -58,8 +62,8 @@ class PooltoolEngine(RecordedEngine):
 
     @property
     def scene_keys(self) -> frozenset[str]:
-        """All but `capture`, `tie_policy`: it does one collision after the other; its own pockets are not used."""
-        return SCENE_KEYS - {"capture", "tie_policy"}
+        """Walls, and pockets that take nothing: it tells no time of a collision as near as one is after a reversal."""
+        return frozenset({"wall", "pocket"})
 
     def play(self, scene: Scene, recording: Recording) -> None:
         """Goes from event to event.
@@ -69,7 +73,6 @@ class PooltoolEngine(RecordedEngine):
             NotInstalled: without pooltool.
         """
         shot = Shot(scene, self)
-        turn, turned = math.inf if scene.reverse_at is None else float(scene.reverse_at), False
         for _ in range(self.max_events):
             if not recording.open:
                 return
@@ -78,10 +81,6 @@ class PooltoolEngine(RecordedEngine):
             except (ArithmeticError, ValueError) as error:
                 recording.spent(f"pooltool cannot solve for the next event: {error}")
                 return
-            if event.time > turn and not turned:
-                shot.turn(turn)
-                turned = True
-                continue
             if event.time == math.inf:
                 return
             met = shot.do(event)
@@ -90,9 +89,6 @@ class PooltoolEngine(RecordedEngine):
                 recording.hit(float(event.time), *met, {name: rows[name] for name in met if name in rows})
             if not shot.has_room:
                 recording.spent("a ball has come to the end of a cushion that stands for a wall")
-            if recording.reversal is not None and not turned:
-                shot.turn(float(event.time))
-                turned = True
         recording.spent(f"{self.max_events:,} events; raise max_events")
 
 
@@ -192,12 +188,6 @@ class Shot:
         """Whether every ball is beside the cushions that stand for walls."""
         return all(stretch.beside(*row[:2]) for row in self.rows().values() for stretch in self._stretches)
 
-    def turn(self, time: float) -> None:
-        """Goes to a time at which nothing happens, and negates every velocity."""
-        self._loop._evolve(self._shot, time - self._shot.t)
-        self._shot.t = time
-        self.place({name: (x, y, -vx, -vy) for name, (x, y, vx, vy) in self.rows().items()})
-
     def place(self, rows: dict[str, Row]) -> None:
         """Puts every ball where a row says, sliding, or at rest."""
         const = self._pt.constants
@@ -205,6 +195,7 @@ class Shot:
             state = self._shot.balls[name].state
             state.rvw[0] = [*self._to(x, y), self._radius]
             state.rvw[1] = [*self._to(vx, vy), 0.0]
+            state.rvw[2] = [SPIN * self._metres / self._radius, 0.0, 0.0]
             state.s = const.sliding if vx or vy else const.stationary
         self._transitions = self._loop.TransitionCache.create(self._shot)
 
