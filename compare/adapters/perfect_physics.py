@@ -26,6 +26,8 @@ class PerfectPhysicsEngine(RecordedEngine):
         max_events: instants after which a run stops with `StopReason.BUDGET`.
         max_size: operations of all numbers of the circles, after which it stops with that too: the next instant would
             take SymPy very long.
+        max_pairs: pairs of circles, and of a circle and a wall, of a scene that it takes on: SymPy simplifies a
+            solution for each of those at the first instant.
 
     >>> PerfectPhysicsEngine().bits is None
     True
@@ -36,9 +38,10 @@ class PerfectPhysicsEngine(RecordedEngine):
     rounds_input: bool = False
     max_events: int = 100
     max_size: int = 2_000
+    max_pairs: int = 40
 
     def __post_init__(self) -> None:
-        for key in ("max_events", "max_size"):
+        for key in ("max_events", "max_size", "max_pairs"):
             value = getattr(self, key)
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise SceneError(f"engine {self.name!r}: {key} = {value!r}: must be a whole number from 1")
@@ -52,9 +55,16 @@ class PerfectPhysicsEngine(RecordedEngine):
         """Goes from instant to instant.
 
         Raises:
-            SceneError: for a fixed circle.
+            SceneError: for a fixed circle, and for more pairs than `max_pairs`.
             NotInstalled: without perfect-physics.
         """
+        count = len(scene.circles)
+        pairs = count * (count - 1) // 2 + count * len(scene.walls)
+        if pairs > self.max_pairs:
+            raise SceneError(
+                f"{scene.name!r}: {pairs} pairs: engine 'perfect-physics' has SymPy simplify a solution for each; "
+                f"{self.max_pairs} are allowed; raise max_pairs, or use another engine"
+            )
         world, timeline = world_of(scene), package("perfect_physics._timeline", "perfect-physics")
         hints: list[Any] = []
         turned = False

@@ -10,9 +10,9 @@ from typing import Any
 
 import click
 
+from ..adapters.package import NotInstalled
 from ..engines import suggestion
 from .figures import BENCHMARKS, FULL, GAS, SHORT, Figure, Size, scene_of
-from .rivals import MissingPackage
 from .tradeoff import Tradeoff, tradeoffs
 
 TRADEOFFS = "tradeoffs"
@@ -84,7 +84,7 @@ def measure(size: Size = SHORT, only: Sequence[str] = (), progress: Callable[[st
                 rows.extend(tradeoffs(scene_of(GAS), size.traded))
             else:
                 figures.append(BENCHMARKS[name](size))
-        except MissingPackage as missing:
+        except NotInstalled as missing:
             skipped[name] = str(missing)
     return Report(tuple(figures), tuple(rows), skipped)
 
