@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.engine import SCENE_KEYS
-from ..foreign.recorded import RecordedEngine
+from .adapted import Adapted
 from .package import package
 from .walls import sides
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class BilliardsEngine(RecordedEngine):
+class BilliardsEngine(Adapted):
     """Plays scenes in `billiards` 0.5: doubles, from event to event.
 
     Its collisions are elastic and without friction as they are. Of several at one instant it does one after the other,
@@ -29,8 +29,9 @@ class BilliardsEngine(RecordedEngine):
     53
     """
 
-    name: str = "billiards"
-    bits: int = 53
+    distribution = "billiards"
+    name = "billiards"
+    bits = 53
 
     @property
     def scene_keys(self) -> frozenset[str]:

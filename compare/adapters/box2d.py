@@ -40,8 +40,9 @@ class Box2DEngine(SteppedAdapter):
     24
     """
 
-    name: str = "box2d"
-    bits: int = 24
+    distribution = "box2d"
+    name = "box2d"
+    bits = 24
     iterations: int = 64
 
     def __post_init__(self) -> None:

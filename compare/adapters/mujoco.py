@@ -45,8 +45,9 @@ class MujocoEngine(SteppedAdapter):
     53
     """
 
-    name: str = "mujoco"
-    bits: int = 53
+    distribution = "mujoco"
+    name = "mujoco"
+    bits = 53
     dt: float = 1 / 2048
     contact_steps: int = 16
     iterations: int = 100

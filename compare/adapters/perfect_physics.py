@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from ..foreign.recorded import RecordedEngine
+from .adapted import Adapted
 from .package import package
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class PerfectPhysicsEngine(RecordedEngine):
+class PerfectPhysicsEngine(Adapted):
     """Plays scenes in perfect-physics 0.1.9: exact expressions, from event to event; what is handed on is in doubles.
 
     Its expressions grow with every event, and so does the time that SymPy takes to simplify them; two are taken for
@@ -33,18 +33,17 @@ class PerfectPhysicsEngine(RecordedEngine):
     True
     """
 
-    name: str = "perfect-physics"
-    bits: int | None = None
-    rounds_input: bool = False
+    distribution = "perfect-physics"
+    name = "perfect-physics"
+    bits = None
+    rounds_input = False
     max_events: int = 100
     max_size: int = 2_000
     max_pairs: int = 40
 
     def __post_init__(self) -> None:
         for key in ("max_events", "max_size", "max_pairs"):
-            value = getattr(self, key)
-            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-                raise SceneError(f"engine {self.name!r}: {key} = {value!r}: must be a whole number from 1")
+            self.check_count(key)
 
     @property
     def scene_keys(self) -> frozenset[str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from ..foreign.recorded import RecordedEngine
+from .adapted import Adapted
 from .package import package
 from .stepped import power_of_two
 from .walls import stretches
@@ -29,7 +29,7 @@ that is the direction of a cushion, pooltool divides by zero."""
 
 
 @dataclass(frozen=True)
-class PooltoolEngine(RecordedEngine):
+class PooltoolEngine(Adapted):
     """Plays scenes in pooltool 0.3.3: doubles, from event to event.
 
     Ball on ball is its frictionless elastic model, ball on cushion its mirror ("unrealistic") without loss; walls are
@@ -47,18 +47,17 @@ class PooltoolEngine(RecordedEngine):
     53
     """
 
-    name: str = "pooltool"
-    bits: int = 53
+    distribution = "pooltool-billiards"
+    name = "pooltool"
+    bits = 53
     friction: float = 1e-9
     metres: float = 1.0
     max_events: int = 1_000_000
 
     def __post_init__(self) -> None:
-        for key in ("friction", "metres"):
-            if not 0 < getattr(self, key) < math.inf:
-                raise SceneError(f"engine 'pooltool': {key} = {getattr(self, key)!r}: must be above zero, and finite")
-        if isinstance(self.max_events, bool) or not isinstance(self.max_events, int) or self.max_events < 1:
-            raise SceneError(f"engine 'pooltool': max_events = {self.max_events!r}: must be a whole number from 1")
+        self.check_positive("friction")
+        self.check_positive("metres")
+        self.check_count("max_events")
 
     @property
     def scene_keys(self) -> frozenset[str]:

@@ -38,8 +38,9 @@ class RapierEngine(SteppedAdapter):
     24
     """
 
-    name: str = "rapier"
-    bits: int = 24
+    distribution = "rapier3d"
+    name = "rapier"
+    bits = 24
     iterations: int = 4
 
     def __post_init__(self) -> None:
@@ -63,6 +64,7 @@ class RapierWorld:
         self._rapier: Any = package("rapier3d", "rapier")
         self._metres = power_of_two(2 / max((float(c.r) for c in scene.circles if c.r.sign()), default=1.0))
         self._world = self._rapier.PhysicsWorld(gravity=(0, 0, 0))
+        self._world.set_num_threads(1)
         self._set(engine)
         self._names: dict[Any, str] = {}
         found = sides(scene)

@@ -9,8 +9,7 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.engine import SCENE_KEYS
-from ...scenarios.errors import SceneError
-from ..foreign.recorded import RecordedEngine
+from .adapted import Adapted
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -45,7 +44,7 @@ class World(Protocol):
 
 
 @dataclass(frozen=True)
-class SteppedAdapter(RecordedEngine):
+class SteppedAdapter(Adapted):
     """An engine that goes by time steps, adapted: `world` is what a subclass writes.
 
     An event's time is that of the end of the step that had the impulse; all impulses of one step are one event.
@@ -62,19 +61,8 @@ class SteppedAdapter(RecordedEngine):
     max_steps: int = 10_000_000
 
     def __post_init__(self) -> None:
-        self.check_positive("dt", "a time step must be above zero, and finite")
+        self.check_positive("dt")
         self.check_count("max_steps")
-
-    def check_positive(self, key: str, remedy: str = "must be above zero, and finite") -> None:
-        """Refuses a parameter that is not above zero, or not finite."""
-        if not 0 < getattr(self, key) < math.inf:
-            raise SceneError(f"engine {self.name!r}: {key} = {getattr(self, key)!r}: {remedy}")
-
-    def check_count(self, key: str) -> None:
-        """Refuses a parameter that is no whole number from 1."""
-        value = getattr(self, key)
-        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-            raise SceneError(f"engine {self.name!r}: {key} = {value!r}: must be a whole number from 1")
 
     @property
     def step(self) -> float:  # type: ignore[override]
@@ -115,8 +103,6 @@ class SteppedAdapter(RecordedEngine):
         turn = math.inf if scene.reverse_at is None else float(scene.reverse_at)
         base, base_step, turned = 0.0, 0, False
         for number in range(1, self.max_steps + 1):
-            if not recording.open:
-                return
             now = base + (number - base_step) * self.dt
             if now > turn and not turned:
                 rows = glided(world.rows(), turn - (now - self.dt))
@@ -132,6 +118,10 @@ class SteppedAdapter(RecordedEngine):
                     world.place([(x, y, -vx, -vy) for x, y, vx, vy in world.rows()])
             elif number % LOOK == 0:
                 told.at_rest(now, world.rows())
+            else:
+                continue
+            if not recording.open:
+                return
         if recording.open:
             recording.spent(f"{self.max_steps:,} steps of {self.dt!r}; raise max_steps, or dt")
 

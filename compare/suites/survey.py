@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
+from ..adapters.adapted import version_of
 from ..engines import ENGINES, engine, suggestion
 from ..scene_argument import scene_from
 from .running import SuiteReport, run_cell
@@ -56,7 +56,7 @@ class Surveyed:
     ladder: tuple[str, ...]
 
 
-STEPS = ("", "dt=1/2048")
+STEPS = ("", "dt=1/512", "dt=1/2048")
 """Settings of an engine of steps, which it comes with at 1/256."""
 
 SURVEYED = (
@@ -86,7 +86,7 @@ SURVEYED = (
 )  # fmt: skip
 """Every engine that is held against `exact`; `sympy` is left out, as it asks the same questions of SymPy, slowly."""
 
-MOST_STEPS = 300_000
+MOST_STEPS = 100_000
 """Time steps of the longest run that a setting is tried for."""
 
 
@@ -146,14 +146,6 @@ def installed() -> tuple[Surveyed, ...]:
     return tuple(one for one in SURVEYED if find_spec(one.module) is not None)
 
 
-def version_of(one: Surveyed) -> str:
-    """The version of an engine's package, such as `2.3.10`; of truebreak's own, nothing."""
-    try:
-        return version(one.distribution) if one.distribution else ""
-    except PackageNotFoundError:
-        return "unknown"
-
-
 def chosen(names: Sequence[str], known: Iterable[str], kind: str) -> list[str]:
     """Those of the known that were named, or all.
 
@@ -205,7 +197,12 @@ def survey(
             cells[place] = run_cell(SCENES[label], text, causes=True, max_seconds=max_seconds)
         entries.append(Entry(label, one.name, tuple(cells)))
     missing = tuple(name for name in names if name not in {one.name for one in there})
-    return Survey({one.name: version_of(one) for one in there}, tuple(entries), missing, max_seconds)
+    return Survey(
+        {one.name: version_of(one.distribution) if one.distribution else "" for one in there},
+        tuple(entries),
+        missing,
+        max_seconds,
+    )
 
 
 def texts(one: Surveyed, label: str) -> list[str]:
