@@ -33,6 +33,11 @@ class EngineEntry:
     path: str
     summary: str
 
+    @property
+    def adapted(self) -> bool:
+        """Whether it is somebody else's, and comes with the extra of its name."""
+        return self.path.startswith("compare.adapters.")
+
     def load(self) -> type[Any]:
         """The engine's class, imported now."""
         module, _, name = self.path.partition(":")

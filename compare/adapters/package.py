@@ -5,10 +5,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-from ...scenarios.errors import SceneError
+from ..validation import EngineError
 
 
-class NotInstalled(SceneError):
+class NotInstalled(EngineError):
     """An engine's package is not installed; the message says how to get it."""
 
 

@@ -70,8 +70,9 @@ def stretches(scene: Scene) -> list[Stretch]:
     """For each wall, as much of it as circles can meet: to where other walls end it, or `REACH`.
 
     >>> from truebreak.scenarios import Circle, Scene, Wall
-    >>> stretches(Scene([Circle(2, 2)], [Wall(0, 0, 1, 0), Wall(0, 0, 0, 1), Wall(9, 0, 9, 1)]))[0]
-    Stretch(start=(-1.0, 0.0), end=(10.0, 0.0))
+    >>> floor = stretches(Scene([Circle(2, 2)], [Wall(0, 0, 1, 0), Wall(0, 0, 0, 1), Wall(9, 0, 9, 1)]))[0]
+    >>> round(floor.start[0], 9), round(floor.end[0], 9)
+    (-1.0, 10.0)
     """
     walls, biggest = lines(scene), max(float(circle.r) for circle in scene.circles)
     centres = [(float(c.x), float(c.y)) for c in scene.circles]

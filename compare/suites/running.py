@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from ..adapters.package import NotInstalled
 from ..alignment.align import VERDICTS
 from ..comparison import compare
 from ..deadline import OutOfTime
@@ -36,7 +37,7 @@ class SuiteReport:
 
     suite: str
     cells: tuple[Cell, ...]
-    max_seconds: float | None = field(default=None)
+    max_seconds: float | None = None
 
     @property
     def verdict(self) -> Verdict:
@@ -69,6 +70,8 @@ def run_cell(task: Task, text: str, *, causes: bool, max_seconds: float | None) 
     scene = scene_from(task.scene)
     try:
         found = compare(scene, [text], until=task.until, events=task.events, causes=causes, max_seconds=max_seconds)
+    except NotInstalled:
+        raise
     except (EngineError, OutOfTime) as error:
         return _broken(task, scene, text, str(error))
     return cell_of(found, task.scene)

@@ -199,6 +199,17 @@ def test_an_engine_that_is_not_installed_says_how_to_get_it() -> None:
         package("no_such_package", "box2d")
 
 
+def test_a_comparison_with_an_engine_that_is_not_installed_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is not told as a scene that the engine cannot take."""
+
+    def missing(name: str) -> None:
+        raise ModuleNotFoundError(f"No module named {name!r}")
+
+    monkeypatch.setattr("truebreak.compare.adapters.package.import_module", missing)
+    with pytest.raises(NotInstalled, match=r"pip install 'truebreak\[box2d\]'"):
+        compare(two(), ["box2d"], events=3)
+
+
 def test_a_circle_that_leaves_the_edges_ends_the_run() -> None:
     """Box2D's walls are long, not infinite: the run stops there, and says so."""
     scene = Scene([Circle(0, 2, vx=64, id="a"), Circle(0, 9, vy="-1/1000", id="b")], [Wall(0, 0, 1, 0)])

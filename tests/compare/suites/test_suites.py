@@ -144,7 +144,7 @@ def test_bad_suites_are_one_line(text: str, told: str, tmp_path: Path, capsys: p
 
 
 def test_scenes_that_are_files_lie_beside_the_suite(tmp_path: Path) -> None:
-    (tmp_path / "two.toml").write_text("[[circle]]\nid = "a"\nx = 0\ny = 0\nr = 1\nvx = 1\n", encoding="utf-8")
+    (tmp_path / "two.toml").write_text("[[circle]]\nid = 'a'\nx = 0\ny = 0\nr = 1\nvx = 1\n", encoding="utf-8")
     path = tmp_path / "mine.toml"
     path.write_text('engines = "double"\n[[scene]]\nname = "two.toml"\nuntil = 1\n', encoding="utf-8")
     (task,) = read_suite(str(path)).tasks
