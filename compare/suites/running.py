@@ -42,8 +42,8 @@ class SuiteReport:
     @property
     def verdict(self) -> Verdict:
         """The first of `diverged`, `unsettled`, `undecided`, `agree` that holds for any cell."""
-        verdicts = {cell.verdict for cell in self.cells}
-        return next((verdict for verdict in VERDICTS if verdict in verdicts), "agree")
+        verdicts = {cell.verdict for cell in self.cells} or {"agree"}
+        return next(verdict for verdict in VERDICTS if verdict in verdicts)
 
 
 def run_suite(suite: Suite, *, max_seconds: float | None = None, progress: OnCell | None = None) -> SuiteReport:
