@@ -60,7 +60,7 @@ def columns(cell: Cell) -> list[str]:
         WORDS[cell.verdict],
         f"{cell.agreed:,} of {cell.events:,}",
         "" if first is None else parted(first),
-        cell.cause or "",
+        cell.cause or ("not looked for" if cell.verdict == "diverged" else ""),
         outcome(cell),
         "" if cell.drift is None else f"{cell.drift:.0e}",
     ]
