@@ -39,7 +39,7 @@ class PerfectPhysicsEngine(Adapted):
     rounds_input = False
     max_events: int = 100
     max_size: int = 2_000
-    max_pairs: int = 40
+    max_pairs: int = 28
 
     def __post_init__(self) -> None:
         for key in ("max_events", "max_size", "max_pairs"):
