@@ -9,6 +9,7 @@ from .shown import columns
 from .survey import MOST_STEPS, SCENES
 
 if TYPE_CHECKING:
+    from .cell import Cell
     from .survey import Entry, Survey, Surveyed
 
 
@@ -79,10 +80,18 @@ def _matrix(found: Survey, labels: list[str]) -> str:
     rows.append(f"| scene | events | {' | '.join(one.name for one in found.engines)} |")
     rows.append(f"|---|---|{'---|' * len(found.engines)}")
     for label in labels:
-        cells = [by_key[label, one.name] for one in found.engines]
-        told = ["cannot" if c.unable else f"**{c.agreed}**" if c.verdict == "agree" else f"{c.agreed}" for c in cells]
-        rows.append(f"| {label} | {max(c.events for c in cells)} | {' | '.join(told)} |")
+        cells = [by_key.get((label, one.name)) for one in found.engines]
+        most = max(cell.events for cell in cells if cell is not None)
+        rows.append(f"| {label} | {most} | {' | '.join(map(_agreed, cells))} |")
     return "\n".join(rows) + "\n"
+
+
+def _agreed(cell: Cell | None) -> str:
+    if cell is None:
+        return "not run"
+    if cell.unable:
+        return "cannot"
+    return f"**{cell.agreed}**" if cell.verdict == "agree" else f"{cell.agreed}"
 
 
 def _scene_part(label: str, entries: list[Entry]) -> str:
