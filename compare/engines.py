@@ -33,6 +33,11 @@ class EngineEntry:
     path: str
     summary: str
 
+    @property
+    def adapted(self) -> bool:
+        """Whether it is somebody else's, and comes with the extra of its name."""
+        return self.path.startswith("compare.adapters.")
+
     def load(self) -> type[Any]:
         """The engine's class, imported now."""
         module, _, name = self.path.partition(":")
@@ -47,6 +52,14 @@ ENGINES: dict[str, EngineEntry] = {
     "quad": EngineEntry("quad", "floating.quad:QuadEngine", "event-driven in pairs of doubles: 106 bits"),
     "interval": EngineEntry("interval", "floating.interval:IntervalEngine", "in intervals; stops where unsure"),
     "pymunk": EngineEntry("pymunk", "floating.pymunk_engine:PymunkEngine", "the game engine Chipmunk, by time steps"),
+    "box2d": EngineEntry("box2d", "compare.adapters.box2d:Box2DEngine", "the game engine Box2D 2.3, by time steps"),
+    "rapier": EngineEntry("rapier", "compare.adapters.rapier:RapierEngine", "the game engine Rapier, by time steps"),
+    "mujoco": EngineEntry("mujoco", "compare.adapters.mujoco:MujocoEngine", "MuJoCo: contacts are springs, by steps"),
+    "billiards": EngineEntry("billiards", "compare.adapters.billiards:BilliardsEngine", "hard discs, by events"),
+    "pooltool": EngineEntry("pooltool", "compare.adapters.pooltool:PooltoolEngine", "the pool simulator, by events"),
+    "perfect-physics": EngineEntry(
+        "perfect-physics", "compare.adapters.perfect_physics:PerfectPhysicsEngine", "the article's engine, in SymPy"
+    ),
 }
 """Every engine that the command line and `compare` know. A new engine adds its own file and one line here."""
 

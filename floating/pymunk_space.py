@@ -5,15 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import pymunk
 
 from ..scenarios.errors import SceneError
 from ..scenarios.scene import Scene
 from ..scenarios.things import Circle, Wall
-
-Point: TypeAlias = tuple[float, float]
+from .polygons import Point, clipped
 
 GRAVITY = (0.0, 0.0)
 DAMPING = 1.0
@@ -191,7 +189,7 @@ def _slabs(
         (min(xs) - spread, max(ys) + spread),
     ]
     for side, (nx, ny, height) in zip(sides, lines, strict=True):
-        region = _clipped(region, side * nx, side * ny, side * height) or region
+        region = clipped(region, side * nx, side * ny, side * height) or region
     for index, (side, (nx, ny, height)) in enumerate(zip(sides, lines, strict=True)):
         along = [ny * x - nx * y for x, y in region]
         middle = (max(along) + min(along)) / 2
@@ -208,16 +206,3 @@ def _slabs(
                 radius,
             ),
         )
-
-
-def _clipped(region: Sequence[Point], nx: float, ny: float, height: float) -> list[Point]:
-    """The part of a convex polygon where nx * x + ny * y >= height (Sutherland and Hodgman, 1974)."""
-    kept: list[Point] = []
-    for (x0, y0), (x1, y1) in zip(region, [*region[1:], region[0]], strict=True):
-        h0, h1 = nx * x0 + ny * y0 - height, nx * x1 + ny * y1 - height
-        if h0 >= 0:
-            kept.append((x0, y0))
-        if (h0 < 0) != (h1 < 0):
-            share = h0 / (h0 - h1)
-            kept.append((x0 + share * (x1 - x0), y0 + share * (y1 - y0)))
-    return kept

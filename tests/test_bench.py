@@ -10,6 +10,7 @@ import click
 import jsonschema
 import pytest
 
+from truebreak.compare.adapters import package
 from truebreak.compare.bench import command as bench
 from truebreak.compare.bench import rivals
 from truebreak.compare.bench.command import TRADEOFFS, measure
@@ -93,12 +94,12 @@ def test_missing_packages_are_named_with_the_command_that_installs_them(
     def missing(name: str) -> None:
         raise ModuleNotFoundError(name)
 
-    monkeypatch.setattr(rivals, "import_module", missing)
+    monkeypatch.setattr(package, "import_module", missing)
     report, _ = bench.run(only=list(OPTIONAL), size=TINY)
     assert report.figures == ()
     assert set(report.skipped) == set(OPTIONAL)
     notes = capsys.readouterr().err
-    assert "truebreak[bench]" in notes
+    assert "truebreak[billiards]" in notes
     assert "perfect-physics" in notes
 
 

@@ -26,7 +26,7 @@ BLOCK = re.compile(r"^```(?P<language>[\w-]*)(?P<info>[^\n]*)\n(?P<text>.*?)^```
 SHELLS = ("sh", "bash", "shell", "console")
 FILE = re.compile(r"(?:#|//) (?P<name>[\w-]+\.(?:toml|py|c))\n")
 COMMAND = re.compile(r"^(?:\$ )?(?:\.venv/bin/)?(?P<command>truebreak .+)$")
-NOT_RUN = ("truebreak bench",)
+NOT_RUN = ("truebreak bench", "truebreak survey")
 """Commands whose examples take minutes."""
 
 RESULTS = (0, 1, 4)

@@ -12,6 +12,7 @@ from typing import Any
 import click
 
 from ...scenarios.errors import SceneError
+from ..adapters.package import NotInstalled
 from ..cli.exit_codes import DONE, ExitCode
 from ..cli.numbers import Whole
 from ..cli.progress import duration
@@ -21,7 +22,6 @@ from .against import Against, against
 from .figures import BENCHMARKS, FULL, SHORT, Figure, Size
 from .machine import Took, calibration, idleness, machine
 from .report import Report, check_scenes, idleness_of, load, rows_of, worst
-from .rivals import MissingPackage
 from .subjects import SUBJECTS, digest_of, subjects
 from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, Tradeoff, tradeoffs
 
@@ -93,7 +93,7 @@ def measure(
                 took, loops = [t for row in fresh for t in row.took], [*loops, *(t for row in fresh for t in row.loop)]
             else:
                 figures.append(BENCHMARKS[name](size))
-        except MissingPackage as missing:
+        except NotInstalled as missing:
             skipped[name] = str(missing)
         loops += calibration()
     unsteady = [row.name for row in rows if row.took and not row.steady]

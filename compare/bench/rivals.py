@@ -1,34 +1,15 @@
-"""Other people's engines, given our scenes, so that a benchmark can time them beside ours."""
+"""Other people's engines, given our scenes, so that a benchmark can time them beside ours: their loop, and no more."""
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.event import Contact
+from ..adapters.billiards import table_of
+from ..adapters.perfect_physics import world_of
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ...scenarios.things import Wall
-
-
-class MissingPackage(Exception):
-    """A package that only benchmarks need is not installed; the message says how to get it."""
-
-    def __init__(self, package: str) -> None:
-        super().__init__(f"needs {package}: pip install 'truebreak[bench]' (in a checkout: pip install -e '.[bench]')")
-
-
-def optional(module: str, package: str) -> Any:
-    """The module, imported now.
-
-    Raises:
-        MissingPackage: if it, or something that it imports, is not installed.
-    """
-    try:
-        return import_module(module)
-    except ImportError as error:
-        raise MissingPackage(package) from error
 
 
 def run_billiards(scene: Scene, collisions: int) -> list[Contact]:
@@ -40,15 +21,10 @@ def run_billiards(scene: Scene, collisions: int) -> list[Contact]:
     Source: https://github.com/markus-ebke/python-billiards
 
     Raises:
-        MissingPackage: if `billiards` is not installed.
+        NotInstalled: if `billiards` is not installed.
     """
-    billiards = optional("billiards", "billiards")
-    first = scene.circles[0]
-    names = {_one_sided(billiards, wall, first): str(wall.id) for wall in scene.walls}
-    table = billiards.Billiard(obstacles=list(names))
-    for c in scene.circles:
-        mass = float("inf") if isinstance(c.m, str) else float(c.m)
-        table.add_ball((float(c.x), float(c.y)), (float(c.vx), float(c.vy)), float(c.r), mass)
+    rows = [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in scene.circles]
+    table, names = table_of(scene, rows, 0.0)
     met: list[Contact] = []
     while len(met) < collisions and min(table.toi_next[0], table.obstacles_next[0]) < float("inf"):
         if table.toi_next[0] <= table.obstacles_next[0]:
@@ -60,13 +36,6 @@ def run_billiards(scene: Scene, collisions: int) -> list[Contact]:
     return met
 
 
-def _one_sided(billiards: Any, wall: Wall, circle: Any) -> Any:
-    """Its walls act from one side only: the side on which the circles are."""
-    side = "left" if wall.height(circle.x, circle.y).sign() > 0 else "right"
-    start, end = (float(wall.x0), float(wall.y0)), (float(wall.x1), float(wall.y1))
-    return billiards.InfiniteWall(start, end, inside=side)
-
-
 def run_perfect_physics(scene: Scene, collisions: int) -> list[tuple[Any, Any]]:
     """Runs a scene in `perfect-physics` (SymPy throughout) for a number of instants.
 
@@ -75,13 +44,8 @@ def run_perfect_physics(scene: Scene, collisions: int) -> list[tuple[Any, Any]]:
     Source: https://pypi.org/project/perfect-physics/
 
     Raises:
-        MissingPackage: if `perfect-physics`, or something that it imports, is not installed.
+        NotInstalled: if `perfect-physics`, or something that it imports, is not installed.
     """
-    theirs = optional("perfect_physics", "perfect-physics, cloudpickle and seaborn")
-    circles = [
-        theirs.Circle(*(getattr(c, key).sympy() for key in ("x", "y", "r", "vx", "vy", "m")), id=c.id)
-        for c in scene.circles
-    ]
-    walls = [theirs.Wall(*(getattr(w, key).sympy() for key in ("x0", "y0", "x1", "y1")), id=w.id) for w in scene.walls]
-    theirs.World(circles, walls).run_in_place(collisions, show=False)
-    return [(circle.vx, circle.vy) for circle in circles]
+    world = world_of(scene)
+    world.run_in_place(collisions, show=False)
+    return [(circle.vx, circle.vy) for circle in world.circle_list]

@@ -14,11 +14,14 @@ from .commands import cli
 from .exit_codes import DONE, ExitCode
 from .foreign import export, judge
 from .stress import stress
+from .suite import suite, survey
 
 cli.add_command(advise)
 cli.add_command(judge)
 cli.add_command(export)
 cli.add_command(stress)
+cli.add_command(suite)
+cli.add_command(survey)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -15,15 +15,19 @@ if TYPE_CHECKING:
 
 OWN = __name__.partition(".compare")[0]
 
+ADAPTERS = f"{OWN}.compare.adapters."
+"""Where other people's engines are adapted: what happens in those is not truebreak's doing."""
+
 
 def is_own(engine: Engine) -> bool:
-    """Whether an engine is one of truebreak's own, which may go beyond the doubles.
+    """Whether an engine is one of truebreak's own, which may go beyond the doubles; adapters are not.
 
     >>> from truebreak.floating import DoubleEngine
     >>> is_own(DoubleEngine())
     True
     """
-    return type(engine).__module__.startswith(f"{OWN}.")
+    home = type(engine).__module__
+    return home.startswith(f"{OWN}.") and not home.startswith(ADAPTERS)
 
 
 def run_guarded(

@@ -16,6 +16,7 @@ NAMES = (
     "stress-1",
     "advice-1",
     "bench-2",
+    "suite-1",
 )
 
 

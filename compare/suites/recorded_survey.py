@@ -1,0 +1,49 @@
+"""A survey that was written down, read again."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+from ...scenarios.errors import SceneError
+from .cell import Cell
+from .since import read_report
+from .survey import SCENES, SURVEYED, Entry, Survey
+
+
+def read_survey(paths: Sequence[str]) -> Survey:
+    """The survey of one or more files that `truebreak survey --json` has written, each of other scenes or engines.
+
+    Raises:
+        SceneError: naming the file and the remedy.
+    """
+    versions: dict[str, str] = {}
+    missing: set[str] = set()
+    found: dict[tuple[str, str], list[Cell]] = {}
+    seconds = None
+    for path in paths:
+        data = read_report(path)
+        if not isinstance(data.get("versions"), dict):
+            raise SceneError(f"file {path!r}: is a report of a suite; name one of `truebreak survey --json`")
+        versions |= data["versions"]
+        missing |= set(data.get("missing", ()))
+        seconds = data["max_seconds"]
+        for row in data["cells"]:
+            cell = _cell(path, row)
+            found.setdefault((cell.scene, cell.engine.partition(":")[0]), []).append(cell)
+    entries = [
+        Entry(label, one.name, tuple(found[task.scene, one.name]))
+        for label, task in SCENES.items()
+        for one in SURVEYED
+        if (task.scene, one.name) in found
+    ]
+    return Survey(versions, tuple(entries), tuple(sorted(missing)), seconds)
+
+
+def _cell(path: str, row: dict[str, Any]) -> Cell:
+    try:
+        values = {field.name: row[field.name] for field in fields(Cell)}
+    except KeyError as error:
+        raise SceneError(f"file {path!r}: a cell lacks {error}; write the report again") from None
+    return Cell(**{**values, "changed": tuple(values["changed"])})

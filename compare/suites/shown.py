@@ -1,0 +1,85 @@
+"""Reports of suites and of the survey on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..report.listing import console, grid, say
+
+if TYPE_CHECKING:
+    from .cell import Cell
+    from .running import SuiteReport
+    from .since import Since
+    from .survey import Survey
+
+WORDS = {"agree": "agrees", "diverged": "diverged", "unsettled": "not settled", "undecided": "undecided"}
+
+
+def print_suite(report: SuiteReport, changes: Sequence[Since] | None) -> None:
+    """A row for each cell, grouped by scene, and what changed."""
+    out = console()
+    table = grid("scene", "engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", whole=("verdict",))
+    scene = None
+    for cell in report.cells:
+        table.add_row("" if cell.scene == scene else cell.scene, cell.engine, *columns(cell))
+        scene = cell.scene
+    out.print(table)
+    counts = {verdict: sum(cell.verdict == verdict for cell in report.cells) for verdict in WORDS}
+    told = ", ".join(
+        f"{count} {verdict.replace('unsettled', 'not settled')}" for verdict, count in counts.items() if count
+    )
+    say(out, f"{report.suite}: {len(report.cells)} comparisons: {told}.", "bold")
+    if changes is not None:
+        for change in changes:
+            say(out, f"{change.sentence}.")
+        say(out, f"Changed since the earlier report: {len(changes)}." if changes else "Nothing changed.", "bold")
+
+
+def print_survey(found: Survey) -> None:
+    """A table for each scene, each engine at the best of the settings tried."""
+    out = console()
+    for label in dict.fromkeys(entry.label for entry in found.entries):
+        table = grid("engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", title=label)
+        for entry in found.entries:
+            if entry.label == label:
+                table.add_row(entry.best.engine, *columns(entry.best))
+        out.print(table)
+    for name in found.missing:
+        say(out, f"{name} is not installed: pip install 'truebreak[{name}]'")
+
+
+def columns(cell: Cell) -> list[str]:
+    """Verdict, events agreed, where it parts, why, what became of the outcomes, the energy gained."""
+    first = cell.divergence
+    if cell.unable:
+        return ["cannot", "", "", cell.stop.removeprefix("cannot run this scene: "), "", ""]
+    if not cell.events:
+        return [WORDS[cell.verdict], "", "", cell.stop, "", ""]
+    return [
+        WORDS[cell.verdict],
+        f"{cell.agreed:,} of {cell.events:,}",
+        "" if first is None else parted(first),
+        cell.cause or ("not looked for" if cell.verdict == "diverged" else ""),
+        outcome(cell),
+        "" if cell.drift is None else f"{cell.drift:.0e}",
+    ]
+
+
+def outcome(cell: Cell) -> str:
+    """Whether what the history comes to is right, as far as it was compared."""
+    if cell.verdict in ("unsettled", "undecided"):
+        return "not told"
+    return "wrong" if cell.changed else "right"
+
+
+def parted(first: dict[str, object]) -> str:
+    """Where a history parts, in a few words.
+
+    >>> parted({"event": 24, "body": "c4", "expected": "top", "got": "c9"})
+    'event 24: c4 meets c9, not top'
+    """
+    met = f"meets {first['got']}" if first["got"] is not None else "meets nothing"
+    return f"event {first['event']:,}: {first['body']} {met}" + (
+        f", not {first['expected']}" if first["expected"] is not None else ""
+    )

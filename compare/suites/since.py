@@ -1,0 +1,107 @@
+"""What changed from one report of a suite to the next: after a change of an engine, a compiler, a machine."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ...scenarios.errors import SceneError
+from .document import SUITE_SCHEMA
+
+if TYPE_CHECKING:
+    from .cell import Cell
+    from .running import SuiteReport
+
+
+@dataclass(frozen=True)
+class Since:
+    """What became of one cell.
+
+    Attributes:
+        scene, engine: which.
+        what: "verdict", "divergence", "outcomes", "scene" (its definition), "new" or "gone".
+        sentence: in words.
+    """
+
+    scene: str
+    engine: str
+    what: str
+    sentence: str
+
+    def data(self) -> dict[str, Any]:
+        """As JSON."""
+        return {"scene": self.scene, "engine": self.engine, "what": self.what, "sentence": self.sentence}
+
+
+def read_report(path: str) -> dict[str, Any]:
+    """A report that was written with `--json`; its cells are what they are to be.
+
+    Raises:
+        SceneError: naming the file and the remedy.
+    """
+    where = f"file {path!r}"
+    try:
+        data: Any = json.loads(Path(path).read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SceneError(f"{where}: {error.strerror}; name a report of `truebreak suite --json`") from None
+    except ValueError:
+        raise SceneError(f"{where}: is not JSON; name a report of `truebreak suite --json`") from None
+    if not isinstance(data, dict) or data.get("schema") != SUITE_SCHEMA or not isinstance(data.get("cells"), list):
+        raise SceneError(f"{where}: is no {SUITE_SCHEMA}; write one with `truebreak suite FILE.toml --json`")
+    for number, cell in enumerate(data["cells"]):
+        for key in ("scene", "engine", "digest", "verdict", "agreed", "events", "divergence", "changed"):
+            if not isinstance(cell, dict) or key not in cell:
+                raise SceneError(f"{where}: cell {number} lacks {key!r}; write the report again")
+    return data
+
+
+def since(earlier: dict[str, Any], report: SuiteReport) -> list[Since]:
+    """Every cell of which something changed, first those that there are, then those that are gone."""
+    before = {(cell["scene"], cell["engine"]): cell for cell in earlier["cells"]}
+    found = [change for cell in report.cells if (change := _change(before.get(cell.key), cell)) is not None]
+    now = {cell.key for cell in report.cells}
+    gone = [
+        Since(scene, name, "gone", f"{name} on {scene}: was in the earlier report, and is not in this suite")
+        for scene, name in before
+        if (scene, name) not in now
+    ]
+    return found + gone
+
+
+def _change(earlier: dict[str, Any] | None, cell: Cell) -> Since | None:
+    label = f"{cell.engine} on {cell.scene}"
+    if earlier is None:
+        return Since(*cell.key, "new", f"{label}: is new, {told(cell.data())}")
+    if earlier["digest"] != cell.digest:
+        return Since(*cell.key, "scene", f"{label}: the scene itself is another, and so nothing is compared")
+    now = cell.data()
+    if earlier["verdict"] != now["verdict"]:
+        return Since(*cell.key, "verdict", f"{label}: {told(earlier)} before, {told(now)} now")
+    if _place(earlier) != _place(now):
+        return Since(*cell.key, "divergence", f"{label}: {told(earlier)} before, {told(now)} now")
+    if sorted(earlier["changed"]) != sorted(now["changed"]):
+        names = ", ".join(sorted(set(earlier["changed"]) ^ set(now["changed"])))
+        return Since(*cell.key, "outcomes", f"{label}: same verdict, but other outcomes are wrong: {names}")
+    return None
+
+
+def _place(cell: dict[str, Any]) -> tuple[Any, ...]:
+    """Where a history parts, whatever the last digits of its times."""
+    first = cell["divergence"] or {}
+    return (cell["agreed"], *(first.get(key) for key in ("event", "body", "expected", "got", "kind")))
+
+
+def told(cell: dict[str, Any]) -> str:
+    """A cell's verdict in a few words.
+
+    >>> told({"verdict": "diverged", "divergence": {"event": 7}, "agreed": 7, "events": 9})
+    'diverged at event 7'
+    """
+    if cell["divergence"] is not None:
+        return f"diverged at event {cell['divergence']['event']:,}"
+    word = {"agree": "agreed", "unsettled": "not settled", "undecided": "undecided"}.get(
+        cell["verdict"], cell["verdict"]
+    )
+    return f"{word}, {cell['agreed']:,} of {cell['events']:,} events"

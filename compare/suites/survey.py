@@ -1,0 +1,220 @@
+"""The survey: every installed engine on twelve scenes, as it comes and at its best settings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import TYPE_CHECKING
+
+from ...scenarios.errors import SceneError
+from ..adapters.adapted import version_of
+from ..engines import ENGINES, engine, suggestion
+from ..scene_argument import scene_from
+from .running import SuiteReport, run_cell
+from .suite import Task
+
+if TYPE_CHECKING:
+    from .cell import Cell
+    from .running import OnCell
+
+SCENES: dict[str, Task] = {
+    "cradle, touching": Task("cradle:gap=0", (), events=60),
+    "cradle, apart": Task("cradle", (), events=60),
+    "tennis": Task("tennis", (), events=100),
+    "galperin": Task("galperin:n=1", ()),
+    "break, touching": Task("rack:rows=3,pockets=no,speed=8", (), events=20),
+    "break, loose": Task("rack:rows=3,pockets=no,speed=8,gap=1/10", (), events=20),
+    "gas": Task("gas", (), events=200),
+    "reversal": Task("reversal:n=5,after=40", ()),
+    "lee": Task("lee", ()),
+    "near-tie": Task("near-tie", ()),
+    "inscribed": Task("inscribed", (), events=12),
+    "pinball": Task("pinball", (), events=40),
+}
+"""The twelve, and how far each is followed; what each shows is told by `truebreak scenes`."""
+
+
+@dataclass(frozen=True)
+class Surveyed:
+    """An engine of the survey.
+
+    Attributes:
+        name: as in `ENGINES`.
+        module: what has to be installed for it.
+        distribution: whose version is told; empty: truebreak's own.
+        made_for: what its authors made it for.
+        home: where they are to be found.
+        ladder: settings that are tried, the cheapest first; the first is how it comes.
+    """
+
+    name: str
+    module: str
+    distribution: str
+    made_for: str
+    home: str
+    ladder: tuple[str, ...]
+
+
+STEPS = ("", "dt=1/512", "dt=1/2048")
+"""Settings of an engine of steps, which it comes with at 1/256."""
+
+SURVEYED = (
+    Surveyed("double", "math", "", "truebreak's own baseline: events, in 53 bits", "", ("",)),
+    Surveyed("single", "math", "", "the same in 24 bits, in which many games count", "", ("",)),
+    Surveyed("quad", "math", "", "the same in 106 bits", "", ("",)),
+    Surveyed("interval", "mpmath", "", "truebreak's own: stops where its width does not tell", "", ("", "bits=512")),
+    Surveyed("pymunk", "pymunk", "pymunk", "games, by Chipmunk2D", "https://www.pymunk.org", STEPS),
+    Surveyed("box2d", "Box2D", "box2d", "games", "https://box2d.org", STEPS),
+    Surveyed("rapier", "rapier3d", "rapier3d", "games, robotics; in 3D", "https://rapier.rs", STEPS),
+    Surveyed(
+        "mujoco", "mujoco", "mujoco", "robotics: smooth contacts, for control and learning", "https://mujoco.org",
+        ("", "dt=1/8192"),
+    ),
+    Surveyed(
+        "billiards", "billiards", "billiards", "billiards of hard discs", "https://github.com/markus-ebke/python-billiards",
+        ("",),
+    ),
+    Surveyed(
+        "pooltool", "pooltool", "pooltool-billiards", "pool, with sliding, rolling and spin", "https://github.com/ekiefl/pooltool",
+        ("", "friction=1/10**7"),
+    ),
+    Surveyed(
+        "perfect-physics", "perfect_physics", "perfect-physics", "exact collisions, to learn from", "https://pypi.org/project/perfect-physics/",
+        ("max_events=8",),
+    ),
+)  # fmt: skip
+"""Every engine that is held against `exact`; `sympy` is left out, as it asks the same questions of SymPy, slowly."""
+
+MOST_STEPS = 100_000
+"""Time steps of the longest run that a setting is tried for."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One engine on one scene of the survey.
+
+    Attributes:
+        label: of the scene.
+        tried: a cell for each setting tried, the first as the engine comes.
+    """
+
+    label: str
+    name: str
+    tried: tuple[Cell, ...]
+
+    @property
+    def first(self) -> Cell:
+        """As it comes."""
+        return self.tried[0]
+
+    @property
+    def best(self) -> Cell:
+        """The setting that agrees the farthest; of those that agree as far, the first tried, which is the cheapest."""
+        return max(self.tried, key=lambda cell: (cell.verdict == "agree", cell.agreed))
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What came out of the survey.
+
+    Attributes:
+        versions: of those that are installed, by name; nothing for truebreak's own.
+        entries: one for each engine on each scene.
+        missing: engines that are not installed.
+        max_seconds: what each run was allowed.
+    """
+
+    versions: dict[str, str]
+    entries: tuple[Entry, ...]
+    missing: tuple[str, ...]
+    max_seconds: float | None
+
+    @property
+    def engines(self) -> tuple[Surveyed, ...]:
+        """Those that are installed."""
+        return tuple(one for one in SURVEYED if one.name in self.versions)
+
+    @property
+    def report(self) -> SuiteReport:
+        """All cells, as those of a suite."""
+        return SuiteReport("survey", tuple(cell for entry in self.entries for cell in entry.tried), self.max_seconds)
+
+
+def installed() -> tuple[Surveyed, ...]:
+    """The engines that are there to be surveyed."""
+    return tuple(one for one in SURVEYED if find_spec(one.module) is not None)
+
+
+def chosen(names: Sequence[str], known: Iterable[str], kind: str) -> list[str]:
+    """Those of the known that were named, or all.
+
+    Raises:
+        SceneError: for one that is not known.
+    """
+    known = list(known)
+    for name in names:
+        if name not in known:
+            raise SceneError(f"{kind} {name!r} is not in the survey; {suggestion(name, known)}")
+    return [name for name in known if not names or name in names]
+
+
+def survey(
+    engines: Sequence[str] = (),
+    scenes: Sequence[str] = (),
+    *,
+    causes: bool = True,
+    max_seconds: float | None = None,
+    progress: OnCell | None = None,
+) -> Survey:
+    """Runs the survey, or a part of it.
+
+    Args:
+        engines: names; all by default. Those that are not installed are left out, and named.
+        scenes: labels, as in `SCENES`; all by default.
+        max_seconds: what one run may take, the causes included.
+
+    Raises:
+        SceneError: for an unknown name or label.
+    """
+    names = chosen(engines, [one.name for one in SURVEYED], "engine")
+    labels = chosen(scenes, SCENES, "scene")
+    there = tuple(one for one in installed() if one.name in names)
+    todo = [(label, one) for label in labels for one in there]
+    entries: list[Entry] = []
+    for label, one in todo:
+        cells: list[Cell] = []
+        for text in texts(one, label):
+            if cells and cells[-1].verdict == "agree":
+                break
+            if progress is not None:
+                progress(len(entries), len(todo), f"{label}: {text}")
+            cells.append(run_cell(SCENES[label], text, causes=False, max_seconds=max_seconds))
+        entry = Entry(label, one.name, tuple(cells))
+        if causes and entry.best.verdict in ("diverged", "undecided"):
+            place = cells.index(entry.best)
+            text = texts(one, label)[place]
+            cells[place] = run_cell(SCENES[label], text, causes=True, max_seconds=max_seconds)
+        entries.append(Entry(label, one.name, tuple(cells)))
+    missing = tuple(name for name in names if name not in {one.name for one in there})
+    return Survey(
+        {one.name: version_of(one.distribution) if one.distribution else "" for one in there},
+        tuple(entries),
+        missing,
+        max_seconds,
+    )
+
+
+def texts(one: Surveyed, label: str) -> list[str]:
+    """The engine at the settings to try on a scene: those of its ladder that take no more than `MOST_STEPS` steps."""
+    task = SCENES[label]
+    scene = scene_from(task.scene)
+    listed = [f"{one.name}:{settings}" if settings else one.name for settings in one.ladder]
+    stepped = engine(listed[0]).step is not None
+    if not stepped or len(listed) == 1:
+        return listed
+    from ..deadline import uninterrupted
+
+    run = uninterrupted(ENGINES["exact"].load()().run(scene, until=task.until, events=task.events))
+    end = float(run.final_time)
+    return [text for number, text in enumerate(listed) if not number or end <= MOST_STEPS * (engine(text).step or 0.0)]

@@ -1,0 +1,218 @@
+"""Other people's engines, adapted: each tells true histories where it can, and refuses what it cannot hold."""
+
+from __future__ import annotations
+
+import math
+from importlib.util import find_spec
+
+import pytest
+
+from truebreak.compare.adapters.package import NotInstalled, package
+from truebreak.compare.comparison import compare
+from truebreak.compare.engines import engine
+from truebreak.scenarios import Circle, Scene, SceneError, Wall
+from truebreak.scenarios.catalogue import build
+from truebreak.scenarios.trajectory import StopReason
+
+PACKAGES = {
+    "box2d": "Box2D",
+    "rapier": "rapier3d",
+    "mujoco": "mujoco",
+    "billiards": "billiards",
+    "pooltool": "pooltool",
+    "perfect-physics": "perfect_physics",
+}
+STEPPED = ("box2d", "rapier", "mujoco")
+EVENT_DRIVEN = ("billiards", "pooltool", "perfect-physics")
+
+
+@pytest.fixture(params=PACKAGES)
+def name(request: pytest.FixtureRequest) -> str:
+    """The name of an engine that is installed."""
+    return installed(request.param)
+
+
+def installed(name: str) -> str:
+    """The name of an engine; the test is skipped where it is not installed."""
+    if find_spec(PACKAGES[name]) is None:
+        pytest.skip(f"needs truebreak[{name}]")
+    return name
+
+
+def two(**changes: object) -> Scene:
+    """A disc that hits another off its centre, in a box of which it meets one wall."""
+    walls = [Wall(-9, 0, -9, 1, id="left"), Wall(9, 0, 9, 1, id="right"), Wall(0, 9, 1, 9, id="top")]
+    circles = [Circle(0, 0, vx=1, id="a"), Circle(4, "3/4", id="b")]
+    return Scene(circles, walls, **changes)  # type: ignore[arg-type]
+
+
+def test_two_discs_and_walls(name: str) -> None:
+    """Who meets whom, and the velocities: a step's length may turn the line of centres, nothing more."""
+    found = compare(two(), [name], events=3)
+    (mine,) = found.candidates
+    assert mine.verdict == "agree"
+    run = mine.trajectory
+    slack = 0.0 if engine(name).step is None else 8 * float(engine(name).step or 0)
+    if name == "mujoco":
+        slack *= 16
+    for event, truth in zip(run.events, found.reference.events, strict=False):
+        assert float(event.time) == pytest.approx(float(truth.time), abs=8 * slack + 1e-6)
+        assert event.impulses == truth.impulses
+    last, truth = engine(name).run(two(), events=3).final, found.reference.final
+    for circle in ("a", "b"):
+        for key in ("vx", "vy"):
+            assert getattr(last[circle], key) == pytest.approx(float(getattr(truth[circle], key)), abs=slack + 1e-6)
+
+
+def test_energy_stays(name: str) -> None:
+    """Restitution 1, no friction, no damping: what is left of the energy after 20 hits among equal discs in a box."""
+    events = 4 if name == "perfect-physics" else 20
+    scene = two() if name == "perfect-physics" else build("gas:n=3,seed=1")
+    run = engine(name).run(scene, events=events)
+    assert len(run.events) >= events
+    before = sum(float(c.m) * (float(c.vx) ** 2 + float(c.vy) ** 2) for c in scene.circles)
+    after = sum(
+        float(c.m) * (float(run.final[str(c.id)].vx) ** 2 + float(run.final[str(c.id)].vy) ** 2) for c in scene.circles
+    )
+    bound = {"mujoco": 1e-3, "box2d": 1e-5, "rapier": 1e-5, "pooltool": 1e-6}.get(name, 1e-13)
+    assert after == pytest.approx(before, rel=bound)
+
+
+@pytest.mark.parametrize("name", [*STEPPED, "billiards", "pooltool"])
+def test_a_slow_hit_bounces(name: str) -> None:
+    """No threshold under which a hit is taken for a push: at a speed of 2**-16 it is elastic too."""
+    scene = Scene([Circle(0, 0, vx=math.ldexp(1, -16), id="a"), Circle("2 + 1/2**12", 0, id="b")])
+    text = f"{installed(name)}:dt=1/4" if name in STEPPED else installed(name)
+    run = engine(text).run(scene, until=64)
+    assert [event.impulses for event in run.events] == [(("a", "b"),)]
+    assert run.final["b"].vx == pytest.approx(math.ldexp(1, -16), rel=1e-2)
+    assert abs(float(run.final["a"].vx)) < math.ldexp(1, -22)
+
+
+@pytest.mark.parametrize("name", STEPPED)
+def test_a_fast_flight_is_not_cut_off(name: str) -> None:
+    """No cap of speeds: a disc at speed 1,000 is where it is to be."""
+    scene = Scene([Circle(0, 0, vx=1000, id="a"), Circle(0, 9, vx=1000, id="b")])
+    run = engine(f"{installed(name)}:dt=1/4096").run(scene, until=4)
+    assert run.events == ()
+    assert run.final["a"].x == pytest.approx(4000, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", STEPPED)
+def test_nothing_falls_asleep(name: str) -> None:
+    """A disc that has rested for long is still hit."""
+    scene = Scene([Circle(0, 0, vx="1/8", id="a"), Circle(12, 0, id="b")])
+    run = engine(f"{installed(name)}:dt=1/64").run(scene, until=100)
+    assert len(run.events) == 1
+    assert run.final["b"].vx == pytest.approx(0.125, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", [*STEPPED, "billiards", "pooltool"])
+def test_fixed_circles_and_both_sides_of_a_wall(name: str) -> None:
+    """A fixed circle sends back, and a wall is hard on both sides."""
+    scene = Scene(
+        [
+            Circle(-3, 0, vx=1, id="a"),
+            Circle(4, 0, vx=-1, id="b"),
+            Circle(-9, 0, m="oo", id="post"),
+        ],
+        [Wall(0, 0, 0, 1, id="wall")],
+    )
+    found = compare(scene, [installed(name)], until=10)
+    assert found.verdict == "agree"
+    assert [sorted(event.impulses[0]) for event in found.candidates[0].trajectory.events] == [
+        ["a", "wall"],
+        ["b", "wall"],
+        ["a", "post"],
+    ]
+
+
+@pytest.mark.parametrize("name", [*STEPPED, "billiards"])
+@pytest.mark.parametrize("turn", [{"reverse_after": 2}, {"reverse_at": "9/2"}])
+def test_reversal(name: str, turn: dict[str, object]) -> None:
+    """A reversal leads back to where the discs were."""
+    run = engine(installed(name)).run(two(**turn))
+    assert run.reversal is not None
+    first = run.final["a"]
+    slack = 0.0 if engine(name).step is None else 0.2
+    assert (float(first.x), float(first.y)) == pytest.approx((0.0, 0.0), abs=slack + 1e-6)
+
+
+@pytest.mark.parametrize("name", STEPPED)
+def test_finer_steps_come_nearer(name: str) -> None:
+    """The time of the second hit converges as the step is halved."""
+    truth = engine("exact").run(two(), events=2).events[1].time
+    misses = []
+    for dt in ("1/128", "1/512", "1/2048"):
+        runner = engine(f"{installed(name)}:dt={dt}")
+        misses.append(abs(float(runner.run(two(), events=2).events[1].time) - float(truth)))
+    assert misses[2] < misses[0] / 4
+    finer = engine(f"{name}:dt=1/128").finer()
+    assert finer is not None
+    assert finer.step == 1 / 256
+
+
+REFUSED = {
+    "pooltool": (Scene([Circle(0, 0, vx=1), Circle(4, 0, r=2)]), "balls of one radius and one mass"),
+    "perfect-physics": (Scene([Circle(0, 0, vx=1), Circle(4, 0, m="oo")]), "no infinite mass"),
+    "rapier": (Scene([Circle(3, 3, vx=1)], [Wall(-k, 0, -k, 1) for k in range(40)]), "tells 31 apart"),
+    "mujoco": (Scene([Circle(3, 3, vx=1)], [Wall(-k, 0, -k, 1) for k in range(40)]), "tells 30 apart"),
+    "box2d": (Scene([Circle(0, 0, vx=1000, r="1/1000"), Circle(4, 0)]), "reduce dt"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_scene_that_it_cannot_hold_is_refused(name: str) -> None:
+    """With a message, and the verdict of a comparison is that it cannot run the scene."""
+    scene, told = REFUSED[installed(name)]
+    with pytest.raises(SceneError, match=told):
+        engine(name).run(scene, until=1)
+    (mine,) = compare(scene, [name], until=1).candidates
+    assert mine.unable
+    assert told in mine.trajectory.stop.message
+
+
+def test_captures_are_refused(name: str) -> None:
+    """None of them takes balls out of play."""
+    assert "capture" not in engine(name).scene_keys
+
+
+def test_declarations_are_what_they_are(name: str) -> None:
+    """By steps or by events, bits, input."""
+    mine = engine(name)
+    assert (mine.step is not None) == (name in STEPPED)
+    assert mine.rounds_input == (name != "perfect-physics")
+    assert mine.bits == {"box2d": 24, "rapier": 24, "perfect-physics": None}.get(name, 53)
+
+
+@pytest.mark.parametrize("text", ["box2d:dt=0", "rapier:iterations=0", "mujoco:contact_steps=0", "pooltool:friction=0"])
+def test_settings_out_of_range_are_refused(text: str) -> None:
+    """In one line that names the engine and the setting."""
+    key = text.partition(":")[2].partition("=")[0]
+    with pytest.raises(SceneError, match=key):
+        engine(text)
+
+
+def test_an_engine_that_is_not_installed_says_how_to_get_it() -> None:
+    """One clear error, naming the extra."""
+    with pytest.raises(NotInstalled, match=r"pip install 'truebreak\[box2d\]'"):
+        package("no_such_package", "box2d")
+
+
+def test_a_comparison_with_an_engine_that_is_not_installed_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is not told as a scene that the engine cannot take."""
+
+    def missing(name: str) -> None:
+        raise ModuleNotFoundError(f"No module named {name!r}")
+
+    monkeypatch.setattr("truebreak.compare.adapters.package.import_module", missing)
+    with pytest.raises(NotInstalled, match=r"pip install 'truebreak\[box2d\]'"):
+        compare(two(), ["box2d"], events=3)
+
+
+def test_a_circle_that_leaves_the_edges_ends_the_run() -> None:
+    """Box2D's walls are long, not infinite: the run stops there, and says so."""
+    scene = Scene([Circle(0, 2, vx=64, id="a"), Circle(0, 9, vy="-1/1000", id="b")], [Wall(0, 0, 1, 0)])
+    run = engine(f"{installed('box2d')}:dt=1/64").run(scene, until=10_000)
+    assert run.stop.reason is StopReason.BUDGET
+    assert "end of an edge" in run.stop.message

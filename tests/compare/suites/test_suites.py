@@ -1,0 +1,218 @@
+"""Suites: one report over many scenes, and what changed since an earlier one."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from truebreak.compare.cli import main
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.suites.cell import Cell
+from truebreak.compare.suites.document import suite_json
+from truebreak.compare.suites.running import SuiteReport, run_suite
+from truebreak.compare.suites.since import since
+from truebreak.compare.suites.suite import parsed_suite, read_suite
+from truebreak.scenarios import SceneError
+
+SUITE = """
+engines = ["double", "single"]
+
+[[scene]]
+name = "lee"
+
+[[scene]]
+name = "gas:n=3"
+events = 8
+
+[[scene]]
+name = "near-tie"
+engines = ["double"]
+"""
+
+
+@pytest.fixture(scope="module")
+def report() -> SuiteReport:
+    """A suite of which one engine diverges on one scene."""
+    return run_suite(parsed_suite(SUITE, "mine.toml"))
+
+
+def test_every_engine_meets_every_scene(report: SuiteReport) -> None:
+    assert [cell.key for cell in report.cells] == [
+        ("lee", "double"),
+        ("lee", "single"),
+        ("gas:n=3", "double"),
+        ("gas:n=3", "single"),
+        ("near-tie", "double"),
+    ]
+    assert [cell.verdict for cell in report.cells] == ["agree"] * 4 + ["diverged"]
+    assert report.verdict == "diverged"
+    last = report.cells[-1]
+    assert last.divergence is not None
+    assert last.divergence["event"] == 0
+    assert last.cause == "input rounding"
+    assert "final_velocities" in last.changed
+    assert all(cell.events == 8 for cell in report.cells if cell.scene == "gas:n=3")
+
+
+def test_energy_drift_is_that_of_the_run(report: SuiteReport) -> None:
+    drifts = {cell.key: cell.drift for cell in report.cells}
+    assert abs(drifts["gas:n=3", "double"] or 0.0) < 1e-14
+    assert 1e-9 < abs(drifts["gas:n=3", "single"] or 0.0) < 1e-5
+
+
+def test_json_is_what_its_schema_says(report: SuiteReport) -> None:
+    changed = since(suite_json(report), replace(report, cells=report.cells[1:]))
+    for data in (suite_json(report), suite_json(report, changed)):
+        jsonschema.Draft202012Validator(schema("suite-1")).validate(json.loads(json.dumps(data)))
+
+
+def other(cell: Cell, **changes: Any) -> SuiteReport:
+    return SuiteReport("mine.toml", (replace(cell, **changes),))
+
+
+def test_nothing_changed_where_only_seconds_and_last_digits_did(report: SuiteReport) -> None:
+    again = tuple(replace(cell, seconds=9.0, drift=0.25) for cell in report.cells)
+    assert since(suite_json(report), replace(report, cells=again)) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "what", "words"),
+    [
+        ({"verdict": "agree", "divergence": None}, "verdict", "diverged at event 0 before, agreed"),
+        ({"changed": ()}, "outcomes", "other outcomes are wrong"),
+        ({"digest": "0" * 64}, "scene", "the scene itself is another"),
+        ({"scene": "lee"}, "new", "is new, diverged at event 0"),
+    ],
+)
+def test_what_changed_is_told(report: SuiteReport, changes: dict[str, Any], what: str, words: str) -> None:
+    cell = report.cells[-1]
+    earlier = suite_json(SuiteReport("mine.toml", (cell,)))
+    first = since(earlier, other(cell, **changes))[0]
+    assert first.what == what
+    assert words in first.sentence
+
+
+def test_another_partner_is_another_divergence(report: SuiteReport) -> None:
+    cell = report.cells[-1]
+    assert cell.divergence is not None
+    earlier = suite_json(SuiteReport("mine.toml", (cell,)))
+    moved = other(cell, divergence={**cell.divergence, "got": "left"})
+    assert [change.what for change in since(earlier, moved)] == ["divergence"]
+    later = other(cell, divergence={**cell.divergence, "time": 1.5})
+    assert since(earlier, later) == []
+
+
+def test_what_is_gone_is_told(report: SuiteReport) -> None:
+    (change,) = since(suite_json(report), replace(report, cells=report.cells[:-1]))
+    assert change.what == "gone"
+    assert change.sentence.startswith("double on near-tie: was in the earlier report")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("engines = [", "is not TOML"),
+        ('engines = ["double"]', "has no scene"),
+        ('engine = ["double"]\n[[scene]]\nname = "lee"', "'engine' is no key of it; did you mean 'engines'?"),
+        ('[[scene]]\nname = "lee"', "engines = []; must be a list"),
+        ('engines = ["duoble"]\n[[scene]]\nname = "lee"', "did you mean 'double'?"),
+        ('engines = ["double"]\n[[scene]]\nname = "leee"', "did you mean 'lee'?"),
+        ('engines = ["double"]\n[[scene]]\nname = "lee"\nevent = 3', "'event' is no key of it; did you mean 'events'?"),
+        ('engines = ["double"]\n[[scene]]\nname = "lee"\nevents = 0', "events = 0; must be a whole number from 1"),
+        ('engines = ["double"]\n[[scene]]\nname = "lee"\nuntil = 0.5', "until = 0.5; must be exact, as text"),
+        ('engines = ["double", "double"]\n[[scene]]\nname = "lee"', "is there twice with 'double'"),
+        ('causes = 1\nengines = ["double"]\n[[scene]]\nname = "lee"', "causes = 1; must be true or false"),
+        ('engines = ["double"]\n[[scene]]\nname = "no.toml"', "no.toml"),
+    ],
+)
+def test_bad_suites_are_one_line(text: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "bad.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(SystemExit) as stop:
+        main(["suite", str(path)])
+    said = capsys.readouterr()
+    assert stop.value.code == 2
+    assert told in said.err
+    assert "bad.toml" in said.err
+    assert said.err.count("\n") == 1
+    assert said.out == ""
+
+
+def test_scenes_that_are_files_lie_beside_the_suite(tmp_path: Path) -> None:
+    (tmp_path / "two.toml").write_text("[[circle]]\nid = 'a'\nx = 0\ny = 0\nr = 1\nvx = 1\n", encoding="utf-8")
+    path = tmp_path / "mine.toml"
+    path.write_text('engines = "double"\n[[scene]]\nname = "two.toml"\nuntil = 1\n', encoding="utf-8")
+    (task,) = read_suite(str(path)).tasks
+    assert (task.scene, task.until) == (str(tmp_path / "two.toml"), "1")
+
+
+def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Report, JSON, what changed, exit codes."""
+    path, before = tmp_path / "mine.toml", tmp_path / "before.json"
+    path.write_text(SUITE, encoding="utf-8")
+
+    def ran(*words: str) -> tuple[int, str]:
+        with pytest.raises(SystemExit) as stop:
+            main(["suite", str(path), *words])
+        said = capsys.readouterr()
+        assert said.err == ""
+        return int(stop.value.code or 0), said.out
+
+    code, text = ran("--json")
+    before.write_text(text, encoding="utf-8")
+    assert code == 1
+    assert ran("--exit-zero")[0] == 0
+    code, text = ran("--against", str(before))
+    assert (code, text.splitlines()[-1]) == (1, "Nothing changed.")
+    assert ran("--against", str(before), "--only-changes")[0] == 0
+    path.write_text(SUITE.replace('"double", "single"', '"double"'), encoding="utf-8")
+    code, text = ran("--against", str(before), "--only-changes")
+    assert code == 1
+    assert "Changed since the earlier report: 2." in text
+    assert "single on lee: was in the earlier report" in text
+
+
+@pytest.mark.parametrize(
+    "text", ["", "[]", '{"schema": "truebreak/suite-0", "cells": []}', '{"schema": "truebreak/suite-1"}']
+)
+def test_bad_earlier_reports_are_one_line(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, before = tmp_path / "mine.toml", tmp_path / "before.json"
+    path.write_text(SUITE, encoding="utf-8")
+    before.write_text(text, encoding="utf-8")
+    with pytest.raises(SystemExit) as stop:
+        main(["suite", str(path), "--against", str(before)])
+    said = capsys.readouterr()
+    assert (stop.value.code, said.err.count("\n")) == (2, 1)
+    assert "before.json" in said.err
+
+
+RAISES = """
+from truebreak.compare.foreign import RecordedEngine
+
+class Broken(RecordedEngine):
+    name = "broken"
+    def play(self, scene, recording):
+        raise RuntimeError("my engine is broken")
+"""
+
+
+def test_an_engine_that_raises_has_a_cell_that_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The others' cells are not lost by it."""
+    (tmp_path / "broken_engine.py").write_text(RAISES, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    text = 'engines = ["mine=broken_engine:Broken", "double"]\n[[scene]]\nname = "lee"'
+    mine, double = run_suite(parsed_suite(text, "mine.toml")).cells
+    assert (mine.engine, mine.verdict, double.verdict) == ("mine", "undecided", "agree")
+    assert "my engine is broken" in mine.stop
+
+
+def test_only_changes_needs_an_earlier_report(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="--against"):
+        from truebreak.compare.cli.suite import suite
+
+        suite.main([str(tmp_path / "mine.toml"), "--only-changes"], standalone_mode=False)

@@ -1,0 +1,105 @@
+"""The survey: every engine and scene of it, and its page in the docs, which is what its record gives."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from truebreak.compare.cli import main
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.engines import ENGINES, engine
+from truebreak.compare.suites.document import survey_json
+from truebreak.compare.suites.recorded_survey import read_survey
+from truebreak.compare.suites.survey import SCENES, SURVEYED, Entry, Survey, installed, survey, texts
+from truebreak.compare.suites.survey_page import page_text
+from truebreak.scenarios import SceneError
+from truebreak.scenarios.catalogue import build
+
+
+def test_it_has_twelve_scenes_and_every_engine_but_the_reference_and_the_oracle() -> None:
+    assert len(SCENES) == 12
+    assert {one.name for one in SURVEYED} == set(ENGINES) - {"exact", "sympy"}
+    for task in SCENES.values():
+        build(task.scene)
+
+
+def test_every_setting_is_one_of_the_engine() -> None:
+    for one in installed():
+        for settings in one.ladder:
+            assert engine(f"{one.name}:{settings}" if settings else one.name).name == one.name
+
+
+def test_settings_that_take_too_many_steps_are_not_tried() -> None:
+    (pymunk,) = (one for one in SURVEYED if one.name == "pymunk")
+    assert texts(pymunk, "lee") == ["pymunk", "pymunk:dt=1/512", "pymunk:dt=1/2048"]
+    assert texts(pymunk, "gas") == ["pymunk", "pymunk:dt=1/512"]
+
+
+@pytest.fixture(scope="module")
+def found() -> Survey:
+    return survey(["double", "pymunk", "interval"], ["near-tie", "lee"])
+
+
+def test_the_best_setting_is_the_one_that_agrees_the_farthest(found: Survey) -> None:
+    by_key = {(entry.label, entry.name): entry for entry in found.entries}
+    assert len(by_key) == 6
+    wide = by_key["near-tie", "interval"]
+    assert [cell.engine for cell in wide.tried] == ["interval", "interval:bits=512"]
+    assert (wide.first.verdict, wide.best.engine, wide.best.verdict) == ("undecided", "interval:bits=512", "agree")
+    assert by_key["near-tie", "double"].best.cause == "input rounding"
+    same = by_key["near-tie", "pymunk"]
+    assert same.best is same.first, "of those that agree as far, the cheapest"
+
+
+def test_what_is_written_is_read_again(found: Survey, tmp_path: Path) -> None:
+    data = json.loads(json.dumps(survey_json(found)))
+    jsonschema.Draft202012Validator(schema("suite-1")).validate(data)
+    path = tmp_path / "survey.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    again = read_survey([str(path)])
+    assert page_text(again) == page_text(Survey(found.versions, tuple(sorted_entries(found)), (), None))
+
+
+def sorted_entries(found: Survey) -> list[Entry]:
+    labels = list(SCENES)
+    return sorted(found.entries, key=lambda entry: labels.index(entry.label))
+
+
+def test_the_page_of_the_docs_is_what_its_record_gives(root: Path) -> None:
+    """Made by `truebreak survey --from docs/survey.json --page docs/survey.md`."""
+    recorded = read_survey([str(root / "docs" / "survey.json")])
+    assert page_text(recorded) == (root / "docs" / "survey.md").read_text("utf-8")
+    assert {entry.label for entry in recorded.entries} == set(SCENES)
+    assert set(recorded.versions) == {one.name for one in SURVEYED}, "made with every extra installed"
+    for entry in recorded.entries:
+        assert entry.best.digest == build(SCENES[entry.label].scene).digest, (
+            "the scene has changed; run the survey again"
+        )
+
+
+def test_the_page_has_a_row_for_each_engine_on_each_scene(found: Survey) -> None:
+    text = page_text(found)
+    assert text.count("| `double` |") == 2
+    assert "## Near-tie" in text
+    assert "| `interval:bits=512` | agrees | 4 of 4 |" in text
+    assert "| `interval` | undecided |" in text
+
+
+def test_unknown_names_are_refused() -> None:
+    with pytest.raises(SceneError, match="did you mean 'box2d'"):
+        survey(["bxo2d"])
+    with pytest.raises(SceneError, match="scene 'gass' is not in the survey"):
+        survey([], ["gass"])
+
+
+def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = tmp_path / "page.md"
+    with pytest.raises(SystemExit) as stop:
+        main(["survey", "--engines", "double", "--scenes", "lee", "--page", str(page), "--no-causes"])
+    said = capsys.readouterr()
+    assert not stop.value.code
+    assert "agrees" in said.out
+    assert "| `double` | agrees | 1 of 1 |" in page.read_text("utf-8")
