@@ -20,7 +20,7 @@ from .predicates.ties import TieRule
 from .replay.steps import Link
 from .results.home import return_note
 from .results.motion import ExactMotion
-from .results.resumed import NOT_ITS_LOG, restore, tape_of, within
+from .results.resumed import NOT_ITS_LOG, farther, restore, tape_of, within
 from .results.run_log import RunLog
 from .results.times import time_of, time_of_return, time_zero
 from .simulation.history import History
@@ -125,10 +125,9 @@ class ExactEngine(Declared):
             raise SceneError(f"the run was made with ties = {run.parameters['ties']!r}; go on with the same")
         given = until is not None or events is not None
         limits = run_limits(run.scene, until, events) if given else tape.limits
-        if reached is None or not within(run, limits, reached):
-            return self._run(run.scene, limits, None, progress)
 
         def take_up(loop: Loop, decider: CertifiedDecider) -> None:
+            assert reached is not None
             decider.history.rises += tape.rises[: reached.rises]
             if decider.history.rises:
                 decider.state.rise(*decider.history.rises[-1])
@@ -139,14 +138,16 @@ class ExactEngine(Declared):
                 raise SceneError(NOT_ITS_LOG) from None
             restore(decider.history, run, limits, decider.state.numbers.tower)
 
+        known = reached is not None and within(run, limits, reached)
         try:
-            return self._run(run.scene, limits, None, progress, take_up)
+            again = self._run(run.scene, limits, None, progress, take_up if known else None)
         except (Undecided, BudgetSpent):
-            return self._run(run.scene, limits, None, progress)
+            again = self._run(run.scene, limits, None, progress)
         except KeyboardInterrupt:
             return replace(run, stop=stopped(StopReason.INTERRUPTED, len(run.events)))
         except TimeIsUp as outcome:
             return replace(run, stop=stopped(StopReason.BUDGET, len(run.events), str(outcome)))
+        return farther(run, again, limits)
 
     def _run(
         self,

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .compare.comparison import compare as comparison
+    from .compare.going_on import resume
     from .compare.run import run
     from .compare.saved_runs import save_run
     from .compare.scene_argument import scene_from as scene
@@ -34,6 +35,7 @@ __all__ = [
     "comparison",
     "load",
     "load_run",
+    "resume",
     "run",
     "save_run",
     "scene",
@@ -47,6 +49,7 @@ _HOMES = {
     "comparison": ("compare.comparison", "compare"),
     "load": ("scenarios.files", "load_scene"),
     "load_run": ("exact.results.saved", "load_run"),
+    "resume": ("compare.going_on", "resume"),
     "run": ("compare.run", "run"),
     "save_run": ("compare.saved_runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),

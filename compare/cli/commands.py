@@ -10,7 +10,21 @@ from .examples import examples
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 from .minimise import minimise
 from .numbers import Whole
-from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .options import (
+    EVENTS,
+    JSON,
+    OPTIONAL_SCENE,
+    POLICY,
+    REVERSE,
+    SCENE,
+    SECONDS,
+    SYMMETRIC,
+    TIES,
+    UNTIL,
+    WORK,
+    refuse_beside,
+    required,
+)
 from .sweep import sweep
 
 EXAMPLES = """
@@ -21,6 +35,7 @@ Examples:
   truebreak compare gas:n=10,seed=1 --events 200 --html report.html
   truebreak run galperin:n=2 --engine exact --json
   truebreak run tennis --engine exact --exact     every number as an exact expression
+  truebreak run --resume gas-run.json             go on from what --save wrote
   truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
   truebreak judge gas log.jsonl --events 100      the log of any engine, in any language
   truebreak export gas --floats                   the scene in doubles, for such an engine
@@ -79,7 +94,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 
 
 @cli.command(epilog=examples("run"))
-@SCENE
+@OPTIONAL_SCENE
 @click.option(
     "--engine",
     "engine_text",
@@ -96,6 +111,11 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 @JSON
 @click.option("--certificate", metavar="FILE", help="Also write a certificate that `truebreak verify` checks.")
 @click.option("--save", metavar="FILE", help="Also save the run, or what there is of it, for `truebreak.load_run`.")
+@click.option(
+    "--resume",
+    metavar="FILE",
+    help="Go on from a run that --save wrote, in place of a SCENE: to the limits that it had, or to those given now.",
+)
 @TIES
 @WORK
 @SECONDS
@@ -103,7 +123,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 @POLICY
 @SYMMETRIC
 def run(
-    scene: str,
+    scene: str | None,
     engine_text: str,
     until: str | None,
     events: int | None,
@@ -111,6 +131,7 @@ def run(
     as_json: bool,
     certificate: str | None,
     save: str | None,
+    resume: str | None,
     ties: str | None,
     work: int | None,
     max_seconds: float | None,
@@ -118,7 +139,10 @@ def run(
     tie_policy: str | None,
     symmetric: bool,
 ) -> int:
-    """Run a scene in one engine and print its history."""
+    """Run a scene in one engine and print its history.
+
+    What comes of --resume is what one run from the beginning would have given, but for the counts of its plan.
+    """
     from ..deadline import time_limit
     from ..documents.trajectory import trajectory_json
     from ..engines import engine
@@ -129,8 +153,17 @@ def run(
     from ..validation import check_trajectory, check_until
     from .progress import goal_of, showing_progress
 
-    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
-    chosen = engine(with_settings(engine_text, ties=ties, work=work))
+    if resume is None:
+        loaded = changed(required(scene), reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
+        chosen = engine(with_settings(engine_text, ties=ties, work=work))
+        goal = goal_of(loaded, until, events)
+    else:
+        refuse_beside("--resume", ("scene", "engine_text", "reverse_after", "tie_policy", "symmetric"))
+        from ..going_on import GoingOn, load_run
+
+        chosen = GoingOn.after(load_run(resume), ties=ties, work=work)
+        loaded = chosen.earlier.scene
+        goal = goal_of(loaded, *((until, events) if until or events else chosen.limits))
     check_until(chosen, loaded, until)
     if certificate is not None:
         from ..certificates import check_certifiable
@@ -138,7 +171,6 @@ def run(
         check_certifiable(chosen.name, certificate)
     if save is not None:
         check_savable(chosen.name, loaded, save)
-    goal = goal_of(loaded, until, events)
     with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
         told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
         trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)

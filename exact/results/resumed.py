@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from ...scenarios.errors import SceneError
@@ -9,10 +10,11 @@ from ...scenarios.event import Contact
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower.element import AnyTower, Element
 from ...scenarios.numbers.tower.field import TowerLimit
-from ...scenarios.trajectory import Trajectory
+from ...scenarios.trajectory import StopReason, Trajectory
 from ..numbers.system import Number
 from ..simulation.history import History, Mark
 from ..simulation.limits import Limits
+from ..simulation.loop import stopped
 from ..simulation.tape import Reached, Tape
 from .motion import ExactMotion
 from .times import Source, TimeFormula
@@ -40,6 +42,18 @@ def within(run: Trajectory, limits: Limits, reached: Reached) -> bool:
         return False
     had += [entry.time for entry in run.pocketings] + ([] if run.reversal is None else [run.reversal.time])
     return limits.until is None or all(float(time) < float(limits.until) for time in had)
+
+
+def farther(run: Trajectory, again: Trajectory, limits: Limits) -> Trajectory:
+    """What went on from a run; the run itself, where that was ended before it was as far and the limits admit it."""
+    reason, had = again.stop.reason, len(run.events)
+    if reason not in (StopReason.INTERRUPTED, StopReason.BUDGET) or len(again.events) >= had:
+        return again
+    if limits.events is not None and limits.events < had:
+        return again
+    if limits.until is not None and float(limits.until) < float(run.events[-1].time):
+        return again
+    return replace(run, stop=stopped(reason, had) if reason is StopReason.INTERRUPTED else again.stop)
 
 
 def _number(time: Any) -> int:

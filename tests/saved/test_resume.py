@@ -5,12 +5,17 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
+import jsonschema
 import pytest
-from test_saved import MANY_ROOTS, RUNS, assumed, pocketed
+from test_interruption import ended_at
+from test_saved import MANY_ROOTS, RUNS, assumed, pocketed, said
 
+import truebreak as tb
 from truebreak.compare import trajectory_json
+from truebreak.compare.documents.schemas import schema
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.results.saved import run_of, saved_run
@@ -182,3 +187,99 @@ def test_a_log_of_another_scene_is_told() -> None:
 def test_pockets_are_among_the_cases() -> None:
     assert pocketed().pocketings
     assert drawn_pockets().reversal is not None
+
+
+# -- the command line
+
+
+def test_the_command_line_goes_on(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """In place of the file that it reads, and to the byte."""
+    file = str(tmp_path / "run.json")
+    plain = said(capsys, "run", "rack:rows=2", "--events", "12", "--json", "--exact")
+    said(capsys, "run", "rack:rows=2", "--events", "5", "--save", file)
+    words = ("run", "--resume", file, "--events", "12", "--json", "--exact", "--save", file)
+    assert without_plan(said(capsys, *words)) == without_plan(plain)
+    assert without_plan(said(capsys, "run", "--resume", file, "--json", "--exact")) == without_plan(plain)
+
+
+def without_plan(told: tuple[Any, str, str]) -> tuple[Any, str, str]:
+    code, out, err = told
+    data = json.loads(out)
+    data.pop("plan")
+    return code, json.dumps(data), err
+
+
+def test_ctrl_c_on_the_way_loses_nothing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file = str(tmp_path / "run.json")
+    said(capsys, "run", "rack:rows=2", "--events", "8", "--save", file)
+    words = ("run", "--resume", file, "--events", "12", "--json", "--save", file)
+    with ended_at(0, True, KeyboardInterrupt(), monkeypatch) as counted:
+        said(capsys, *words)
+    said(capsys, "run", "rack:rows=2", "--events", "8", "--save", file)
+    had = 8
+    for k in range(1, counted[0] + 1, 5):
+        with ended_at(k, k % 2 == 0, KeyboardInterrupt(), monkeypatch):
+            code, out, _ = said(capsys, *words)
+        kept = tb.load_run(file)
+        assert (code, kept.stop.reason) == (130, StopReason.INTERRUPTED)
+        assert trajectory_json(kept) == json.loads(out)
+        assert len(kept.events) >= had
+        had = len(kept.events)
+    whole = said(capsys, "run", "rack:rows=2", "--events", "12", "--json")
+    assert without_plan(said(capsys, *words)) == without_plan(whole)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["gas"], "SCENE is in the file that --resume reads"),
+        (["--tie-policy", "simultaneous"], "--tie-policy is in the file"),
+        (["--reverse-after", "3"], "--reverse-after is in the file"),
+        (["--engine", "double"], "--engine is in the file"),
+        (["--ties", "assume:99"], "go on with the same"),
+        (["--resume", "none.json"], "no such file"),
+        (["--events", "0"], "whole number from 1"),
+    ],
+)
+def test_what_cannot_be_gone_on_with_is_refused(
+    words: list[str], told: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    file = str(tmp_path / "run.json")
+    said(capsys, "run", "lee", "--save", file)
+    code, out, err = said(capsys, "run", "--resume", file, *words)
+    assert (code, out, err.count("\n")) == (2, "", 1)
+    assert told in err
+
+
+def test_no_scene_and_nothing_to_go_on_from(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, err = said(capsys, "run")
+    assert (code, out) == (2, "")
+    assert "SCENE" in err
+
+
+def test_in_python(tmp_path: Path) -> None:
+    run = tb.run(tb.scene("gas:n=4"), events=5)
+    tb.save_run(run, tmp_path / "run.json")
+    for earlier in (run, tmp_path / "run.json"):
+        assert len(tb.resume(earlier, events=9).events) == 9
+    with pytest.raises(SceneError, match="only runs of the exact engine"):
+        tb.resume(tb.run(tb.scene("gas:n=4"), "double", events=5))
+
+
+# -- the schema
+
+
+@pytest.mark.parametrize("kind", [*CASES, "assumed", "undecided"])
+def test_what_is_saved_is_what_its_schema_says(kind: str) -> None:
+    run = {**CASES, **RUNS}[kind]()
+    jsonschema.Draft202012Validator(schema("run-1")).validate(json.loads(saved_run(run)))
+
+
+@pytest.mark.parametrize("key", ["steps", "events", "knots", "entries"])
+def test_the_schema_tells_what_it_is_not(key: str) -> None:
+    data = json.loads(saved_run(pocketed()))
+    data[key][0] = [*data[key][0], 7]
+    with pytest.raises(jsonschema.ValidationError):
+        jsonschema.Draft202012Validator(schema("run-1")).validate(data)
