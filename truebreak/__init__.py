@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from .compare.comparison import compare as comparison
     from .compare.going_on import resume
     from .compare.run import run
+    from .compare.saved_comparisons import load_comparison, save_comparison
     from .compare.saved_runs import save_run
     from .compare.scene_argument import scene_from as scene
     from .exact.results.saved import load_run
@@ -34,9 +35,11 @@ __all__ = [
     "__version__",
     "comparison",
     "load",
+    "load_comparison",
     "load_run",
     "resume",
     "run",
+    "save_comparison",
     "save_run",
     "scene",
 ]
@@ -48,9 +51,11 @@ _HOMES = {
     "Wall": ("scenarios.things", "Wall"),
     "comparison": ("compare.comparison", "compare"),
     "load": ("scenarios.files", "load_scene"),
+    "load_comparison": ("compare.saved_comparisons", "load_comparison"),
     "load_run": ("exact.results.saved", "load_run"),
     "resume": ("compare.going_on", "resume"),
     "run": ("compare.run", "run"),
+    "save_comparison": ("compare.saved_comparisons", "save_comparison"),
     "save_run": ("compare.saved_runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),
 }

@@ -123,6 +123,7 @@ def verify(file: str) -> int:
 @JSON
 @click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
 @click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
+@click.option("--save", metavar="FILE", help="Also save the comparison with its runs, for `truebreak.load_comparison`.")
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
 def compare(
     scene: str,
@@ -139,6 +140,7 @@ def compare(
     as_json: bool,
     html: str | None,
     certify: bool,
+    save: str | None,
     exit_zero: bool,
 ) -> int:
     """Run a scene in several engines and say whether they tell the same history.
@@ -158,8 +160,9 @@ def compare(
     from .writing import check_writable, write_whole
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
-    if html is not None:
-        check_writable(html)
+    for file in (html, save):
+        if file is not None:
+            check_writable(file)
     if certify:
         check_engine(reference, "--certify")
     with showing_progress(loaded.name, goal_of(loaded, until, events)) as progress:
@@ -179,6 +182,10 @@ def compare(
         from .retold import command_of
 
         write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
+    if save is not None:
+        from ..saved_comparisons import save_comparison
+
+        save_comparison(comparison, save)
     if as_json:
         print_json(comparison_json(comparison))
     else:
