@@ -10,7 +10,7 @@ from .examples import examples
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 from .minimise import minimise
 from .numbers import Whole
-from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .options import EVENTS, JSON, NO_CACHE, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 from .run import run
 from .sweep import sweep
 
@@ -120,6 +120,7 @@ def verify(file: str) -> int:
 @WORK
 @SECONDS
 @SYMMETRIC
+@NO_CACHE
 @JSON
 @click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
 @click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
@@ -137,6 +138,7 @@ def compare(
     work: int | None,
     max_seconds: float | None,
     symmetric: bool,
+    no_cache: bool,
     as_json: bool,
     html: str | None,
     certify: bool,
@@ -150,6 +152,7 @@ def compare(
     """
     from ..attached import with_certificates
     from ..certificates import check_engine
+    from ..certified_cache import reference_named
     from ..comparison import compare as compare_engines
     from ..documents.comparison import comparison_json
     from ..engines import split_engines
@@ -171,7 +174,7 @@ def compare(
             split_engines(engines),
             until=until,
             events=events,
-            reference=with_settings(reference, ties=ties, work=work),
+            reference=reference_named(with_settings(reference, ties=ties, work=work), cache=not no_cache),
             max_seconds=max_seconds,
             progress=progress,
         )

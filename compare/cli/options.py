@@ -61,6 +61,11 @@ SYMMETRIC = click.option(
     is_flag=True,
     help="Refuse a scene that no mirror and no rotation maps to itself: its ties could not be proved by symmetry.",
 )
+NO_CACHE = click.option(
+    "--no-cache",
+    is_flag=True,
+    help="Make every certified run anew: use none that was kept by an earlier call, and keep none.",
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 
 

@@ -10,6 +10,7 @@ from .exit_codes import of_stop
 from .options import (
     EVENTS,
     JSON,
+    NO_CACHE,
     OPTIONAL_SCENE,
     POLICY,
     REVERSE,
@@ -52,6 +53,7 @@ from .options import (
 @REVERSE
 @POLICY
 @SYMMETRIC
+@NO_CACHE
 def run(
     scene: str | None,
     engine_text: str,
@@ -68,14 +70,15 @@ def run(
     reverse_after: int | None,
     tie_policy: str | None,
     symmetric: bool,
+    no_cache: bool,
 ) -> int:
     """Run a scene in one engine and print its history.
 
     What comes of --resume is what one run from the beginning would have given, but for the counts of its plan.
     """
+    from ..certified_cache import reference_named
     from ..deadline import time_limit
     from ..documents.trajectory import trajectory_json
-    from ..engines import engine
     from ..foreign.guard import is_own, run_guarded
     from ..report.listing import print_json, print_trajectory
     from ..saved_runs import check_savable, save_run
@@ -85,7 +88,7 @@ def run(
 
     if resume is None:
         loaded = changed(required(scene), reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
-        chosen = engine(with_settings(engine_text, ties=ties, work=work))
+        chosen = reference_named(with_settings(engine_text, ties=ties, work=work), cache=not no_cache)
         goal = goal_of(loaded, until, events)
     else:
         refuse_beside("--resume", ("scene", "engine_text", "reverse_after", "tie_policy", "symmetric"))

@@ -14,6 +14,8 @@ from typing import Any
 import mpmath
 import numpy as np
 from flint import arb, fmpq  # type: ignore[attr-defined]
+from mpmath.ctx_iv import ivmpf
+from mpmath.libmp import MPZ
 
 from ...exact.results.ball_parts import from_parts, parts_of
 from ...exact.results.saved_numbers import NumberReader, NumberWriter, set_time_data, step_data, step_of
@@ -143,8 +145,9 @@ class Writer:
             place, writer = self._fields.setdefault(id(value.tower), (len(self._fields), NumberWriter()))
             self._kept.append(value.tower)
             return {"field": place, "number": writer(value)}
-        if isinstance(value, mpmath.ctx_iv.ivmpf):
-            return {"interval": [[int(s), f"{int(m):x}", int(e), int(b)] for s, m, e, b in value._mpi_]}
+        if isinstance(value, ivmpf):
+            ends: Any = value
+            return {"interval": [[int(s), f"{int(m):x}", int(e), int(b)] for s, m, e, b in ends._mpi_]}
         return None
 
     def _object(self, value: Any) -> Any:
@@ -243,7 +246,7 @@ class Reader:
         return self._numbers[field_](number_)
 
     def _interval(self, interval_: list[Any]) -> Any:
-        return mpmath.iv.make_mpf(tuple((s, mpmath.libmp.MPZ(int(m, 16)), e, b) for s, m, e, b in interval_))
+        return mpmath.iv.make_mpf(tuple((s, MPZ(int(m, 16)), e, b) for s, m, e, b in interval_))
 
     def _same(self, same_: int) -> Any:
         return self._seen[same_]

@@ -14,6 +14,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
+from ..certified_cache import cached
 from ..comparison import Comparison, compare
 from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
@@ -121,7 +122,7 @@ def check(
     where = scene if isinstance(scene, str) else scene.name
     loaded = scene_from(scene) if isinstance(scene, str) else scene
     chosen, name = _engine(engine, loaded, declared)
-    truth = ExactEngine(work=DEFAULT_WORK if work is None else work)
+    truth = cached(ExactEngine(work=DEFAULT_WORK if work is None else work))
     demand = Demand(digits, atol, rtol)
     case = _Case(
         chosen,
@@ -148,7 +149,7 @@ class _Case:
     name: str
     scene: Scene
     where: str
-    truth: ExactEngine
+    truth: Engine
     demand: Demand
     permitted: bool
     asked: bool
