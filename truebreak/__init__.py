@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .compare.saved_comparisons import load_comparison, save_comparison
     from .compare.saved_runs import save_run
     from .compare.scene_argument import scene_from as scene
+    from .compare.tables import table
     from .exact.results.saved import load_run
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
@@ -42,6 +43,7 @@ __all__ = [
     "save_comparison",
     "save_run",
     "scene",
+    "table",
 ]
 
 _HOMES = {
@@ -58,6 +60,7 @@ _HOMES = {
     "save_comparison": ("compare.saved_comparisons", "save_comparison"),
     "save_run": ("compare.saved_runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),
+    "table": ("compare.tables", "table"),
 }
 """The module of each name, and what it is called there: imported when it is asked for."""
 

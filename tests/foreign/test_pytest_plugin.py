@@ -76,6 +76,7 @@ def test_a_failure_tells_the_divergence_first(pytester: pytest.Pytester) -> None
             "E * expected: middle meets left then right at t = 1",
             "E * got: *middle meets left + right at t = 1.0",
             "E * decision: margin 1e-40 beside an error of 0; *",
+            "E * digits: *15 expected of 53 bits, 15 left of places by then",
             "E * cause: *input rounding: *",
             "E * required: 2 events; 0 agree",
             "E * reproduce: truebreak compare near-tie:k=40 --engines double --events 2",
