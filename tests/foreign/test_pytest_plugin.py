@@ -10,9 +10,14 @@ from xml.etree import ElementTree
 
 import pytest
 
+from truebreak.testing import check
+
 pytest_plugins = ["pytester"]
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+
+LOADED = check
+"""Loaded before the runs within this process: they drop what they import, and numpy cannot be loaded twice."""
 
 SAMPLE = ROOT / "tests" / "data" / "sample_project"
 
@@ -31,7 +36,8 @@ def test_the_plugin_imports_nothing_but_pytest(tmp_path: Path) -> None:
         "    assert not heavy & set(sys.modules), heavy & set(sys.modules)\n",
         "utf-8",
     )
-    words = ["-m", "pytest", "-q", "-p", "no:hypothesispytest", "-p", "no:cacheprovider", "--strict-markers"]
+    others = ["-p", "no:hypothesispytest", "-p", "no:html", "-p", "no:cacheprovider"]
+    words = ["-m", "pytest", "-q", *others, "--strict-markers"]
     done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
