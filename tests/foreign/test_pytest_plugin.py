@@ -242,3 +242,30 @@ def test_the_report_is_attached_to_pytest_html(pytester: pytest.Pytester) -> Non
     pytester.makepyfile(FAILING)
     pytester.runpytest_subprocess("--html=all.html", "--truebreak-report=reports").assert_outcomes(failed=1)
     assert "reports/test_" in Path(pytester.path, "all.html").read_text("utf-8")
+
+
+def test_without_any_extra(pytester: pytest.Pytester) -> None:
+    """Neither xdist nor pytest-html nor hypothesis: checks work, and strategies say what is missing."""
+    pytester.makeconftest(
+        "import sys\nfor name in ('hypothesis', 'xdist', 'pytest_html'):\n    sys.modules[name] = None\n"
+    )
+    pytester.makepyfile(
+        """
+        import pytest
+        from truebreak.scenarios import SceneError
+        from truebreak.testing import scenes
+
+        def test_double(truebreak):
+            truebreak.check("double", "near-tie:k=4")
+
+        def test_drawn():
+            with pytest.raises(SceneError, match="hypothesis is not installed"):
+                scenes()
+        """
+    )
+    without = [
+        word for name in ("hypothesispytest", "xdist", "xdist.looponfail", "html") for word in ("-p", f"no:{name}")
+    ]
+    done = pytester.runpytest_subprocess(*without, "-p", "no:cacheprovider", "--truebreak-report=reports")
+    done.assert_outcomes(passed=2)
+    done.stdout.fnmatch_lines(["truebreak: 1 check: 1 passed"])
