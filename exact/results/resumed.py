@@ -6,12 +6,12 @@ from dataclasses import replace
 from typing import Any
 
 from ...scenarios.errors import SceneError
-from ...scenarios.event import Contact
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower.element import AnyTower, Element
 from ...scenarios.numbers.tower.field import TowerLimit
 from ...scenarios.trajectory import StopReason, Trajectory
-from ..numbers.system import Number
+from ..numbers.field import Known
+from ..replay.contact import Named
 from ..simulation.history import History, Mark
 from ..simulation.limits import Limits
 from ..simulation.loop import stopped
@@ -62,7 +62,7 @@ def _number(time: Any) -> int:
     return time.instant
 
 
-def restore(history: History, run: Trajectory, limits: Limits, tower: AnyTower) -> None:
+def restore(history: History[Known], run: Trajectory, limits: Limits, tower: AnyTower) -> None:
     """Gives a history that was carried out again the numbers and counts of the run that it is the beginning of.
 
     Args:
@@ -88,7 +88,7 @@ def restore(history: History, run: Trajectory, limits: Limits, tower: AnyTower) 
         value = run.reversal.time
         times[value.instant, value.upto, _source(value)] = number(value.near)
 
-    def timed(mark: Mark) -> Mark:
+    def timed(mark: Mark[Known]) -> Mark[Known]:
         return mark._replace(time=times[mark.number, mark.step, mark.source])
 
     history.records = [record._replace(mark=timed(record.mark)) for record in history.records]
@@ -96,10 +96,11 @@ def restore(history: History, run: Trajectory, limits: Limits, tower: AnyTower) 
     history.last = None if history.last is None else timed(history.last)
     if history.reversal is not None:
         history.reversal = (history.reversal[0], timed(history.reversal[1]))
-    history.knots = [
+    knots: list[list[Any]] = [
         [(*map(number, knot[:5]), *knot[5:]) for knot in row[: len(mine)]]
         for mine, row in zip(history.knots, motion.knots, strict=True)
     ]
+    history.knots = knots
     history.plan.clear()
     history.plan.update(reached.plan)
     history.assumptions[:] = run.assumptions[: reached.assumed]
@@ -113,13 +114,13 @@ def _source(value: ExactValue) -> Source:
     return value.formula.source
 
 
-def _same(history: History, run: Trajectory, motion: ExactMotion) -> bool:
+def _same(history: History[Known], run: Trajectory, motion: ExactMotion) -> bool:
     """Whether a history is the beginning of a run: the same steps, events and flights."""
-    ids = run.scene.ids
+    named = Named(run.scene)
     if history.steps != list(motion.log.steps[: len(history.steps)]) or len(history.records) > len(run.events):
         return False
     for record, event in zip(history.records, run.events, strict=False):
-        links = [tuple(Contact(ids[i], ids[j]) for i, j in part) for part in (record.links, record.impulses)]
+        links = [named(record.links), named(record.impulses)]
         if links != [event.contacts, event.impulses] or record.mark.number != _number(event.time):
             return False
     return all(
@@ -139,7 +140,7 @@ class Moved:
         self._tower = tower
         self._known: dict[str, Element] = {}
 
-    def __call__(self, number: Number) -> Number:
+    def __call__(self, number: Known) -> Known:
         """One number.
 
         Raises:

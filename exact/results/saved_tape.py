@@ -6,6 +6,7 @@ from typing import Any
 
 from ...scenarios.event import Contact, Tie, TieProof
 from ...scenarios.numbers.quantity import Quantity
+from ..replay.contact import Entry
 from ..simulation.instant import Instant
 from ..simulation.limits import Limits
 from ..simulation.tape import Found, Reached, Tape
@@ -44,7 +45,7 @@ def tape_of_data(data: Written) -> Tape | None:
         found,
         Reached(len(found), data["plan"], len(rises), data["assumed"]) if data["begun"] else None,
         rises,
-        {number: list(links_of(links)) for number, links in data["grazes"]},
+        {number: [link_of(link) for link in links] for number, links in data["grazes"]},
     )
 
 
@@ -54,7 +55,7 @@ def _found_data(found: Found) -> Written:
         return list(found)
     told = {
         "hits": links_data(found.hits),
-        "touches": [[*link, sign] for link, sign in found.touches.items()],
+        "touches": [[list(link), sign] for link, sign in found.touches.items()],
         "arrivals": links_data(found.arrivals),
         "rims": links_data(sorted(found.rims)),
         "ties": [tie_data(tie) for tie in found.ties],
@@ -67,14 +68,15 @@ def _found_data(found: Found) -> Written:
 
 def _found_of(data: Written, number: int) -> Found:
     if isinstance(data, list):
-        return link_of(data)
+        (touch,) = links_of([data])
+        return touch
     moment = data.get("moment")
     return Instant(
         number,
         hits=links_of(data.get("hits", ())),
-        touches={(i, j): sign for i, j, sign in data.get("touches", ())},
-        arrivals=links_of(data.get("arrivals", ())),
-        rims=frozenset(links_of(data.get("rims", ()))),
+        touches={touch: sign for link, sign in data.get("touches", ()) for touch in links_of([link])},
+        arrivals=entries_of(data.get("arrivals", ())),
+        rims=frozenset(entries_of(data.get("rims", ()))),
         ties=tuple(map(tie_of, data.get("ties", ()))),
         clock=link_of(data["clock"]) if "clock" in data else None,
         reversal=data.get("reversal", False),
@@ -96,3 +98,8 @@ def tie_of(data: Written) -> Tie:
 def contacts_of(data: Any) -> tuple[Contact, ...]:
     """Contacts by id."""
     return tuple(Contact(first, second) for first, second in data)
+
+
+def entries_of(data: Written) -> tuple[Entry, ...]:
+    """Entries into pockets."""
+    return tuple(link for link in map(link_of, data) if isinstance(link, Entry))

@@ -13,27 +13,30 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import Generic
 
 from ...scenarios.errors import TimeIsUp
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
+from ..numbers.system import N
 from ..numbers.undecided import BudgetSpent, Undecided
 from ..policies import Policy, policy_for
 from ..predicates.hits import Closing
 from ..replay.body import Body
-from ..replay.steps import Link
+from ..replay.contact import Link
 from .decider import Decider
 from .gathering import Gatherer
+from .history import K
+from .initial import rims_at_start, touching_at_start
 from .instant import Instant, Resolved, Resolver
 from .limits import Limits
-from .start import rims_at_start, touching_at_start
 from .tape import Found, Tape, instant_of
 
 PROGRESS_EVERY = 0.2
 """Seconds between progress reports."""
 
 
-class Loop:
+class Loop(Generic[N, K]):
     """The loop over one scene.
 
     Args:
@@ -50,7 +53,7 @@ class Loop:
     def __init__(
         self,
         scene: Scene,
-        decider: Decider,
+        decider: Decider[N, K],
         limits: Limits,
         progress: OnProgress | None,
         policy: Policy | None = None,
@@ -74,7 +77,7 @@ class Loop:
             self._first_knots()
         try:
             if not taken_up:
-                self._predict(self.decider.bodies, self._open())
+                self._predict(list(self.decider.bodies.values()), self._open())
             while True:
                 stop = self._limit_on_events()
                 if stop is not None:
@@ -107,7 +110,7 @@ class Loop:
             after: called with the number of each instant that is done.
         """
         self._first_knots()
-        begun = dict.fromkeys(range(len(self.decider.bodies)), 0)
+        begun = dict.fromkeys(self.decider.bodies, 0)
         spent: dict[Link, int] = {}  # entries and grazes leave flights as they are, and come no second time on them
         standing = {0: self._open()}
         after(0)
@@ -122,7 +125,7 @@ class Loop:
             self._report()
         for number in sorted(set(begun.values())):
             later = {i for i, other in begun.items() if other > number}
-            moved = [body for body in self.decider.bodies if begun[body.index] == number]
+            moved = [body for body in self.decider.bodies.values() if begun[body.index] == number]
             self._predict(moved, {*standing[number], *(k for k, at in spent.items() if at > number)}, later)
 
     def _stopped(self, reason: StopReason, told: str) -> Stop:
@@ -133,8 +136,9 @@ class Loop:
     # -- the instants
 
     def _first_knots(self) -> None:
-        self.decider.refresh(self.decider.bodies)
-        self.history.knots += [[(*self.decider.reading.knot(body), 0, 0)] for body in self.decider.bodies]
+        bodies = list(self.decider.bodies.values())
+        self.decider.refresh(bodies)
+        self.history.knots += [[(*self.decider.reading.knot(body), 0, 0)] for body in bodies]
 
     def _open(self) -> Collection[Link]:
         """The instant at time 0; what stands at gap zero after it."""
@@ -157,17 +161,17 @@ class Loop:
         self._note(instant, done)
         return {*links, *rims, *self._standing(done)}
 
-    def _predict(self, moved: Sequence[Body], standing: Collection[Link], besides: Collection[int] = ()) -> None:
+    def _predict(self, moved: Sequence[Body[N]], standing: Collection[Link], besides: Collection[int] = ()) -> None:
         """Predicts the next meetings of circles whose flights are new, with all in play but some."""
         gone = self.resolver.gone
         self.decider.meetings.predict(moved, standing, gone.union(besides) if besides else gone)
 
-    def _standing(self, done: Resolved) -> Collection[Link]:
+    def _standing(self, done: Resolved[K]) -> Collection[Link]:
         """The contacts and rims at gap zero that a prediction must leave out."""
         lasting = self.resolver.touching.all()
         return {*done.standing, *lasting} if lasting else done.standing
 
-    def _resolve(self, instant: Instant) -> Resolved:
+    def _resolve(self, instant: Instant) -> Resolved[K]:
         """Resolves an instant and notes it."""
         decider, records = self.decider, len(self.history.records)
         decider.begin(instant.number)
@@ -178,7 +182,7 @@ class Loop:
         self._note(instant, done)
         return done
 
-    def _note(self, instant: Instant, done: Resolved) -> None:
+    def _note(self, instant: Instant, done: Resolved[K]) -> None:
         """Puts a whole instant into the history."""
         note, before, history = self.resolver.noted(done), done.before, self.history
         self._split = done.split

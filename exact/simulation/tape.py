@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple, TypeAlias
 
-from ..replay.steps import Link
-from .history import History
+from ..replay.contact import AtWall, Link, Pair
+from .history import History, K
 from .instant import Instant
 from .limits import Limits
 
-Found: TypeAlias = Instant | Link
+Found: TypeAlias = Instant | Pair | AtWall
 """What was gathered for one instant; of a contact alone, the contact."""
 
 
@@ -48,7 +48,7 @@ class Tape:
     rises: list[tuple[int, bool]] = field(default_factory=list)
     grazes: dict[int, list[Link]] = field(default_factory=dict)
 
-    def mark(self, history: History) -> None:
+    def mark(self, history: History[K]) -> None:
         """Called before each look for an instant."""
         if self.reached is None or self.reached.instants != len(self.found):
             self.reached = Reached(len(self.found), dict(history.plan), len(history.rises), len(history.assumptions))
@@ -56,8 +56,8 @@ class Tape:
     def add(self, instant: Instant) -> None:
         """An instant that was gathered."""
         link = instant.clock
-        alone = link is not None and instant == Instant(instant.number, hits=(link,), clock=link)
-        self.found.append(link if alone and link is not None else instant)
+        alone = isinstance(link, Pair | AtWall) and instant == Instant(instant.number, hits=(link,), clock=link)
+        self.found.append(link if alone and isinstance(link, Pair | AtWall) else instant)
 
     def whole(self) -> list[Found]:
         """The instants up to where all that followed from them is known."""
@@ -67,7 +67,7 @@ class Tape:
 def instant_of(found: Found, number: int) -> Instant:
     """An instant, from what a tape keeps of it and its number.
 
-    >>> instant_of((0, 1), 2).hits
-    ((0, 1),)
+    >>> instant_of(Pair(0, 1), 2).hits
+    (Pair(a=0, b=1),)
     """
     return found if isinstance(found, Instant) else Instant(number, hits=(found,), clock=found)

@@ -18,6 +18,7 @@ from truebreak.compare import trajectory_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
+from truebreak.exact.replay.contact import Pair
 from truebreak.exact.results.saved import run_of, saved_run
 from truebreak.exact.simulation.loop import Loop
 from truebreak.scenarios import Circle, Pocket, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
@@ -179,7 +180,7 @@ def test_a_log_of_another_scene_is_told() -> None:
     data = json.loads(saved_run(part))
     assert [row for row in data["tape"]["instants"] if isinstance(row, list)]
     other = ExactEngine().run(MANY_ROOTS.with_changes(tie_policy="sequential:order=scene"), events=9)
-    other.motion.tape.found[3] = (0, 1)  # type: ignore[attr-defined]
+    other.motion.tape.found[3] = Pair(0, 1)  # type: ignore[attr-defined]
     with pytest.raises(SceneError, match="the log is not what its scene does"):
         ExactEngine().resume(other, events=20)
 

@@ -13,6 +13,7 @@ NAMES = (
     "certificate-1",
     "chaos-1",
     "sweep-1",
+    "stress-1",
     "run-1",
     "saved-comparison-1",
 )
