@@ -40,9 +40,10 @@ def failure(
         exact = candidate.margin.gap or candidate.margin.distance
         beside = "" if exact is None else f"margin {short(abs(middle(exact)))} beside an error of "
         lines.append(f"  decision: {beside}{short(candidate.margin.error)}; {margin_phrase(candidate)}")
-    if candidate.margin is not None and bits is not None:
+    error = None if candidate.margin is None else candidate.margin.error
+    if error is not None and bits is not None:
         expected = int(bits * log10(2))
-        left = digits_left(candidate.margin.error, _size(comparison), expected)
+        left = digits_left(error, _size(comparison), expected)
         lines.append(f"  digits:   {expected} expected of {bits} bits, {left} left of places by then")
     if candidate.diagnosis is not None:
         lines.append(f"  cause:    {candidate.diagnosis}: {candidate.diagnosis.evidence}")
