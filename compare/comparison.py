@@ -82,6 +82,15 @@ class Comparison:
             verdicts.add("undecided")
         return next(verdict for verdict in VERDICTS if verdict in verdicts)
 
+    def __str__(self) -> str:
+        """The scene, the verdict, and where each engine first differs."""
+        told: list[str] = []
+        for candidate in self.candidates:
+            parted = candidate.alignment.divergence
+            where = "" if parted is None else f" at event {parted.event:,}"
+            told.append(f"{candidate.engine} {candidate.verdict}{where}")
+        return f"{self.scene.name}: {', '.join(told)}"
+
     def _repr_html_(self) -> str:
         """One row an engine, for a notebook."""
         rows: list[tuple[object, ...]] = [(self.reference.engine, "reference", len(self.reference.events), "", "")]

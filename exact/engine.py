@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..scenarios.engine import Declared
-from ..scenarios.errors import SceneError
+from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.event import Event, Pocketing, Reversal
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
@@ -14,16 +15,19 @@ from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
 from .certified.decider import CertifiedDecider
 from .numbers import ball
 from .numbers.field import Known
+from .numbers.undecided import BudgetSpent, Undecided
 from .policies import Policy
 from .predicates.ties import TieRule
 from .replay.contact import Named
 from .results.home import return_note
 from .results.motion import ExactMotion
+from .results.resumed import NOT_ITS_LOG, farther, restore, tape_of, within
 from .results.run_log import RunLog
 from .results.times import time_of, time_of_return, time_zero
 from .simulation.history import History
 from .simulation.limits import Limits, run_limits
-from .simulation.loop import Loop
+from .simulation.loop import Loop, stopped
+from .simulation.tape import Tape
 
 DEFAULT_WORK = 3_000_000
 """Units of work that one question, or all of one instant, may cost; a unit is about a microsecond.
@@ -92,16 +96,86 @@ class ExactEngine(Declared):
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """As `run`, with a policy of the caller's in place of the scene's."""
-        limits = run_limits(scene, until, events)
+        return self._run(scene, run_limits(scene, until, events), policy, progress)
+
+    def resume(
+        self,
+        run: Trajectory,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """Goes on from a run that ended too soon: with its limits, unless others are given.
+
+        The log is carried out again, with the bits that the run had, and nothing is looked for until it ends. What
+        comes out is what one run to these limits would have given: events, proofs, states, stop, and every number.
+        Its plan may count otherwise, since what lies ahead is predicted anew.
+
+        Raises:
+            SceneError: as `run`; for a run of another engine, policy or rule of ties; for a log that is not what its
+                scene does.
+
+        >>> from truebreak.scenarios import catalogue
+        >>> short = ExactEngine().run(catalogue.build("gas:n=3"), events=5)
+        >>> len(ExactEngine().resume(short, events=9).events)
+        9
+        """
+        _, tape, reached = tape_of(run)
+        if TieRule.parse(str(run.parameters["ties"])) != TieRule.parse(self.ties):
+            raise SceneError(f"the run was made with ties = {run.parameters['ties']!r}; go on with the same")
+        given = until is not None or events is not None
+        limits = run_limits(run.scene, until, events) if given else tape.limits
+
+        def take_up(loop: Loop, decider: CertifiedDecider) -> None:
+            assert reached is not None
+            decider.history.rises += tape.rises[: reached.rises]
+            if decider.history.rises:
+                decider.state.rise(*decider.history.rises[-1])
+            decider.grazes = {k: list(links) for k, links in tape.grazes.items() if k // 2 <= reached.instants}
+            try:
+                loop.take_up(tape.whole(), decider.graze_again)
+            except (ArithmeticError, AssertionError, LookupError, ValueError):
+                raise SceneError(NOT_ITS_LOG) from None
+            restore(decider.history, run, limits, decider.state.numbers.tower)
+
+        known = reached is not None and within(run, limits, reached)
+        try:
+            again = self._run(run.scene, limits, None, progress, take_up if known else None)
+        except (Undecided, BudgetSpent):
+            again = self._run(run.scene, limits, None, progress)
+        except KeyboardInterrupt:
+            return replace(run, stop=stopped(StopReason.INTERRUPTED, len(run.events)))
+        except TimeIsUp as outcome:
+            return replace(run, stop=stopped(StopReason.BUDGET, len(run.events), str(outcome)))
+        return farther(run, again, limits)
+
+    def _run(
+        self,
+        scene: Scene,
+        limits: Limits,
+        policy: Policy | None,
+        progress: OnProgress | None,
+        take_up: Callable[[Loop, CertifiedDecider], None] | None = None,
+    ) -> Trajectory:
         saved = ball.bits_in_use()
         try:
             decider = CertifiedDecider(scene, limits, self.max_bits, self.work, TieRule.parse(self.ties))
-            stop = Loop(scene, decider, limits, progress, policy).run()
-            return self._trajectory(scene, decider, limits, stop)
+            loop = Loop(scene, decider, limits, progress, policy)
+            if take_up is not None:
+                take_up(loop, decider)
+            stop = loop.run()
+            tape = None
+            if policy is None:
+                tape = loop.tape
+                tape.rises, tape.grazes = decider.history.rises, decider.grazes
+            return self._trajectory(scene, decider, limits, stop, tape)
         finally:
             ball.use_bits(saved)
 
-    def _trajectory(self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop) -> Trajectory:
+    def _trajectory(
+        self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop, tape: Tape | None
+    ) -> Trajectory:
         history = decider.history
         state = decider.state
         log = RunLog(scene, history.steps, state.bits - min(state.lowest, state.bits), state.centred)
@@ -125,7 +199,7 @@ class ExactEngine(Declared):
             decider.catch_up()
             home = decider.retrace.home
             notes = (return_note(scene, decider.retrace.home, decider.state.exact, motion),)
-        motion.returned = home
+        motion.returned, motion.tape = home, tape
         reversal = None
         if history.reversal is not None:
             reversal = Reversal(history.reversal[0], time_of(log, history.reversal[1]))
@@ -142,7 +216,7 @@ class ExactEngine(Declared):
                 Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), time_of(log, e.mark))
                 for e in history.entries
             ),
-            assumptions=tuple(decider.assumptions),
+            assumptions=tuple(history.assumptions),
             plan={**dict(sorted(history.plan.items())), "bits": decider.state.bits},
             notes=notes,
         )

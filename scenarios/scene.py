@@ -197,6 +197,12 @@ class Scene:
         told = ", ".join(f"{count:,} {kind}{'s' * (count != 1)}" for kind, count in counts.items() if count)
         return html_table(f"{self.name}: {told}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
 
+    def __str__(self) -> str:
+        """Its name, and of how many things it is made."""
+        kinds = (("circle", self.circles), ("wall", self.walls), ("pocket", self.pockets))
+        made = [f"{len(things)} {kind}{'s' * (len(things) != 1)}" for kind, things in kinds if things]
+        return f"{self.name}: {', '.join(made)}"
+
     @property
     def digest(self) -> str:
         """SHA-256 of what decides the history: everything but name, description, source and default horizon."""

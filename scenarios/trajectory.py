@@ -155,6 +155,11 @@ class Trajectory:
         """The first assumption on which an event rests; None if all before it is proved."""
         return next((assumption for assumption in self.assumptions if assumption.event <= event), None)
 
+    def __str__(self) -> str:
+        """The scene, the engine, how many events, and why it ended."""
+        events = f"{len(self.events):,} event{'s' * (len(self.events) != 1)}"
+        return f"{self.scene.name} in {self.engine}: {events}; {self.stop.message}"
+
     def _repr_html_(self) -> str:
         """The events as a table, for a notebook."""
         rows = (

@@ -20,6 +20,10 @@ settings.load_profile("ci" if os.environ.get("CI") else "local")
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+# No test touches the user's kept runs, nor does what tests start.
+os.environ["TRUEBREAK_CACHE"] = ""
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """The project's top folder."""

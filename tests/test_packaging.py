@@ -12,6 +12,9 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from test_docs import BLOCK
+
+import truebreak as tb
 
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("scenarios", "tools", "exact", "floating", "compare")
@@ -182,12 +185,48 @@ wrong: int = tb.load("x.toml")
 def test_type_checkers_see_the_names_of_the_face(site: Path, tmp_path: Path) -> None:
     """In strict mode, in a user's project, with one deliberate mistake."""
     (tmp_path / "user.py").write_text(USER, "utf-8")
-    settings = {"include": ["user.py"], "strict": ["user.py"], "extraPaths": [str(site)]}
-    (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings), "utf-8")
+    found = strictly(site, tmp_path, "user.py")
+    assert [line for _, line, _ in found] == [len(USER.splitlines())], found
+
+
+def statements(text: str) -> str:
+    """The Python of a page's blocks: of sessions what is typed at the prompt."""
+    found: list[str] = []
+    for match in BLOCK.finditer(text):
+        if match["language"] == "pycon":
+            lines = (line for line in match["text"].splitlines() if line.startswith((">>> ", "... ")))
+            found += [line[4:] for line in lines]
+        elif match["language"] == "python":
+            found += match["text"].splitlines()
+    return "\n".join(found) + "\n"
+
+
+def test_the_readmes_python_passes_a_strict_type_checker(site: Path, tmp_path: Path) -> None:
+    """In a user's project; what pytest hands to a test has the type that a user gives it."""
+    code = statements((ROOT / "README.md").read_text("utf-8"))
+    assert "ExactEngine" in code
+    assert "truebreak.check" in code
+    code = code.replace("def test_my_engine(truebreak):", "def test_my_engine(truebreak: Truebreak) -> None:")
+    shown = [line for line in code.splitlines() if line and not line[0].isspace()]
+    alone = {line for line in shown if not line.startswith(("from ", "import ", "def ", "@")) and " = " not in line}
+    code = "\n".join(f"print({line})" if line in alone else line for line in code.splitlines())
+    code = f"from truebreak.testing import Truebreak\n{code}\n"
+    face = "import truebreak as tb\n" + "\n".join(f"print(tb.{name})" for name in tb.__all__) + "\n"
+    (tmp_path / "readme.py").write_text(code, "utf-8")
+    (tmp_path / "face.py").write_text(face, "utf-8")
+    (tmp_path / "wrong.py").write_text('import truebreak as tb\nwrong: int = tb.resume("run.json")\n', "utf-8")
+    found = strictly(site, tmp_path, "readme.py", "face.py", "wrong.py")
+    assert [(file, line) for file, line, _ in found] == [("wrong.py", 2)], found
+
+
+def strictly(site: Path, folder: Path, *files: str) -> list[tuple[str, int, str]]:
+    """What pyright has to say of a user's files in strict mode: file, line and message."""
+    settings = {"include": files, "strict": files, "extraPaths": [str(site)]}
+    (folder / "pyrightconfig.json").write_text(json.dumps(settings), "utf-8")
     command = [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    found = [(d["range"]["start"]["line"] + 1, d["message"]) for d in json.loads(done.stdout)["generalDiagnostics"]]
-    assert [line for line, _ in found] == [len(USER.splitlines())], found
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    told = json.loads(done.stdout)["generalDiagnostics"]
+    return [(Path(d["file"]).name, d["range"]["start"]["line"] + 1, d["message"]) for d in told]
 
 
 def python(

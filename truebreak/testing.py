@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .compare.testing.check import Checked, CheckFailed, NotDecided, check
     from .compare.testing.families import truebreak_scenes
+    from .compare.testing.plugin import Truebreak
     from .compare.testing.strategies import scenes
 
-__all__ = ["CheckFailed", "Checked", "NotDecided", "check", "scenes", "truebreak_scenes"]
+__all__ = ["CheckFailed", "Checked", "NotDecided", "Truebreak", "check", "scenes", "truebreak_scenes"]
 
 _HOMES = {
     "CheckFailed": "check",
     "Checked": "check",
     "NotDecided": "check",
+    "Truebreak": "plugin",
     "check": "check",
     "scenes": "strategies",
     "truebreak_scenes": "families",

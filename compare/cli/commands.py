@@ -10,7 +10,8 @@ from .examples import examples
 from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 from .minimise import minimise
 from .numbers import Whole
-from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .options import EVENTS, JSON, NO_CACHE, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .run import run
 from .sweep import sweep
 
 EXAMPLES = """
@@ -21,6 +22,7 @@ Examples:
   truebreak compare gas:n=10,seed=1 --events 200 --html report.html
   truebreak run galperin:n=2 --engine exact --json
   truebreak run tennis --engine exact --exact     every number as an exact expression
+  truebreak run --resume gas-run.json             go on from what --save wrote
   truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
   truebreak judge gas log.jsonl --events 100      the log of any engine, in any language
   truebreak export gas --floats                   the scene in doubles, for such an engine
@@ -80,83 +82,6 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
     return DONE
 
 
-@cli.command(epilog=examples("run"))
-@SCENE
-@click.option(
-    "--engine",
-    "engine_text",
-    default="exact",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30; "
-    "or package.module:Class, your own.",
-)
-@UNTIL
-@EVENTS
-@click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
-@JSON
-@click.option("--certificate", metavar="FILE", help="Also write a certificate that `truebreak verify` checks.")
-@click.option("--save", metavar="FILE", help="Also save the run, or what there is of it, for `truebreak.load_run`.")
-@TIES
-@WORK
-@SECONDS
-@REVERSE
-@POLICY
-@SYMMETRIC
-def run(
-    scene: str,
-    engine_text: str,
-    until: str | None,
-    events: int | None,
-    exact: bool,
-    as_json: bool,
-    certificate: str | None,
-    save: str | None,
-    ties: str | None,
-    work: int | None,
-    max_seconds: float | None,
-    reverse_after: int | None,
-    tie_policy: str | None,
-    symmetric: bool,
-) -> int:
-    """Run a scene in one engine and print its history."""
-    from ..deadline import time_limit
-    from ..documents.trajectory import trajectory_json
-    from ..engines import engine
-    from ..foreign.guard import is_own, run_guarded
-    from ..report.listing import print_json, print_trajectory
-    from ..saved_runs import check_savable, save_run
-    from ..scene_argument import changed, with_settings
-    from ..validation import check_trajectory, check_until
-    from .progress import goal_of, showing_progress
-
-    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
-    chosen = engine(with_settings(engine_text, ties=ties, work=work))
-    check_until(chosen, loaded, until)
-    if certificate is not None:
-        from ..certificates import check_certifiable
-
-        check_certifiable(chosen.name, certificate)
-    if save is not None:
-        check_savable(chosen.name, loaded, save)
-    goal = goal_of(loaded, until, events)
-    with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
-        told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
-        trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)
-    if save is not None:
-        save_run(trajectory, save)
-    if certificate is not None:
-        from ..certificates import write_certificate
-
-        write_certificate(trajectory, certificate)
-    if as_json:
-        print_json(trajectory_json(trajectory, exact=exact, watch=watch))
-    else:
-        print_trajectory(trajectory, exact=exact, watch=watch)
-    return of_stop(trajectory.stop)
-
-
 @cli.command(epilog=examples("verify"))
 @click.argument("file", metavar="FILE")
 def verify(file: str) -> int:
@@ -197,9 +122,11 @@ def verify(file: str) -> int:
 @WORK
 @SECONDS
 @SYMMETRIC
+@NO_CACHE
 @JSON
 @click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
 @click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
+@click.option("--save", metavar="FILE", help="Also save the comparison with its runs, for `truebreak.load_comparison`.")
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
 def compare(
     scene: str,
@@ -213,9 +140,11 @@ def compare(
     work: int | None,
     max_seconds: float | None,
     symmetric: bool,
+    no_cache: bool,
     as_json: bool,
     html: str | None,
     certify: bool,
+    save: str | None,
     exit_zero: bool,
 ) -> int:
     """Run a scene in several engines and say whether they tell the same history.
@@ -225,6 +154,7 @@ def compare(
     """
     from ..attached import with_certificates
     from ..certificates import check_engine
+    from ..certified_cache import reference_named
     from ..comparison import compare as compare_engines
     from ..documents.comparison import comparison_json
     from ..engines import split_engines
@@ -235,8 +165,9 @@ def compare(
     from .writing import check_writable, write_whole
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
-    if html is not None:
-        check_writable(html)
+    for file in (html, save):
+        if file is not None:
+            check_writable(file)
     if certify:
         check_engine(reference, "--certify")
     with showing_progress(loaded.name, goal_of(loaded, until, events)) as progress:
@@ -245,7 +176,7 @@ def compare(
             split_engines(engines),
             until=until,
             events=events,
-            reference=with_settings(reference, ties=ties, work=work),
+            reference=reference_named(with_settings(reference, ties=ties, work=work), cache=not no_cache),
             max_seconds=max_seconds,
             progress=progress,
         )
@@ -256,6 +187,10 @@ def compare(
         from .retold import command_of
 
         write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
+    if save is not None:
+        from ..saved_comparisons import save_comparison
+
+        save_comparison(comparison, save)
     if as_json:
         print_json(comparison_json(comparison))
     else:
@@ -342,6 +277,7 @@ def bench(arguments: tuple[str, ...]) -> int:
     return bench_main(list(arguments)) or DONE
 
 
+cli.add_command(run)
 cli.add_command(chaos)
 cli.add_command(minimise)
 cli.add_command(sweep)

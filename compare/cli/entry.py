@@ -5,7 +5,10 @@ from __future__ import annotations
 import errno
 import os
 import sys
+import warnings
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -81,6 +84,7 @@ def _drop_stdout() -> None:
 
 def _run(words: list[str]) -> int:
     """One command; click's own errors and bad scenes become one line and a code."""
+    warnings.showwarning = partial(_warned, warnings.showwarning)
     try:
         with cli.make_context("truebreak", words) as context:
             code = cli.invoke(context)
@@ -105,6 +109,14 @@ def _run(words: list[str]) -> int:
             raise
         _say(f"truebreak: error: {_in_short(str(error))}")
         return ExitCode.USAGE
+
+
+def _warned(others: Any, message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+    """Shows a warning that is meant for the user as one line, others as Python does."""
+    if getattr(category, "in_one_line", False):
+        _say(f"truebreak: warning: {_in_short(str(message))}")
+    else:
+        others(message, category, *place, **more)
 
 
 LONGEST_WORD, LONGEST_ERROR = 240, 900

@@ -17,6 +17,7 @@ LINES = {
         "truebreak run gas --engine pymunk:dt=1/1000,iterations=30 --events 100",
         "truebreak run lee --certificate lee.json",
         "truebreak run gas --events 200 --save gas-run.json",
+        "truebreak run --resume gas-run.json --events 400 --save gas-run.json",
     ),
     "verify": ("truebreak run lee --certificate lee.json", "truebreak verify lee.json"),
     "compare": (

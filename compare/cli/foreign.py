@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .exit_codes import DONE, of_comparison
-from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .options import EVENTS, JSON, NO_CACHE, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -65,6 +65,7 @@ Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be j
 @WORK
 @SECONDS
 @SYMMETRIC
+@NO_CACHE
 @JSON
 @click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
 @click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
@@ -85,6 +86,7 @@ def judge(
     work: int | None,
     max_seconds: float | None,
     symmetric: bool,
+    no_cache: bool,
     as_json: bool,
     html: str | None,
     certify: bool,
@@ -96,6 +98,7 @@ def judge(
     run on: where it ends too early to tell, the verdict is "not settled", and the report says how far to record.
     With several logs, it says from each to the next whether the verdict changed.
     """
+    from ..certified_cache import reference_named
     from ..comparison import compare
     from ..documents.comparison import comparison_json
     from ..foreign.change import changes_of
@@ -117,7 +120,7 @@ def judge(
             loaded,
             engines,
             **limits,
-            reference=with_settings(reference, ties=ties, work=work),
+            reference=reference_named(with_settings(reference, ties=ties, work=work), cache=not no_cache),
             max_seconds=max_seconds,
             progress=progress,
         )

@@ -24,6 +24,7 @@ SCENE_HELP = (
 
 
 SCENE = click.argument("scene", metavar="SCENE", shell_complete=completion.scenes)
+OPTIONAL_SCENE = click.argument("scene", metavar="SCENE", required=False, shell_complete=completion.scenes)
 UNTIL = click.option("--until", metavar="T", help='Stop at this time: exact text such as 12, 9/4 or "10*sqrt(2)".')
 EVENTS = click.option("--events", type=Whole(1), metavar="N", help="Stop after N instants of collision.")
 REVERSE = click.option(
@@ -60,4 +61,34 @@ SYMMETRIC = click.option(
     is_flag=True,
     help="Refuse a scene that no mirror and no rotation maps to itself: its ties could not be proved by symmetry.",
 )
+NO_CACHE = click.option(
+    "--no-cache",
+    is_flag=True,
+    help="Make every certified run anew: use none that was kept by an earlier call, and keep none.",
+)
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
+
+
+def required(scene: str | None) -> str:
+    """The scene of the command line.
+
+    Raises:
+        click.UsageError: if there is none.
+    """
+    if scene is None:
+        raise click.UsageError("Missing argument 'SCENE'.", click.get_current_context())
+    return scene
+
+
+def refuse_beside(option: str, names: tuple[str, ...]) -> None:
+    """Refuses what an option has of its own already.
+
+    Raises:
+        click.UsageError: naming what was given beside it.
+    """
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        given = context.get_parameter_source(parameter.name or "")
+        if parameter.name in names and given is not click.core.ParameterSource.DEFAULT:
+            shown = parameter.opts[0] if isinstance(parameter, click.Option) else "SCENE"
+            raise click.UsageError(f"{shown} is in the file that {option} reads; leave it out", context)

@@ -14,6 +14,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
+from ..certified_cache import cached
 from ..comparison import Comparison, compare
 from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
@@ -121,7 +122,7 @@ def check(
     where = scene if isinstance(scene, str) else scene.name
     loaded = scene_from(scene) if isinstance(scene, str) else scene
     chosen, name = _engine(engine, loaded, declared)
-    truth = ExactEngine(work=DEFAULT_WORK if work is None else work)
+    truth = cached(ExactEngine(work=DEFAULT_WORK if work is None else work))
     demand = Demand(digits, atol, rtol)
     case = _Case(
         chosen,
@@ -148,7 +149,7 @@ class _Case:
     name: str
     scene: Scene
     where: str
-    truth: ExactEngine
+    truth: Engine
     demand: Demand
     permitted: bool
     asked: bool
@@ -165,7 +166,7 @@ class _Case:
             self._same_history(comparison, None)
         off = None if self.permitted else number_off(comparison, self.demand, None, self._tells_places)
         if off is not None:
-            raise CheckFailed(failure(comparison, self._reproduced(comparison), None, off), comparison)
+            raise CheckFailed(self._failure(comparison, None, off), comparison)
         return self._done([*asserted, *self.demand.told], None, comparison)
 
     def as_far_as_it_reaches(self, bits: int | None) -> Checked:
@@ -180,7 +181,7 @@ class _Case:
             self._same_history(comparison, reach)
             off = number_off(comparison, self.demand, reach, self._tells_places)
             if off is not None:
-                raise CheckFailed(failure(comparison, self._reproduced(comparison), reach, off), comparison)
+                raise CheckFailed(self._failure(comparison, reach, off), comparison)
             places = "times and places" if self._tells_places else "times"
             asserted = [f"the same history in {reach.events} events"]
             asserted += [f"{places} of {reach.linear} within honest errors ({local.told})"] if reach.linear else []
@@ -222,7 +223,7 @@ class _Case:
     def _same_history(self, comparison: Comparison, reach: Reach | None) -> None:
         (candidate,) = comparison.candidates
         if candidate.verdict == "diverged":
-            raise CheckFailed(failure(comparison, self._reproduced(comparison), reach), comparison)
+            raise CheckFailed(self._failure(comparison, reach), comparison)
         if comparison.verdict != "agree":
             told = [verdict_sentence(comparison), f"  {candidate.engine}: {candidate.trajectory.stop.message}"]
             raise NotDecided("\n".join([*told, f"  reproduce: {self._reproduced(comparison)}"]), comparison)
@@ -239,7 +240,7 @@ class _Case:
             relation = found.relation(candidate.pattern)
         if relation in (Relation.OWN, Relation.REALISABLE, Relation.SOME_ORDER):
             return f"a history that is permitted: {relation.value}"
-        text = failure(comparison, self._reproduced(comparison), None)
+        text = self._failure(comparison, None)
         if relation is Relation.NOT_FOUND:
             raise NotDecided(f"{text}\n  permitted: {relation.value}", comparison)
         raise CheckFailed(f"{text}\n  permitted: {relation.value}", comparison)
@@ -258,6 +259,9 @@ class _Case:
         if broken is not None:
             raise CheckFailed(f"{self.name} on {self.where}: {broken}", comparison)
         return ["energy, momentum, no overlap"]
+
+    def _failure(self, comparison: Comparison, reach: Reach | None, off: str | None = None) -> str:
+        return failure(comparison, self._reproduced(comparison), reach, off, self.engine.bits)
 
     def _reproduced(self, comparison: Comparison) -> str:
         """The command, or the Python, that shows the same."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isfinite, log10
 from typing import TYPE_CHECKING
 
 from ..report.sentences import divergence_phrase, listed, margin_phrase, middle, short
@@ -14,13 +15,16 @@ DIGITS = 15
 """Certified digits of a time that a message shows."""
 
 
-def failure(comparison: Comparison, reproduce: str, reach: Reach | None, off: str | None = None) -> str:
+def failure(
+    comparison: Comparison, reproduce: str, reach: Reach | None, off: str | None = None, bits: int | None = None
+) -> str:
     """The message of a check that failed.
 
     Args:
         reproduce: the command that shows the same.
         reach: how far the history was required; None where the span was given.
         off: which number is off, where the history is the same.
+        bits: of the engine's numbers; None where they are not known.
     """
     (candidate,) = comparison.candidates
     lines = [off if off is not None else divergence_phrase(comparison, candidate)]
@@ -36,6 +40,11 @@ def failure(comparison: Comparison, reproduce: str, reach: Reach | None, off: st
         exact = candidate.margin.gap or candidate.margin.distance
         beside = "" if exact is None else f"margin {short(abs(middle(exact)))} beside an error of "
         lines.append(f"  decision: {beside}{short(candidate.margin.error)}; {margin_phrase(candidate)}")
+    error = None if candidate.margin is None else candidate.margin.error
+    if error is not None and bits is not None:
+        expected = int(bits * log10(2))
+        left = digits_left(error, _size(comparison), expected)
+        lines.append(f"  digits:   {expected} expected of {bits} bits, {left} left of places by then")
     if candidate.diagnosis is not None:
         lines.append(f"  cause:    {candidate.diagnosis}: {candidate.diagnosis.evidence}")
         also = [cause.value for cause in candidate.diagnosis.sufficient if cause is not candidate.diagnosis.name]
@@ -47,3 +56,24 @@ def failure(comparison: Comparison, reproduce: str, reach: Reach | None, off: st
     lines.append(f"  required: {required}; {candidate.alignment.agreed} agree")
     lines.append(f"  reproduce: {reproduce}")
     return "\n".join(lines)
+
+
+def digits_left(error: float, size: float, expected: int) -> int:
+    """How many of the expected digits an error leaves of numbers of a size.
+
+    >>> digits_left(1e-12, 10.0, 15), digits_left(0.0, 10.0, 15), digits_left(30.0, 10.0, 15)
+    (13, 15, 0)
+    """
+    if error == 0.0:
+        return expected
+    return int(min(expected, max(0.0, log10(size / error)))) if isfinite(error) and size > 0.0 else 0
+
+
+def _size(comparison: Comparison) -> float:
+    """The largest coordinate at the divergence."""
+    (candidate,) = comparison.candidates
+    divergence, reference = candidate.alignment.divergence, comparison.reference
+    known = divergence is not None and divergence.event < len(reference.events)
+    event = reference.events[divergence.event] if divergence is not None and known else None
+    state = reference.final if event is None else reference.at(event.time)
+    return max(abs(float(place)) for circle in state.circles for place in (circle.x, circle.y))

@@ -52,7 +52,7 @@ class CertifiedDecider:
     Attributes:
         state: the state.
         retrace: what the way back knows of the way out.
-        assumptions: what the run rests on that is not proved.
+        grazes: by the number of the instant before: the pairs proved to graze on their flights then.
     """
 
     def __init__(self, scene: Scene, limits: Limits, max_bits: int, work: int, rule: TieRule) -> None:
@@ -62,7 +62,7 @@ class CertifiedDecider:
         self.bodies = self.state.bodies
         self.queue = ArrivalQueue(self.bodies)
         self.retrace = Retrace(Past([not c.fixed for c in scene.circles], self.state.steps), touching_at_start(scene))
-        self.assumptions: list[Assumption] = []
+        self.grazes: dict[int, list[Link]] = {}
         self._past = self.retrace.past
         self._precision = Precision(self.state, self.history, limits, max_bits)
         self._work = work
@@ -121,8 +121,16 @@ class CertifiedDecider:
         self.retrace.note(self._past.catch_up())
 
     def _note_graze(self, link: Link) -> None:
+        known = self.grazes.setdefault(self._instant, [])
+        if link not in known:
+            known.append(link)
         self.catch_up()
         self.retrace.grazes(link)
+
+    def graze_again(self, instant: int) -> None:
+        """Notes the grazes that are known to have been proved after an instant, which has just been carried out."""
+        for link in self.grazes.get(instant, ()):
+            self._note_graze(link)
 
     def _projection(self, i: int) -> Projection | None:
         """What holds a circle to a line or a point, after the last step of the log; None if it stands there."""
@@ -159,7 +167,7 @@ class CertifiedDecider:
         decision = self._cascade.decide(question)
         if decision.bound is not None:
             event, told = len(self.history.records), question.describe(self.name)
-            self.assumptions.append(Assumption(event, told, decision.proof, decision.bound))
+            self.history.assumptions.append(Assumption(event, told, decision.proof, decision.bound))
         return decision
 
     def name(self, link: Link) -> str:

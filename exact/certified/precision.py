@@ -82,6 +82,7 @@ class Precision:
         centred = self._state.centred or bits >= LONG_BITS
         if centred and not self._state.centred:
             bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits))
+        self._history.rises.append((bits, centred))
         self._state.rise(bits, centred)
 
     def _foreseen(self) -> int:

@@ -18,6 +18,7 @@ from ..numbers import ball
 from ..numbers.system import N
 from ..replay.state import State
 from ..simulation.history import Mark
+from ..simulation.tape import Tape
 from .run_log import RunLog
 from .times import time_of
 from .value import ExactValue
@@ -81,6 +82,7 @@ class ExactMotion:
 
     Attributes:
         returned: whether the state at the end is known to be the start with velocities negated.
+        tape: what a run needs that goes on from this one; None if none can.
     """
 
     def __init__(
@@ -95,6 +97,7 @@ class ExactMotion:
         self.knots = knots
         self.end = end
         self.returned = False
+        self.tape: Tape | None = None
         self._rough = [[float(_ball(knot[0])) for knot in row] for row in knots]
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:

@@ -53,7 +53,7 @@ class RunLog:
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is computed again at need."""
-        return {**self.__dict__, "_key": None, "_state": None}
+        return {**self.__dict__, "_key": None, "_state": None, "_too_deep": []}
 
     def in_balls(self, bits: int, upto: int) -> CentredState:
         """The state after the first `upto` steps, in balls computed with `bits` bits."""

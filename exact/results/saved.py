@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...scenarios.errors import SceneError
-from ...scenarios.event import Assumption, Contact, Event, Pocketing, Reversal, Tie, TieProof
+from ...scenarios.event import Assumption, Event, Pocketing, Reversal, TieProof
 from ...scenarios.files import dump_json, loads_json
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.showing import cut
@@ -28,6 +28,7 @@ from .saved_numbers import (
     step_data,
     step_of,
 )
+from .saved_tape import contacts_of, tape_data, tape_of_data, tie_data, tie_of
 from .times import TimeFormula, time_of
 from .value import ExactValue
 
@@ -147,9 +148,9 @@ def _data(run: Trajectory, motion: ExactMotion) -> dict[str, Any]:
         "entries": [[e.circle, e.pocket, time(e.time)] for e in run.pocketings],
         "steps": [step_data(step) for step in log.steps],
         "events": [
-            [time(e.time), e.contacts, e.impulses, [[t.contacts, t.proof.name, t.bound] for t in e.ties], e.coupled]
-            for e in run.events
+            [time(e.time), e.contacts, e.impulses, [tie_data(t) for t in e.ties], e.coupled] for e in run.events
         ],
+        "tape": tape_data(motion.tape),
         "knots": [[[*map(number, knot[:5]), *knot[5:]] for knot in row] for row in motion.knots],
     }
     return json.loads(json.dumps({**data, "roots": number.roots}))
@@ -181,14 +182,14 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
     end = time(data["end"])
     knots = [[(*map(number, knot[:5]), *knot[5:]) for knot in row] for row in data["knots"]]
     motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
-    motion.returned = data["returned"]
+    motion.returned, motion.tape = data["returned"], tape_of_data(data["tape"])
     reason, message = data["stop"]
     return Trajectory(
         scene=scene,
         engine="exact",
         parameters=data["engine"],
         events=tuple(
-            Event(index, time(when), _contacts(links), _contacts(impulses), tuple(map(_tie, ties)), coupled)
+            Event(index, time(when), contacts_of(links), contacts_of(impulses), tuple(map(tie_of, ties)), coupled)
             for index, (when, links, impulses, ties, coupled) in enumerate(data["events"])
         ),
         stop=Stop(StopReason[reason], message),
@@ -202,17 +203,3 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
         plan=data["plan"],
         notes=tuple(data["notes"]),
     )
-
-
-def _contacts(data: Written) -> tuple[Contact, ...]:
-    return tuple(Contact(first, second) for first, second in data)
-
-
-def _tie(data: Written) -> Tie:
-    contacts, proof, bound = data
-    return Tie(_contacts(contacts), TieProof[proof], bound)
-
-
-def _assumption(data: Written) -> Assumption:
-    event, question, proof, bound = data
-    return Assumption(event, question, TieProof[proof], bound)

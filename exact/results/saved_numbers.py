@@ -163,7 +163,7 @@ def source_of(data: Written) -> Source:
     return link_of(data) if isinstance(data, list) else data
 
 
-def links_data(links: Sequence[Touch]) -> Written:
+def links_data(links: Sequence[Link]) -> Written:
     """Contacts by index."""
     return [list(link) for link in links]
 

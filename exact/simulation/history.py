@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
-from ...scenarios.event import Tie
+from ...scenarios.event import Assumption, Tie
 from ...scenarios.numbers.quantity import Quantity
 from ..replay.contact import Link, Touch
 from ..replay.steps import Step
@@ -79,6 +79,8 @@ class History(Generic[K]):
         last: the last instant at which anything happened; None before the first.
         steps: the log.
         plan: what each rung decided, and what was skipped.
+        rises: the bits of each rise of the precision, and whether deviations were kept in a set from then on.
+        assumptions: what the run rests on that is not proved.
         set_times: limits and the reversal's time, with the number of the last part of the instant that falls on it.
     """
 
@@ -89,6 +91,8 @@ class History(Generic[K]):
     last: Mark[K] | None = None
     steps: list[Step] = field(default_factory=list)
     plan: Counter[str] = field(default_factory=Counter)
+    rises: list[tuple[int, bool]] = field(default_factory=list)
+    assumptions: list[Assumption] = field(default_factory=list)
     set_times: dict[Quantity, int] = field(default_factory=dict)
 
     def add(self, note: Noted[K]) -> None:

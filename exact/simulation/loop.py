@@ -12,7 +12,7 @@ whole one.
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Generic
 
 from ...scenarios.errors import TimeIsUp
@@ -22,6 +22,7 @@ from ..numbers.system import N
 from ..numbers.undecided import BudgetSpent, Undecided
 from ..policies import Policy, policy_for
 from ..predicates.hits import Closing
+from ..replay.body import Body
 from ..replay.contact import Link
 from .decider import Decider
 from .gathering import Gatherer
@@ -29,6 +30,7 @@ from .history import K
 from .initial import rims_at_start, touching_at_start
 from .instant import Instant, Resolved, Resolver
 from .limits import Limits
+from .tape import Found, Tape, instant_of
 
 PROGRESS_EVERY = 0.2
 """Seconds between progress reports."""
@@ -43,6 +45,9 @@ class Loop(Generic[N, K]):
         limits: where it ends.
         progress: told now and then how far it is.
         policy: in place of the scene's own.
+
+    Attributes:
+        tape: what a run needs that goes on from this one.
     """
 
     def __init__(
@@ -60,26 +65,32 @@ class Loop(Generic[N, K]):
         self.history = decider.history
         self.resolver = Resolver(scene, decider, policy or policy_for(scene.tie_policy))
         self.gatherer = Gatherer(scene, decider, limits, self.resolver.touching)
+        self.tape = Tape(limits)
         self._instants = 0
         self._split = False
         self._next_report = clock.monotonic() + PROGRESS_EVERY
 
     def run(self) -> Stop:
         """Runs to the end and says why it ended."""
-        bodies = list(self.decider.bodies.values())
-        self.decider.refresh(bodies)
-        self.history.knots += [[(*self.decider.reading.knot(body), 0, 0)] for body in bodies]
+        taken_up = bool(self.history.knots)
+        if not taken_up:
+            self._first_knots()
         try:
-            self._open()
+            if not taken_up:
+                self._predict(list(self.decider.bodies.values()), self._open())
             while True:
                 stop = self._limit_on_events()
                 if stop is not None:
                     return stop
+                self.tape.mark(self.history)
                 found = self.gatherer.gather(self._instants)
                 if isinstance(found, Stop):
                     return found
                 if found is not None:
-                    self._resolve(found)
+                    self.tape.add(found)
+                    done = self._resolve(found)
+                    if done.moved:
+                        self._predict([self.decider.bodies[i] for i in sorted(done.moved)], self._standing(done))
                 self._report()
         except Undecided as outcome:
             return self._stopped(StopReason.UNDECIDED, str(outcome))
@@ -88,15 +99,49 @@ class Loop(Generic[N, K]):
         except KeyboardInterrupt:
             return self._stopped(StopReason.INTERRUPTED, "")
 
+    def take_up(self, instants: Iterable[Found], after: Callable[[int], None]) -> None:
+        """Carries out again what a run gathered before it ended; then `run` goes on from there.
+
+        Nothing is looked for but what comes next at the end: each meeting is predicted once, as it was at the instant
+        at which the later of its two flights began.
+
+        Args:
+            instants: those after time 0, in order.
+            after: called with the number of each instant that is done.
+        """
+        self._first_knots()
+        begun = dict.fromkeys(self.decider.bodies, 0)
+        spent: dict[Link, int] = {}  # entries and grazes leave flights as they are, and come no second time on them
+        standing = {0: self._open()}
+        after(0)
+        for found in instants:
+            instant = instant_of(found, self._instants + 2)
+            self.tape.add(instant)
+            done = self._resolve(instant)
+            begun.update(dict.fromkeys(done.moved, instant.number))
+            spent.update(dict.fromkeys((*instant.touches, *instant.rims), instant.number))
+            standing[instant.number] = self._standing(done)
+            after(instant.number)
+            self._report()
+        for number in sorted(set(begun.values())):
+            later = {i for i, other in begun.items() if other > number}
+            moved = [body for body in self.decider.bodies.values() if begun[body.index] == number]
+            self._predict(moved, {*standing[number], *(k for k, at in spent.items() if at > number)}, later)
+
     def _stopped(self, reason: StopReason, told: str) -> Stop:
         """Ends at the last whole instant: what was begun of the next is dropped."""
         self.history.drop_unfinished()
-        return Stop(reason, f"{reason.value}: {told or f'after {len(self.history.records)} events'}")
+        return stopped(reason, len(self.history.records), told)
 
     # -- the instants
 
-    def _open(self) -> None:
-        """The instant at time 0, and the first predictions."""
+    def _first_knots(self) -> None:
+        bodies = list(self.decider.bodies.values())
+        self.decider.refresh(bodies)
+        self.history.knots += [[(*self.decider.reading.knot(body), 0, 0)] for body in bodies]
+
+    def _open(self) -> Collection[Link]:
+        """The instant at time 0; what stands at gap zero after it."""
         decider = self.decider
         links = touching_at_start(self.scene)
         decider.begin(0)
@@ -114,16 +159,20 @@ class Loop(Generic[N, K]):
             self.resolver.admit(link, sign)
         done = self.resolver.resolve(instant, self.limits.events, self.scene.reverse_after)
         self._note(instant, done)
-        standing = {*links, *rims, *self._standing(done)}
-        decider.meetings.predict(list(decider.bodies.values()), standing, self.resolver.gone)
+        return {*links, *rims, *self._standing(done)}
+
+    def _predict(self, moved: Sequence[Body[N]], standing: Collection[Link], besides: Collection[int] = ()) -> None:
+        """Predicts the next meetings of circles whose flights are new, with all in play but some."""
+        gone = self.resolver.gone
+        self.decider.meetings.predict(moved, standing, gone.union(besides) if besides else gone)
 
     def _standing(self, done: Resolved[K]) -> Collection[Link]:
         """The contacts and rims at gap zero that a prediction must leave out."""
         lasting = self.resolver.touching.all()
         return {*done.standing, *lasting} if lasting else done.standing
 
-    def _resolve(self, instant: Instant) -> None:
-        """Resolves an instant, notes it, and predicts anew."""
+    def _resolve(self, instant: Instant) -> Resolved[K]:
+        """Resolves an instant and notes it."""
         decider, records = self.decider, len(self.history.records)
         decider.begin(instant.number)
         left = None if self.limits.events is None else self.limits.events - records
@@ -131,9 +180,7 @@ class Loop(Generic[N, K]):
         reverse_in = None if due is None or self.history.reversal is not None else due - records
         done = self.resolver.resolve(instant, left, reverse_in)
         self._note(instant, done)
-        if done.moved:
-            moved = [decider.bodies[i] for i in sorted(done.moved)]
-            decider.meetings.predict(moved, self._standing(done), self.resolver.gone)
+        return done
 
     def _note(self, instant: Instant, done: Resolved[K]) -> None:
         """Puts a whole instant into the history."""
@@ -164,3 +211,8 @@ class Loop(Generic[N, K]):
             last = self.history.last
             reached = 0.0 if last is None else self.decider.reading.rough(last.time)
             self.progress(Progress(len(self.history.records), reached, self.decider.reading.note()))
+
+
+def stopped(reason: StopReason, events: int, told: str = "") -> Stop:
+    """Why a run ended before its limits; told nothing, with how many events."""
+    return Stop(reason, f"{reason.value}: {told or f'after {events} events'}")

@@ -10,9 +10,14 @@ from xml.etree import ElementTree
 
 import pytest
 
+from truebreak.testing import check
+
 pytest_plugins = ["pytester"]
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+
+LOADED = check
+"""Loaded before the runs within this process: they drop what they import, and numpy cannot be loaded twice."""
 
 SAMPLE = ROOT / "tests" / "data" / "sample_project"
 
@@ -31,7 +36,8 @@ def test_the_plugin_imports_nothing_but_pytest(tmp_path: Path) -> None:
         "    assert not heavy & set(sys.modules), heavy & set(sys.modules)\n",
         "utf-8",
     )
-    words = ["-m", "pytest", "-q", "-p", "no:hypothesispytest", "-p", "no:cacheprovider", "--strict-markers"]
+    others = ["-p", "no:hypothesispytest", "-p", "no:html", "-p", "no:cacheprovider"]
+    words = ["-m", "pytest", "-q", *others, "--strict-markers"]
     done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
 
@@ -76,6 +82,7 @@ def test_a_failure_tells_the_divergence_first(pytester: pytest.Pytester) -> None
             "E * expected: middle meets left then right at t = 1",
             "E * got: *middle meets left + right at t = 1.0",
             "E * decision: margin 1e-40 beside an error of 0; *",
+            "E * digits: *15 expected of 53 bits, 15 left of places by then",
             "E * cause: *input rounding: *",
             "E * required: 2 events; 0 agree",
             "E * reproduce: truebreak compare near-tie:k=40 --engines double --events 2",
@@ -235,3 +242,30 @@ def test_the_report_is_attached_to_pytest_html(pytester: pytest.Pytester) -> Non
     pytester.makepyfile(FAILING)
     pytester.runpytest_subprocess("--html=all.html", "--truebreak-report=reports").assert_outcomes(failed=1)
     assert "reports/test_" in Path(pytester.path, "all.html").read_text("utf-8")
+
+
+def test_without_any_extra(pytester: pytest.Pytester) -> None:
+    """Neither xdist nor pytest-html nor hypothesis: checks work, and strategies say what is missing."""
+    pytester.makeconftest(
+        "import sys\nfor name in ('hypothesis', 'xdist', 'pytest_html'):\n    sys.modules[name] = None\n"
+    )
+    pytester.makepyfile(
+        """
+        import pytest
+        from truebreak.scenarios import SceneError
+        from truebreak.testing import scenes
+
+        def test_double(truebreak):
+            truebreak.check("double", "near-tie:k=4")
+
+        def test_drawn():
+            with pytest.raises(SceneError, match="hypothesis is not installed"):
+                scenes()
+        """
+    )
+    without = [
+        word for name in ("hypothesispytest", "xdist", "xdist.looponfail", "html") for word in ("-p", f"no:{name}")
+    ]
+    done = pytester.runpytest_subprocess(*without, "-p", "no:cacheprovider", "--truebreak-report=reports")
+    done.assert_outcomes(passed=2)
+    done.stdout.fnmatch_lines(["truebreak: 1 check: 1 passed"])

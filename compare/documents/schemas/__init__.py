@@ -17,6 +17,8 @@ NAMES = (
     "advice-1",
     "bench-2",
     "suite-1",
+    "run-1",
+    "saved-comparison-1",
 )
 
 
