@@ -14,6 +14,7 @@ from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
 from .alignment.separation import return_miss, separation
 from .candidate import Candidate
+from .chaos.errors import model_of
 from .deadline import Clock, OutOfTime, checked_seconds, time_limit, uninterrupted
 from .engines import engine as engine_named
 from .foreign.guard import run_guarded
@@ -221,6 +222,7 @@ def _candidate(
         unable=unable,
         stepped=engine.step is not None,
         pattern=pattern_of(matched),
+        error=model_of(engine),
     )
 
 

@@ -76,8 +76,9 @@ def chaos(
         told = measured(loaded, named, events=events, exponents=exponents, run=not no_run, progress=progress)
     if html is not None:
         from ..report.chaos_html import chaos_html
+        from .retold import command_of
 
-        write_whole(html, chaos_html(told))
+        write_whole(html, chaos_html(told, command=command_of(click.get_current_context())))
     if as_json:
         print_json(chaos_json(told))
     else:

@@ -128,8 +128,9 @@ def judge(
     changes = changes_of(comparison)
     if html is not None:
         from ..report.html import html_report
+        from .retold import command_of
 
-        write_whole(html, html_report(comparison))
+        write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
     if as_json:
         data = comparison_json(comparison)
         print_json({**data, "changes": [change.data() for change in changes]} if changes else data)
