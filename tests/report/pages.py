@@ -94,7 +94,7 @@ def _thirty() -> Comparison:
 
 
 def _thousand() -> Comparison:
-    return compare(catalogue.build("gas:n=1000"), ["double"], events=30)
+    return compare(catalogue.build("gas:n=1000"), ["double"], events=12)
 
 
 def _chaos() -> str:

@@ -101,7 +101,7 @@ def test_so_it_does_with_causes_and_all_permitted_patterns() -> None:
 
 def test_the_horizon_stands_in_the_plot_as_a_band_and_beside_it_in_words() -> None:
     """The band is that of `truebreak chaos`, which knows nothing of the comparison."""
-    found = compare(catalogue.build("gas"), ["double", "sympy"], events=200, causes=False)
+    found = compare(catalogue.build("gas"), ["double", "exact"], events=200, causes=False)
     (alone,) = chaos(catalogue.build("gas"), ["double"], events=200, run=False).horizons
     told = foreseen(found)
     assert told is not None
