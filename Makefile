@@ -36,9 +36,10 @@ bench: .venv/ready
 	$(BIN)/pip install -q -e '.[bench]'
 	$(BIN)/truebreak bench --full
 
-# Runs every example of the README, of docs/ and of the docstrings.
+# Runs every example of the README, of docs/ and of the docstrings, and builds the site: build/site/html/index.html.
 docs: .venv/ready
 	$(BIN)/python -m pytest -n auto tests/test_docs.py
+	$(BIN)/python docs/site/build.py
 
 # Writes docs/report.png, the README's picture, from a report made now; needs chromium.
 picture: .venv/ready
