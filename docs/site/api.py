@@ -101,19 +101,29 @@ def _signature(thing: Any, *, bound: bool = False) -> str:
     except (TypeError, ValueError):
         return ""
     parameters = list(signature.parameters.values())[1 if bound else 0 :]
-    short = [p.replace(default=_Default(p.default)) if p.default is not p.empty else p for p in parameters]
-    return str(signature.replace(parameters=short))
+    shown = [p.replace(default=_default(p.default), annotation=_unquoted(p.annotation)) for p in parameters]
+    return str(signature.replace(parameters=shown, return_annotation=_unquoted(signature.return_annotation)))
 
 
-class _Default:
-    """A default value as it is shown."""
+class _Shown:
+    """A text that is shown without quotes."""
 
-    def __init__(self, value: Any) -> None:
-        text = repr(value)
-        self._text = text if len(text) <= 40 and not text.startswith("<") else "..."
+    def __init__(self, text: str) -> None:
+        self._text = text
 
     def __repr__(self) -> str:
         return self._text
+
+
+def _default(value: Any) -> Any:
+    """A default value as it is shown."""
+    text = repr(value)
+    return value if value is inspect.Parameter.empty else _Shown("..." if len(text) > 40 or text[0] == "<" else text)
+
+
+def _unquoted(annotation: Any) -> Any:
+    """An annotation that is text, without its quotes."""
+    return _Shown(annotation) if isinstance(annotation, str) else annotation
 
 
 def markdown(doc: str) -> str:

@@ -16,7 +16,7 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 from api import api_pages
-from catalogue import Told, catalogue_page, report, scene_page
+from catalogue import Told, catalogue_page, picture, report, scene_page
 from laws import laws_page
 from links import broken
 
@@ -73,6 +73,7 @@ def assemble(source: Path, *, short: bool, jobs: int) -> None:
     told = _reports([n for n in names if not short or n in SHORT], source / "extra" / "reports", jobs)
     for name in names:
         _write(source / "catalogue" / f"{name}.md", scene_page(name, told.get(name)))
+        _write(source / "catalogue" / f"{name}.svg", picture(name))
     _write(source / "catalogue" / "index.md", catalogue_page(names))
     _write(source / "index.md", INDEX + _trees(source))
 

@@ -42,6 +42,11 @@ def report(name: str, folder: str) -> Told:
     return Told(verdict_sentence(found), proof_phrase(found), command)
 
 
+def picture(name: str) -> str:
+    """A scene at time 0, as an SVG file."""
+    return scene_picture(catalogue.build(name), standalone=True)
+
+
 def scene_page(name: str, told: Told | None) -> str:
     """The page of a scene as MyST.
 
@@ -49,8 +54,12 @@ def scene_page(name: str, told: Told | None) -> str:
         told: what its comparison came to; None for a page without a report.
     """
     entry, scene = catalogue.entry(name), catalogue.build(name)
-    picture = scene_picture(scene).replace("\n", "")
-    parts = [f"# {name}", f"{entry.summary} {entry.known}", f"<div>{picture}</div>", f"Source: {_text(entry.source)}."]
+    parts = [
+        f"# {name}",
+        f"{entry.summary} {entry.known}",
+        f"![{name} at time 0]({name}.svg)",
+        f"Source: {_text(entry.source)}.",
+    ]
     if entry.parameters:
         rows = [f"| `{p.name}` | `{p.default}` | {_text(p.help)} |" for p in entry.parameters]
         parts.append("\n".join(["## Parameters", "", "| name | default | what it sets |", "|---|---|---|", *rows]))
