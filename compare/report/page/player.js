@@ -62,6 +62,7 @@ function show() {
   for (const side of sides) follow(side);
   for (const plot of document.querySelectorAll("#errors svg")) moveCursor(plot);
   draw();
+  if (data.embedded) parent.postMessage({ truebreakTime: state.time }, "*");
 }
 
 function motionOf(side) {
@@ -270,3 +271,9 @@ part("engine").value = String(state.chosen);
 if (divergence()) seek(divergence().time);
 new ResizeObserver(resize).observe(part("pane-truth").parentElement);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+if (data.embedded) addEventListener("message", (event) => {
+  const time = event.data?.truebreakTime;
+  if (event.source !== parent || typeof time !== "number") return;
+  if (state.playing) stop();
+  seek(time);
+});
