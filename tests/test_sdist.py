@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -45,3 +46,12 @@ def test_some_of_its_tests_pass_there_against_its_own_wheel(unpacked: Path, tmp_
     pytest_there = [Path(sys.executable).with_name("pytest"), "-q", "-p", "no:cacheprovider", *SOME]
     done = subprocess.run(pytest_there, cwd=unpacked, env=environment, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_the_citation_names_the_version_and_the_licence_of_the_project() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    lines = (ROOT / "CITATION.cff").read_text("utf-8").splitlines()
+    assert f"version: {project['version']}" in lines
+    assert f"license: {project['license']}" in lines
+    assert f"title: {project['name']}" in lines
+    assert not any("http" in line for line in lines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from . import completion
 from .exit_codes import of_stop
 from .options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP
 
@@ -30,6 +31,7 @@ Examples:
 @click.option(
     "--engines",
     metavar="A,B,...",
+    shell_complete=completion.engines,
     help="Whose horizons to foresee (single,double,quad,interval,pymunk); none for no engine.",
 )
 @click.option(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from . import completion
 from .exit_codes import DONE, of_comparison
 from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 
@@ -56,7 +57,14 @@ Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be j
     metavar="KEY,...",
     help="Keys of a scene that it does not follow: wall, pocket, capture, reverse_at, reverse_after, tie_policy.",
 )
-@click.option("--reference", default="exact", show_default=True, metavar="E", help="The engine taken as the truth.")
+@click.option(
+    "--reference",
+    default="exact",
+    show_default=True,
+    metavar="E",
+    shell_complete=completion.engine,
+    help="The engine taken as the truth.",
+)
 @UNTIL
 @EVENTS
 @REVERSE
