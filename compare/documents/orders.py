@@ -8,7 +8,7 @@ from .amounts import double
 from .trajectory import stop_json
 
 if TYPE_CHECKING:
-    from ...exact.policies.all_orders import OrderTree, Outcome
+    from ...exact.policies.all_orders import Leaf, OrderTree
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Stop
 
@@ -30,7 +30,7 @@ def orders_json(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> dict
     }
 
 
-def _outcome_json(outcome: Outcome) -> dict[str, Any]:
+def _outcome_json(outcome: Leaf) -> dict[str, Any]:
     run = outcome.trajectory
     return {
         "decisions": [
@@ -87,13 +87,13 @@ def orders_sentence(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> 
     )
 
 
-def choices_phrase(outcome: Outcome) -> str:
+def choices_phrase(outcome: Leaf) -> str:
     """Which contact came first, instant by instant; or the policy that draws the order."""
     if outcome.seed is not None:
         return f"sequential:seed={outcome.seed}"
     return " ".join(f"{first}-{second}" for first, second in (d.chosen for d in outcome.decisions))
 
 
-def velocities_phrase(outcome: Outcome) -> str:
+def velocities_phrase(outcome: Leaf) -> str:
     """The velocity of each circle at the end."""
     return " ".join(f"{c.id} ({float(c.vx):.6g}, {float(c.vy):.6g})" for c in outcome.trajectory.final.circles)

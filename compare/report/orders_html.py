@@ -21,7 +21,7 @@ from .picture import scene_picture
 from .sentences import counted
 
 if TYPE_CHECKING:
-    from ...exact.policies.all_orders import OrderTree, Outcome
+    from ...exact.policies.all_orders import Leaf, OrderTree
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Stop, Trajectory
 
@@ -83,7 +83,7 @@ def orders_html(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, comm
     )
 
 
-def _recording(scene: Scene, found: Sequence[Outcome]) -> dict[str, Any] | None:
+def _recording(scene: Scene, found: Sequence[Leaf]) -> dict[str, Any] | None:
     if len(found) < 2:
         return None
     first, others = found[0].trajectory, []
@@ -127,7 +127,7 @@ def _parted(scene: Scene, first: Trajectory, other: Trajectory, place: int) -> d
     }
 
 
-def _drawn(scene: Scene, found: Sequence[Outcome]) -> list[dict[str, Any]]:
+def _drawn(scene: Scene, found: Sequence[Leaf]) -> list[dict[str, Any]]:
     """The first outcomes that differ in whom each circle meets or where it ends, as small pictures."""
     own = pattern(found[0].trajectory)
     known: list[dict[str, Any]] = []
@@ -146,7 +146,7 @@ def _drawn(scene: Scene, found: Sequence[Outcome]) -> list[dict[str, Any]]:
     return drawn if len(drawn) > 1 else []
 
 
-def _row(number: int, outcome: Outcome, first: Outcome) -> dict[str, Any]:
+def _row(number: int, outcome: Leaf, first: Leaf) -> dict[str, Any]:
     place = parting(first.trajectory, outcome.trajectory) if number else None
     time = None if place is None else _time(first.trajectory, outcome.trajectory, place)
     return {
