@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow stress stress-map coverage lint format bench docs picture reference-set clean
+.PHONY: demo test slow stress stress-map coverage lint format bench docs lowest sdist picture reference-set clean
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -36,9 +36,24 @@ bench: .venv/ready
 	$(BIN)/pip install -q -e '.[bench]'
 	$(BIN)/truebreak bench --full
 
-# Runs every example of the README, of docs/ and of the docstrings.
+# Runs every example of the README, of docs/ and of the docstrings, and builds the site: build/site/html/index.html.
 docs: .venv/ready
 	$(BIN)/python -m pytest -n auto tests/test_docs.py
+	$(BIN)/python docs/site/build.py
+
+# The oldest versions that pyproject.toml declares, in an environment of their own: a test of each of them.
+lowest:
+	mkdir -p build
+	$(PYTHON) tests/lowest.py > build/lowest.txt
+	$(PYTHON) -m venv build/lowest
+	build/lowest/bin/pip install -q -c build/lowest.txt -e . pytest pytest-timeout pytest-xdist hypothesis jsonschema setuptools
+	build/lowest/bin/python -m pytest -n auto tests/test_cli.py tests/report/test_command_line.py \
+	    tests/report/test_terminal.py tests/report/test_page.py tests/test_exact_values.py tests/test_laws.py \
+	    tests/test_pymunk_engine.py tests/test_ball_machine.py tests/compare/test_chaos.py tests/test_symbolic.py
+
+# The distribution of sources, unpacked: its tests pass there, against the wheel that is built from it.
+sdist:
+	$(PYTHON) tests/sdist.py build/sdist
 
 # Writes docs/report.png, the README's picture, from a report made now; needs chromium.
 picture: .venv/ready

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from .alignment.separation import Separation
     from .causes.diagnosis import Diagnosis
     from .causes.margin import Margin
+    from .chaos.errors import ErrorModel
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class Candidate:
         unable: whether the engine cannot take the scene at all.
         stepped: whether it declares a time step.
         pattern: whom each circle met, and on a table where it ended.
+        error: the model of its error and log2 of its unit, by what it declares; None if its numbers are exact.
     """
 
     engine: str
@@ -47,6 +49,7 @@ class Candidate:
     unable: bool = False
     stepped: bool = False
     pattern: Mapping[str, Any] | None = field(repr=False, default=None)
+    error: tuple[ErrorModel, float] | None = None
 
     @property
     def verdict(self) -> Verdict:

@@ -15,6 +15,7 @@ from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
 from .alignment.separation import not_measured, return_miss, separation
 from .candidate import Candidate
+from .chaos.errors import model_of
 from .deadline import NO_TIME, Clock, OutOfTime, checked_seconds, time_limit, time_to_read, uninterrupted
 from .engines import engine as engine_named
 from .foreign.guard import run_guarded
@@ -240,6 +241,7 @@ def candidate_of(
         unable=unable,
         stepped=engine.step is not None,
         pattern=pattern_of(matched),
+        error=model_of(engine),
     )
 
 

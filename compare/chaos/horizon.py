@@ -108,7 +108,10 @@ class Forecaster:
         declared = model_of(engine)
         if declared is None:
             return None
-        model, unit = declared
+        return self.horizon(label, *declared, exponent)
+
+    def horizon(self, label: str, model: ErrorModel, unit: float, exponent: float = 0.0) -> Horizon:
+        """The horizon of an engine of this model and log2 unit of error."""
         low, middle, high = (self.place(self.curve(model).reaches(level, unit)) for level in LEVELS[model.name])
         by_exponent = -unit * math.log(2) / exponent if exponent > 0 else None
         return Horizon(label, model, unit, middle, low, high, by_exponent)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from . import completion
 from .exit_codes import of_stop
 from .options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP
 
@@ -30,6 +31,7 @@ Examples:
 @click.option(
     "--engines",
     metavar="A,B,...",
+    shell_complete=completion.engines,
     help="Whose horizons to foresee (single,double,quad,interval,pymunk); none for no engine.",
 )
 @click.option(
@@ -76,8 +78,9 @@ def chaos(
         told = measured(loaded, named, events=events, exponents=exponents, run=not no_run, progress=progress)
     if html is not None:
         from ..report.chaos_html import chaos_html
+        from .retold import command_of
 
-        write_whole(html, chaos_html(told))
+        write_whole(html, chaos_html(told, command=command_of(click.get_current_context())))
     if as_json:
         print_json(chaos_json(told))
     else:

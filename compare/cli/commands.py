@@ -11,6 +11,7 @@ from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 from .minimise import minimise
 from .numbers import Whole
 from .options import EVENTS, JSON, NO_CACHE, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .orders import orders
 from .run import run
 from .sweep import sweep
 
@@ -198,76 +199,6 @@ def compare(
     return DONE if exit_zero else of_comparison(comparison)
 
 
-@cli.command(epilog=examples("orders"))
-@SCENE
-@click.option(
-    "--engine",
-    "engine_text",
-    default="exact",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="exact or double.",
-)
-@UNTIL
-@EVENTS
-@click.option("--cap", type=Whole(), metavar="N", help="The most outcomes to enumerate (256).")
-@click.option("--samples", type=Whole(), metavar="N", help="Orders to draw at random if the cap is hit (64).")
-@click.option("--seed", type=Whole(), default=0, show_default=True, metavar="S", help="The first seed of the sample.")
-@WORK
-@SECONDS
-@JSON
-def orders(
-    scene: str,
-    engine_text: str,
-    until: str | None,
-    events: int | None,
-    cap: int | None,
-    samples: int | None,
-    seed: int,
-    work: int | None,
-    max_seconds: float | None,
-    as_json: bool,
-) -> int:
-    """List every outcome that some order of simultaneous impulses leads to.
-
-    Where several contacts fall on one instant, each may get its impulse first. All orders are followed; those that
-    swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
-    With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
-    """
-    from ...exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES
-    from ...scenarios.errors import SceneError
-    from ..documents.orders import orders_json, print_orders
-    from ..engines import engine
-    from ..outcomes.order_search import search_orders
-    from ..report.listing import print_json
-    from ..scene_argument import scene_from, with_settings
-    from ..validation import check_until
-    from .progress import showing_progress
-
-    loaded, chosen = scene_from(scene), engine(with_settings(engine_text, work=work))
-    check_until(chosen, loaded, until)
-    if not hasattr(chosen, "run_with"):
-        raise SceneError(f"engine {engine_text!r} takes no tie policy from its caller; choose exact or double")
-    with showing_progress(f"{loaded.name}: all orders") as progress:
-        search = search_orders(
-            chosen,  # type: ignore[arg-type]
-            loaded,
-            until=until,
-            events=events,
-            cap=DEFAULT_CAP if cap is None else cap,
-            samples=DEFAULT_SAMPLES if samples is None else samples,
-            seed=seed,
-            max_seconds=max_seconds,
-            progress=progress,
-        )
-    if as_json:
-        print_json(orders_json(loaded, search.tree, search.stop))
-    else:
-        print_orders(loaded, search.tree, search.stop)
-    return DONE if search.stop is None else of_stop(search.stop)
-
-
 @cli.command(context_settings={"ignore_unknown_options": True, "help_option_names": []}, add_help_option=False)
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def bench(arguments: tuple[str, ...]) -> int:
@@ -280,4 +211,5 @@ def bench(arguments: tuple[str, ...]) -> int:
 cli.add_command(run)
 cli.add_command(chaos)
 cli.add_command(minimise)
+cli.add_command(orders)
 cli.add_command(sweep)

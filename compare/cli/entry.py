@@ -85,15 +85,15 @@ def _drop_stdout() -> None:
 def _run(words: list[str]) -> int:
     """One command; click's own errors and bad scenes become one line and a code."""
     warnings.showwarning = partial(_warned, warnings.showwarning)
+    if not words:  # which versions of click answer in different ways
+        click.echo(cli.get_help(click.Context(cli, info_name="truebreak", **cli.context_settings)), err=True)
+        return ExitCode.USAGE
     try:
         with cli.make_context("truebreak", words) as context:
             code = cli.invoke(context)
         return code if isinstance(code, int) else DONE
     except click.exceptions.Exit as stop:
         return stop.exit_code
-    except click.exceptions.NoArgsIsHelpError as error:
-        click.echo(error.format_message(), err=True)
-        return ExitCode.USAGE
     except click.UsageError as error:
         command = error.ctx.command_path if error.ctx else Path("truebreak").name
         _say(f"truebreak: error: {_in_short(error.format_message())} (see {command} --help)")

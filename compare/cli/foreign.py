@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from . import completion
 from .exit_codes import DONE, of_comparison
 from .options import EVENTS, JSON, NO_CACHE, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 
@@ -56,7 +57,14 @@ Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be j
     metavar="KEY,...",
     help="Keys of a scene that it does not follow: wall, pocket, capture, reverse_at, reverse_after, tie_policy.",
 )
-@click.option("--reference", default="exact", show_default=True, metavar="E", help="The engine taken as the truth.")
+@click.option(
+    "--reference",
+    default="exact",
+    show_default=True,
+    metavar="E",
+    shell_complete=completion.engine,
+    help="The engine taken as the truth.",
+)
 @UNTIL
 @EVENTS
 @REVERSE
@@ -131,8 +139,9 @@ def judge(
     changes = changes_of(comparison)
     if html is not None:
         from ..report.html import html_report
+        from .retold import command_of
 
-        write_whole(html, html_report(comparison))
+        write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
     if as_json:
         data = comparison_json(comparison)
         print_json({**data, "changes": [change.data() for change in changes]} if changes else data)

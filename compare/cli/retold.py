@@ -15,7 +15,7 @@ def command_of(context: click.Context) -> str:
             continue
         value = context.params[parameter.name]
         if isinstance(parameter, click.Argument):
-            words.append(shlex.quote(str(value)))
+            words += [shlex.quote(str(one)) for one in (value if isinstance(value, tuple) else (value,))]
         elif isinstance(parameter, click.Option) and parameter.is_flag:
             words.append(parameter.opts[0])
         else:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from . import completion
 from .exit_codes import DONE, ExitCode
 from .options import EVENTS, JSON, SCENE_HELP, WORK
 
@@ -31,7 +32,7 @@ Call it again with the same store, and it goes on where it stopped, whatever end
 
 
 @click.command(epilog=EPILOG)
-@click.argument("scene", metavar="[SCENE]", required=False)
+@click.argument("scene", metavar="[SCENE]", required=False, shell_complete=completion.scenes)
 @click.option(
     "--vary",
     multiple=True,
@@ -39,7 +40,12 @@ Call it again with the same store, and it goes on where it stopped, whatever end
     help="A parameter of the scene: n=3..20, seed=0..90:10 or gap=0,1/10. Several make a grid.",
 )
 @click.option(
-    "--engines", default="double", show_default=True, metavar="A,B,...", help="What to hold against the truth."
+    "--engines",
+    default="double",
+    show_default=True,
+    metavar="A,B,...",
+    shell_complete=completion.engines,
+    help="What to hold against the truth.",
 )
 @click.option(
     "--perturb",

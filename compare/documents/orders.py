@@ -60,28 +60,40 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> Non
     from rich.markup import escape
 
     from ..report.listing import console, grid, say
-    from ..report.sentences import counted
 
     out = console()
-    found = counted(len(tree.outcomes), "outcome")
-    if tree.complete:
-        say(out, f"{scene.name}: {found}, over all orders of simultaneous impulses.", "bold")
-    elif stop is not None:
-        drawn = f", {counted(tree.sampled, 'order')} drawn at random among them" if tree.sampled else ""
-        say(out, f"{scene.name}: {found} so far{drawn}: {stop.message}. There may be more.", "bold")
-    else:
-        say(
-            out,
-            f"{scene.name}: {found} so far: the cap of {tree.cap} was hit, and {counted(tree.sampled, 'order')} "
-            "drawn at random beyond it. There are more.",
-            "bold",
-        )
+    say(out, orders_sentence(scene, tree, stop), "bold")
     say(out, f"merged into an equal state: {tree.merged}; swaps of independent contacts left out: {tree.swapped}")
     table = grid("outcome", "first among several", "collisions", "velocities at the end")
     for number, outcome in enumerate(tree.outcomes):
-        choices = " ".join(f"{first}-{second}" for first, second in (d.chosen for d in outcome.decisions))
-        if outcome.seed is not None:
-            choices = f"sequential:seed={outcome.seed}"
-        ends = " ".join(f"{c.id} ({float(c.vx):.6g}, {float(c.vy):.6g})" for c in outcome.trajectory.final.circles)
-        table.add_row(str(number), escape(choices), str(outcome.trajectory.collisions), escape(ends))
+        cells = (str(number), choices_phrase(outcome), str(outcome.trajectory.collisions), velocities_phrase(outcome))
+        table.add_row(*map(escape, cells))
     out.print(table)
+
+
+def orders_sentence(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> str:
+    """How many outcomes there are, and whether these are all."""
+    from ..report.sentences import counted
+
+    found = counted(len(tree.outcomes), "outcome")
+    if tree.complete:
+        return f"{scene.name}: {found}, over all orders of simultaneous impulses."
+    if stop is not None:
+        drawn = f", {counted(tree.sampled, 'order')} drawn at random among them" if tree.sampled else ""
+        return f"{scene.name}: {found} so far{drawn}: {stop.message}. There may be more."
+    return (
+        f"{scene.name}: {found} so far: the cap of {tree.cap} was hit, and {counted(tree.sampled, 'order')} "
+        "drawn at random beyond it. There are more."
+    )
+
+
+def choices_phrase(outcome: Leaf) -> str:
+    """Which contact came first, instant by instant; or the policy that draws the order."""
+    if outcome.seed is not None:
+        return f"sequential:seed={outcome.seed}"
+    return " ".join(f"{first}-{second}" for first, second in (d.chosen for d in outcome.decisions))
+
+
+def velocities_phrase(outcome: Leaf) -> str:
+    """The velocity of each circle at the end."""
+    return " ".join(f"{c.id} ({float(c.vx):.6g}, {float(c.vy):.6g})" for c in outcome.trajectory.final.circles)

@@ -11,13 +11,20 @@ WIDTH, HEIGHT = 720, 320
 LEFT, RIGHT, TOP, BOTTOM = 64, 150, 26, 40
 """Room for the labels around the plot, in pixels."""
 
+NARROW = 400
+"""Up to this width, every other label of time is left out."""
+
+BARE_RIGHT = 14
+"""Room to the right of a plot without a legend."""
+
 
 @dataclass(frozen=True)
 class Curve:
-    """Points joined by a line."""
+    """Points joined by a line; its style is a class of the page's style sheet, or else the next of five."""
 
     label: str
     points: Sequence[tuple[float, float]]
+    style: str = ""
 
 
 @dataclass(frozen=True)
@@ -29,41 +36,65 @@ class Band:
     high: float
     height: float
     mark: float | None = None
+    style: str = ""
 
 
-def plot(title: str, across: str, up: str, curves: Sequence[Curve], bands: Sequence[Band] = ()) -> str:
-    """The curves as one SVG element; a band is a bar at its height, its mark a dot."""
+def plot(
+    title: str,
+    across: str,
+    up: str,
+    curves: Sequence[Curve],
+    bands: Sequence[Band] = (),
+    *,
+    width: int = WIDTH,
+    legend: bool = True,
+    kind: str = "",
+) -> str:
+    """The curves as one SVG element; a band is a bar at its height, its mark a dot.
+
+    Args:
+        width: in pixels.
+        legend: whether the labels stand beside the curves, for which there is room in a wide plot alone.
+        kind: a further class of the element.
+    """
     points = [p for curve in curves for p in curve.points if math.isfinite(p[1])]
     end = max((x for x, _ in points), default=1.0) or 1.0
     heights = [y for _, y in points] + [band.height for band in bands]
     low, high = min([0.0, *heights]), max([*heights, 1e-300])
-    view = _View(end, low, high if high > low else low + 1.0)
+    right = width - (RIGHT if legend else BARE_RIGHT)
+    view = _View(end, low, high if high > low else low + 1.0, right)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" '
-        f'height="{HEIGHT}" role="img" class="plot">',
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {HEIGHT}" width="{width}" '
+        f'height="{HEIGHT}" role="img" class="{f"plot {kind}".strip()}" data-left="{LEFT}" data-right="{right}" '
+        f'data-top="{TOP}" data-bottom="{HEIGHT - BOTTOM}" data-end="{end!r}">',
         f"<title>{escape(title)}</title>",
         *view.axes(across, up),
     ]
     for number, curve in enumerate(curves):
         path = " ".join(f"{view.x(x):.1f},{view.y(y):.1f}" for x, y in curve.points if math.isfinite(y))
-        parts.append(f'<polyline class="series s{number % 5}" points="{path}"/>')
-        parts += _legend(number, curve.label)
+        style = curve.style or f"s{number % 5}"
+        parts.append(
+            f'<polyline class="series {style}" points="{path}"><title>{escape(curve.label)}</title></polyline>'
+        )
+        if legend:
+            parts += _legend(number, curve.label, style, right)
     for number, band in enumerate(bands, start=len(curves)):
-        y, kind = view.y(band.height), f"s{number % 5}"
+        y, style = view.y(band.height), band.style or f"s{number % 5}"
         ends = (view.x(min(value, end)) for value in (band.low, band.high))
         parts.append('<line class="series {}" x1="{:.1f}" x2="{:.1f}" y1="{:.1f}" y2="{:.1f}"/>'.format(
-            kind, *ends, y, y))  # fmt: skip
+            style, *ends, y, y))  # fmt: skip
         if band.mark is not None:
-            parts.append(f'<circle class="dot {kind}" cx="{view.x(band.mark):.1f}" cy="{y:.1f}" r="4.5"/>')
-        parts += _legend(number, band.label)
+            parts.append(f'<circle class="dot {style}" cx="{view.x(band.mark):.1f}" cy="{y:.1f}" r="4.5"/>')
+        if legend:
+            parts += _legend(number, band.label, style, right)
     return "\n".join([*parts, "</svg>"])
 
 
-def _legend(number: int, label: str) -> list[str]:
-    x, y = WIDTH - RIGHT + 12, TOP + 14 + 20 * number
+def _legend(number: int, label: str, style: str, right: int) -> list[str]:
+    x, y = right + 12, TOP + 14 + 20 * number
     shown = label if len(label) <= 17 else f"{label[:16]}…"
     return [
-        f'<line class="series s{number % 5}" x1="{x}" x2="{x + 22}" y1="{y}" y2="{y}"/>',
+        f'<line class="series {style}" x1="{x}" x2="{x + 22}" y1="{y}" y2="{y}"/>',
         f'<text x="{x + 28}" y="{y}" class="tick start">{escape(shown)}</text>',
     ]
 
@@ -73,9 +104,10 @@ class _View:
     end: float
     low: float
     high: float
+    right: int
 
     def x(self, value: float) -> float:
-        return LEFT + (WIDTH - LEFT - RIGHT) * value / self.end
+        return LEFT + (self.right - LEFT) * value / self.end
 
     def y(self, value: float) -> float:
         return TOP + (HEIGHT - TOP - BOTTOM) * (self.high - value) / (self.high - self.low)
@@ -84,12 +116,12 @@ class _View:
         parts: list[str] = []
         for value in _ticks(self.low, self.high):
             y = self.y(value)
-            parts.append(f'<line class="gridline" x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>')
+            parts.append(f'<line class="gridline" x1="{LEFT}" x2="{self.right}" y1="{y:.1f}" y2="{y:.1f}"/>')
             parts.append(f'<text x="{LEFT - 8}" y="{y:.1f}" class="tick end">{value:.6g}</text>')
-        for value in _ticks(0.0, self.end):
+        for value in _ticks(0.0, self.end)[:: 1 if self.right > NARROW else 2]:
             x = self.x(value)
             parts.append(f'<text x="{x:.1f}" y="{HEIGHT - BOTTOM + 14}" class="tick">{value:.6g}</text>')
-        middle = (LEFT + WIDTH - RIGHT) / 2
+        middle = (LEFT + self.right) / 2
         parts.append(f'<text x="{middle:.0f}" y="{HEIGHT - 8}" class="tick">{escape(across)}</text>')
         parts.append(f'<text x="{LEFT}" y="8" class="tick start">{escape(up)}</text>')
         return parts

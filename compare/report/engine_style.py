@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import count, islice
 from typing import NamedTuple
 
 FIRST_HUE, GOLDEN_ANGLE = 22.0, 137.508
 """The first engine is orange; each further one is turned by the golden angle, which keeps hues apart for any number."""
+
+REFERENCE_HUE, APART = 211.0, 24.0
+"""The reference's blue, and how far from it the hue of an engine stays, in degrees."""
 
 DASHES = ("7 4", "2 3", "11 3 2 3", "5 2", "12 5", "2 2 6 2", "9 3 2 3 2 3")
 """Dashes of the engines compared. A solid line is the reference's alone."""
@@ -32,7 +36,9 @@ def engine_style(number: int) -> EngineStyle:
     >>> len({engine_style(k)[:2] for k in range(100)})
     100
     """
-    hue = f"{(FIRST_HUE + GOLDEN_ANGLE * number) % 360:.4g}"
+    hues = ((FIRST_HUE + GOLDEN_ANGLE * turn) % 360 for turn in count())
+    apart = (hue for hue in hues if abs(hue - REFERENCE_HUE) >= APART)
+    hue = f"{next(islice(apart, number, None)):.4g}"
     return EngineStyle(f"hsl({hue} 72% 36%)", f"hsl({hue} 80% 68%)", DASHES[number % len(DASHES)])
 
 

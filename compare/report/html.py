@@ -2,20 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from typing import TYPE_CHECKING, Any
 
-import jinja2
 from markupsafe import Markup
 
-from .engine_style import engine_css
+from ..chaos.foreseen import foreseen
+from .foreseen import foreseen_phrase
 from .page.outcome_tables import changed, kept
 from .page.patterns import gallery
 from .page.provenance import minimise_command, provenance
 from .page.recording import recording
+from .page.rendering import COMPARED, rendered
 from .page.why import amounts, enough
-from .picture import STYLE, divergence_picture, scene_picture
-from .plot import NARROW, WIDE, separation_plot
+from .picture import divergence_picture, scene_picture
+from .plot import NARROW, WIDE, horizon_bands, separation_plot
 from .sentences import (
     consequence_phrase,
     counted,
@@ -44,31 +44,28 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
     Args:
         command: the command line that the comparison came from, to be told in the page.
     """
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader(f"{__package__}.page", ""),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters["longest_word"] = longest_word
-    loader = environment.loader
-    assert loader is not None
-
-    def inlined(name: str) -> Markup:
-        return Markup(loader.get_source(environment, name)[0])
-
     reference = comparison.reference
-    return environment.get_template("report.html.jinja").render(
+    horizons = foreseen(comparison)
+    bands = horizon_bands(comparison, horizons)
+    return rendered(
+        "report.html.jinja",
+        recording=recording(comparison),
+        engines=len(comparison.candidates),
         title=f"{comparison.scene.name}: truebreak",
         sentence=verdict_sentence(comparison),
         comparison=comparison,
         reference=reference,
         scene=comparison.scene,
         facts=_facts(comparison),
-        rows=[_row(number, candidate) for number, candidate in enumerate(comparison.candidates)],
+        rows=[
+            _row(number, candidate) | {"foreseen": foreseen_phrase(horizons, number)}
+            for number, candidate in enumerate(comparison.candidates)
+        ],
+        bands=bands,
+        not_foreseen=horizons.reason if horizons else "",
         returns=comparison.return_miss is not None,
         reference_miss=short(comparison.return_miss),
-        plots=[Markup(separation_plot(comparison, width)) for width in (WIDE, NARROW)],
+        plots=[Markup(separation_plot(comparison, width, bands)) for width in (WIDE, NARROW)],
         picture=Markup(scene_picture(comparison.scene)) if _drawn(comparison) else "",
         divergences=[
             _divergence(comparison, number, c)
@@ -79,19 +76,9 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         changed=changed(comparison),
         kept=kept(comparison),
         provenance=provenance(comparison, command),
-        recording=_recorded(comparison),
-        inlined=inlined,
-        style=Markup(STYLE + engine_css(len(comparison.candidates))),
+        player=COMPARED,
+        footnote="Solid and blue: the reference.",
     )
-
-
-def _recorded(comparison: Comparison) -> Markup | None:
-    """The player's data as JSON that no text in it can end the script with."""
-    found = recording(comparison)
-    if found is None:
-        return None
-    text = json.dumps(found, allow_nan=False, separators=(",", ":"))
-    return Markup(text.replace("<", "\\u003c"))
 
 
 def _drawn(comparison: Comparison) -> bool:
@@ -157,15 +144,6 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "rows": side_by_side(comparison, candidate),
         "picture": Markup(divergence_picture(comparison, candidate, number)) if _drawn(comparison) else "",
     }
-
-
-def longest_word(text: str) -> int:
-    """Letters of the longest word: a cell of short ones is never broken within a word.
-
-    >>> longest_word("not tried"), longest_word("")
-    (5, 0)
-    """
-    return max(map(len, text.split()), default=0)
 
 
 def sentence_case(text: str) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from .engine_style import engine_style
 
 if TYPE_CHECKING:
+    from ..chaos.foreseen import Foreseen
     from ..comparison import Comparison
 
 WIDE, NARROW = 900, 340
@@ -33,6 +34,16 @@ class Line:
     times: tuple[float, ...]
     values: tuple[float, ...]
     diverged: float | None
+
+
+@dataclass(frozen=True)
+class Band:
+    """The time in which an engine is foreseen to leave the history: its place among the engines, and what is said."""
+
+    number: int
+    label: str
+    low: float
+    high: float
 
 
 @dataclass(frozen=True)
@@ -69,8 +80,24 @@ def separation_lines(comparison: Comparison) -> list[Line]:
     ]
 
 
-def separation_plot(comparison: Comparison, width: int = WIDE) -> str:
-    """The plot as one SVG element; a dot marks where an engine's history first differs."""
+def horizon_bands(comparison: Comparison, foreseen: Foreseen | None) -> list[Band]:
+    """The bands of the plot: an engine that is not expected to leave the events looked at has none."""
+    if foreseen is None:
+        return []
+    return [
+        Band(
+            number,
+            f"{candidate.engine}: foreseen to leave the history here",
+            horizon.low.time,
+            foreseen.time if horizon.high.time is None else horizon.high.time,
+        )
+        for number, (candidate, horizon) in enumerate(zip(comparison.candidates, foreseen.horizons, strict=True))
+        if horizon is not None and horizon.low.time is not None and not candidate.unable
+    ]
+
+
+def separation_plot(comparison: Comparison, width: int = WIDE, bands: Sequence[Band] = ()) -> str:
+    """The plot as one SVG element; a dot marks where a history first differs, a band where that was foreseen."""
     kind = "narrow" if width == NARROW else "wide"
     lines = separation_lines(comparison)
     values = [max(v, FLOOR) for line in lines for v in line.values if math.isfinite(v)] or [FLOOR]
@@ -88,11 +115,20 @@ def separation_plot(comparison: Comparison, width: int = WIDE) -> str:
         "<title>Largest distance of a circle from its place in the reference run, over time, on a "
         "logarithmic scale</title>",
         *_axes(scale),
+        *(_shaded(band, scale) for band in bands if band.low < scale.end),
     ]
     for line in lines:
         parts += _drawn(line, scale)
     parts.append("</svg>")
     return "\n".join(parts)
+
+
+def _shaded(band: Band, scale: Scale) -> str:
+    left, right = scale.x(band.low), scale.x(min(band.high, scale.end))
+    return (
+        f'<rect class="horizon e{band.number}" x="{left:.1f}" y="{TOP}" width="{max(right - left, 1):.1f}" '
+        f'height="{HEIGHT - TOP - BOTTOM}"><title>{escape(band.label)}</title></rect>'
+    )
 
 
 def _axes(scale: Scale) -> list[str]:

@@ -6,7 +6,12 @@ from dataclasses import replace
 from functools import cache
 
 from truebreak.compare import compare, html_report
+from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.comparison import Comparison
+from truebreak.compare.report.chaos_html import chaos_html
+from truebreak.compare.report.orders_html import orders_html
+from truebreak.exact.engine import ExactEngine
+from truebreak.exact.policies.all_orders import all_orders
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 COMMAND = "truebreak compare SCENE --html page.html"
@@ -71,6 +76,52 @@ def _quiet() -> Comparison:
     return compare(Scene([Circle(0, 0)]))
 
 
+def _break() -> Comparison:
+    """A rack of five rows and the cue ball, 300 events; without causes, which take minutes here."""
+    return compare(catalogue.build("rack:rows=5"), ["double", "pymunk"], events=300, causes=False)
+
+
+def _pinball() -> Comparison:
+    return compare(catalogue.build("pinball"), ["double", "pymunk"])
+
+
+def _long_galperin() -> Comparison:
+    return compare(catalogue.build("galperin:n=3"), ["double"])
+
+
+def _thirty() -> Comparison:
+    return compare(catalogue.build("gas:n=30"), ["double", "pymunk"], events=120)
+
+
+def _thousand() -> Comparison:
+    return compare(catalogue.build("gas:n=1000"), ["double"], events=12)
+
+
+def _chaos() -> str:
+    return chaos_html(chaos(catalogue.build("gas:n=5"), events=120), command="truebreak chaos SCENE --html page.html")
+
+
+def _orders() -> str:
+    scene = catalogue.build("rack:rows=3")
+    return orders_html(scene, all_orders(ExactEngine(), scene, events=12))
+
+
+def _two_orders() -> str:
+    scene = catalogue.build("lee")
+    return orders_html(scene, all_orders(ExactEngine(), scene))
+
+
+def _some_orders() -> str:
+    """A search that its cap has cut."""
+    scene = catalogue.build("rack:rows=3")
+    return orders_html(scene, all_orders(ExactEngine(), scene, events=2, cap=3, samples=2))
+
+
+def _one_order() -> str:
+    scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)], name="<one> & the same")
+    return orders_html(scene, all_orders(ExactEngine(), scene))
+
+
 KINDS = {
     "gas": _gas,
     "near-tie": _near_tie,
@@ -83,7 +134,23 @@ KINDS = {
     "hostile": _hostile,
     "many-engines": _many_engines,
     "quiet": _quiet,
+    "break": _break,
+    "pinball": _pinball,
+    "long-galperin": _long_galperin,
+    "thirty": _thirty,
+    "thousand": _thousand,
 }
+
+OTHERS = {
+    "chaos": _chaos,
+    "orders": _orders,
+    "two-orders": _two_orders,
+    "some-orders": _some_orders,
+    "one-order": _one_order,
+}
+"""Pages that are none of a comparison."""
+
+PAGES = (*KINDS, *OTHERS)
 
 
 @cache
@@ -95,4 +162,6 @@ def comparison(kind: str) -> Comparison:
 @cache
 def page(kind: str) -> str:
     """Its page."""
+    if kind in OTHERS:
+        return OTHERS[kind]()
     return html_report(comparison(kind), command=COMMAND)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from browser import Browser, found
-from pages import KINDS, comparison, page
+from pages import PAGES, comparison, page
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
@@ -32,7 +32,7 @@ CLIPPED = """[...document.querySelectorAll('main *')].filter((e) => {
 def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Every page as a file."""
     folder = tmp_path_factory.mktemp("pages")
-    for kind in KINDS:
+    for kind in PAGES:
         (folder / f"{kind}.html").write_text(page(kind), encoding="utf-8")
     return folder
 
@@ -52,7 +52,7 @@ def browser(running: Browser) -> Browser:
     return running
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", PAGES)
 def test_nothing_is_wider_than_the_page_and_nothing_goes_wrong(browser: Browser, files: Path, kind: str) -> None:
     for width in WIDTHS:
         browser.size(width)
@@ -64,7 +64,7 @@ def test_nothing_is_wider_than_the_page_and_nothing_goes_wrong(browser: Browser,
         assert [address for address in browser.requests if not address.startswith(("file:", "data:"))] == []
 
 
-@pytest.mark.parametrize("kind", ["gas", "rack", "hostile", "many-engines"])
+@pytest.mark.parametrize("kind", ["gas", "rack", "hostile", "many-engines", "chaos", "orders"])
 def test_nothing_is_cut_on_paper(browser: Browser, files: Path, kind: str) -> None:
     browser.size(PAPER)
     browser.open(files / f"{kind}.html")
@@ -108,6 +108,78 @@ def test_the_jump_lands_on_the_first_divergence(browser: Browser, files: Path) -
         "[...document.querySelectorAll('#player li.first')].map((row) => row.textContent.split(' ')[0])"
     )
     assert [int(mark) for mark in marks] == [divergence.event, divergence.candidate_event]
+
+
+@pytest.mark.parametrize("kind", ["break", "pinball", "thirty"])
+def test_the_page_opens_at_the_first_divergence_and_the_jump_finds_it_again(
+    browser: Browser, files: Path, kind: str
+) -> None:
+    browser.open(files / f"{kind}.html")
+    opened = browser.ask(CLOCK)
+    ends = [
+        t
+        for c in comparison(kind).candidates
+        if (d := c.alignment.divergence) is not None
+        for t in (d.time, d.expected_time, d.got_time)
+        if t is not None
+    ]
+    assert any(opened == pytest.approx(t, rel=1e-9) for t in ends)
+    browser.ask("document.getElementById('scrubber').focus()")
+    browser.press("Home")
+    assert browser.ask(CLOCK) == 0
+    browser.click("#jump")
+    assert browser.ask(CLOCK) == opened
+    assert "The first divergence" in browser.ask("document.getElementById('told').textContent")
+
+
+@pytest.mark.parametrize("kind", ["thousand", "long-galperin", "chaos", "orders"])
+def test_the_scrubber_moves_in_every_kind_of_page(browser: Browser, files: Path, kind: str) -> None:
+    browser.open(files / f"{kind}.html")
+    browser.ask("document.getElementById('scrubber').focus()")
+    browser.press("Home")
+    before, clock = browser.ask(PIXELS), browser.ask("document.getElementById('clock').textContent")
+    browser.press("ArrowRight")
+    assert browser.ask("document.getElementById('clock').textContent") != clock
+    assert browser.ask(PIXELS) != before
+    sides = ("truth", "engine") if kind != "chaos" else ("truth",)
+    assert any(browser.ask(CURRENT % side).startswith("0 ") for side in sides)
+
+
+def test_a_run_alone_has_one_pane_and_moves_the_line_in_the_plot(browser: Browser, files: Path) -> None:
+    browser.open(files / "chaos.html")
+    shown = "[...document.querySelectorAll('#player figure')].filter((e) => e.offsetWidth > 0).length"
+    assert browser.ask(shown) == 1
+    assert browser.ask("document.getElementById('digits-told').hidden")
+    where = "Number(document.querySelector('#errors svg.wide .cursor').getAttribute('x1'))"
+    before = browser.ask(where)
+    browser.ask("document.getElementById('scrubber').focus()")
+    browser.press("End")
+    assert browser.ask(where) > before + 400
+
+
+def test_two_outcomes_part_where_they_are_said_to(browser: Browser, files: Path) -> None:
+    browser.open(files / "orders.html")
+    assert browser.ask("document.getElementById('name-engine').textContent") == "outcome 1"
+    marks = "[...document.querySelectorAll('#player li.first')].map((row) => row.textContent)"
+    one, other = (mark.split("t = ")[1].split(" ", 1)[1] for mark in browser.ask(marks))
+    assert one != other
+    browser.ask(
+        "(() => { const e = document.getElementById('engine'); e.value = 3; e.dispatchEvent(new Event('change')); })()"
+    )
+    assert browser.ask("document.getElementById('name-engine').textContent") == "outcome 3"
+    assert browser.messages == []
+
+
+def test_digits_are_not_all_there_once_an_error_may_have_come(browser: Browser, files: Path) -> None:
+    """Between an error of nothing and the next that is known, the counter tells of the latter."""
+    browser.open(files / "break.html")
+    errors = json.loads(browser.ask("document.getElementById('recording').textContent"))["runs"][2]["errors"]
+    place = max(k for k, (_, error) in enumerate(errors) if error == 0)
+    browser.ask(MOVE % ((errors[place][0] + errors[place + 1][0]) / 2))
+    browser.ask(
+        "(() => { const e = document.getElementById('engine'); e.value = 2; e.dispatchEvent(new Event('change')); })()"
+    )
+    assert float(browser.ask("document.getElementById('digits').textContent")) < 16
 
 
 def test_the_two_bodies_are_ringed_at_the_divergence_and_not_long_before(browser: Browser, files: Path) -> None:
@@ -244,7 +316,7 @@ def test_tables_sort(browser: Browser, files: Path) -> None:
 
 
 @pytest.mark.skipif(not AXE.is_file(), reason="no axe-core here: npm install --prefix tests/report")
-@pytest.mark.parametrize("kind", ["gas", "near-tie", "undecided", "hostile"])
+@pytest.mark.parametrize("kind", ["gas", "near-tie", "undecided", "unsettled", "hostile", "pinball", "chaos", "orders"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_serious(browser: Browser, files: Path, kind: str, scheme: str) -> None:
     browser.media(prefers_color_scheme=scheme)

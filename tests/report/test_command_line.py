@@ -75,6 +75,23 @@ def test_shells_complete_scenes_their_parameters_and_engines(shell: str, place: 
     assert "interval" in offered("run", "gas", "--engine", "int")
 
 
+def test_every_command_completes_its_scene_and_its_engines() -> None:
+    """Whatever takes a scene or an engine, under any command: a new one cannot be forgotten."""
+    told = []
+    for name, command in cli.commands.items():
+        context = click.Context(command, info_name=name, parent=parent())
+        for parameter in command.params:
+            start = {"scene": "gal", "engine_text": "dou", "engines": "dou", "reference": "dou"}.get(
+                parameter.name or ""
+            )
+            if start is None:
+                continue
+            offered = [item.value for item in parameter.shell_complete(context, start)]
+            assert any(value.startswith(start) for value in offered), f"{name}: {parameter.name}"
+            told.append((name, parameter.name))
+    assert {("sweep", "scene"), ("sweep", "engines"), ("chaos", "engines"), ("judge", "reference")} <= set(told)
+
+
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_shells_are_given_a_script(shell: str) -> None:
     told = {**os.environ, "_TRUEBREAK_COMPLETE": f"{shell}_source"}

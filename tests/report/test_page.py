@@ -14,9 +14,11 @@ from pathlib import Path
 
 import jsonschema
 import pytest
-from pages import COMMAND, KINDS, comparison, page
+from pages import COMMAND, PAGES, comparison, page
 
 from truebreak.compare import compare, html_report
+from truebreak.compare.chaos.chaos import chaos
+from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.report.engine_style import engine_style
@@ -73,7 +75,7 @@ def saved(text: str, ending: str) -> str:
     return base64.b64decode(address.partition("base64,")[2]).decode()
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", PAGES)
 def test_a_page_is_one_file_without_resources(kind: str) -> None:
     text = page(kind)
     found = tags(text)
@@ -84,8 +86,58 @@ def test_a_page_is_one_file_without_resources(kind: str) -> None:
 
 
 def test_a_break_of_sixteen_balls_with_three_hundred_events_stays_under_a_megabyte() -> None:
-    found = compare(catalogue.build("gas:n=16,seed=1"), ["double", "pymunk"], events=300, causes=False)
-    assert len(html_report(found).encode()) < 1_000_000
+    found = comparison("break")
+    assert (len(found.scene.circles), len(found.reference.events)) == (16, 300)
+    assert len(page("break").encode()) < 1_000_000
+
+
+@pytest.mark.slow
+def test_so_it_does_with_causes_and_all_permitted_patterns() -> None:
+    found = compare(catalogue.build("rack:rows=5"), ["double", "pymunk"], events=300)
+    text = html_report(found)
+    assert "What the physics permits" in text
+    assert len(text.encode()) < 1_000_000
+
+
+def test_the_horizon_stands_in_the_plot_as_a_band_and_beside_it_in_words() -> None:
+    """The band is that of `truebreak chaos`, which knows nothing of the comparison."""
+    found = compare(catalogue.build("gas"), ["double", "exact"], events=200, causes=False)
+    (alone,) = chaos(catalogue.build("gas"), ["double"], events=200, run=False).horizons
+    told = foreseen(found)
+    assert told is not None
+    assert told.horizons[1] is None
+    assert told.horizons[0] is not None
+    assert (told.horizons[0].low, told.horizons[0].high) == (alone.low, alone.high)
+    text = html_report(found)
+    assert text.count('<rect class="horizon e0"') == 2
+    assert f"foreseen to leave between event {alone.low.event} and event {alone.high.event}" in text
+
+
+def test_nothing_is_foreseen_beyond_a_tie_or_without_an_exact_reference() -> None:
+    assert foreseen(comparison("rack")) is None
+    assert 'class="horizon' not in page("rack")
+    assert foreseen(compare(catalogue.build("gas"), ["single"], events=20, reference="double")) is None
+
+
+def test_pages_of_chaos_and_of_orders_carry_their_results() -> None:
+    for kind, name in (("chaos", "chaos-1"), ("orders", "orders-1"), ("some-orders", "orders-1")):
+        data = json.loads(saved(page(kind), f"{name.partition('-')[0]}.json"))
+        jsonschema.validate(data, schema(name))
+        assert loads_toml(saved(page(kind), ".toml")).digest == data["scene"]["digest"]
+    rows = list(csv.reader(io.StringIO(saved(page("two-orders"), "events.csv"))))
+    assert {row[0] for row in rows[1:]} == {"0", "1"}
+    told = json.loads(saved(page("two-orders"), "orders.json"))
+    for number, outcome in enumerate(told["outcomes"]):
+        listed = [row[3:] for row in rows if row[0] == str(number)]
+        assert listed == [pair for event in outcome["impulses"] for pair in event]
+
+
+def test_outcomes_part_where_their_impulses_first_differ() -> None:
+    data = json.loads(tags(page("two-orders")).scripts["recording"])
+    (other,) = data["runs"][1:]
+    assert other["divergence"] == {"time": 1.0, "expected": 0, "got": 0, "bodies": [0, 1, 2], "walls": []}
+    assert "There are more" in page("some-orders")
+    assert "recording" not in tags(page("one-order")).scripts
 
 
 def test_names_in_a_scene_end_no_script_and_make_no_tags() -> None:

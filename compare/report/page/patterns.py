@@ -84,7 +84,12 @@ def gallery(comparison: Comparison) -> Gallery | None:
             tuple((k, c.engine) for k, c in engines if c.pattern == pattern),
             tuple(str(policy) for policy, other in permitted.by_policy.items() if other == pattern),
             difference(permitted.exact, pattern),
-            _picture(comparison.scene, permitted, pattern),
+            small_picture(
+                comparison.scene,
+                permitted.exact,
+                pattern,
+                difference(permitted.exact, pattern) or LABELS[permitted.relation(pattern)],
+            ),
         )
         for pattern in shown
     )
@@ -147,13 +152,15 @@ def places(scene: Scene) -> dict[str, tuple[float, float]]:
     }
 
 
-def _picture(scene: Scene, permitted: PermittedPatterns, pattern: Mapping[str, Any]) -> str:
-    """Circles as dots, a line for each pair that met: thin where the policy's own has it, heavy where it has not,
-    dotted where only that one has it."""
+def small_picture(scene: Scene, own: Mapping[str, Any], pattern: Mapping[str, Any], title: str) -> str:
+    """A pattern beside the one that it is held against, as an SVG element.
+
+    Circles are dots; a line joins each pair that met: thin where `own` has it too, heavy where it has not, dotted where
+    only `own` has it.
+    """
     place = places(scene)
     height = max(y for _, y in place.values()) + EDGE
-    mine, theirs = met(permitted.exact), met(pattern)
-    title = difference(permitted.exact, pattern) or LABELS[permitted.relation(pattern)]
+    mine, theirs = met(own), met(pattern)
     parts = [
         f'<svg viewBox="0 0 {WIDTH:.0f} {height:.1f}" width="{WIDTH:.0f}" height="{height:.0f}" role="img" '
         f'class="small"><title>{escape(title)}</title>'

@@ -6,8 +6,10 @@ const motions = data.runs.map((run) => new Motion(run, data.bodies));
 const panes = { truth: new Pane(part("pane-truth"), data), engine: new Pane(part("pane-engine"), data) };
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const SECONDS = 30; // a whole run at speed 1
-const state = { time: data.begin, playing: false, chosen: 1, last: 0, sound: null };
+const alone = data.runs.length === 1;
+const state = { time: data.begin, playing: false, chosen: alone ? 0 : 1, last: 0, sound: null };
 
+const sides = alone ? ["truth"] : ["truth", "engine"];
 const candidate = () => data.runs[state.chosen];
 const divergence = () => candidate().divergence;
 const shown = (time) => Number(time.toPrecision(9)).toString();
@@ -30,15 +32,16 @@ function look(element, dashed) {
 
 function draw() {
   panes.truth.draw(motions[0], state.time, look(player, false));
-  panes.engine.draw(motions[state.chosen], state.time, look(part("engine-figure"), true));
+  if (!alone) panes.engine.draw(motions[state.chosen], state.time, look(part("engine-figure"), true));
 }
 
-// The error at a time, between samples by its logarithm; null beyond them.
+// The error at a time, between samples by its logarithm, or by the larger of two if one is zero; null beyond them.
 function errorAt(time) {
-  const rows = candidate().errors;
+  const rows = candidate().errors ?? [];
   const k = lastNotAfter(rows, time, (row) => row[0]);
   if (k < 0 || rows[k][1] === null) return null;
-  if (k === rows.length - 1 || !rows[k][1] || !rows[k + 1][1]) return rows[k][1];
+  if (k === rows.length - 1 || rows[k + 1][1] === null || time === rows[k][0]) return rows[k][1];
+  if (!rows[k][1] || !rows[k + 1][1]) return Math.max(rows[k][1], rows[k + 1][1]);
   const share = (time - rows[k][0]) / (rows[k + 1][0] - rows[k][0]);
   return rows[k][1] * (rows[k + 1][1] / rows[k][1]) ** share;
 }
@@ -56,9 +59,10 @@ function show() {
   const digits = digitsLeft(state.time);
   part("digits").textContent = digits === null ? "–" : digits === Infinity ? "all" : digits.toFixed(1);
   part("digit-bar").firstElementChild.style.width = `${Math.min(100, (100 * (digits ?? 0)) / 16)}%`;
-  for (const side of ["truth", "engine"]) follow(side);
+  for (const side of sides) follow(side);
   for (const plot of document.querySelectorAll("#errors svg")) moveCursor(plot);
   draw();
+  if (data.embedded) parent.postMessage({ truebreakTime: state.time }, "*");
 }
 
 function motionOf(side) {
@@ -80,7 +84,7 @@ function follow(side) {
 
 // Says where the clock stands, for the eye and for a screen reader; not while it runs.
 function tell() {
-  const sides = ["truth", "engine"].map((side) => {
+  const told = sides.map((side) => {
     const motion = motionOf(side);
     const event = motion.run.events[motion.eventAt(state.time)];
     const ended = state.time > motion.run.end ? ` (its run ends at t = ${shown(motion.run.end)}: ${motion.run.stop})` : "";
@@ -88,7 +92,7 @@ function tell() {
   });
   const left = divergence();
   const first = left && Math.abs(left.time - state.time) <= 1e-12 * Math.abs(left.time) ? ". The first divergence." : "";
-  part("told").textContent = `t = ${shown(state.time)}; ${sides.join("; ")}${first}`;
+  part("told").textContent = `t = ${shown(state.time)}; ${told.join("; ")}${first}`;
 }
 
 function seek(time, silent = false) {
@@ -123,7 +127,7 @@ function tick(now) {
   seek(after, true);
   if (state.sound) {
     if (motions[0].eventAt(after) > motions[0].eventAt(before)) click(-1);
-    if (motions[state.chosen].eventAt(after) > motions[state.chosen].eventAt(before)) click(1);
+    if (!alone && motions[state.chosen].eventAt(after) > motions[state.chosen].eventAt(before)) click(1);
   }
   if (state.time >= data.end) stop();
   else requestAnimationFrame(tick);
@@ -171,16 +175,16 @@ function fill(side) {
 function choose(number) {
   state.chosen = number;
   const run = candidate();
-  part("engine-figure").className = `e${run.number}`;
-  part("name-truth").textContent = `${data.runs[0].name} (reference)`;
-  part("name-engine").textContent = run.name;
+  if (!alone) part("engine-figure").className = `e${run.number}`;
+  part("name-truth").textContent = data.runs[0].title;
+  part("name-engine").textContent = run.title;
+  part("digits-told").hidden = part("digit-bar").hidden = !run.errors;
   part("jump").hidden = !run.divergence;
   const [whole, from] = [data.total, data.runs[0].events];
-  const cut = from.length < whole && from.length ? `Shown are events ${from[0][0]} to ${from.at(-1)[0]} of the reference's ${whole}. ` : "";
+  const cut = from.length < whole && from.length ? `Shown are events ${from[0][0]} to ${from.at(-1)[0]} of the ${whole} of ${data.runs[0].name}. ` : "";
   const grows = run.growth > 0 ? `A small error grows by ${run.growth.toPrecision(3)} bits an event: it uses up the 53 bits of a double in about ${Math.round(53 / run.growth)} events.` : "";
   part("growth").textContent = cut + grows;
-  fill("truth");
-  fill("engine");
+  sides.forEach(fill);
   show();
   tell();
 }
@@ -236,6 +240,8 @@ part("sound").addEventListener("click", (event) => {
   state.sound = state.sound ? (state.sound.close(), null) : new AudioContext();
   event.currentTarget.setAttribute("aria-pressed", String(Boolean(state.sound)));
 });
+player.classList.toggle("alone", alone);
+part("engine-figure").hidden = part("engine-events").hidden = alone;
 part("engine").replaceChildren(...data.runs.slice(1).map((run, k) => new Option(run.name, k + 1)));
 part("engine").addEventListener("change", (event) => choose(Number(event.target.value)));
 part("choice").hidden = data.runs.length < 3;
@@ -247,16 +253,27 @@ function quiet() {
 }
 
 function resize() {
-  for (const pane of Object.values(panes)) pane.fit();
+  fitAll();
   draw();
 }
 
+function fitAll() {
+  panes.truth.fit();
+  if (!alone) panes.engine.fit();
+}
+
 player.hidden = false;
-for (const pane of Object.values(panes)) pane.fit();
+fitAll();
 calm.addEventListener("change", quiet);
 quiet();
-choose(data.lead);
+choose(alone ? 0 : data.lead);
 part("engine").value = String(state.chosen);
 if (divergence()) seek(divergence().time);
 new ResizeObserver(resize).observe(part("pane-truth").parentElement);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+if (data.embedded) addEventListener("message", (event) => {
+  const time = event.data?.truebreakTime;
+  if (event.source !== parent || typeof time !== "number") return;
+  if (state.playing) stop();
+  seek(time);
+});

@@ -9,7 +9,7 @@ import os
 import platform
 import re
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
@@ -81,17 +81,17 @@ def provenance(comparison: Comparison, command: str = "") -> Provenance:
     Args:
         command: the command line that it came from; without one, a command that makes it from the scene's file.
     """
-    runs = [(comparison.reference.engine, comparison.reference)]
-    runs += [(c.engine, c.trajectory) for c in comparison.candidates]
-    return Provenance(
-        day(),
-        versions(),
-        whole_name(comparison.scene),
-        command or _command(comparison),
-        tuple((name, _settings(run)) for name, run in runs),
-        tuple(downloads(comparison)),
-        comparison.scene.digest,
-    )
+    runs = [(comparison.reference.engine, comparison.reference.parameters)]
+    runs += [(c.engine, c.trajectory.parameters) for c in comparison.candidates]
+    return provenance_of(comparison.scene, runs, command or _command(comparison), downloads(comparison))
+
+
+def provenance_of(
+    scene: Scene, runs: Iterable[tuple[str, Mapping[str, Any]]], command: str, files: Iterable[Download]
+) -> Provenance:
+    """The provenance of what a scene, engines with their settings, and a command led to."""
+    engines = tuple((name, settings_phrase(settings)) for name, settings in runs)
+    return Provenance(day(), versions(), whole_name(scene), command, engines, tuple(files), scene.digest)
 
 
 def day() -> str:
@@ -136,15 +136,20 @@ def whole_name(scene: Scene) -> str:
     return f"{name}:{','.join(every)}" if every else name
 
 
-def _settings(run: Trajectory) -> str:
-    return ", ".join(f"{key} = {value}" for key, value in run.parameters.items()) or "none"
+def settings_phrase(settings: Mapping[str, Any]) -> str:
+    """Settings in words.
+
+    >>> settings_phrase({"dt": 0.5, "iterations": 3}), settings_phrase({})
+    ('dt = 0.5, iterations = 3', 'none')
+    """
+    return ", ".join(f"{key} = {value}" for key, value in settings.items()) or "none"
 
 
 def _command(comparison: Comparison) -> str:
     """A command that runs the scene, saved from the page, to where this run ended."""
-    words = ["truebreak", "compare", f"{_stem(comparison.scene)}.toml"]
+    words = ["truebreak", "compare", f"{stem_of(comparison.scene)}.toml"]
     words += ["--engines", ",".join(c.engine for c in comparison.candidates)]
-    words += ["--reference", comparison.reference.engine, *_limits(comparison)]
+    words += ["--reference", comparison.reference.engine, *limits_of(comparison.reference)]
     return shlex.join(words)
 
 
@@ -156,13 +161,12 @@ def minimise_command(comparison: Comparison, candidate: Candidate) -> str | None
     """
     if candidate.engine.partition(":")[0] not in ENGINES or comparison.reference.engine != "exact":
         return None
-    words = ["truebreak", "minimise", f"{_stem(comparison.scene)}.toml", "--engine", candidate.engine]
-    return shlex.join([*words, *_limits(comparison)])
+    words = ["truebreak", "minimise", f"{stem_of(comparison.scene)}.toml", "--engine", candidate.engine]
+    return shlex.join([*words, *limits_of(comparison.reference)])
 
 
-def _limits(comparison: Comparison) -> list[str]:
-    """The options that end a run where the reference's ended."""
-    reference = comparison.reference
+def limits_of(reference: Trajectory) -> list[str]:
+    """The options that end a run where this one ended."""
     if reference.stop.reason is StopReason.EVENTS:
         return ["--events", str(len(reference.events))]
     if reference.stop.reason is StopReason.HORIZON:
@@ -170,31 +174,42 @@ def _limits(comparison: Comparison) -> list[str]:
     return []
 
 
-def _stem(scene: Scene) -> str:
-    """The scene's name as the name of a file."""
+def stem_of(scene: Scene) -> str:
+    """The scene's name as the name of a file.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> stem_of(catalogue.build("rack:rows=2"))
+    'rack-rows-2'
+    """
     return re.sub(r"[^A-Za-z0-9]+", "-", scene.name).strip("-")[:60] or "scene"
 
 
-def downloads(comparison: Comparison) -> Iterator[Download]:
-    """The scene, the results and the events as files in the page."""
-    scene = comparison.scene
-    stem = _stem(scene)
+def scene_file(scene: Scene) -> Download | None:
+    """The scene as a file: in TOML where that is possible, else in JSON; None where it can be written in neither."""
     for kind, write in (("toml", dump_toml), ("json", dump_json)):
         try:
             text = write(scene)
         except SceneError:
             continue
         again = f"truebreak show {shlex.quote(scene.name)} --json"
-        yield _download(f"{stem}.{kind}", f"the scene ({kind.upper()})", f"application/{kind}", text, again)
-        break
-    yield _download(
+        name, label = f"{stem_of(scene)}.{kind}", f"the scene ({kind.upper()})"
+        return download(name, label, f"application/{kind}", text, again)
+    return None
+
+
+def downloads(comparison: Comparison) -> Iterator[Download]:
+    """The scene, the results and the events as files in the page."""
+    file, stem = scene_file(comparison.scene), stem_of(comparison.scene)
+    if file is not None:
+        yield file
+    yield download(
         f"{stem}-comparison.json",
         "all results (JSON)",
         "application/json",
         laid_out(comparison_json(comparison)) + "\n",
         "the command above, with --json",
     )
-    yield _download(
+    yield download(
         f"{stem}-events.csv",
         "every event of every engine (CSV)",
         "text/csv",
@@ -203,7 +218,8 @@ def downloads(comparison: Comparison) -> Iterator[Download]:
     )
 
 
-def _download(name: str, label: str, kind: str, text: str, remedy: str) -> Download:
+def download(name: str, label: str, kind: str, text: str, remedy: str) -> Download:
+    """A text as a file in the page, or, if it is too long for one, how to get it otherwise."""
     data = text.encode()
     if len(data) > MOST_BYTES:
         return Download(name, label, "", f"{len(data):,} bytes, too many for a page: {remedy}")

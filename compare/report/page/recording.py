@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ....scenarios.trajectory import StopReason
@@ -40,27 +41,62 @@ ONE_INSTANT = 1e-9
 """Share of the time by which two meetings may lie apart and still be shown as one instant."""
 
 
+@dataclass(frozen=True)
+class Played:
+    """A run that is shown beside the first.
+
+    Attributes:
+        number: its style's place among the engines.
+        name: what it is called.
+        run: its trajectory.
+        told: what else the player tells of it: `errors`, `scale`, `growth`, `divergence`, as far as there are such.
+        parted: when it leaves the first run; None if it does not.
+    """
+
+    number: int
+    name: str
+    run: Trajectory
+    told: Mapping[str, Any]
+    parted: float | None = None
+
+
 def recording(comparison: Comparison) -> dict[str, Any] | None:
-    """The runs as plain data for the player; None where there is nothing to play.
+    """The runs of a comparison as plain data for the player; None where there is nothing to play."""
+    shown = [(k, c) for k, c in enumerate(comparison.candidates) if not c.unable and c.trajectory.scene.circles]
+    if not shown:
+        return None
+    others = [
+        Played(number, c.engine, c.trajectory, _told(comparison.scene, c), _parted(c.alignment.divergence))
+        for number, c in shown
+    ]
+    lead = next((k for k, (_, c) in enumerate(shown, 1) if c is headline(comparison)), 1)
+    name = comparison.reference.engine
+    return played(comparison.scene, comparison.reference, others, name=name, title=f"{name} (reference)", lead=lead)
+
+
+def played(
+    scene: Scene, first: Trajectory, others: Sequence[Played], *, name: str, title: str, lead: int = 1
+) -> dict[str, Any] | None:
+    """Runs of one scene as plain data for the player; None where there is nothing to play.
+
+    Args:
+        first: the run in the left pane, with its name, and the title of its pane.
+        others: those that can be shown in the right pane, if any; `lead` is the place of the one shown at the start.
 
     Returns:
         `bodies` (id, radius, whether fixed), `walls`, `pockets`, `view`, `begin` and `end` of the clock, `total` events
-        of the reference, `lead`, the place in `runs` of the engine that the verdict is about, and `runs`, the
-        reference's first. A run has `times`, the instants at which anything changes; `knots`, [place in `times`, body,
-        x, y, vx, vy], from the start on; `events`, [index, time, pairs].
+        of the first run, `lead`, and `runs`, the first one first. A run has `times`, the instants at which anything
+        changes; `knots`, [place in `times`, body, x, y, vx, vy], from the start on; `events`, [index, time, pairs].
     """
-    scene, reference = comparison.scene, comparison.reference
-    shown = [(k, c) for k, c in enumerate(comparison.candidates) if not c.unable and c.trajectory.scene.circles]
-    longest = float(reference.final_time)
-    if not shown or not longest > 0 or not scene.circles:
+    if not float(first.final_time) > 0 or not scene.circles:
         return None
-    count = max(1, min(MOST_EVENTS // (len(shown) + 1), MOST_STATES // len(scene.circles)))
-    begin, end = _window(reference, [c for _, c in shown], count)
-    truth = _run(reference, begin, end, count)
-    runs = [{**truth, "name": reference.engine, "number": None}]
-    for number, candidate in shown:
-        run = _run(candidate.trajectory, begin, end, count)
-        runs.append({**run, "name": candidate.engine, "number": number, **_told(scene, candidate)})
+    count = max(1, min(MOST_EVENTS // (len(others) + 1), MOST_STATES // len(scene.circles)))
+    begin, end = _window(first, [other.parted for other in others if other.parted is not None], count)
+    truth = _run(first, begin, end, count)
+    runs = [{**truth, "name": name, "title": title, "number": None}]
+    for other in others:
+        run = _run(other.run, begin, end, count)
+        runs.append({**run, "name": other.name, "title": other.name, "number": other.number, **other.told})
     return {
         "bodies": [[str(c.id), float(c.r), c.fixed] for c in scene.circles],
         "walls": [[*wall_line(w), str(w.id)] for w in scene.walls],
@@ -68,13 +104,17 @@ def recording(comparison: Comparison) -> dict[str, Any] | None:
         "view": _view(scene, truth["knots"]),
         "begin": begin,
         "end": end,
-        "total": len(reference.events),
-        "lead": next((k for k, (_, c) in enumerate(shown, 1) if c is headline(comparison)), 1),
+        "total": len(first.events),
+        "lead": lead,
         "runs": runs,
     }
 
 
-def _window(reference: Trajectory, candidates: list[Candidate], count: int) -> tuple[float, float]:
+def _parted(divergence: Divergence | None) -> float | None:
+    return None if divergence is None else divergence.time
+
+
+def _window(reference: Trajectory, parted: list[float], count: int) -> tuple[float, float]:
     """The times shown: all, or as many events as fit, most of them before the first divergence."""
     times = [float(event.time) for event in reference.events]
     end = float(reference.final_time)
@@ -82,7 +122,7 @@ def _window(reference: Trajectory, candidates: list[Candidate], count: int) -> t
         end *= 1 + COASTING
     if len(times) <= count:
         return 0.0, end
-    first = min((c.alignment.divergence.time for c in candidates if c.alignment.divergence), default=0.0)
+    first = min(parted, default=0.0)
     place = next((k for k, time in enumerate(times) if time >= first), len(times))
     start = min(max(0, place - int(BEFORE * count)), len(times) - count)
     return (times[start - 1] if start else 0.0), times[start + count] if start + count < len(times) else end

@@ -1,0 +1,69 @@
+"""Where each engine of a comparison was to be expected to leave the history, by the exact run alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ...exact.results.impacts import NoTangentMap, impacts
+from ...exact.results.motion import ExactMotion
+from .horizon import Forecaster, Horizon
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ...exact.results.impacts import Impact
+    from ..comparison import Comparison
+
+MOST_WORK = 400_000
+"""Events times circles along which displacements are carried: about a second of time."""
+
+
+@dataclass(frozen=True)
+class Foreseen:
+    """What the exact run says of its engines before they are run.
+
+    Attributes:
+        events: how many events were looked at, and the time of the last.
+        horizons: one for each candidate, in their order; None for an engine of exact numbers.
+        reason: why not all events of the run were looked at; empty if they were.
+    """
+
+    events: int
+    time: float
+    horizons: tuple[Horizon | None, ...]
+    reason: str = ""
+
+
+def foreseen(comparison: Comparison) -> Foreseen | None:
+    """The horizons of a comparison's engines; None where the reference is not an exact run with events.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.scenarios import catalogue
+    >>> found = foreseen(compare(catalogue.build("gas:n=4"), ["single"], events=100))
+    >>> found.events, found.horizons[0].holds(found.horizons[0].expected)
+    (100, True)
+    """
+    reference = comparison.reference
+    if not isinstance(reference.motion, ExactMotion) or not reference.events:
+        return None
+    most = min(len(reference.events), MOST_WORK // len(comparison.scene.circles))
+    reason = "" if most == len(reference.events) else f"no more than {most:,} events are looked at"
+    try:
+        struck = impacts(reference, most)
+    except NoTangentMap as error:
+        if not error.events:
+            return None
+        reason = str(error)
+        struck = impacts(reference, error.events)
+    return _forecast(comparison, struck, reason)
+
+
+def _forecast(comparison: Comparison, struck: Sequence[Sequence[Impact]], reason: str) -> Foreseen:
+    reference = comparison.reference
+    forecaster = Forecaster(reference, struck)
+    horizons = tuple(
+        None if candidate.error is None else forecaster.horizon(candidate.engine, *candidate.error)
+        for candidate in comparison.candidates
+    )
+    return Foreseen(len(struck), float(reference.events[len(struck) - 1].time), horizons, reason)

@@ -1,0 +1,34 @@
+"""What was foreseen of an engine, in words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ..chaos.foreseen import Foreseen
+
+
+def foreseen_phrase(found: Foreseen | None, number: int) -> str:
+    """Between which events the engine at a place was to be expected to leave; empty where nothing is foreseen of it.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.compare.chaos.foreseen import foreseen
+    >>> from truebreak.scenarios import catalogue
+    >>> found = foreseen(compare(catalogue.build("gas:n=4"), ["single", "quad"], events=60))
+    >>> foreseen_phrase(found, 0)
+    'foreseen to leave between event 22 and event 33, half of such engines by event 27'
+    >>> foreseen_phrase(found, 1)
+    'foreseen to keep the history in the 60 events looked at'
+    """
+    horizon = None if found is None else found.horizons[number]
+    if found is None or horizon is None:
+        return ""
+    if horizon.low.event is None:
+        return f"foreseen to keep the history in the {found.events:,} events looked at"
+    if horizon.high.event is None:
+        half = "" if horizon.expected.event is None else f", half of such engines by event {horizon.expected.event:,}"
+        return f"foreseen to leave from event {horizon.low.event:,} on{half}"
+    return (
+        f"foreseen to leave between event {horizon.low.event:,} and event {horizon.high.event:,}, "
+        f"half of such engines by event {horizon.expected.event:,}"
+    )

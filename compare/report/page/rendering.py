@@ -1,0 +1,75 @@
+"""Templates made into one page each, with the style, the scripts and the data inside."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+import jinja2
+from markupsafe import Markup
+
+from ..engine_style import engine_css
+from ..picture import STYLE
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader(__package__ or "", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
+    )
+    environment.filters["longest_word"] = longest_word
+    return environment
+
+
+def rendered(template: str, *, recording: Mapping[str, Any] | None, engines: int, **values: Any) -> str:
+    """One offline page.
+
+    Args:
+        template: the name of its template, which extends `page.html.jinja`.
+        recording: what the player shows; None for a page without one.
+        engines: how many styles of engines the page needs.
+        values: what the template tells.
+    """
+    environment = _environment()
+    loader = environment.loader
+    assert loader is not None
+
+    def inlined(name: str) -> Markup:
+        return Markup(loader.get_source(environment, name)[0])
+
+    return environment.get_template(template).render(
+        **values,
+        recording=None if recording is None else embedded(recording),
+        inlined=inlined,
+        style=Markup(STYLE + engine_css(engines)),
+    )
+
+
+def embedded(data: Mapping[str, Any]) -> Markup:
+    """Data as JSON that no text in it can end the script with.
+
+    >>> print(embedded({"name": "</script>"}))
+    {"name":"\\u003c/script>"}
+    """
+    text = json.dumps(data, allow_nan=False, separators=(",", ":"))
+    return Markup(text.replace("<", "\\u003c"))
+
+
+def longest_word(text: str) -> int:
+    """Letters of the longest word: a cell of short ones is never broken within a word.
+
+    >>> longest_word("not tried"), longest_word("")
+    (5, 0)
+    """
+    return max(map(len, text.split()), default=0)
+
+
+COMPARED = {
+    "title": "What happened, side by side",
+    "choice": "engine",
+    "note": "Solid outlines in the engine's pane are the reference's circles; the circles of the first divergence are "
+    "ringed. With sound, the left ear hears the reference, the right one the engine.",
+}
+"""What the player says of itself where an engine is held against a reference."""

@@ -1,0 +1,153 @@
+"""Builds the documentation as a site that needs no network: `python docs/site/build.py [--short] [--out FOLDER]`.
+
+The pages of `docs/` and of the project's top go in as they are. The pages of the catalogue with their pictures and
+reports, the derivations and the API are made here, by running the program. Warnings are errors, and every link is
+checked.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import subprocess
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+from api import api_pages
+from catalogue import Told, catalogue_page, picture, report, scene_page
+from laws import laws_page
+from links import broken
+
+from truebreak.scenarios import catalogue
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parent.parent
+TOP = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md", "LICENSE")
+
+SHORT = ("lee", "near-tie")
+"""Scenes that have a report in a short build."""
+
+INDEX = """\
+# truebreak
+
+```{include} README.md
+:start-after: "# truebreak"
+:end-before: "On a machine with only Python"
+```
+
+New here? [Ten minutes](docs/tutorial.md) lead from an installation to a report of a scene of your own. In doubt about
+an engine? [Is it floating point, or my bug?](docs/floating-point-or-bug.md) Reports to play are in the
+[catalogue](catalogue/index.md).
+"""
+
+TREES = {
+    "Start": ("README", "docs/tutorial", "docs/how-to", "docs/floating-point-or-bug"),
+    "Use": ("docs/scenes", "docs/engines", "docs/comparison", "docs/chaos", "docs/sweep", "docs/your-engine",
+            "docs/pytest", "docs/python", "docs/command-line", "docs/json"),
+    "Look up": ("catalogue/index", "docs/truths", "docs/certificates", "api/index"),
+    "Why it is true": ("laws/index", "docs/how-it-is-exact", "docs/symmetry-and-ties", "docs/error-bound",
+                       "docs/policies", "docs/touching", "docs/fuzz"),
+    "The house": ("docs/architecture", "CONTRIBUTING", "CHANGELOG", "SECURITY", "docs/index"),
+}  # fmt: skip
+"""The pages in order; those of docs/ that are not named here follow under `Use`."""
+
+
+def assemble(source: Path, *, short: bool, jobs: int) -> None:
+    """Writes everything that Sphinx reads into a folder."""
+    for folder in ("docs", "catalogue", "api", "laws", "static", "extra/reports"):
+        (source / folder).mkdir(parents=True)
+    for name in TOP:
+        shutil.copy(ROOT / name, source / name)
+    for path in sorted((ROOT / "docs").iterdir()):
+        if path.is_file():
+            shutil.copy(path, source / "docs" / path.name)
+    _copy_linked(source)
+    shutil.copy(HERE / "conf.py", source / "conf.py")
+    shutil.copy(HERE / "site.css", source / "static" / "site.css")
+    _write(source / "laws" / "index.md", laws_page(solved=not short))
+    for name, text in api_pages():
+        _write(source / "api" / f"{name}.md", text)
+    names = list(catalogue.names())
+    told = _reports([n for n in names if not short or n in SHORT], source / "extra" / "reports", jobs)
+    for name in names:
+        _write(source / "catalogue" / f"{name}.md", scene_page(name, told.get(name)))
+        _write(source / "catalogue" / f"{name}.svg", picture(name))
+    _write(source / "catalogue" / "index.md", catalogue_page(names))
+    _write(source / "index.md", INDEX + _trees(source))
+
+
+def _copy_linked(source: Path) -> None:
+    """Files of the project that a page of docs/ links to, such as the schemas, at the same place in the site."""
+    for page in sorted((source / "docs").glob("*.md")):
+        for name in re.findall(r"\]\(\.\./([\w./-]+)\)", page.read_text("utf-8")):
+            if (ROOT / name).is_file() and not (source / name).exists():
+                (source / name).parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(ROOT / name, source / name)
+
+
+def _reports(names: list[str], folder: Path, jobs: int) -> dict[str, Told]:
+    """The report of each scene, by several processes; how far it is goes to stderr."""
+    found: dict[str, Told] = {}
+    with ProcessPoolExecutor(jobs) as pool:
+        tasks = {name: pool.submit(report, name, str(folder)) for name in names}
+        for place, (name, task) in enumerate(tasks.items(), 1):
+            found[name] = task.result()
+            print(f"report {place} of {len(names)}: {name}", file=sys.stderr)
+    return found
+
+
+def _trees(source: Path) -> str:
+    listed = {name for names in TREES.values() for name in names}
+    others = [
+        f"docs/{path.stem}" for path in sorted((source / "docs").glob("*.md")) if f"docs/{path.stem}" not in listed
+    ]
+    blocks = []
+    for caption, names in TREES.items():
+        every = [*names, *(others if caption == "Use" else [])]
+        blocks.append("\n".join(["", "```{toctree}", f":caption: {caption}", ":hidden:", "", *every, "```", ""]))
+    return "".join(blocks)
+
+
+def _write(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")
+
+
+def build(out: Path, *, short: bool = False, jobs: int = 2) -> list[str]:
+    """Builds the site into `out/html`; what is wrong with it, line by line.
+
+    The pages go to a new folder first, and take the place of those before when all is done.
+    """
+    source, made, ready = out / "source", out / "new", out / "html"
+    for folder in (source, made):
+        shutil.rmtree(folder, ignore_errors=True)
+    assemble(source, short=short, jobs=jobs)
+    command = [sys.executable, "-m", "sphinx", "-b", "html", "-W", "--keep-going", "-q", str(source), str(made)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        return done.stderr.splitlines() or [f"sphinx ended with {done.returncode}"]
+    wrong = broken(made)
+    if not wrong:
+        shutil.rmtree(ready, ignore_errors=True)
+        made.rename(ready)
+    return wrong
+
+
+def main() -> int:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--short", action="store_true", help="only a few reports, and laws without their solutions")
+    parser.add_argument("--out", type=Path, default=ROOT / "build" / "site", help="where to (build/site)")
+    parser.add_argument("--jobs", type=int, default=2, help="processes that make reports (2)")
+    options = parser.parse_args()
+    wrong = build(options.out.resolve(), short=options.short, jobs=options.jobs)
+    for line in wrong:
+        print(line, file=sys.stderr)
+    if not wrong:
+        print(options.out / "html" / "index.html")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,107 @@
+"""A page for each scene of the catalogue: its picture, what is known of it, what engines make of it, its report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from truebreak.compare import compare, html_report
+from truebreak.compare.report.page.provenance import whole_name
+from truebreak.compare.report.picture import scene_picture
+from truebreak.compare.report.sentences import proof_phrase, verdict_sentence
+from truebreak.scenarios import catalogue
+from truebreak.scenarios.errors import SceneError
+from truebreak.scenarios.files import dump_json, dump_toml
+
+ENGINES = ("double", "pymunk")
+
+MOST_EVENTS = 60
+"""Events compared for a page: enough to see what a scene is about."""
+
+MOST_LINES = 60
+"""Lines of a scene's file that its page shows."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """What the comparison of a scene came to."""
+
+    sentence: str
+    proof: str
+    command: str
+
+
+def report(name: str, folder: str) -> Told:
+    """Compares a scene, and writes the report to play into a folder."""
+    scene = catalogue.build(name)
+    events = MOST_EVENTS if scene.events is None else min(MOST_EVENTS, scene.events)
+    command = f"truebreak compare {name} --engines {','.join(ENGINES)} --events {events} --html {name}.html"
+    found = compare(scene, ENGINES, events=events)
+    Path(folder, f"{name}.html").write_text(html_report(found, command=command), encoding="utf-8")
+    return Told(verdict_sentence(found), proof_phrase(found), command)
+
+
+def picture(name: str) -> str:
+    """A scene at time 0, as an SVG file."""
+    return scene_picture(catalogue.build(name), standalone=True)
+
+
+def scene_page(name: str, told: Told | None) -> str:
+    """The page of a scene as MyST.
+
+    Args:
+        told: what its comparison came to; None for a page without a report.
+    """
+    entry, scene = catalogue.entry(name), catalogue.build(name)
+    parts = [
+        f"# {name}",
+        f"{entry.summary} {entry.known}",
+        f"![{name} at time 0]({name}.svg)",
+        f"Source: {_text(entry.source)}.",
+    ]
+    if entry.parameters:
+        rows = [f"| `{p.name}` | `{p.default}` | {_text(p.help)} |" for p in entry.parameters]
+        parts.append("\n".join(["## Parameters", "", "| name | default | what it sets |", "|---|---|---|", *rows]))
+    if told is not None:
+        address, title = f"../reports/{name}.html", f"{escape(name)}: report"
+        parts += [
+            "## What engines make of it",
+            f"{_text(told.sentence)} {_text(told.proof)}",
+            f"```sh\n{told.command}\n```",
+            f'<p><a href="{address}">The report, to play on a page of its own</a></p>',
+            f'<iframe class="report" loading="lazy" src="{address}" title="{title}"></iframe>',
+        ]
+    parts += ["## The scene, exactly", f"`{whole_name(scene)}`, digest `{scene.digest}`", _file(scene)]
+    return "\n\n".join(parts) + "\n"
+
+
+def _file(scene: object) -> str:
+    try:
+        text, kind = dump_toml(scene), "toml"  # type: ignore[arg-type]
+    except SceneError:
+        text, kind = dump_json(scene), "json"  # type: ignore[arg-type]
+    lines = text.strip().splitlines()
+    shown = "\n".join(lines[:MOST_LINES])
+    more = (
+        f"\n\nAnd {len(lines) - MOST_LINES} more lines: `truebreak export` writes them all."
+        if len(lines) > MOST_LINES
+        else ""
+    )
+    return f"```{'text' if more else kind}\n{shown}\n```{more}"
+
+
+def catalogue_page(names: list[str]) -> str:
+    """The list of all scenes."""
+    rows = [f"| [{name}]({name}.md) | {_text(catalogue.entry(name).summary)} |" for name in names]
+    tree = "\n".join(["```{toctree}", ":hidden:", "", *names, "```"])
+    table = "\n".join(["| scene | what it shows |", "|---|---|", *rows])
+    told = "Every picture, verdict and report on these pages was made by the build, by the command printed beside it."
+    return f"# Catalogue\n\n{told}\n\n{table}\n\n{tree}\n"
+
+
+def _text(text: str) -> str:
+    """Plain text, with what Markdown would take for its own made harmless."""
+    for mark in ("\\", "*", "_", "|", "<", "[", "`"):
+        text = text.replace(mark, f"\\{mark}")
+    return text

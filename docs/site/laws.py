@@ -1,0 +1,110 @@
+"""The page of the physics: its statements, what SymPy makes of them, and the forms that the engines use."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from sympy import Eq
+from sympy.printing.mathml import mathml
+
+from truebreak.exact.laws import derivation, tangent
+from truebreak.exact.laws.derivation import Statement
+from truebreak.exact.laws.stable_forms import FORMS, StableForm
+
+INTRODUCTION = """\
+# The physics, derived
+
+Equations and forms on this page are those of the program: `exact/laws/derivation.py` states them as SymPy's own
+equations, this page prints the same objects, and `python -m truebreak.exact.laws` solves them afresh and proves that
+each formula which an engine runs is equal to what follows from them. Nothing here is typed in by hand. The statements
+are those of Carl M. Kadie, *Perfect, Infinite-Precision, Game Physics in Python*; a prime is a position at time t, a
+hat a velocity after the collision.
+"""
+
+STABLE = """\
+## The forms that the engines run
+
+Each is proved equal to the law that it names. They are written so that nothing cancels: d is the position of b less
+that of a, v the same of velocities, R the sum of the radii, d × v = dx vy − dy vx, and w an inverse mass.
+"""
+
+TANGENT = """\
+## What becomes of a small displacement
+
+The tangent map of a collision is the derivative of the impulse and of the instant at which it comes: a pair displaced
+by (p, q) touches later by the time for which the distance stays R to the first order. From it follow
+[growth of errors, Lyapunov exponents and horizons](../docs/chaos.md).
+"""
+
+
+def laws_page(*, solved: bool) -> str:
+    """The page as MyST.
+
+    Args:
+        solved: whether the solutions are derived too, which takes some ten seconds.
+    """
+    parts = [INTRODUCTION]
+    for place, (statement, laws) in enumerate(_statements(), 1):
+        parts += _told(place, statement)
+        if solved:
+            for name, law in laws:
+                parts += [f"What SymPy makes of it (`{law.__name__}`): {name}", *_formulas(law())]
+    parts.append(STABLE)
+    for form in FORMS:
+        parts += _form(form)
+    parts.append(TANGENT)
+    if solved:
+        names = ("x", "y", "vx", "vy")
+        found = tangent.pair_displacement()
+        parts += ["What b gains, per inverse mass, in position and velocity:", *_named(names, found)]
+    for form in tangent.FORMS:
+        parts += _form(form)
+    return "\n\n".join(parts) + "\n"
+
+
+def _statements() -> Iterator[tuple[Statement, Sequence[tuple[str, Any]]]]:
+    d = derivation
+    yield d.pair_touch(), [("the two times at which the circles just touch.", d.pair_times)]
+    yield d.wall_touch(), [("the two times at which the circle just touches the wall.", d.wall_times)]
+    hits = [
+        ("the velocities after a collision with a circle that cannot move, in the limit of its infinite mass.",
+         d.fixed_circle_velocities),
+    ]  # fmt: skip
+    yield d.pair_collision(), hits
+    yield d.wall_collision(), [("the velocity off a wall, in the limit of its infinite mass.", d.wall_velocities)]
+    yield d.wall_aim(), [("the point of the wall.", d.wall_aim_point)]
+
+
+def _told(place: int, statement: Statement) -> list[str]:
+    title = statement.title[:1].upper() + statement.title[1:]
+    unknowns = ", ".join(f"`{unknown}`" for unknown in statement.unknowns)
+    return [f"## {place}. {title}", *map(_math, statement.equations), f"Solved for {unknowns}."]
+
+
+def _formulas(found: Any) -> list[str]:
+    return [_math(expression) for expression in (found if isinstance(found, tuple) else (found,))]
+
+
+def _named(names: Sequence[str], found: Sequence[Any]) -> list[str]:
+    return [f'<div class="law">{name}: {_inside(value)}</div>' for name, value in zip(names, found, strict=True)]
+
+
+def _form(form: StableForm) -> list[str]:
+    doc = "\n".join(line.strip() for line in form.doc.splitlines())
+    signature = f"{form.name}({', '.join(map(str, form.parameters))})"
+    steps = [_math(Eq(name, value)) for name, value in form.steps]
+    return [f"### `{form.name}`", f"```python\n{signature}\n```", _plain(doc), *steps, *map(_math, form.results)]
+
+
+def _plain(text: str) -> str:
+    """Text of a docstring, with what Markdown would take for its own made harmless."""
+    return text.replace("|", "\\|").replace("*", "\\*").replace("<", "\\<")
+
+
+def _math(expression: Any) -> str:
+    return f'<div class="law">{_inside(expression)}</div>'
+
+
+def _inside(expression: Any) -> str:
+    return f'<math xmlns="http://www.w3.org/1998/Math/MathML">{mathml(expression, printer="presentation")}</math>'

@@ -1,0 +1,51 @@
+"""Every link of a built site that stays within it leads somewhere: to a file, and to a place in it."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+
+class _Page(HTMLParser):
+    """The addresses that a page has, the places in it, and what it loads from elsewhere."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.places: set[str] = set()
+        self.loaded: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        found = {key: value or "" for key, value in attrs}
+        self.places |= {found[key] for key in ("id", "name") if key in found}
+        address = found.get("href" if tag in ("a", "link") else "src", "")
+        if address:
+            self.links.append(address)
+        relation = found.get("rel", "")
+        if tag in ("script", "img", "iframe") or (tag == "link" and "stylesheet" in relation):
+            self.loaded.append(address)
+
+
+def broken(folder: Path) -> list[str]:
+    """What is wrong with a site: links that lead nowhere, and whatever is loaded over a network."""
+    pages: dict[Path, _Page] = {}
+    for path in sorted(folder.rglob("*.html")):
+        pages[path] = _Page()
+        pages[path].feed(path.read_text("utf-8"))
+    wrong = []
+    for path, page in pages.items():
+        told = path.relative_to(folder)
+        wrong += [
+            f"{told}: loads {address[:80]}" for address in page.loaded if urlsplit(address).scheme in ("http", "https")
+        ]
+        for link in page.links:
+            parts = urlsplit(link)
+            if parts.scheme or parts.netloc:
+                continue
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            if not target.is_file():
+                wrong.append(f"{told}: {link} leads to no file")
+            elif parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].places:
+                wrong.append(f"{told}: {link} leads to no place in its page")
+    return wrong

@@ -1,0 +1,80 @@
+"""The documentation builds as a site: warnings are errors, links within it are checked, and nothing comes from afar."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from truebreak.scenarios import catalogue
+
+pytest.importorskip("sphinx", reason="no sphinx here: pip install -e '.[docs]'")
+pytest.importorskip("myst_parser")
+pytest.importorskip("furo")
+
+ROOT = Path(__file__).resolve().parent.parent
+BUILD = ROOT / "docs" / "site" / "build.py"
+sys.path.insert(0, str(BUILD.parent))
+
+
+def built(out: Path, *arguments: str) -> Path:
+    """The site that the command builds."""
+    done = subprocess.run(
+        [sys.executable, str(BUILD), "--out", str(out), *arguments], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return out / "html"
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The short site."""
+    return built(tmp_path_factory.mktemp("site"), "--short")
+
+
+def test_every_page_of_the_docs_and_every_scene_is_there(site: Path) -> None:
+    for page in (ROOT / "docs").glob("*.md"):
+        assert (site / "docs" / f"{page.stem}.html").is_file()
+    for name in catalogue.names():
+        text = (site / "catalogue" / f"{name}.html").read_text("utf-8")
+        assert catalogue.build(name).digest in text
+        assert f"{name}.svg" in text
+    assert (site / "reports" / "lee.html").read_text("utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_the_laws_are_printed_by_sympy(site: Path) -> None:
+    from truebreak.exact.laws.stable_forms import FORMS
+
+    text = (site / "laws" / "index.html").read_text("utf-8")
+    assert text.count("<math") > 5 * len(FORMS) / 2
+    assert all(form.name in text for form in FORMS)
+
+
+def test_every_name_of_the_face_is_in_the_api(site: Path) -> None:
+    import truebreak
+
+    text = (site / "api" / "truebreak.html").read_text("utf-8")
+    assert all(f'id="truebreak.{name}"' in text for name in truebreak.__all__ if not name.startswith("__"))
+
+
+def test_a_link_that_leads_nowhere_is_found(tmp_path: Path) -> None:
+    from links import broken
+
+    (tmp_path / "a.html").write_text('<p id="x"><a href="#x">a</a><a href="b.html#y">b</a></p>', "utf-8")
+    (tmp_path / "b.html").write_text('<a href="a.html#x">c</a><a href="https://far.example/">d</a>', "utf-8")
+    assert broken(tmp_path) == ["a.html: b.html#y leads to no place in its page"]
+    (tmp_path / "b.html").write_text(
+        '<i id="y"></i><a href="c.html"></a><img src="https://far.example/x.png">', "utf-8"
+    )
+    assert broken(tmp_path) == [
+        "b.html: loads https://far.example/x.png",
+        "b.html: c.html leads to no file",
+    ]
+
+
+@pytest.mark.slow
+def test_the_whole_site_builds(tmp_path: Path) -> None:
+    site = built(tmp_path)
+    assert all((site / "reports" / f"{name}.html").is_file() for name in catalogue.names())
