@@ -11,6 +11,7 @@ from .exit_codes import DONE, ExitCode, of_comparison, of_stop
 from .minimise import minimise
 from .numbers import Whole
 from .options import EVENTS, JSON, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .shadow import shadow
 from .sweep import sweep
 
 EXAMPLES = """
@@ -342,4 +343,5 @@ def bench(arguments: tuple[str, ...]) -> int:
 
 cli.add_command(chaos)
 cli.add_command(minimise)
+cli.add_command(shadow)
 cli.add_command(sweep)
