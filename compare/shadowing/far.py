@@ -36,14 +36,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m truebreak.compare.shadowing.far", description=__doc__)
     parser.add_argument("--events", type=int, default=EVENTS, help=f"how many events ({EVENTS})")
     parser.add_argument("--seeds", type=int, default=len(SEEDS), help=f"how many gases of each size ({len(SEEDS)})")
+    parser.add_argument("--discs", type=int, action="append", metavar="N", help="only gases of N discs")
+    parser.add_argument("--engine", action="append", metavar="E", help="only this engine")
     options = parser.parse_args(arguments)
     print(
         "| discs | engine | left the history at event | shadowed over all | least carried | median distance "
         "| blocked by |"
     )
     print("|---|---|---|---|---|---|---|")
-    for n in DISCS:
-        for engine in ENGINES:
+    for n in options.discs or DISCS:
+        for engine in options.engine or ENGINES:
             scenes = (catalogue.build(f"gas:n={n},seed={seed}") for seed in SEEDS[: options.seeds])
             print(row(n, engine, [longest(scene, engine, events=options.events) for scene in scenes]), flush=True)
     return 0

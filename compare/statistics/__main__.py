@@ -10,8 +10,7 @@ from .boltzmann import CELLS
 from .ladder import approximate, bias, certified, power
 from .quantities import QUANTITIES
 
-LADDER = (*(f"rounded:bits={bits}" for bits in (8, 10, 12, 14, 16, 20)), "single", "rounded:bits=32", "rounded:bits=40",
-          "double", "pymunk:dt=1/256")  # fmt: skip
+LADDER = (*(f"rounded:bits={bits}" for bits in (8, 10, 12, 16, 20)), "single", "double", "pymunk:dt=1/256")
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -116,8 +116,8 @@ def _echoes(count: int) -> list[Scene]:
 
 
 QUANTITIES = (
-    Measured("hits of the disc a unit of time (free path)", True, 0.05, 240, _points, 120, _rate),
-    Measured("meetings of two discs a unit of time", True, 0.10, 240, _boxes, 40, _rate),
+    Measured("hits of the disc a unit of time (free path)", True, 0.10, 160, _points, 120, _rate),
+    Measured("meetings of two discs a unit of time", True, 0.10, 160, _boxes, 40, _rate),
     Measured("Lyapunov exponent of the Lorentz gas", True, 0.05, 80, _hexagons, 40, _exponent),
     Measured("bounces before escape (escape rate)", True, 0.10, 400, _escapes, None, _bounces),
     Measured("bounces before escape, from a narrow window", False, 0.10, 200, _window, None, _bounces),
