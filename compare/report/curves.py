@@ -31,9 +31,16 @@ class Band:
     mark: float | None = None
 
 
-def plot(title: str, across: str, up: str, curves: Sequence[Curve], bands: Sequence[Band] = ()) -> str:
-    """The curves as one SVG element; a band is a bar at its height, its mark a dot."""
-    points = [p for curve in curves for p in curve.points if math.isfinite(p[1])]
+def plot(
+    title: str,
+    across: str,
+    up: str,
+    curves: Sequence[Curve],
+    bands: Sequence[Band] = (),
+    dots: Sequence[Curve] = (),
+) -> str:
+    """The curves as one SVG element; a band is a bar at its height, its mark a dot; `dots` are points not joined."""
+    points = [p for curve in (*curves, *dots) for p in curve.points if math.isfinite(p[1])]
     end = max((x for x, _ in points), default=1.0) or 1.0
     heights = [y for _, y in points] + [band.height for band in bands]
     low, high = min([0.0, *heights]), max([*heights, 1e-300])
@@ -56,6 +63,13 @@ def plot(title: str, across: str, up: str, curves: Sequence[Curve], bands: Seque
         if band.mark is not None:
             parts.append(f'<circle class="dot {kind}" cx="{view.x(band.mark):.1f}" cy="{y:.1f}" r="4.5"/>')
         parts += _legend(number, band.label)
+    for number, cloud in enumerate(dots, start=len(curves) + len(bands)):
+        parts += [
+            f'<circle class="dot s{number % 5}" cx="{view.x(x):.1f}" cy="{view.y(y):.1f}" r="3"/>'
+            for x, y in cloud.points
+            if math.isfinite(y)
+        ]
+        parts += _legend(number, cloud.label)
     return "\n".join([*parts, "</svg>"])
 
 
