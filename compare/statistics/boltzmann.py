@@ -37,7 +37,7 @@ def h_value(speeds: Sequence[tuple[float, float]]) -> float:
 def h_curve(run: Trajectory, points: int) -> list[tuple[float, float]]:
     """(time, H) at so many times of a run, from 0 to its end."""
     end = float(run.final_time)
-    times = [end * k / (points - 1) for k in range(points)]
+    times = [min(end, end * k / (points - 1)) for k in range(points)]
     return [(time, h_value([(float(vx), float(vy)) for vx, vy in rows]))
             for time, rows in zip(times, run.sample(times)[:, :, 2:], strict=True)]  # fmt: skip
 
