@@ -1,4 +1,7 @@
-"""H of a gas that is turned back, in several engines, as one SVG: `python -m ...statistics.picture FILE`."""
+"""H of a gas that is turned back, in several engines, as one SVG.
+
+`python -m truebreak.compare.statistics.picture FILE` draws it.
+"""
 
 from __future__ import annotations
 
