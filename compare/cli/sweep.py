@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -103,6 +103,7 @@ def sweep(
     from ..ensemble.survival import summaries
     from ..ensemble.sweep import plan, run
     from ..ensemble.table import csv_text
+    from ..ensemble.uncertainty import uncertainty
     from ..report.listing import print_json
     from ..report.sweep_plots import survival_svg
     from .writing import check_writable, write_whole
@@ -137,13 +138,21 @@ def sweep(
         write_whole(csv_file, csv_text(rows, keys))
     if svg is not None:
         write_whole(svg, survival_svg(summaries(rows)))
+    unsure = {name: uncertainty(rows, name) for name in settings["outcomes"] if _displaced(settings)}
     if as_json:
-        print_json(sweep_json(settings, scenes, summaries(rows), failures))
+        print_json(sweep_json(settings, scenes, summaries(rows), failures, unsure))
     elif csv_file != "-":
-        print_sweep(settings, scenes, summaries(rows))
+        print_sweep(settings, scenes, summaries(rows), unsure)
     for index, attempt, note in failures:
         click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}", err=True)
     return ExitCode.UNDECIDED if failures else DONE
+
+
+def _displaced(settings: Mapping[str, Any]) -> bool:
+    """Whether a sweep displaces its scenes."""
+    from ..ensemble.row import PERTURBED
+
+    return any(label.startswith(PERTURBED) for label in settings["engines"])
 
 
 def _ask(scenes: int, yes: bool) -> None:

@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
+import jsonschema
 import pytest
 
 from truebreak.compare.cli import main
+from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble import worker
 from truebreak.compare.ensemble.executors import executor_named
 from truebreak.compare.ensemble.frames import to_pandas, write_parquet
@@ -133,6 +135,19 @@ def test_larger_displacements_change_more_outcomes() -> None:
     assert all(share.total == 30 and share.low <= share.count / 30 <= share.high for share in found.shares)
     brute = {r["index"] for r in told if r["engine"] == "perturbed:1/3" and "collisions" in r["changed"]}
     assert len(brute) == counts[-1]
+
+
+def test_the_command_tells_the_exponent(capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["sweep", "three-disc:distance=5/2", "--vary", "seed=1..40", "--engines", "double", "--outcome",
+            "collisions", "--jobs", "1"]  # fmt: skip
+    line += [word for size in ("1/3", "1/30", "1/300") for word in ("--perturb", size)]
+    assert call([*line, "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    jsonschema.Draft202012Validator(schema("sweep-1")).validate(data)
+    told = data["uncertainty"]["collisions"]
+    assert told["exponent"] == pytest.approx(slope([Share(**share) for share in told["shares"]])[0])
+    assert call(line) == 0
+    assert "goes as d**a" in capsys.readouterr().out
 
 
 # -- executors
