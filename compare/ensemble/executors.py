@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
 
@@ -46,7 +46,8 @@ def executor_named(text: str) -> Iterator[tuple[Executor, int]]:
             f"--executor {text!r}: no scheduler answers ({reason[:120]}); start one, or mind the port"
         ) from None
     try:
-        slots = sum(client.nthreads().values())
+        threads: Any = client.nthreads()
+        slots = sum(threads.values())
         if not slots:
             raise SceneError(
                 f"--executor {text!r}: the scheduler has no workers yet; start some: dask worker HOST:PORT"
