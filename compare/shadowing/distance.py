@@ -72,10 +72,13 @@ def distance(record: Record, certified: Trajectory) -> Distance | None:
     flights before and after it, bound all others.
 
     Returns:
-        None where the contacts of one circle are closer to each other than the two runs are.
+        None where the contacts of one circle are closer to each other than the two runs are, or where the certified
+        run tells of other changes of velocity than its contacts.
     """
     free = list(record.flights)
     flights = _flights(certified, record)
+    if flights is None:
+        return None
     position = velocity = time = 0.0
     circle = ""
     with ball.precision(BITS + 64):
@@ -117,8 +120,8 @@ def start_distance(one: Scene, other: Scene) -> StartDistance:
     return StartDistance(position, velocity)
 
 
-def _flights(certified: Trajectory, record: Record) -> dict[int, list[Flight]]:
-    """The flights of a certified run, from its knots."""
+def _flights(certified: Trajectory, record: Record) -> dict[int, list[Flight]] | None:
+    """The flights of a certified run, from its knots; None unless there is one for each contact."""
     knots: Any = certified.motion.knots  # type: ignore[attr-defined]
     place = {name: k for k, name in enumerate(certified.scene.ids)}
     instants: dict[int, list[arb]] = {i: [arb(0)] for i in record.flights}
@@ -132,8 +135,10 @@ def _flights(certified: Trajectory, record: Record) -> dict[int, list[Flight]]:
     told: dict[int, list[Flight]] = {}
     with ball.precision(BITS + 64):
         for i, times in instants.items():
+            if len(times) != len(knots[i]):
+                return None
             told[i] = [Flight(when, *(_ball(number) for number in knot[:5]))
-                       for when, knot in zip(times, knots[i], strict=False)]  # fmt: skip
+                       for when, knot in zip(times, knots[i], strict=True)]  # fmt: skip
     return told
 
 
