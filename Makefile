@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow stress coverage lint format bench docs picture reference-set clean
+.PHONY: demo test slow stress stress-map coverage lint format bench docs picture reference-set clean
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -44,6 +44,10 @@ docs: .venv/ready
 picture: .venv/ready
 	$(BIN)/truebreak compare gas --html report.html --exit-zero
 	$(BIN)/python tests/report/browser.py report.html docs/report.png 1000 1540
+
+# Runs all stress families, and writes the map into docs/stress.md and docs/stress.svg; a test checks some of its places.
+stress-map: .venv/ready
+	$(BIN)/python -m truebreak.compare.stress docs/stress.md --store stress-map.jsonl
 
 # Writes docs/reference-set-1.zip; a test proves that it is current.
 reference-set: .venv/ready

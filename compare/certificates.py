@@ -59,10 +59,15 @@ def certified(trajectory: Trajectory) -> Certified:
     from ..exact.certificate import certificate_json, certify
 
     text = certificate_json(certify(trajectory))
+    return Certified(text, *verdict(text))
+
+
+def verdict(text: str) -> tuple[int, str]:
+    """The checker's exit code and sentence for a certificate."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "certificate.json"
         file.write_text(text, encoding="utf-8")
-        return Certified(text, *verdict_on(str(file)))
+        return verdict_on(str(file))
 
 
 def check_engine(engine: str, option: str) -> None:

@@ -7,15 +7,16 @@ from typing import Any
 
 from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError
-from ..scenarios.event import Contact, Event, Pocketing, Reversal
+from ..scenarios.event import Event, Pocketing, Reversal
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
 from .certified.decider import CertifiedDecider
 from .numbers import ball
+from .numbers.field import Known
 from .policies import Policy
 from .predicates.ties import TieRule
-from .replay.steps import Link
+from .replay.contact import Named
 from .results.home import return_note
 from .results.motion import ExactMotion
 from .results.run_log import RunLog
@@ -104,17 +105,13 @@ class ExactEngine(Declared):
         history = decider.history
         state = decider.state
         log = RunLog(scene, history.steps, state.bits - min(state.lowest, state.bits), state.centred)
-        ids = scene.ids
-
-        def contacts(links: tuple[Link, ...]) -> tuple[Contact, ...]:
-            return tuple([Contact(ids[i], ids[j]) for i, j in links])
-
+        ids, named = scene.ids, Named(scene)
         events = tuple(
             Event(
                 index,
                 time_of(log, record.mark),
-                contacts(record.links),
-                contacts(record.impulses),
+                named(record.links),
+                named(record.impulses),
                 record.ties,
                 record.coupled,
             )
@@ -151,7 +148,7 @@ class ExactEngine(Declared):
         )
 
 
-def _end(log: RunLog, history: History, limits: Limits, stop: Stop) -> Any:
+def _end(log: RunLog, history: History[Known], limits: Limits, stop: Stop) -> Any:
     """The time of the final state."""
     if stop.reason is StopReason.HORIZON and limits.to_return and history.reversal is not None:
         mark = history.reversal[1]

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
-from typing import Any
+from typing import Generic
 
-from ..exact.numbers.system import Number, NumberSystem
+from ..exact.numbers.system import M, NumberSystem
 from ..exact.numbers.undecided import Undecided
 from ..exact.predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
 from ..exact.predicates.question import Decision, Question
 from ..exact.replay.body import Body
+from ..exact.replay.contact import AtWall, Entry, Link, name_of
 from ..exact.replay.state import State
-from ..exact.replay.steps import Link, Step, name_of
+from ..exact.replay.steps import Step
 from ..exact.simulation.history import History
 from ..exact.simulation.prediction import Predictor
 from ..exact.simulation.queue import Arrival, ArrivalQueue
@@ -21,7 +22,7 @@ from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.scene import Scene
 
 
-class PlainReading:
+class PlainReading(Generic[M]):
     """Reads a state off as it is.
 
     Args:
@@ -29,24 +30,25 @@ class PlainReading:
         numbers: its system.
     """
 
-    def __init__(self, state: State, numbers: NumberSystem) -> None:
+    def __init__(self, state: State[M], numbers: NumberSystem[M]) -> None:
         self._state = state
         self._bounds = numbers.bounds
 
-    def knot(self, body: Body) -> tuple[Any, ...]:
+    def knot(self, body: Body[M]) -> tuple[M, M, M, M, M]:
         """The state."""
-        return body.t, body.x, body.y, body.vx, body.vy
+        x, y, vx, vy, t, *_ = body.flight
+        return t, x, y, vx, vy
 
-    def now(self, body: Body) -> Number:
+    def now(self, body: Body[M]) -> M:
         """The instant of a body's last contact."""
-        return body.instant
+        return body.flight.instant
 
-    def entry_time(self, link: Link) -> Number:
+    def entry_time(self, link: Entry) -> M:
         """The time of an entry."""
-        clock, wait = self._state.hit(link)
+        clock, wait = link.hit(self._state)
         return clock + wait
 
-    def reversal_time(self) -> Number:
+    def reversal_time(self) -> M:
         """The time of the reversal."""
         return self._state.flip_time
 
@@ -58,7 +60,7 @@ class PlainReading:
         """Nothing to add."""
         return ""
 
-    def rough(self, time: Number) -> float:
+    def rough(self, time: M) -> float:
         """The lower bound of a time."""
         return self._bounds(time)[0]
 
@@ -69,7 +71,7 @@ class PlainReading:
         return self._bounds(self._state.constant(time))
 
 
-class PlainMeetings:
+class PlainMeetings(Generic[M]):
     """Predicts and orders meetings by the system's own comparisons.
 
     Args:
@@ -84,10 +86,10 @@ class PlainMeetings:
     def __init__(
         self,
         scene: Scene,
-        state: State,
-        queue: ArrivalQueue,
+        state: State[M],
+        queue: ArrivalQueue[M],
         plan: Counter[str],
-        numbers: NumberSystem,
+        numbers: NumberSystem[M],
         ask: Callable[[Question], int],
     ) -> None:
         self._predictor = Predictor(scene, state, queue, plan, numbers.bounds, self._unsure)
@@ -96,31 +98,35 @@ class PlainMeetings:
         self._bounds = numbers.bounds
         self._ask = ask
 
-    def off_rim(self, link: Link) -> bool:
+    def off_rim(self, link: Entry) -> bool:
         """Nothing is plain before it is asked."""
         return False
 
-    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
+    def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of some circles."""
         self._predictor.predict(moved, standing, gone)
 
-    def timed(self, arrival: Arrival) -> Arrival:
+    def timed(self, arrival: Arrival[M]) -> Arrival[M]:
         """Its time was computed when it was predicted."""
         return arrival
 
-    def certainly_before(self, first: Arrival, second: Arrival) -> bool:
+    def certainly_before(self, first: Arrival[M], second: Arrival[M]) -> bool:
         """Whether the system's own comparison says so."""
+        assert first.time is not None
+        assert second.time is not None
         return (first.time < second.time) is True
 
-    def order(self, first: Arrival, second: Arrival) -> Decision:
+    def order(self, first: Arrival[M], second: Arrival[M]) -> Decision:
         """The sign of the difference of two times at hand, or of the question where that is not known."""
+        assert first.time is not None
+        assert second.time is not None
         try:
             sign = self._sign(first.time - second.time)
         except Undecided:
             sign = self._ask(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))
         return Decision(sign, "plain", TieProof.FLOAT)
 
-    def settled(self, arrival: Arrival) -> Arrival | None:
+    def settled(self, arrival: Arrival[M]) -> Arrival[M] | None:
         """The arrival if it comes.
 
         Raises:
@@ -131,7 +137,7 @@ class PlainMeetings:
             return None
         time, graze = found
         low, high = self._bounds(time)
-        return arrival._replace(low=low, high=high, time=time, graze=graze)
+        return arrival._replace(low=low, high=high, certain=True, time=time, graze=graze)
 
     def _unsure(self, link: Link) -> None:
         """A prediction with a sign that is not certain, or with no gap left: by rounding, or touching."""
@@ -143,7 +149,7 @@ class PlainMeetings:
         if found is not None:
             self._predictor.push(found[0], link, found[1])
 
-    def _meeting(self, link: Link) -> tuple[Number, bool] | None:
+    def _meeting(self, link: Link) -> tuple[M, bool] | None:
         """The time of a meeting, and whether it is a graze; None where there is none.
 
         Two that overlap by rounding and approach collide at once.
@@ -153,19 +159,18 @@ class PlainMeetings:
         """
         if self._ask(Approach(link)) >= 0:
             return None
-        disc = self._ask(Discriminant(link)) if link[1] < self._state.n else 1
+        disc = 1 if isinstance(link, AtWall) else self._ask(Discriminant(link))
         if disc < 0:
             return None
         if self._ask(Gap(link)) <= 0:
-            if link[1] < 0 or disc == 0:
+            if isinstance(link, Entry) or disc == 0:
                 return None
-            later = max((i for i in link if i < self._state.n), key=lambda i: self._state.bodies[i].last)
-            return self._state.bodies[later].t, False
+            return link.later(self._state).flight.t, False
         clock, wait = Moment(link, disc == 0).wait(self._state)
         return clock + wait, disc == 0
 
 
-class PlainDecider:
+class PlainDecider(Generic[M]):
     """The decider of one number system (see `Decider`).
 
     Args:
@@ -174,16 +179,16 @@ class PlainDecider:
         numbers: the system that the state is in; what its signs do not tell is undecided.
     """
 
-    def __init__(self, scene: Scene, state: State, numbers: NumberSystem) -> None:
+    def __init__(self, scene: Scene, state: State[M], numbers: NumberSystem[M]) -> None:
         self.scene = scene
         self.state = state
-        self.history = History()
-        self.bodies: list[Body] = list(state.bodies)[: state.n]
+        self.history: History[M] = History()
+        self.bodies = state.bodies
         self.queue = ArrivalQueue(self.bodies)
         self.meetings = PlainMeetings(scene, state, self.queue, self.history.plan, numbers, self.ask)
         self.reading = PlainReading(state, numbers)
         self._sign = numbers.sign
-        self.refresh(state.bodies)
+        self.refresh([*state.bodies.values(), *state.pockets])
 
     def begin(self, instant: int) -> None:
         """Nothing to prepare: the precision is what it is."""
@@ -196,12 +201,15 @@ class PlainDecider:
     def gathered(self, links: Iterable[Link]) -> None:
         """Nothing to note."""
 
-    def refresh(self, bodies: Iterable[Body]) -> None:
+    def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""
         zero = self.state.zero
         for body in bodies:
-            body.rest = bool(body.vx == zero) and bool(body.vy == zero)
-            body.q = (body.x, body.y, body.vx, body.vy, body.t)
+            flight = body.flight
+            rest = bool(flight.vx == zero) and bool(flight.vy == zero)
+            if rest is not flight.rest:
+                body.flight = flight._replace(rest=rest)
+            body.q = flight[:5]
 
     def ask(self, question: Question) -> int:
         """The sign of a question's number.

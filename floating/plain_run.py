@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..exact.numbers.system import M
 from ..exact.policies import Policy
+from ..exact.replay.contact import Named
 from ..exact.simulation.history import Mark
 from ..exact.simulation.limits import run_limits
 from ..exact.simulation.loop import Loop
-from ..scenarios.event import Contact, Event, Pocketing, Reversal
+from ..scenarios.event import Event, Pocketing, Reversal
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, StopReason, Trajectory
@@ -20,7 +22,7 @@ def run_plain(
     scene: Scene,
     engine: str,
     parameters: Mapping[str, Any],
-    decider: PlainDecider,
+    decider: PlainDecider[M],
     motion: Callable[[list[list[tuple[Any, ...]]], Any], Motion],
     shown: Callable[[Any, int], Any],
     *,
@@ -41,9 +43,9 @@ def run_plain(
     """
     limits = run_limits(scene, until, events)
     stop = Loop(scene, decider, limits, progress, policy).run()
-    ids, history = scene.ids, decider.history
+    ids, history, named = scene.ids, decider.history, Named(scene)
 
-    def at(mark: Mark) -> Any:
+    def at(mark: Mark[M]) -> Any:
         return shown(mark.time, mark.number)
 
     reversal = None
@@ -69,8 +71,8 @@ def run_plain(
             Event(
                 index,
                 at(record.mark),
-                tuple(Contact(ids[i], ids[j]) for i, j in record.links),
-                tuple(Contact(ids[i], ids[j]) for i, j in record.impulses),
+                named(record.links),
+                named(record.impulses),
                 record.ties,
                 record.coupled,
             )

@@ -11,7 +11,7 @@ import pytest
 from truebreak.exact import ExactEngine
 from truebreak.exact.policies.all_orders import OrderTree, all_orders
 from truebreak.exact.policies.complementarity import Ask
-from truebreak.exact.replay.steps import Link
+from truebreak.exact.replay.contact import Touch
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, catalogue
 
@@ -46,7 +46,7 @@ class Spelled:
         self.places = tuple(places)
         self.made: list[tuple[int, int]] = []
 
-    def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+    def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """The contact at the next place of the list."""
         if len(approaching) == 1:
             return (approaching[0],)
@@ -55,7 +55,7 @@ class Spelled:
         self.made.append((place, len(approaching)))
         return (approaching[place],)
 
-    def note(self, link: Link) -> None:
+    def note(self, link: Touch) -> None:
         """Nothing to note."""
 
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:

@@ -19,9 +19,10 @@ from truebreak.scenarios import Circle, Scene, Wall, catalogue
 def states(machine, when):
     ctx.prec = 2000
     rows = []
-    for body in list(machine.bodies)[: machine.n]:
-        lag = arb(when) - body.t
-        rows += [body.x + body.vx * lag, body.y + body.vy * lag, body.vx, body.vy]
+    for body in machine.bodies.values():
+        x, y, vx, vy, t, *_ = body.flight
+        lag = arb(when) - t
+        rows += [x + vx * lag, y + vy * lag, vx, vy]
     return rows
 
 

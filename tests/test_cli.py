@@ -8,11 +8,11 @@ import shlex
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
 import pytest
+from counted import wait_for_work
 
 from truebreak.compare import engines as engine_table
 from truebreak.compare.cli import main
@@ -244,7 +244,7 @@ def test_an_interruption_is_130_and_leaves_no_file(tmp_path: Path) -> None:
         [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
     try:
-        time.sleep(1.5)
+        wait_for_work(running, 1.5)
         running.send_signal(signal.SIGINT)
         out, err = running.communicate(timeout=30)
     finally:

@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
-FOLDERS = ("scenarios", "exact", "floating", "compare")
+FOLDERS = ("scenarios", "tools", "exact", "floating", "compare")
 BLOCK = re.compile(r"^```python\n# (?P<head>[^\n]*)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 LINE = re.compile(r"(?P<path>[\w./-]+): in (?P<table>\w+)")
 
@@ -78,6 +78,7 @@ def test_there_are_recipes() -> None:
         "A tie policy",
         "A rung of the cascade",
         "A predicate",
+        "A stress family",
     ]
 
 

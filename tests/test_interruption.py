@@ -18,6 +18,7 @@ from typing import Any
 import jsonschema
 import numpy as np
 import pytest
+from counted import wait_for_work
 
 from truebreak.compare import compare, engine, trajectory_json
 from truebreak.compare.deadline import Clock, OutOfTime, time_limit, uninterrupted
@@ -84,7 +85,7 @@ def interrupted(*words: str, after: float = 2.5) -> tuple[int, str, str]:
     """Exit code, stdout and stderr of the command line, after Ctrl-C."""
     running = start(*words)
     try:
-        time.sleep(after)
+        wait_for_work(running, after)
         assert running.poll() is None
         running.send_signal(signal.SIGINT)
         out, err = running.communicate(timeout=60)

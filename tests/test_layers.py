@@ -165,8 +165,8 @@ def test_a_layer_imports_only_itself_and_those_below(module: str) -> None:
 
 
 FLOORS = (
-    "numbers",
     "laws",
+    "numbers",
     "replay",
     "predicates",
     "policies",

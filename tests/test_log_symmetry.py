@@ -15,6 +15,7 @@ from truebreak.exact.predicates.hits import Approach, Moment, RelativeSpeed, Soo
 from truebreak.exact.predicates.log_symmetry import IDENTITY, LogSymmetry
 from truebreak.exact.predicates.past import Past
 from truebreak.exact.predicates.scene_symmetry import symmetries
+from truebreak.exact.replay.contact import Pair
 from truebreak.exact.replay.steps import Go, Kick, Take
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
@@ -338,37 +339,38 @@ def logged(scene: Scene, *steps: Any) -> LogSymmetry:
 
 
 def hit(i: int, j: int) -> list[Any]:
-    return [Go((i, j), (i, j)), Kick(((i, j),), ((i, j),))]
+    link = Pair(i, j)
+    return [Go(link, link), Kick((link,), (link,))]
 
 
 PAIRS = Scene([*row(3), *mapped(row(3), same, 0, 50)])
-LATER = Sooner(Moment((1, 2)), Moment((4, 5)))
+LATER = Sooner(Moment(Pair(1, 2)), Moment(Pair(4, 5)))
 
 
 def test_pasts_are_compared_block_by_block() -> None:
-    assert logged(PAIRS).proves_zero(Sooner(Moment((0, 1)), Moment((3, 4))))
+    assert logged(PAIRS).proves_zero(Sooner(Moment(Pair(0, 1)), Moment(Pair(3, 4))))
     assert logged(PAIRS).proves_zero(LATER)
     assert logged(PAIRS, *hit(0, 1), *hit(3, 4)).proves_zero(LATER)
     assert not logged(PAIRS, *hit(0, 1)).proves_zero(LATER)
     assert not logged(PAIRS, *hit(0, 1), *hit(3, 4), *hit(3, 4)).proves_zero(LATER)
     assert not logged(PAIRS, *hit(0, 1), *hit(4, 5)).proves_zero(LATER)
-    both = Kick(((0, 1), (3, 4)), ((0, 1), (3, 4)))
+    both = Kick((Pair(0, 1), Pair(3, 4)), (Pair(0, 1), Pair(3, 4)))
     assert logged(PAIRS, both).proves_zero(LATER)
 
 
 def test_a_graze_is_no_image_of_a_hit() -> None:
-    assert not logged(PAIRS).proves_zero(Sooner(Moment((0, 1), graze=True), Moment((3, 4))))
-    assert logged(PAIRS).proves_zero(Sooner(Moment((0, 1), graze=True), Moment((3, 4), graze=True)))
+    assert not logged(PAIRS).proves_zero(Sooner(Moment(Pair(0, 1), graze=True), Moment(Pair(3, 4))))
+    assert logged(PAIRS).proves_zero(Sooner(Moment(Pair(0, 1), graze=True), Moment(Pair(3, 4), graze=True)))
 
 
 def test_velocities_are_equal_by_a_shift_only() -> None:
     turned = Scene([*row(3), *mapped(row(3), COPIES["mirrored"][0], 0, -50)])
     log = logged(PAIRS, *hit(0, 1), *hit(3, 4))
-    assert log.proves_zero(RelativeSpeed((1, 4)))
-    assert log.proves_zero(Approach((1, 4)))
-    assert not log.proves_zero(RelativeSpeed((1, 3)))
-    assert not logged(PAIRS, *hit(0, 1)).proves_zero(RelativeSpeed((1, 4)))
-    assert not logged(turned, *hit(0, 1), *hit(3, 4)).proves_zero(RelativeSpeed((1, 4)))
+    assert log.proves_zero(RelativeSpeed(Pair(1, 4)))
+    assert log.proves_zero(Approach(Pair(1, 4)))
+    assert not log.proves_zero(RelativeSpeed(Pair(1, 3)))
+    assert not logged(PAIRS, *hit(0, 1)).proves_zero(RelativeSpeed(Pair(1, 4)))
+    assert not logged(turned, *hit(0, 1), *hit(3, 4)).proves_zero(RelativeSpeed(Pair(1, 4)))
 
 
 def test_a_past_with_a_captured_circle_is_no_image_of_any() -> None:

@@ -17,8 +17,8 @@ from truebreak.exact.numbers.field import Field
 from truebreak.exact.policies import policy_for
 from truebreak.exact.policies.complementarity import pushing_contacts
 from truebreak.exact.predicates.question import Question
+from truebreak.exact.replay.contact import Pair, Touch
 from truebreak.exact.replay.state import State
-from truebreak.exact.replay.steps import Link
 from truebreak.floating import DoubleEngine, IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, StopReason, TiePolicy, Trajectory, Wall, catalogue
 
@@ -251,7 +251,7 @@ def test_the_impulses_of_a_round_solve_the_complementarity_problem(seed: int, fi
     hub = C(0, 0, vx=draw.randrange(1, 4), vy=draw.randrange(-3, 4), m=draw.randrange(1, 5))
     others = [ball(x, y, "oo" if fixed else draw.randrange(1, 5)) for x, y in draw.choice(AROUND)]
     machine = State(Scene([hub, *others]), Field())
-    links: list[Link] = [(0, k) for k in range(1, 4)]
+    links: list[Touch] = [Pair(0, k) for k in range(1, 4)]
     _, speeds = machine.contact_system(links)
     approaching = [link for link, speed in zip(links, speeds, strict=True) if speed < 0]
 

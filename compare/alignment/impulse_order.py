@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ...exact.policies.complementarity import pushing_contacts
 from ...exact.replay import state as exact_state
+from ...exact.replay.contact import touch_of
 
 if TYPE_CHECKING:
-    from ...exact.replay.steps import Link
+    from ...exact.replay.contact import Touch
     from ...scenarios.event import Contact
     from ...scenarios.trajectory import State, Trajectory
 
@@ -124,14 +125,15 @@ class _Impact:
         self._places = {name: place for place, name in enumerate(scene.ids)}
         self._state = exact_state.State(scene, DOUBLES)
         self._names = [str(c.id) for c in scene.circles]
-        for name, body in zip(self._names, self._state.bodies, strict=False):
-            (body.x, body.y), (body.vx, body.vy) = places[name], velocities[name]
+        for name, body in zip(self._names, self._state.bodies.values(), strict=True):
+            (x, y), (vx, vy) = places[name], velocities[name]
+            body.flight = body.flight._replace(x=x, y=y, vx=vx, vy=vy)
         self._decider = PlainDecider(scene, self._state, DOUBLES)
 
     @property
     def velocities(self) -> Velocities:
         """(vx, vy) of every circle."""
-        return {name: (b.vx, b.vy) for name, b in zip(self._names, self._state.bodies, strict=False)}
+        return {name: b.flight[2:4] for name, b in zip(self._names, self._state.bodies.values(), strict=True)}
 
     def take(self, group: Sequence[Contact], at_once: bool) -> bool:
         """Applies the impulses of a group in rounds; False if one of them could not have come about."""
@@ -148,7 +150,7 @@ class _Impact:
 
     def closing(self, pair: Contact) -> float:
         """Positive while two approach."""
-        return -float(self._state.approach(self._link(pair)))
+        return -self._link(pair).approach(self._state)
 
-    def _link(self, pair: Contact) -> Link:
-        return self._places[pair.first], self._places[pair.second]
+    def _link(self, pair: Contact) -> Touch:
+        return touch_of(self._state.scene, self._places[pair.first], self._places[pair.second])

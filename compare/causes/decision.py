@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.numbers import ball
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError

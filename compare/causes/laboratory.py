@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.numbers import ball
 from ..alignment.divergence import Kind

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.laws import formulas as law
 from ...exact.numbers import ball

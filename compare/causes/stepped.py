@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ..alignment.align import align
 from ..alignment.divergence import Kind

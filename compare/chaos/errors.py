@@ -11,7 +11,7 @@ from math import log2
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.laws.formulas import pair_impulse, wall_bounce
 from ...exact.numbers import ball
@@ -181,7 +181,9 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
                     state.do(step)
                 done = upto
                 met = [state.bodies[i] for impact in impacts for i in (impact.a, impact.b) if i is not None]
-                widths = [_log2(body.x.rad() + body.y.rad()) for body in met if not circles[body.index].fixed]
+                widths = [
+                    _log2(body.flight.x.rad() + body.flight.y.rad()) for body in met if not circles[body.index].fixed
+                ]
                 shares.append(bits + max(widths) - log2(reach))
         if all(share < bits / 2 for share in shares):
             return shares

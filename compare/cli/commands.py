@@ -29,6 +29,7 @@ Examples:
   truebreak chaos gas --events 400                how fast errors grow, and when each engine is lost
   truebreak sweep gas --vary seed=1..20           the same question for a family of scenes
   truebreak minimise gas --engine double          the smallest scene that still shows it
+  truebreak stress near-ties                      how near a tie has to be for each engine to be wrong
   truebreak show rack:rows=3 --plot rack.svg
 
 \b

@@ -12,9 +12,11 @@ import click
 from .commands import cli
 from .exit_codes import DONE, ExitCode
 from .foreign import export, judge
+from .stress import stress
 
 cli.add_command(judge)
 cli.add_command(export)
+cli.add_command(stress)
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -8,7 +8,7 @@ from .amounts import double
 from .trajectory import stop_json
 
 if TYPE_CHECKING:
-    from ...exact.policies.all_orders import OrderTree, Outcome
+    from ...exact.policies.all_orders import Leaf, OrderTree
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Stop
 
@@ -30,7 +30,7 @@ def orders_json(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> dict
     }
 
 
-def _outcome_json(outcome: Outcome) -> dict[str, Any]:
+def _outcome_json(outcome: Leaf) -> dict[str, Any]:
     run = outcome.trajectory
     return {
         "decisions": [

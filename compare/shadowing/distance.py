@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import inf, nextafter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.numbers import ball
 

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING
 from ...exact.results.impacts import moving
 
 if TYPE_CHECKING:
-    from ...exact.replay.steps import Link
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
-    from .record import Record
+    from .record import Link, Record
     from .refine import Refined
 
 GRAZING = 1e-12

@@ -7,14 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.numbers import ball
+from ...exact.replay.body import Flight
+from ...exact.replay.contact import AtWall, Pair, Touch
 from ...exact.replay.state import State
-from ...exact.replay.steps import Go, Kick, Link
+from ...exact.replay.steps import Go, Kick
 from ...exact.results.growth import Displacements, unit_displacements
 from ...exact.results.impacts import Impact, moving
-from .record import Record
+from .record import Link, Record
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -90,30 +92,30 @@ class FixedOrder:
         segment = self.chain[k]
         state = self._state(segment, node)
         struck: list[Impact] = []
-        for place, link in enumerate(segment.links):
-            meets = state.approach(link) < 0
-            state.do(Go(link, tuple(b for b in link if b < state.n)))
+        for place, (i, j) in enumerate(segment.links):
+            link = Pair(i, j) if j < state.n else AtWall(i, j - state.n)
+            meets = link.approach(state) < 0
+            state.do(Go(link, link.circles))
             if not meets or not state.instant.is_finite():
                 raise Missed(segment.first + place)
             struck.append(_impact(state, link))
             state.do(Kick((link,), (link,)))
         end, told = arb(segment.end), []
         for i in self.free:
-            body = state.bodies[i]
-            told += [body.x + body.vx * (end - body.t), body.y + body.vy * (end - body.t), body.vx, body.vy]
+            flight = state.bodies[i].flight
+            told += [flight.x + flight.vx * (end - flight.t), flight.y + flight.vy * (end - flight.t)]
+            told += [flight.vx, flight.vy]
         return told, struck
 
-    def _state(self, segment: Segment, node: Node) -> State:
+    def _state(self, segment: Segment, node: Node) -> State[arb]:
         if self._bits != ball.bits_in_use():
             self._made, self._bits = State(self.scene, ball.BALLS), ball.bits_in_use()
         state, begin = self._made, arb(segment.begin)
-        for body in state.bodies:
-            body.last = 0
+        for body in state.bodies.values():
+            body.flight = body.flight._replace(last=0)
         for row, i in enumerate(self.free):
-            body = state.bodies[i]
-            body.x, body.y, body.vx, body.vy = node[4 * row : 4 * row + 4]
-            body.t = body.instant = begin
-            body.rest = False
+            x, y, vx, vy = node[4 * row : 4 * row + 4]
+            state.bodies[i].flight = Flight(x, y, vx, vy, begin, begin)
         state.steps_done, state.met = 0, None
         return state
 
@@ -127,12 +129,15 @@ class FixedOrder:
         return carried.matrix * 2.0**carried.scale
 
 
-def _impact(state: State, link: Link) -> Impact:
+def _impact(state: State[arb], link: Touch) -> Impact:
     """The impact that is about to push."""
-    i, j = link
-    a = state.bodies[i]
-    if j >= state.n:
-        line = state.line(a, j - state.n)
-        return Impact(state.instant, i, None, line.nx, line.ny, a.vx, a.vy, line.length, state.zero, state.zero)
-    b, (dx, dy) = state.bodies[j], state.span(i, j)
-    return Impact(state.instant, i, j, dx, dy, b.vx - a.vx, b.vy - a.vy, state.reach(a, b), a.w, b.w)
+    i = link.circles[0]
+    flight = state.bodies[i].flight
+    if isinstance(link, AtWall):
+        line = state.line(link.circle, link.wall)
+        return Impact(
+            state.instant, i, None, line.nx, line.ny, flight.vx, flight.vy, line.length, state.zero, state.zero
+        )
+    (a, b), (dx, dy) = link.ends(state), state.span(link)
+    vx, vy = b.flight.vx - flight.vx, b.flight.vy - flight.vy
+    return Impact(state.instant, i, link.b, dx, dy, vx, vy, state.reach(a, b), a.w, b.w)

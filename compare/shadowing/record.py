@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...exact.replay.steps import Link
 from ...exact.results.impacts import NoTangentMap, check_start, moving
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
+
+Link = tuple[int, int]
+"""A contact by index: two circles, or circle i and wall j - n, n the number of circles."""
 
 Flight = tuple[float, float, float, float, float]
 """(t, x, y, vx, vy): from time t on a circle flies straight from (x, y) at (vx, vy)."""

@@ -14,7 +14,7 @@ from math import inf, log2
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...exact.numbers import ball
 from .order import FixedOrder, Missed, Node

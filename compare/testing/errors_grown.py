@@ -120,7 +120,7 @@ class GrownErrors:
         columns = self._carried.columns
         found = np.zeros((self.count, *columns.shape[1:]))
         found[list(self._row)] = columns
-        found[:, :2] += (time - self._carried.time) * found[:, 2:]
+        found[:, :2] += (time - float(self._carried.time)) * found[:, 2:]
         return found
 
     def tolerance(self, place: int, time: float) -> tuple[float, float]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...scenarios.trajectory import Trajectory
+from ..replay.contact import places_of
 from ..replay.steps import Kick
 
 Contact = tuple[int, int]
@@ -37,7 +38,8 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
     met: list[frozenset[Contact]] = []
     done = 0
     for number in sorted(ends):
-        rounds = [[list(link) for link in step.links] for step in steps[done : ends[number]] if isinstance(step, Kick)]
+        kicks = [step.links for step in steps[done : ends[number]] if isinstance(step, Kick)]
+        rounds = [[list(places_of(scene, link)) for link in links] for links in kicks]
         told = {"rounds": rounds, "entries": entries.get(number, [])}
         done = max(done, ends[number])
         if number % 2:

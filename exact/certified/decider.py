@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from flint import arb
+
 from ...scenarios.event import Assumption
 from ...scenarios.scene import Scene
 from ..numbers import ball
+from ..numbers.field import Known
 from ..numbers.undecided import BudgetSpent
 from ..predicates.cascade import Cascade
-from ..predicates.enclosures import Balls
+from ..predicates.enclosures import InBalls
 from ..predicates.grounds import Grounds
 from ..predicates.held import Held
 from ..predicates.log_symmetry import LogSymmetry
@@ -18,12 +21,13 @@ from ..predicates.question import Decision, Question
 from ..predicates.retrace import Retrace
 from ..predicates.ties import TieRule
 from ..replay.body import Body
+from ..replay.contact import Entry, Link, name_of
 from ..replay.refinable import Projection, RefinableState
-from ..replay.steps import Link, Step, name_of
+from ..replay.steps import Step
 from ..simulation.history import History
+from ..simulation.initial import touching_at_start
 from ..simulation.limits import Limits
 from ..simulation.queue import ArrivalQueue
-from ..simulation.start import touching_at_start
 from .meetings import CertifiedMeetings
 from .precision import FIRST_BITS, Precision
 from .reading import CertifiedReading
@@ -54,8 +58,8 @@ class CertifiedDecider:
     def __init__(self, scene: Scene, limits: Limits, max_bits: int, work: int, rule: TieRule) -> None:
         self.scene = scene
         self.state = RefinableState(scene, FIRST_BITS)
-        self.history = History(steps=self.state.steps)
-        self.bodies: list[Body] = list(self.state.bodies)[: len(scene.circles)]
+        self.history: History[Known] = History(steps=self.state.steps)
+        self.bodies = self.state.bodies
         self.queue = ArrivalQueue(self.bodies)
         self.retrace = Retrace(Past([not c.fixed for c in scene.circles], self.state.steps), touching_at_start(scene))
         self.assumptions: list[Assumption] = []
@@ -71,13 +75,13 @@ class CertifiedDecider:
         plan = self.history.plan
         self._cascade = Cascade(grounds, plan)
         self.meetings = CertifiedMeetings(
-            scene, self.state, self.queue, plan, self._precision, Balls(grounds), self, self._note_graze
+            scene, self.state, self.queue, plan, self._precision, InBalls(grounds), self, self._note_graze
         )
         self.reading = CertifiedReading(self.state, self.meetings)
         self._held = Held(scene, log)
         if self._held:
             self.state.held = self._projection
-        self.refresh(list(self.state.bodies)[len(scene.circles) :])
+        self.refresh(self.state.balls.pockets)
 
     # -- the state
 
@@ -105,9 +109,9 @@ class CertifiedDecider:
 
     def gathered(self, links: Iterable[Link]) -> None:
         """Notes the contacts at gap zero, for the way back."""
-        self.retrace.gathered(self._instant, (link for link in links if link[1] >= 0))
+        self.retrace.gathered(self._instant, (link for link in links if not isinstance(link, Entry)))
 
-    def refresh(self, bodies: Iterable[Body]) -> None:
+    def refresh(self, bodies: Iterable[Body[arb]]) -> None:
         """Short copies of the states, with more bits first if the last instant is not accurate enough."""
         self._precision.secure()
         self.meetings.predictor.refresh(bodies)

@@ -6,19 +6,19 @@ from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from typing import Protocol
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
-from ..predicates.enclosures import Balls
+from ..predicates.enclosures import InBalls
 from ..predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
 from ..predicates.question import Decision, Question
 from ..replay.body import Body
+from ..replay.contact import AtWall, Entry, Link
 from ..replay.refinable import RefinableState
-from ..replay.steps import Link
 from ..simulation.queue import Arrival, ArrivalQueue
 from .precision import Precision
-from .prediction import LATER, FilteredPredictor
+from .prediction import FilteredPredictor
 
 
 class Judge(Protocol):
@@ -51,15 +51,14 @@ class CertifiedMeetings:
         self,
         scene: Scene,
         state: RefinableState,
-        queue: ArrivalQueue,
+        queue: ArrivalQueue[arb],
         plan: Counter[str],
         precision: Precision,
-        balls: Balls,
+        balls: InBalls,
         judge: Judge,
         grazes: Callable[[Link], None],
     ) -> None:
         self.predictor = FilteredPredictor(scene, state, queue, plan, self._unsure)
-        self._n = len(scene.circles)
         self._state = state
         self._plan = plan
         self._precision = precision
@@ -67,29 +66,29 @@ class CertifiedMeetings:
         self._judge = judge
         self._grazes = grazes
 
-    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
+    def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of some circles."""
         self.predictor.predict(moved, standing, gone)
 
-    def off_rim(self, link: Link) -> bool:
+    def off_rim(self, link: Entry) -> bool:
         """Whether doubles tell a centre from the rim."""
         return self.predictor.off_rim(link)
 
-    def order(self, first: Arrival, second: Arrival) -> Decision:
+    def order(self, first: Arrival[arb], second: Arrival[arb]) -> Decision:
         """Whether the one comes before, with or after the other."""
         return self._judge.decide(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))
 
-    def timed(self, arrival: Arrival) -> Arrival:
+    def timed(self, arrival: Arrival[arb]) -> Arrival[arb]:
         """The arrival with its time in full precision."""
-        if arrival.time is LATER:
+        if arrival.time is None:
             return arrival._replace(time=self.time(Moment(arrival.link)))
         return arrival
 
-    def certainly_before(self, first: Arrival, second: Arrival) -> bool:
+    def certainly_before(self, first: Arrival[arb], second: Arrival[arb]) -> bool:
         """Whether the balls of their times tell."""
-        return bool(first.time < second.time)
+        return first.time is not None and second.time is not None and first.time < second.time
 
-    def settled(self, arrival: Arrival) -> Arrival | None:
+    def settled(self, arrival: Arrival[arb]) -> Arrival[arb] | None:
         """The arrival if it comes.
 
         Raises:
@@ -99,18 +98,18 @@ class CertifiedMeetings:
         self._plan["doubtful settled"] += 1
         if self._judge.decide(Approach(link)).sign >= 0:
             return None
-        disc = self._judge.decide(Discriminant(link)).sign if link[1] < self._n else 1
+        disc = 1 if isinstance(link, AtWall) else self._judge.decide(Discriminant(link)).sign
         if disc < 0:
             return None
         time = self._meeting(link, disc)
         low, high = ball.double_bounds(time)
-        return arrival._replace(low=low, high=high, time=time, graze=disc == 0)
+        return arrival._replace(low=low, high=high, certain=True, time=time, graze=disc == 0)
 
     def time(self, moment: Moment) -> arb:
         """The time of a meeting that is certain, as a ball of full precision that excludes the past."""
         while True:
             ball.use_bits(self._state.bits)
-            self._state.sync(tuple(i for i in moment.link if i < self._n))
+            self._state.sync(moment.link.circles)
             try:
                 t, wait = moment.wait(self._state.balls)
                 if t + wait > self._begun(moment.link):
@@ -127,11 +126,10 @@ class CertifiedMeetings:
 
     def _begun(self, link: Link) -> arb:
         """The instant from which on the flights of two hold."""
-        balls = self._state.balls
-        return (balls.later(*link) if link[1] < self._n else balls.bodies[link[0]]).instant
+        return link.later(self._state.balls).flight.instant
 
     def _sign(self, question: Question) -> int | None:
-        return self._balls.sign(question, question.bodies(self._n))
+        return self._balls.sign(question)
 
     def _unsure(self, link: Link) -> None:
         """A prediction that short balls could not decide: full balls, and proofs where they leave it open.
@@ -150,11 +148,11 @@ class CertifiedMeetings:
                 return
             gap = self._judge.decide(Gap(link)).sign
         if gap <= 0:
-            if link[1] < 0 and gap < 0:
+            if isinstance(link, Entry) and gap < 0:
                 return
             who, when = self._judge.name(link), self._precision.where()
             raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
-        disc = self._sign(Discriminant(link)) if link[1] < self._n else 1
+        disc = 1 if isinstance(link, AtWall) else self._sign(Discriminant(link))
         if disc is not None and disc < 0:
             return
         ball.use_bits(self._state.bits)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ..numbers import ball
-from ..numbers.field import field_ball
-from ..numbers.system import Number
+from ..numbers.field import Known, field_ball
 from ..numbers.undecided import Undecided
 from ..replay.refinable import RefinableState
 from ..simulation.history import History
@@ -43,7 +42,7 @@ class Precision:
         max_bits: the precision beyond which there is none.
     """
 
-    def __init__(self, state: RefinableState, history: History, limits: Limits, max_bits: int) -> None:
+    def __init__(self, state: RefinableState, history: History[Known], limits: Limits, max_bits: int) -> None:
         self._state = state
         self._history = history
         self._limits = limits
@@ -101,6 +100,6 @@ class Precision:
         return int(min(min(wholes) / done * lost * FORESIGHT + 2 * SAFE_BITS, MOST_FORESIGHT * self._state.bits))
 
 
-def rough(time: Number) -> float:
+def rough(time: Known) -> float:
     """The double below a time, a ball or exact."""
     return ball.double_bounds(time if isinstance(time, arb) else field_ball(time, QUICK_BITS))[0]

@@ -4,28 +4,24 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable
-from math import isnan
-from typing import Any
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
+from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import Body
+from ..replay.contact import AtWall, Entry, Link
 from ..replay.refinable import RefinableState
-from ..replay.steps import Link
-from ..simulation.prediction import Predictor
+from ..simulation.prediction import Predictor, link_of
 from ..simulation.queue import ArrivalQueue
 
 QUICK_BITS = 128
 """Precision of predictions: two machine words, the most that flint keeps without a call for memory."""
 
-LATER = object()
-"""The time of an arrival whose doubles suffice so far: computed when they do not."""
 
-
-class FilteredPredictor(Predictor):
+class FilteredPredictor(Predictor[arb]):
     """Predictions in doubles, then in short balls.
 
     Args:
@@ -40,7 +36,7 @@ class FilteredPredictor(Predictor):
         self,
         scene: Scene,
         refinable: RefinableState,
-        queue: ArrivalQueue,
+        queue: ArrivalQueue[arb],
         plan: Counter[str],
         unsure: Callable[[Link], None],
     ) -> None:
@@ -50,7 +46,7 @@ class FilteredPredictor(Predictor):
         self.root = arb.sqrt
         self.filter = DoubleFilter()
         self._reaches = self._quick_reaches()
-        self._lines: dict[tuple[int, int], tuple[arb, ...]] = {}
+        self._lines: dict[tuple[int, int], tuple[arb, arb, arb, arb, arb]] = {}
         self._float_reaches = [[float(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
 
@@ -60,23 +56,23 @@ class FilteredPredictor(Predictor):
 
     def _quick_reaches(self) -> list[list[arb]]:
         """Sums of radii by kind of radius, and a pocket's own; each body's `kind` indexes them."""
-        radii: dict[Any, int] = {}
-        for body, circle in zip(self.refinable.bodies, self.scene.circles, strict=False):
+        radii: dict[Quantity, int] = {}
+        for body, circle in zip(self.refinable.bodies.values(), self.scene.circles, strict=True):
             body.kind = radii.setdefault(circle.r, len(radii))
         kinds = len(radii)
         with ball.precision(QUICK_BITS):
             reaches = [[ball.constant(r + s) for s in radii] for r in radii]
             for k, pocket in enumerate(self.scene.pockets):
-                self.refinable.bodies[-1 - k].kind = kinds + k
+                self.state.pockets[k].kind = kinds + k
                 for row in reaches:
                     row.append(ball.constant(pocket.r))
         return reaches
 
-    def reach(self, a: Body, b: Body) -> arb:
+    def reach(self, a: Body[arb], b: Body[arb]) -> arb:
         """The sum of two radii, or a pocket's own, as a short ball."""
         return self._reaches[a.kind][b.kind]
 
-    def line(self, body: Body, wall: int) -> tuple[arb, ...]:
+    def line(self, body: Body[arb], wall: int) -> tuple[arb, arb, arb, arb, arb]:
         """A wall in short balls."""
         key = (body.index, wall)
         found = self._lines.get(key)
@@ -88,51 +84,49 @@ class FilteredPredictor(Predictor):
                 if self.refinable.balls.sides.negative(body.index, wall):
                     nx, ny = -nx, -ny
                 offset = self.scene.circles[body.index].r * length
-                numbers = [ball.constant(q) for q in (exact.x0, exact.y0, nx, ny, offset)]
+                x0, y0, mx, my, fixed = (ball.constant(q) for q in (exact.x0, exact.y0, nx, ny, offset))
             with ball.precision(QUICK_BITS):
-                found = self._lines[key] = tuple(+number for number in numbers)
+                found = self._lines[key] = (+x0, +y0, +mx, +my, +fixed)
         return found
 
-    def refresh(self, bodies: Iterable[Body]) -> None:
+    def refresh(self, bodies: Iterable[Body[arb]]) -> None:
         """Short copies of the states."""
         refinable = self.refinable
         refinable.sync_for(bodies)
         ball.use_bits(QUICK_BITS)
         clocks: dict[int, arb] = {}
         for body in bodies:
-            t = clocks.setdefault(id(body.t), +body.t)
-            body.q = (+body.x, +body.y, +body.vx, +body.vy, t)
+            x, y, vx, vy, clock, *_ = body.flight
+            t = clocks.setdefault(id(clock), +clock)
+            body.q = (+x, +y, +vx, +vy, t)
             self.filter.admit(body)
 
-    def pairs(self, a: Body, others: list[Body], standing: Collection[Link]) -> None:
+    def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`."""
-        i, queue = a.index, self.queue
-        for b, low, high in self.filter.pairs(a, others, self._float_reaches[a.kind]):
-            if isnan(low):
-                self.plan["unclear in doubles"] += 1
-                self.pair(a, b, standing)
-                continue
-            j = b.index
-            link = (j, i) if 0 <= j < i else (i, j)
-            if link not in standing:
-                queue.push(low, high, LATER, link)
+        found, unclear = self.filter.pairs(a, others, self._float_reaches[a.kind])
+        until = a.until
+        for low, high, b in found:
+            if low <= until and (link := link_of(a, b)) not in standing:
+                self.queue.push(low, high, None, link)
+        for b in unclear:
+            self.plan["unclear in doubles"] += 1
+            self.pair(a, b, standing)
 
-    def walls(self, a: Body, standing: Collection[Link]) -> None:
+    def walls(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.walls`."""
-        i, n, queue = a.index, self.n, self.queue
-        lines = self._float_lines.get(i) or self._as_seen_from(a)
-        for k, low, high in self.filter.walls(a, lines):
-            if isnan(low):
-                self.plan["unclear in doubles"] += 1
-                self.wall(a, k, standing)
-            elif (i, n + k) not in standing:
-                queue.push(low, high, LATER, (i, n + k))
+        found, unclear = self.filter.walls(a, self._float_lines.get(a.index) or self._as_seen_from(a))
+        for low, high, k in sorted(found):
+            if low <= a.until and (link := AtWall(a.index, k)) not in standing:
+                self.queue.push(low, high, None, link)
+        for k in unclear:
+            self.plan["unclear in doubles"] += 1
+            self.wall(a, k, standing)
 
-    def _as_seen_from(self, a: Body) -> list[FloatLine]:
+    def _as_seen_from(self, a: Body[arb]) -> list[FloatLine]:
         lines = self._float_lines[a.index] = [float_line(*self.line(a, k)) for k in range(self.wall_count)]
         return lines
 
-    def off_rim(self, link: Link) -> bool:
+    def off_rim(self, link: Entry) -> bool:
         """Whether doubles tell a centre at its clock from every point of a pocket's rim."""
-        a, pocket = self.state.bodies[link[0]], self.state.bodies[link[1]]
+        a, pocket = link.ends(self.state)
         return self.filter.apart(a, pocket, self._float_reaches[a.kind][pocket.kind])

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from typing import Any
+
+from flint import arb
 
 from ...scenarios.numbers.quantity import Quantity
 from ..numbers import ball
-from ..numbers.field import field_text
-from ..numbers.system import Number
+from ..numbers.field import Known, field_text
 from ..predicates.hits import Moment
 from ..replay.body import Body
+from ..replay.contact import Entry
 from ..replay.refinable import RefinableState
-from ..replay.steps import Link
 from .meetings import CertifiedMeetings
 from .precision import rough
 from .prediction import QUICK_BITS
@@ -30,27 +30,26 @@ class CertifiedReading:
         self._state = state
         self._meetings = meetings
 
-    def knot(self, body: Body) -> tuple[Any, ...]:
+    def knot(self, body: Body[arb]) -> tuple[Known, Known, Known, Known, Known]:
         """The state: exact numbers if the body is exact, else short balls."""
-        if self._state.exact[body.index]:
-            return self._state.knot(body.index)
-        x, y, vx, vy, t = body.q
+        exact = self._state.exact[body.index]
+        x, y, vx, vy, t = self._state.flight(body.index)[:5] if exact else body.q
         return t, x, y, vx, vy
 
-    def now(self, body: Body) -> Number:
+    def now(self, body: Body[arb]) -> Known:
         """The instant of a body's last contact: exact if the body is, else a short ball."""
         if self._state.exact[body.index]:
-            return self._state.knot(body.index)[0]
+            return self._state.flight(body.index).t
         ball.use_bits(QUICK_BITS)
-        return +body.instant
+        return +body.flight.instant
 
-    def entry_time(self, link: Link) -> Number:
+    def entry_time(self, link: Entry) -> arb:
         """The time of an entry as a short ball."""
         time = self._meetings.time(Moment(link))
         with ball.precision(QUICK_BITS):
             return +time
 
-    def reversal_time(self) -> Number:
+    def reversal_time(self) -> Known:
         """The time of the reversal: exact if it is at hand exactly, else a ball."""
         state = self._state.field
         if state is not None and all(self._state.exact):
@@ -59,11 +58,12 @@ class CertifiedReading:
 
     def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
         """The bodies' numbers as text, where all are exact."""
-        if not self._state.all_exact(tuple(bodies)):
+        state = self._state.field
+        if state is None or not self._state.all_exact(tuple(bodies)):
             return None
-        return tuple(str(field_text(number)) for i in bodies for number in self._state.knot(i))
+        return tuple(field_text(number) for i in bodies for number in state.bodies[i].flight[:5])
 
-    def rough(self, time: Number) -> float:
+    def rough(self, time: Known) -> float:
         """The double below a time."""
         return rough(time)
 

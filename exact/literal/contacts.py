@@ -86,7 +86,7 @@ class Touching:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Collided:
     """What the impulses of one instant did.
 
     Attributes:
@@ -102,7 +102,7 @@ class Outcome:
     impulses: tuple[Pair, ...]
 
 
-def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Outcome:
+def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Collided:
     """Applies impulses until no touching pair approaches, cluster by cluster.
 
     Args:
@@ -130,7 +130,7 @@ def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Outcome:
                 raise UnendingCollision(f"over {MAX_IMPULSES} impulses at one instant")
             approaching = touching.approaching(cluster)
             contacts.update(approaching)
-    return Outcome(touching, tuple(first), tuple(sorted(contacts)), tuple(impulses))
+    return Collided(touching, tuple(first), tuple(sorted(contacts)), tuple(impulses))
 
 
 def together(touching: Touching, pairs: Sequence[Pair]) -> tuple[Touching, list[Pair]]:

@@ -31,7 +31,7 @@ from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
-from .contacts import Outcome, Pair, Touching, UnendingCollision, collide, coupled
+from .contacts import Collided, Pair, Touching, UnendingCollision, collide, coupled
 from .laws import Disc, Line, touch_times
 from .motion import SymbolicMotion
 from .sign import SymbolicUndecided, normal, quantity, sign
@@ -244,7 +244,7 @@ class _Run:
         ux, uy = w.x1 - w.x0, w.y1 - w.y0
         return normal((ux * (a.y - w.y0) - uy * (a.x - w.x0)) ** 2 / (ux**2 + uy**2) - a.r**2)
 
-    def _record(self, outcome: Outcome) -> None:
+    def _record(self, outcome: Collided) -> None:
         before, self.discs = self.discs, outcome.touching.discs
         changed = {i for i, (a, b) in enumerate(zip(before, self.discs, strict=True)) if a != b}
         self.hits = {pair: hit for pair, hit in self.hits.items() if not changed & set(pair)}

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import AbstractContextManager, contextmanager
 from math import inf, nextafter
 from typing import ClassVar
 
-from flint import arb, ctx  # type: ignore[attr-defined]
+from flint import arb, ctx
 
 from ...scenarios.numbers.quantity import Quantity
 from .undecided import Undecided
@@ -77,7 +77,7 @@ def root(value: arb) -> arb:
 
 
 @contextmanager
-def precision(bits: int) -> Iterator[None]:
+def precision(bits: int) -> Generator[None]:
     """Sets flint's working precision for a while."""
     saved = ctx.prec
     ctx.prec = bits

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from sympy import Add, Mul, Pow, Rational, sympify
+from sympy import Add, Mul, Pow, Rational, sympify  # pyright: ignore[reportMissingTypeStubs]
 
 from ...scenarios.numbers.quantity import Quantity
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
-from typing import Any, ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias
 
-from flint import arb, fmpq  # type: ignore[attr-defined]
+from flint import arb, fmpq
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.rationals import rational_root
@@ -15,8 +15,11 @@ from ...scenarios.numbers.tower.field import TowerLimit
 from ...scenarios.numbers.tower.tower import Tower
 from . import ball
 
-FieldNumber: TypeAlias = Any
+FieldNumber: TypeAlias = fmpq | Element
 """`flint.fmpq` while no root is about, else a tower's `Element`."""
+
+Known: TypeAlias = arb | FieldNumber
+"""A number as a certified run keeps it: exact where it is at hand exactly, else a ball."""
 
 MAX_ROOTS = 4
 """Nested levels that a scene's constants may need for its runs to be kept in their field."""
@@ -84,7 +87,7 @@ class Field:
             return ball.double_bounds(field_ball(value, BOUND_BITS))
 
     @contextmanager
-    def at(self, bits: int) -> Iterator[None]:
+    def at(self, bits: int) -> Generator[None]:
         """Exact at any."""
         yield
 
@@ -105,7 +108,7 @@ def field_sign(value: FieldNumber) -> int:
     return value.sign()
 
 
-def field_ball(value: FieldNumber, bits: int) -> Any:
+def field_ball(value: FieldNumber, bits: int) -> arb:
     """A ball around the number, at flint's working precision, which is `bits`."""
     return arb(value) if isinstance(value, fmpq) else value.ball(bits)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from typing import ClassVar
 
@@ -46,6 +46,6 @@ class Nested:
         return ball.double_bounds(value.ball(BOUND_BITS))
 
     @contextmanager
-    def at(self, bits: int) -> Iterator[None]:
+    def at(self, bits: int) -> Generator[None]:
         """Exact at any."""
         yield

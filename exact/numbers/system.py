@@ -4,27 +4,36 @@ from __future__ import annotations
 
 from contextlib import AbstractContextManager
 from importlib import import_module
-from typing import Any, ClassVar, Protocol, TypeAlias
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
-
-Number: TypeAlias = Any
-"""A number of some system: it has + - * / and unary minus, and combines with numbers of its own system alone."""
+from ..laws.formulas import N, Number
 
 
-class Arithmetic(Protocol):
+class Ordered(Number, Protocol):
+    """A number that can be compared; what is neither true nor false, as of two balls that overlap, is False."""
+
+    def __lt__(self, other: Self, /) -> bool: ...
+    def __gt__(self, other: Self, /) -> bool: ...
+    def __ge__(self, other: Self, /) -> bool: ...
+
+
+M = TypeVar("M", bound=Ordered)
+
+
+class Arithmetic(Protocol[N]):
     """Where the numbers of a state come from: constants, and the one operation that + - * / leave out."""
 
-    def constant(self, q: Quantity) -> Number:
+    def constant(self, q: Quantity) -> N:
         """An exact number, or what the system has for it."""
         ...
 
-    def root(self, value: Number) -> Number:
+    def root(self, value: N) -> N:
         """The square root of a number that is not negative."""
         ...
 
 
-class NumberSystem(Arithmetic, Protocol):
+class NumberSystem(Arithmetic[N], Protocol[N]):
     """A system whose numbers can be decided on.
 
     Attributes:
@@ -33,7 +42,7 @@ class NumberSystem(Arithmetic, Protocol):
 
     name: ClassVar[str]
 
-    def sign(self, value: Number) -> int:
+    def sign(self, value: N) -> int:
         """-1, 0 or +1.
 
         Raises:
@@ -41,7 +50,7 @@ class NumberSystem(Arithmetic, Protocol):
         """
         ...
 
-    def bounds(self, value: Number) -> tuple[float, float]:
+    def bounds(self, value: N) -> tuple[float, float]:
         """Doubles at or below, and at or above, the number; for a system without bounds, twice the nearest double."""
         ...
 

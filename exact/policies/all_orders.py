@@ -11,7 +11,7 @@ from ...scenarios.event import Contact
 from ...scenarios.numbers.quantity import QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Trajectory
-from ..replay.steps import Link
+from ..replay.contact import Touch, contact_of
 from .policy import Policy
 from .scripted import BranchDone, Choice, Scripted
 from .sequential import Sequential
@@ -39,7 +39,7 @@ class Runner(Protocol):
         ...
 
 
-class Decision(NamedTuple):
+class Branching(NamedTuple):
     """One branching: at the nth instant of several impulses, the contacts that could be first, and which was."""
 
     instant: int
@@ -48,7 +48,7 @@ class Decision(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Leaf:
     """One leaf of the tree: the decisions that lead to it, and the history that follows.
 
     Attributes:
@@ -57,7 +57,7 @@ class Outcome:
         seed: for a sampled outcome, the seed of `sequential:seed=N` that gives it; else None.
     """
 
-    decisions: tuple[Decision, ...]
+    decisions: tuple[Branching, ...]
     trajectory: Trajectory
     seed: int | None = None
 
@@ -75,7 +75,7 @@ class OrderTree:
         sampled: orders drawn at random beyond the cap.
     """
 
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[Leaf, ...]
     complete: bool
     cap: int
     merged: int
@@ -118,15 +118,15 @@ def all_orders(
         raise SceneError(f"samples = {samples!r}: must be a whole number from 0")
     movers = [not circle.fixed for circle in scene.circles]
     seen: dict[Hashable, int] = {}
-    outcomes: list[Outcome] = []
+    outcomes: list[Leaf] = []
     merged = swapped = 0
-    stack: list[tuple[tuple[Link, ...], frozenset[Link]]] = [((), frozenset())]
+    stack: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = [((), frozenset())]
     while stack and len(outcomes) < cap:
         script, asleep = stack.pop()
         policy = Scripted(script, asleep, movers, seen)
         try:
             trajectory = engine.run_with(scene, policy, until=until, events=events)
-            outcomes.append(Outcome(_decisions(scene, policy.choices), trajectory))
+            outcomes.append(Leaf(_decisions(scene, policy.choices), trajectory))
         except BranchDone as done:
             merged += done.args[0] == "merged"
             swapped += done.args[0] == "asleep"
@@ -141,18 +141,18 @@ def all_orders(
             sampled += 1
             if _impulses(trajectory) not in known:
                 known.add(_impulses(trajectory))
-                outcomes.append(Outcome((), trajectory, drawn))
+                outcomes.append(Leaf((), trajectory, drawn))
             if progress is not None:
                 progress(Progress(len(outcomes), 0.0, f"{sampled} of {samples} orders drawn"))
     return OrderTree(tuple(outcomes), not stack, cap, merged, swapped, sampled)
 
 
-def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Link, ...], frozenset[Link]]]:
+def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Touch, ...], frozenset[Touch]]]:
     """The branches not taken at the choices after the script, each with the contacts asleep at it.
 
     The last choice comes last, so that the stack goes depth first; at one choice, contacts in scene order.
     """
-    branches: list[tuple[tuple[Link, ...], frozenset[Link]]] = []
+    branches: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = []
     for place in range(followed, len(choices)):
         choice = choices[place]
         before = tuple(earlier.chosen for earlier in choices[:place])
@@ -166,14 +166,14 @@ def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Link
     return branches
 
 
-def _decisions(scene: Scene, choices: list[Choice]) -> tuple[Decision, ...]:
-    ids = scene.ids
-
-    def contact(link: Link) -> Contact:
-        return Contact(ids[link[0]], ids[link[1]])
-
+def _decisions(scene: Scene, choices: list[Choice]) -> tuple[Branching, ...]:
     return tuple(
-        Decision(choice.instant, tuple(map(contact, choice.offered)), contact(choice.chosen)) for choice in choices
+        Branching(
+            choice.instant,
+            tuple(contact_of(scene, link) for link in choice.offered),
+            contact_of(scene, choice.chosen),
+        )
+        for choice in choices
     )
 
 

@@ -13,12 +13,12 @@ from collections.abc import Callable, Sequence
 
 from ..predicates.impulses import Pivot, Share, Slack, Strength
 from ..predicates.question import Question
-from ..replay.steps import Link
+from ..replay.contact import Touch
 
 Ask = Callable[[Question], int]
 
 
-def pushing_contacts(approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+def pushing_contacts(approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
     """Those of the approaching contacts that push, in the order given.
 
     Args:
@@ -30,7 +30,7 @@ def pushing_contacts(approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
     """
     if len(approaching) == 1:
         return tuple(approaching)
-    basis: list[Link] = []
+    basis: list[Touch] = []
     while True:
         pushing = []
         for link in approaching:
@@ -47,7 +47,7 @@ def pushing_contacts(approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
             return tuple(pushing)
 
 
-def _exchange(basis: list[Link], link: Link, order: Sequence[Link], ask: Ask) -> None:
+def _exchange(basis: list[Touch], link: Touch, order: Sequence[Touch], ask: Ask) -> None:
     """One criss-cross exchange at the first infeasible contact."""
     if link in basis:
         basis.remove(link)

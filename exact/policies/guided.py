@@ -7,25 +7,25 @@ from dataclasses import dataclass, field
 
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Trajectory
-from ..replay.steps import Link
+from ..replay.contact import Touch, touch_of
 from .complementarity import Ask
 
 
 @dataclass
 class _Line:
-    """What one body does in the history followed: groups of partners, each group in any order."""
+    """What one body does in the history followed: groups of contacts, each group in any order."""
 
-    groups: list[list[int]] = field(default_factory=list)
+    groups: list[list[Touch]] = field(default_factory=list)
     place: int = 0
 
-    def next(self) -> list[int]:
+    def next(self) -> list[Touch]:
         return self.groups[self.place] if self.place < len(self.groups) else []
 
-    def meets(self, partner: int) -> None:
-        """Crosses a partner off; one that is not next leaves the line where it is."""
+    def meets(self, link: Touch) -> None:
+        """Crosses a contact off; one that is not next leaves the line where it is."""
         group = self.next()
-        if partner in group:
-            group.remove(partner)
+        if link in group:
+            group.remove(link)
             if not group:
                 self.place += 1
 
@@ -45,40 +45,35 @@ class Guided:
     chooses_order = True
 
     def __init__(self, scene: Scene, history: Trajectory, any_order: bool = False) -> None:
-        self.n = len(scene.circles)
         places = {name: place for place, name in enumerate(scene.ids)}
-        self._lines = [_Line() for _ in range(self.n)]
+        self._lines = [_Line() for _ in scene.circles]
         for event in history.events:
-            links = [(places[first], places[second]) for first, second in event.impulses]
+            links = [touch_of(scene, places[first], places[second]) for first, second in event.impulses]
             for together in [links] if any_order else [[link] for link in links]:
                 self._add(together)
 
-    def _add(self, links: Sequence[Link]) -> None:
+    def _add(self, links: Sequence[Touch]) -> None:
         """Contacts that come next, in no order among themselves."""
-        groups: dict[int, list[int]] = {}
-        for i, j in links:
-            groups.setdefault(i, []).append(j)
-            if j < self.n:
-                groups.setdefault(j, []).append(i)
+        groups: dict[int, list[Touch]] = {}
+        for link in links:
+            for i in link.circles:
+                groups.setdefault(i, []).append(link)
         for body, group in groups.items():
             self._lines[body].groups.append(group)
 
-    def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+    def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """One contact."""
         chosen = next((link for link in approaching if self._is_next(link)), approaching[0])
         self.note(chosen)
         return (chosen,)
 
-    def _is_next(self, link: Link) -> bool:
-        i, j = link
-        return j in self._lines[i].next() and (j >= self.n or i in self._lines[j].next())
+    def _is_next(self, link: Touch) -> bool:
+        return all(link in self._lines[i].next() for i in link.circles)
 
-    def note(self, link: Link) -> None:
+    def note(self, link: Touch) -> None:
         """A contact has been kicked."""
-        i, j = link
-        self._lines[i].meets(j)
-        if j < self.n:
-            self._lines[j].meets(i)
+        for i in link.circles:
+            self._lines[i].meets(link)
 
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
         """Nothing to note."""

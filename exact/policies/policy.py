@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from typing import Protocol
 
-from ..replay.steps import Link
+from ..replay.contact import Touch
 from .complementarity import Ask
 
 
@@ -17,7 +17,7 @@ class Policy(Protocol):
         """Whether it picks some contacts before others, so that symmetric scenes need not stay symmetric."""
         ...
 
-    def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+    def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """The contacts, at least one, that get their impulses now.
 
         Args:
@@ -26,7 +26,7 @@ class Policy(Protocol):
         """
         ...
 
-    def note(self, link: Link) -> None:
+    def note(self, link: Touch) -> None:
         """Called when a contact was alone at its instant, so that nothing was to be chosen."""
         ...
 

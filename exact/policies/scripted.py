@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from typing import NamedTuple
 
-from ..replay.steps import Link
+from ..replay.contact import Touch
 from .complementarity import Ask
 
 
@@ -16,9 +16,9 @@ class Choice(NamedTuple):
     """
 
     instant: int
-    offered: tuple[Link, ...]
-    chosen: Link
-    asleep: frozenset[Link]
+    offered: tuple[Touch, ...]
+    chosen: Touch
+    asleep: frozenset[Touch]
 
 
 class BranchDone(Exception):
@@ -47,8 +47,8 @@ class Scripted:
 
     def __init__(
         self,
-        script: Sequence[Link],
-        asleep: frozenset[Link],
+        script: Sequence[Touch],
+        asleep: frozenset[Touch],
         movers: Sequence[bool],
         seen: dict[Hashable, int],
     ) -> None:
@@ -61,7 +61,7 @@ class Scripted:
         self.choices: list[Choice] = []
         self._before = 0
 
-    def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+    def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """One contact.
 
         Raises:
@@ -89,7 +89,7 @@ class Scripted:
         self.asleep = self._still_asleep(awake[0])
         return (awake[0],)
 
-    def note(self, link: Link) -> None:
+    def note(self, link: Touch) -> None:
         """Nothing to note: no choice, no branch."""
 
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
@@ -112,11 +112,11 @@ class Scripted:
         if len(self.choices) >= len(self.script):
             self.asleep = frozenset()
 
-    def _ends_script(self, made: tuple[Link, ...]) -> bool:
+    def _ends_script(self, made: tuple[Touch, ...]) -> bool:
         """Whether the script's last choice, the one that no branch had taken there, was made in this instant."""
         return len(self.choices) == len(self.script) and bool(made)
 
-    def _still_asleep(self, chosen: Link) -> frozenset[Link]:
+    def _still_asleep(self, chosen: Touch) -> frozenset[Touch]:
         """The sleepers that do not depend on the contact kicked."""
-        mine = {i for i in chosen if i < len(self.movers) and self.movers[i]}
-        return frozenset(link for link in self.asleep if link != chosen and not mine & set(link))
+        mine = {i for i in chosen.circles if self.movers[i]}
+        return frozenset(link for link in self.asleep if link != chosen and mine.isdisjoint(link.circles))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable, Hashable, Sequence
 
-from ..replay.steps import Link
+from ..replay.contact import Touch
 from .complementarity import Ask
 
 
@@ -22,13 +22,13 @@ class Sequential:
     def __init__(self, seed: int | None = None) -> None:
         self._random = None if seed is None else random.Random(seed)
 
-    def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+    def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """One contact."""
         if self._random is None or len(approaching) == 1:
             return (approaching[0],)
         return (approaching[self._random.randrange(len(approaching))],)
 
-    def note(self, link: Link) -> None:
+    def note(self, link: Touch) -> None:
         """Nothing to note."""
 
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 
-from ..replay.steps import Link
+from ..replay.contact import Touch
 from .complementarity import Ask, pushing_contacts
 
 
@@ -17,11 +17,11 @@ class Simultaneous:
 
     chooses_order = False
 
-    def choose(self, approaching: Sequence[Link], ask: Ask) -> tuple[Link, ...]:
+    def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """Those of the approaching contacts that push."""
         return pushing_contacts(approaching, ask)
 
-    def note(self, link: Link) -> None:
+    def note(self, link: Touch) -> None:
         """Nothing to note."""
 
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:

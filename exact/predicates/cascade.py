@@ -16,16 +16,16 @@ Rung = Callable[[Question], Decision | None]
 """The decision of a question, or None where it is left to the next rung."""
 
 RUNGS: tuple[str, ...] = (
-    "enclosures:Balls",
-    "enclosures:Field",
-    "proofs:WayBack",
-    "proofs:Symmetry",
+    "enclosures:InBalls",
+    "enclosures:InField",
+    "proofs:ByWayBack",
+    "proofs:ByForm",
     "refinement:RootsAndBits",
 )
 """From the cheapest up, by module and class: each class makes a rung for one run. A new one is its file, and one line
 here."""
 
-QUICK = RUNGS.index("enclosures:Field") + 1
+QUICK = RUNGS.index("enclosures:InField") + 1
 """How many of them cost next to nothing: those up to the field."""
 
 

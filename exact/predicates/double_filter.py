@@ -18,7 +18,8 @@ speed component that the run has seen, and T the present:
 - |v|^2 is off by less than 3 F W.
 
 A flight begins at its instant, which its clock may miss by `late`; d.v there differs by at most |v|^2 times that, so a
-pair surely parts only beyond that, and a hit counts only if it comes later than `late` after the clock.
+pair surely parts only beyond that, and a hit counts only if it comes later than `late` after the clock. Most pairs that
+part do so beyond one bound for all, with W <= 4 V, D <= 4 S + 2 V T and |v|^2 <= 8 V^2.
 
 All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
 themselves.
@@ -26,11 +27,11 @@ themselves.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from math import inf, isfinite, nan, sqrt
+from collections.abc import Iterable, Sequence
+from math import inf, isfinite, sqrt
 from typing import NamedTuple
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ..replay.body import Body
 
@@ -81,7 +82,7 @@ class DoubleFilter:
         self.largest = 0.0
         self.fastest = 0.0
 
-    def admit(self, body: Body) -> None:
+    def admit(self, body: Body[arb]) -> None:
         """Sets a body's doubles from its short balls, or None if they are not accurate enough."""
         x, y, vx, vy, t = body.q
         if not (
@@ -102,7 +103,7 @@ class DoubleFilter:
         ):
             body.f = None
             return
-        late = 0.0 if body.late is None else float(body.late.abs_upper()) * ROUND_UP
+        late = 0.0 if body.flight.late is None else float(body.flight.late.abs_upper()) * ROUND_UP
         if not late < BIG:
             body.f = None
             return
@@ -110,27 +111,30 @@ class DoubleFilter:
         self.fastest = max(self.fastest, speed)
         body.f = (fx, fy, fvx, fvy, ft, late)
 
-    def pairs(self, a: Body, others: Iterable[Body], reaches: Sequence[float]) -> Iterator[tuple[Body, float, float]]:
-        """Which of several bodies a hits, which has just moved, and when; all keep their velocities.
-
-        A body that a surely misses is left out; one that doubles cannot tell comes with nan for its times.
+    def pairs(
+        self, a: Body[arb], others: Iterable[Body[arb]], reaches: Sequence[float]
+    ) -> tuple[list[tuple[float, float, Body[arb]]], list[Body[arb]]]:
+        """Which of several bodies a hits, which has just moved, all keeping their velocities: bounds of the time, and
+        the body; those that doubles cannot tell. A body that a surely misses is left out.
 
         Args:
             reaches: the sum of radii with a for each kind of body, to within 2u relatively.
         """
         fa = a.f
+        found: list[tuple[float, float, Body[arb]]] = []
+        unclear: list[Body[arb]] = []
         if fa is None:
-            for b in others:
-                yield b, nan, nan
-            return
+            return found, list(others)
         ax, ay, avx, avy, at, late = fa
         fastest = self.fastest
         near = 4.0 * 64 * UNIT * (self.largest + fastest * at)
         slack = 8 * UNIT * fastest
+        largest = 4.0 * self.largest + 2.0 * fastest * at
+        most = 8.0 * near * fastest + 20.0 * slack * largest + (32.0 * fastest + 96.0 * slack) * fastest * late
         for b in others:
             fb = b.f
             if fb is None:
-                yield b, nan, nan
+                unclear.append(b)
                 continue
             bx, by, bvx, bvy, bt, _ = fb
             lag = at - bt
@@ -138,16 +142,18 @@ class DoubleFilter:
             dy = by + bvy * lag - ay
             vx = bvx - avx
             vy = bvy - avy
+            approach = dx * vx + dy * vy
+            if approach > most:
+                continue
             wide = abs(vx) + abs(vy)
             off = near * wide + 10.0 * slack * (abs(dx) + abs(dy))
-            approach = dx * vx + dy * vy
             square = vx * vx + vy * vy
             loose = 6.0 * slack * wide
             early = off + 2.0 * (square + loose) * late
             if approach > early:
                 continue
             if not (approach < -early and square > 100.0 * loose):
-                yield b, nan, nan
+                unclear.append(b)
                 continue
             cross = abs(dx * vy - dy * vx)
             reach = reaches[b.kind]
@@ -155,7 +161,7 @@ class DoubleFilter:
                 continue
             room = (square - loose) * (reach * reach) * ROUND_DOWN
             if (cross + off) * (cross + off) > room or reach == 0.0:
-                yield b, nan, nan
+                unclear.append(b)
                 continue
             speed = sqrt(square)
             doubt = loose / square + 8 * UNIT
@@ -170,11 +176,12 @@ class DoubleFilter:
             time = at + wait
             off_time = 2.0 * off_wait + 8 * UNIT * (at + abs(wait))
             if not (wait > off_time + late) or not isfinite(time):
-                yield b, nan, nan
+                unclear.append(b)
             else:
-                yield b, time - off_time, time + off_time
+                found.append((time - off_time, time + off_time, b))
+        return found, unclear
 
-    def apart(self, a: Body, pocket: Body, r: float) -> bool:
+    def apart(self, a: Body[arb], pocket: Body[arb], r: float) -> bool:
         """Whether a centre, at its clock, is surely not on the rim of a pocket of radius r.
 
         The clock is off the instant by less than 2**-90 of the time (`SAFE_BITS` of the cascade), which E covers.
@@ -187,14 +194,15 @@ class DoubleFilter:
         off = 8.0 * near * (abs(dx) + abs(dy) + near) + 32 * UNIT * r * r
         return abs(dx * dx + dy * dy - r * r) > off
 
-    def walls(self, a: Body, lines: Iterable[FloatLine]) -> Iterator[tuple[int, float, float]]:
-        """Which of several walls a circle hits, which has just moved, and when; as `pairs`."""
+    def walls(self, a: Body[arb], lines: Iterable[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
+        """Which of several walls a circle hits, which has just moved: bounds of the time, and the wall; the unclear."""
         fa = a.f
+        found: list[tuple[float, float, int]] = []
+        unclear: list[int] = []
+        if fa is None:
+            return found, [k for k, _ in enumerate(lines)]
+        x, y, vx, vy, t, late = fa
         for k, (x0, y0, nx, ny, offset, norm, size) in enumerate(lines):
-            if fa is None:
-                yield k, nan, nan
-                continue
-            x, y, vx, vy, t, late = fa
             approach = nx * vx + ny * vy
             off = 16 * UNIT * norm * self.fastest
             if approach > off:
@@ -202,16 +210,17 @@ class DoubleFilter:
             gap = nx * (x - x0) + ny * (y - y0) - offset
             off_gap = 32 * UNIT * (size + norm * self.largest)
             if not (approach < -8.0 * off and gap > off_gap):
-                yield k, nan, nan
+                unclear.append(k)
                 continue
             wait = -gap / approach
             off_wait = (off_gap + wait * off) / -approach + 8 * UNIT * wait
             time = t + wait
             off_time = 2.0 * off_wait + 8 * UNIT * (t + wait)
             if not (wait > off_time + late) or not isfinite(time):
-                yield k, nan, nan
+                unclear.append(k)
             else:
-                yield k, time - off_time, time + off_time
+                found.append((time - off_time, time + off_time, k))
+        return found, unclear
 
 
 ROUND_UP = 1 + 64 * UNIT

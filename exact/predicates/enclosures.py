@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from flint import fmpq  # type: ignore[attr-defined]
+from flint import fmpq
 
 from ...scenarios.event import TieProof
-from ...scenarios.numbers.tower.root_sum import sign_of_root_sum
+from ...scenarios.numbers.tower.sums import sign_of_root_sum
 from ..numbers import ball
 from ..numbers.field import LeavesField, field_sign
 from ..replay.refinable import RefinableState
@@ -13,43 +13,41 @@ from .grounds import Grounds
 from .question import Decision, Question
 
 
-class Balls:
+class InBalls:
     """Signs from the state in balls, at its precision."""
 
     def __init__(self, grounds: Grounds) -> None:
         self._state = grounds.state
-        self._n = len(grounds.scene.circles)
 
     def __call__(self, question: Question) -> Decision | None:
         """The sign if the ball of the number tells it."""
-        bodies = question.bodies(self._n)
-        sign = self.sign(question, bodies)
+        bodies = question.bodies
+        sign = self.sign(question)
         if sign is None:
             return None
         if sign == 0 and self._state.all_exact(bodies):
             return Decision(0, "full ball", _kind(self._state, bodies))
         return Decision(sign, "full ball")
 
-    def sign(self, question: Question, bodies: tuple[int, ...]) -> int | None:
+    def sign(self, question: Question) -> int | None:
         """As the rung, the sign alone."""
         ball.use_bits(self._state.bits)
-        self._state.sync(bodies)
+        self._state.sync(question.bodies)
         try:
             return ball.sign_of(question.value(self._state.balls))
         except ZeroDivisionError:
             return None
 
 
-class Field:
+class InField:
     """Signs in the scene's field, where all bodies concerned are exact."""
 
     def __init__(self, grounds: Grounds) -> None:
         self._state = grounds.state
-        self._n = len(grounds.scene.circles)
 
     def __call__(self, question: Question) -> Decision | None:
         """The sign, but where the number leaves the field."""
-        state, bodies = self._state, question.bodies(self._n)
+        state, bodies = self._state, question.bodies
         if not state.all_exact(bodies):
             return None
         assert state.field is not None
@@ -66,5 +64,5 @@ class Field:
 
 def _kind(state: RefinableState, bodies: tuple[int, ...]) -> TieProof:
     """In what numbers exact bodies stand."""
-    rational = all(isinstance(number, fmpq) for i in bodies for number in state.knot(i))
+    rational = all(isinstance(number, fmpq) for i in bodies for number in state.flight(i)[:5])
     return TieProof.RATIONAL if rational else TieProof.FIELD

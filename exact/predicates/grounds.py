@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ...scenarios.scene import Scene
+from ..replay.contact import Link
 from ..replay.refinable import RefinableState
-from ..replay.steps import Link, Step
+from ..replay.steps import Step
 from .log_symmetry import LogSymmetry
 from .retrace import Retrace
 from .ties import TieRule

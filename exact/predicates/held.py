@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...scenarios.scene import Scene
 from ..numbers.field import field_ball
@@ -41,15 +41,15 @@ class Held:
         """Whether there is any circle that a symmetry of the scene leaves in place."""
         return bool(self._own)
 
-    def stands(self, body: Body) -> bool:
+    def stands(self, body: Body[arb]) -> bool:
         """Whether a body's balls have it exactly on its one mirror line, along an axis: there is nothing to hold."""
         axis = self._axes.get(body.index)
         if axis is None:
             return False
-        level, offset = axis
+        (level, offset), flight = axis, body.flight
         if level:
-            return body.vy.is_zero() and (body.y - offset).is_zero()
-        return body.vx.is_zero() and (body.x - offset).is_zero()
+            return flight.vy.is_zero() and (flight.y - offset).is_zero()
+        return flight.vx.is_zero() and (flight.x - offset).is_zero()
 
     def __call__(self, i: int) -> Projection | None:
         """The projection for a circle, or None if nothing is known to hold it."""

@@ -5,33 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..numbers.system import Number
+from ..numbers.system import N
+from ..replay.contact import Link, Touch
 from ..replay.linear import solve_positive
 from ..replay.state import State
-from ..replay.steps import Link
-from .question import Plain, RootSum, circles_of
+from .question import RootFree, circles_of
 
 
 @dataclass(frozen=True)
-class Strength(Plain):
+class Strength(RootFree):
     """In a set of contacts kicked together, how strong is one impulse?"""
 
-    basis: tuple[Link, ...]
-    link: Link
+    basis: tuple[Touch, ...]
+    link: Touch
 
-    def bodies(self, n: int) -> tuple[int, ...]:
-        return tuple(dict.fromkeys(i for link in (*self.basis, self.link) for i in circles_of(link, n)))
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return circles_of(*self.basis, self.link)
 
-    def _strengths(self, state: State) -> list[Number]:
+    def _strengths(self, state: State[N]) -> list[N]:
         matrix, speeds = state.contact_system(self.basis)
         return solve_positive(matrix, [-(u + u) for u in speeds])
 
-    def value(self, state: State) -> Number:
+    def value(self, state: State[N]) -> N:
         return self._strengths(state)[self.basis.index(self.link)]
-
-    def root_sum(self, state: State) -> RootSum:
-        zero = state.zero
-        return self.value(state), zero, zero, zero, zero
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether {name(self.link)} push each other at all"
@@ -41,7 +38,7 @@ class Strength(Plain):
 class Slack(Strength):
     """Kicking `basis` together, by how much more than needed does a contact outside of it separate?"""
 
-    def value(self, state: State) -> Number:
+    def value(self, state: State[N]) -> N:
         matrix, speeds = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
         strengths = solve_positive(inner, [-(u + u) for u in speeds[:-1]])
@@ -58,7 +55,7 @@ class Slack(Strength):
 class Pivot(Strength):
     """Is a contact's push independent of those in `basis` (positive) or already made of them (zero)?"""
 
-    def value(self, state: State) -> Number:
+    def value(self, state: State[N]) -> N:
         matrix, _ = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
         column = matrix[-1][:-1]
@@ -75,9 +72,9 @@ class Pivot(Strength):
 class Share(Strength):
     """How much of `entering`'s push is made of `link`'s, among the contacts of `basis`?"""
 
-    entering: Link = (0, 0)
+    entering: Touch
 
-    def value(self, state: State) -> Number:
+    def value(self, state: State[N]) -> N:
         matrix, _ = state.contact_system((*self.basis, self.entering))
         inner = [row[:-1] for row in matrix[:-1]]
         return solve_positive(inner, matrix[-1][:-1])[self.basis.index(self.link)]
@@ -87,21 +84,18 @@ class Share(Strength):
 
 
 @dataclass(frozen=True)
-class Coupling(Plain):
+class Coupling(RootFree):
     """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
 
-    first: Link
-    second: Link
+    first: Touch
+    second: Touch
 
-    def bodies(self, n: int) -> tuple[int, ...]:
-        return tuple(dict.fromkeys(circles_of(self.first, n) + circles_of(self.second, n)))
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return circles_of(self.first, self.second)
 
-    def value(self, state: State) -> Number:
+    def value(self, state: State[N]) -> N:
         return state.contact_system((self.first, self.second))[0][0][1]
-
-    def root_sum(self, state: State) -> RootSum:
-        zero = state.zero
-        return self.value(state), zero, zero, zero, zero
 
     def describe(self, name: Callable[[Link], str]) -> str:
         return f"whether the order of {name(self.first)} and {name(self.second)} matters"

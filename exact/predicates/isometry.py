@@ -8,7 +8,7 @@ from typing import TypeAlias
 
 from ...scenarios.scene import Scene
 from ..numbers.field import Field, FieldNumber, field_sign
-from ..replay.steps import Link
+from ..replay.contact import AtWall, Entry, Link, Pair
 
 Vector: TypeAlias = tuple[FieldNumber, FieldNumber]
 Matrix: TypeAlias = tuple[FieldNumber, FieldNumber, FieldNumber, FieldNumber]
@@ -27,11 +27,28 @@ class SceneData:
         self.places: list[Vector] = [(constant(c.x), constant(c.y)) for c in scene.circles]
         self.speeds: list[Vector] = [(constant(c.vx), constant(c.vy)) for c in scene.circles]
         self.kinds = [(constant(c.r), constant(c.inverse_mass)) for c in scene.circles]
-        self.walls = [((constant(w.x0), constant(w.y0)), tuple(map(constant, w.normal))) for w in scene.walls]
+        self.walls: list[tuple[Vector, Vector]] = [
+            ((constant(w.x0), constant(w.y0)), (constant(w.normal[0]), constant(w.normal[1]))) for w in scene.walls
+        ]
         self.pockets = [((constant(p.x), constant(p.y)), constant(p.r)) for p in scene.pockets]
         self.circle_of = {(*self.places[i], *self.speeds[i], *self.kinds[i]): i for i in range(self.n)}
         self.wall_of = {line_key(point, normal): k for k, (point, normal) in enumerate(self.walls)}
         self.pocket_of = {(*place, r): k for k, (place, r) in enumerate(self.pockets)}
+
+    def kind_of(self, link: Link) -> tuple[object, ...]:
+        """What of a contact an isometry leaves as it is."""
+        if isinstance(link, Pair):
+            return Pair, self.kinds[link.a], self.kinds[link.b]
+        return type(link), self.kinds[link.circle], self.pockets[link.pocket][1] if isinstance(link, Entry) else None
+
+    def vectors(self, link: Link) -> list[Vector]:
+        """What of a contact an isometry turns: the velocities of its circles, and the way from the first on."""
+        first = self.speeds[link[0]]
+        if isinstance(link, AtWall):
+            return [first, self.foot(*link[:2])]
+        if isinstance(link, Entry):
+            return [first, minus(self.pockets[link.pocket][0], self.places[link.circle])]
+        return [first, minus(self.places[link.b], self.places[link.a]), self.speeds[link.b]]
 
     def foot(self, i: int, wall: int) -> Vector:
         """The vector from a wall to a circle's centre, at right angles to the wall; never zero."""
@@ -51,7 +68,7 @@ def scene_data(scene: Scene) -> SceneData:
     return SceneData(scene)
 
 
-def line_key(point: Vector, normal: Vector) -> tuple[FieldNumber, ...]:
+def line_key(point: Vector, normal: Vector) -> tuple[FieldNumber | int, ...]:
     """A line's normal form: n.p = c with the first component of n that is not zero made 1."""
     nx, ny = normal
     offset = nx * point[0] + ny * point[1]
@@ -109,21 +126,17 @@ class Isometry:
 
     def link(self, link: Link) -> Link | None:
         """The image of a contact, or of an entry; None if there is none."""
-        i, j = link
-        n = self._data.n
-        a = self.circle(i)
+        a = self.circle(link[0])
         if a is None:
             return None
-        if j < 0:
-            place, r = self._data.pockets[-1 - j]
+        if isinstance(link, Entry):
+            place, r = self._data.pockets[link.pocket]
             k = self._data.pocket_of.get((*self.move(place), r))
-            return None if k is None else (a, -1 - k)
-        b = self.circle(j) if j < n else self.wall(j - n)
+            return None if k is None else Entry(a, k)
+        b = self.wall(link.wall) if isinstance(link, AtWall) else self.circle(link.b)
         if b is None:
             return None
-        if j >= n:
-            return a, n + b
-        return (a, b) if a < b else (b, a)
+        return AtWall(a, b) if isinstance(link, AtWall) else Pair(min(a, b), max(a, b))
 
 
 def from_vectors(sources: Sequence[Vector], images: Sequence[Vector]) -> Iterator[Matrix]:

@@ -24,11 +24,11 @@ Each isometry remembers which blocks it maps, and the log only grows, so each bl
 
 from __future__ import annotations
 
-from flint import fmpq  # type: ignore[attr-defined]
+from flint import fmpq
 
 from ...scenarios.scene import Scene
-from ..numbers.field import LeavesField, field_sign
-from ..replay.steps import Link
+from ..numbers.field import LeavesField
+from ..replay.contact import AtWall, Link, Pair
 from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data
 from .past import TAKE, Block, Past
 from .question import Question
@@ -58,7 +58,7 @@ class LogSymmetry:
 
     def proves_zero(self, question: Question) -> bool:
         """Whether the number asked about is zero because of the form of its past; False says nothing."""
-        return self._ready() and question.is_zero_by(self, self.past.n)
+        return self._ready() and question.is_zero_by(self)
 
     def follows(self, g: Isometry, i: int) -> bool:
         """Whether g maps all that circle i depends on to all that its image depends on."""
@@ -109,20 +109,22 @@ class LogSymmetry:
         return any(g.link(first) == second and self._all_follow(g, first) for g in self._candidates[first, second])
 
     def _all_follow(self, g: Isometry, link: Link) -> bool:
-        return all(self.follows(g, i) for i in link if 0 <= i < self.past.n)
+        return all(self.follows(g, i) for i in link.circles)
 
-    def along(self, i: int, wall: int) -> bool:
-        """See `Form`: the mirror goes through the centre of the circle."""
+    def alike(self, link: Link) -> bool:
+        """See `Form`."""
+        if isinstance(link, Pair):
+            return self._fixes(IDENTITY, link.a, link.b)
+        return isinstance(link, AtWall) and self._along(link.circle, link.wall)
+
+    def _along(self, i: int, wall: int) -> bool:
+        """Whether the mirror parallel to a wall through a circle's centre keeps the circle and its past."""
         assert self._data is not None
         _, (nx, ny) = self._data.walls[wall]
         square = nx * nx + ny * ny
         across = 2 * nx * ny / square
         matrix = (1 - 2 * nx * nx / square, -across, -across, 1 - 2 * ny * ny / square)
         return self._fixes(matrix, i, i)
-
-    def abreast(self, i: int, j: int) -> bool:
-        """See `Form`."""
-        return self._fixes(IDENTITY, i, j)
 
     def _fixes(self, matrix: Matrix, i: int, j: int) -> bool:
         """Whether the isometry of this linear part that takes centre i to centre j maps past i to past j."""
@@ -137,37 +139,19 @@ class LogSymmetry:
 
     def _between(self, first: Link, second: Link) -> list[Isometry]:
         """The few isometries that map the data of one meeting to those of another."""
-        n = self.past.n
-        (i, j), (k, m) = first, second
-        if (j < 0) != (m < 0) or (j >= n) != (m >= n):
-            return []
-        found = self._mapping(i, j, k, m)
-        if 0 <= j < n:
-            found += self._mapping(i, j, m, k)
+        found = self._mapping(first, second)
+        if isinstance(second, Pair):
+            found += self._mapping(first, Pair(second.b, second.a))
         return found
 
-    def _mapping(self, i: int, j: int, k: int, m: int) -> list[Isometry]:
-        """Those that take circle i to k, and circle, wall or pocket j to m."""
-        data, n = self._data, self.past.n
+    def _mapping(self, first: Link, second: Link) -> list[Isometry]:
+        """Those that take the first of one contact to that of another, and the second to the second."""
+        data, i, k = self._data, first[0], second[0]
         assert data is not None
-        if data.kinds[i] != data.kinds[k]:
+        if data.kind_of(first) != data.kind_of(second):
             return []
-        sources, images = [data.speeds[i]], [data.speeds[k]]
-        if j >= n:
-            sources.append(data.foot(i, j - n))
-            images.append(data.foot(k, m - n))
-        elif j >= 0:
-            if data.kinds[j] != data.kinds[m]:
-                return []
-            sources += [minus(data.places[j], data.places[i]), data.speeds[j]]
-            images += [minus(data.places[m], data.places[k]), data.speeds[m]]
-        else:
-            (place, r), (other, s) = data.pockets[-1 - j], data.pockets[-1 - m]
-            if field_sign(r - s) != 0:
-                return []
-            sources.append(minus(place, data.places[i]))
-            images.append(minus(other, data.places[k]))
-        found = []
+        sources, images = data.vectors(first), data.vectors(second)
+        found: list[Isometry] = []
         for matrix in from_vectors(sources, images):
             a, b, c, d = matrix
             x, y = data.places[i]
@@ -200,10 +184,11 @@ class LogSymmetry:
         """The blocks just before two blocks, in pairs; None if g does not map the one block to the other."""
         if a.kind != b.kind or a.kind == TAKE or len(a.places) != len(b.places):
             return None
-        if {g.link(link) for link in a.among} != b.among:
+        images: set[Link | None] = {g.link(link) for link in a.among}
+        if images != {*b.among}:
             return None
         rows = self.past.rows
-        found = []
+        found: list[tuple[Block, Block]] = []
         for i, place in a.places.items():
             k = g.circle(i)
             if k is None or b.places.get(k) != place:

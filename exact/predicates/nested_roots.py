@@ -42,9 +42,8 @@ class NestedRoots:
 
         A past that holds one which was too deep is not tried, nor one that was too much work with no more than that.
         """
-        n = len(self.scene.circles)
         work.spent += len(steps)  # the search for the past looks at each
-        needed, bodies = causal_past(steps, question.bodies(n), n)
+        needed, bodies = causal_past(steps, question.bodies)
         past = frozenset(needed)
         allowed = 0 if work.limit is None else work.limit - work.spent
         for known in self._hopeless:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from ..replay.steps import Flip, Go, Kick, Link, Step, Take
+from ..replay.contact import Touch
+from ..replay.steps import Flip, Go, Kick, Step, Take
 
 FLIP, TAKE = "flip", "take"
 
@@ -24,7 +25,7 @@ class Block:
     __slots__ = ("among", "instant", "kind", "links", "number", "places")
 
     def __init__(
-        self, number: int, instant: int, among: frozenset[Link], links: frozenset[Link], kind: str = ""
+        self, number: int, instant: int, among: frozenset[Touch], links: frozenset[Touch], kind: str = ""
     ) -> None:
         self.number = number
         self.instant = instant
@@ -76,7 +77,7 @@ class Past:
         if isinstance(step, Kick):
             if len(step.among) == 1:
                 alone = frozenset(step.among)
-                return [self._add(instant, alone, alone, (i for i in step.among[0] if i < self.n))]
+                return [self._add(instant, alone, alone, step.among[0].circles)]
             pushing = set(step.links)
             return [self._add(instant, among, among & pushing, bodies) for bodies, among in self._apart(step.among)]
         if isinstance(step, Take):
@@ -86,7 +87,7 @@ class Past:
         return [self._add(instant, frozenset(), frozenset(), (i,), FLIP) for i in movers]
 
     def _add(
-        self, instant: int, among: frozenset[Link], links: frozenset[Link], bodies: Iterable[int], kind: str = ""
+        self, instant: int, among: frozenset[Touch], links: frozenset[Touch], bodies: Iterable[int], kind: str = ""
     ) -> Block:
         block = Block(self._count, instant, among, links, kind)
         self._count += 1
@@ -96,12 +97,12 @@ class Past:
                 self.rows[i].append(block)
         return block
 
-    def _apart(self, links: Iterable[Link]) -> list[tuple[set[int], frozenset[Link]]]:
+    def _apart(self, links: Iterable[Touch]) -> list[tuple[set[int], frozenset[Touch]]]:
         """Contacts that share movable circles, directly or through others; no block reaches beyond them."""
-        groups: list[tuple[set[int], set[Link]]] = []
+        groups: list[tuple[set[int], set[Touch]]] = []
         for link in links:
-            bodies, mine = {i for i in link if i < self.n and self.movable[i]}, {link}
-            apart = []
+            bodies, mine = {i for i in link.circles if self.movable[i]}, {link}
+            apart: list[tuple[set[int], set[Touch]]] = []
             for others, theirs in groups:
                 if others & bodies:
                     bodies, mine = bodies | others, mine | theirs

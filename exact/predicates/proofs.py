@@ -8,7 +8,7 @@ from .log_symmetry import LogSymmetry
 from .question import Decision, Question
 
 
-class WayBack:
+class ByWayBack:
     """What the way out of a reversed run tells of the way back."""
 
     def __init__(self, grounds: Grounds) -> None:
@@ -22,7 +22,7 @@ class WayBack:
         return None if sign is None else Decision(sign, "way back", TieProof.WAY_BACK)
 
 
-class Symmetry:
+class ByForm:
     """The form of the past: an isometry of logged histories."""
 
     def __init__(self, grounds: Grounds) -> None:

@@ -7,14 +7,14 @@ nested square roots. `value` may take square roots, so it suits enclosures; `roo
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeAlias
 
 from ...scenarios.event import TieProof
-from ..numbers.system import Number
+from ..numbers.system import N
+from ..replay.contact import Link
 from ..replay.state import State
-from ..replay.steps import Link
 
-RootSum = tuple[Number, Number, Number, Number, Number]
+RootSum: TypeAlias = tuple[N, N, N, N, N]
 """A, B, D1, C, D2 of a number A + B*sqrt(D1) + C*sqrt(D2)."""
 
 
@@ -41,32 +41,33 @@ class Form(Protocol):
         """Whether some isometry maps one meeting and its past to the other: they fall on one instant."""
         ...
 
-    def along(self, i: int, wall: int) -> bool:
-        """Whether a mirror parallel to a wall keeps a circle and its past: it flies along the wall."""
-        ...
+    def alike(self, link: Link) -> bool:
+        """Whether the two of a contact fly alike.
 
-    def abreast(self, i: int, j: int) -> bool:
-        """Whether a shift maps one circle and its past to another: they have one velocity."""
+        A circle flies along a wall if a mirror parallel to it keeps the circle and its past; two circles have one
+        velocity if a shift maps the one and its past to the other. Of a pocket nothing is known.
+        """
         ...
 
 
 class Question(Protocol):
     """The sign of a number that depends on the state of some bodies."""
 
-    def bodies(self, n: int) -> tuple[int, ...]:
+    @property
+    def bodies(self) -> tuple[int, ...]:
         """The circles whose states the number depends on."""
         ...
 
-    def value(self, state: State) -> Number:
+    def value(self, state: State[N]) -> N:
         """The number."""
         ...
 
-    def root_sum(self, state: State) -> RootSum:
+    def root_sum(self, state: State[N]) -> RootSum[N]:
         """The number as A + B*sqrt(D1) + C*sqrt(D2), with parts that need no new root."""
         ...
 
-    def is_zero_by(self, form: Form, n: int) -> bool:
-        """Whether the form of the past makes the number zero, in a scene of n circles; False says nothing."""
+    def is_zero_by(self, form: Form) -> bool:
+        """Whether the form of the past makes the number zero; False says nothing."""
         ...
 
     def describe(self, name: Callable[[Link], str]) -> str:
@@ -77,11 +78,24 @@ class Question(Protocol):
 class Plain:
     """What the form of the past never makes zero."""
 
-    def is_zero_by(self, form: Form, n: int) -> bool:
+    def is_zero_by(self, form: Form) -> bool:
         """False: says nothing."""
         return False
 
 
-def circles_of(link: Link, n: int) -> tuple[int, ...]:
-    """The circles of a contact."""
-    return link if 0 <= link[1] < n else link[:1]
+class RootFree(Plain):
+    """A question whose number needs no root."""
+
+    def value(self, state: State[N]) -> N:
+        """Each question has its own."""
+        raise NotImplementedError
+
+    def root_sum(self, state: State[N]) -> RootSum[N]:
+        """The number itself."""
+        zero = state.zero
+        return self.value(state), zero, zero, zero, zero
+
+
+def circles_of(*links: Link) -> tuple[int, ...]:
+    """The circles of some contacts, each once."""
+    return tuple(dict.fromkeys(i for link in links for i in link.circles))

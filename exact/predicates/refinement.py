@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...scenarios.event import TieProof
 from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.undecided import Undecided
-from .enclosures import Balls, Field
+from .enclosures import InBalls, InField
 from .grounds import Grounds
 from .nested_roots import NestedRoots
 from .question import Decision, Question
@@ -33,7 +33,7 @@ class RootsAndBits:
     def __init__(self, grounds: Grounds) -> None:
         self._grounds = grounds
         self._roots = NestedRoots(grounds.scene)
-        self._quick = (Balls(grounds), Field(grounds))
+        self._quick = (InBalls(grounds), InField(grounds))
 
     def __call__(self, question: Question) -> Decision:
         """The sign.
@@ -82,6 +82,6 @@ class RootsAndBits:
         """To how many bits, in absolute value, the number asked about agrees with zero."""
         state = self._grounds.state
         ball.use_bits(state.bits)
-        state.sync(question.bodies(len(self._grounds.scene.circles)))
+        state.sync(question.bodies)
         size = question.value(state.balls).abs_upper()
         return 0 if not size.is_finite() else max(0, -int(size.log().__truediv__(arb(2).log()).upper().ceil().fmpz()))

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..replay.steps import Link
+from ..replay.contact import Entry, Link, Touch
 from .hits import BeforeTime, Discriminant, Moment, Sooner
 from .past import FLIP, Block, Past
 from .question import Question
@@ -29,15 +29,15 @@ class Retrace:
             has left its way. Empty before the reversal.
     """
 
-    def __init__(self, past: Past, touching: Iterable[Link]) -> None:
+    def __init__(self, past: Past, touching: Iterable[Touch]) -> None:
         self.past = past
         self.levels: list[int | None] = []
-        self._gathered: dict[int, frozenset[Link]] = {0: frozenset(touching)}
-        self._grazes: set[tuple[Link, tuple[int, int]]] = set()
+        self._gathered: dict[int, frozenset[Touch]] = {0: frozenset(touching)}
+        self._grazes: set[tuple[Link, tuple[int, ...]]] = set()
 
     # -- noting
 
-    def gathered(self, instant: int, links: Iterable[Link]) -> None:
+    def gathered(self, instant: int, links: Iterable[Touch]) -> None:
         """Notes what stands at gap zero at an instant of the way out, once its impulses are done."""
         if not self.levels:
             self._gathered[instant] = self._gathered.get(instant, frozenset()) | frozenset(links)
@@ -96,18 +96,16 @@ class Retrace:
             return None if instant is None else -1 if instant > 0 else 0
         return None
 
-    def _heights(self, link: Link) -> tuple[int, int]:
-        """How many blocks of the way out the two have behind them; -1 for a circle that has left it, or a wall."""
+    def _heights(self, link: Link) -> tuple[int, ...]:
+        """How many blocks of the way out the two have behind them; -1 for a circle that has left it."""
 
         def height(i: int) -> int:
-            if not 0 <= i < self.past.n:
-                return 0
             if not self.levels:
                 return len(self.past.rows[i])
             level = self.levels[i]
             return -1 if level is None else level
 
-        return height(link[0]), height(link[1])
+        return tuple(height(i) for i in link.circles)
 
     def _grazed(self, link: Link) -> bool:
         heights = self._heights(link)
@@ -116,11 +114,11 @@ class Retrace:
     def _parted(self, moment: Moment) -> int | None:
         """The instant of the way out at which the two of a contact, on their flights of now, stood at gap zero."""
         link = moment.link
-        if link[1] < 0:
+        if isinstance(link, Entry):
             return None
         latest, met = 0, self._gathered[0]
-        for i in link:
-            if i < self.past.n and self.past.movable[i]:
+        for i in link.circles:
+            if self.past.movable[i]:
                 level = self.levels[i]
                 if level is None:
                     return None

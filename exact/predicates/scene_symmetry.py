@@ -185,7 +185,7 @@ class _Exact:
         return m[0] * x + m[1] * y, m[2] * x + m[3] * y
 
     def _map_circles(self, m: Matrix) -> tuple[int, ...] | None:
-        images = []
+        images: list[int] = []
         for x, y, vx, vy, r, w in self.rows:
             target = (*self._turn(m, x, y), *self._turn(m, vx, vy), r, w)
             match = next((j for j, row in enumerate(self.rows) if all(map(_equal, row, target))), None)
@@ -196,7 +196,7 @@ class _Exact:
 
     def _map_walls(self, m: Matrix) -> tuple[int, ...] | None:
         cx, cy = self.centre
-        images = []
+        images: list[int] = []
         for x0, y0, x1, y1, *_ in self.walls:
             ends = [self._turn(m, x - cx, y - cy) for x, y in ((x0, y0), (x1, y1))]
             ends = [(x + cx, y + cy) for x, y in ends]

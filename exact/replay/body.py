@@ -2,52 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from math import inf
+from typing import Generic, NamedTuple
 
-from ..numbers.system import Number
+from ..numbers.system import N
 
 
-class Body:
-    """One circle's state: position and velocity at its own clock t.
+class Flight(NamedTuple, Generic[N]):
+    """A straight flight from one instant on; it never changes, another one takes its place.
 
     Attributes:
-        x, y, vx, vy, t: it flies through (x, y) at time t with velocity (vx, vy).
-        instant, late: the instant of its last contact, and the time from t to it (None: it is t itself).
+        x, y, vx, vy, t: it passes (x, y) at time t, the body's clock, with velocity (vx, vy).
+        instant, late: the instant from which it holds, and the time from t to that (None: it is t itself).
+        last: number of log steps done when the body was last touched; tells the later of two clocks.
+        rest: whether the velocity is exactly zero.
+    """
+
+    x: N
+    y: N
+    vx: N
+    vy: N
+    t: N
+    instant: N
+    late: N | None = None
+    last: int = 0
+    rest: bool = False
+
+
+class Body(Generic[N]):
+    """One circle, or a pocket, which is a body at rest.
+
+    Attributes:
+        index: its place among its kind.
+        flight: how it flies.
         r, w: radius and inverse mass.
-        rest: whether its velocity is exactly zero.
-        last: number of log steps done when it was last touched; tells the later of two clocks.
+        is_pocket: whether it is one.
         serial: how often its velocity has changed; tells stale predictions.
-        q: its state as predictions use it.
-        f: that state as doubles, where their error is bounded; None where not.
+        until: a double by which its flight ends at a wall, if nothing ends it before.
+        q: (x, y, vx, vy, t) as predictions use them.
+        f: these as doubles, and a bound of `late`, where their error is bounded; None where not.
         kind, acc: for the exact engine: which radius it has, how many bits of it are known.
     """
 
-    __slots__ = (
-        "acc", "f", "index", "instant", "kind", "last", "late", "q", "r", "rest", "serial",
-        "t", "vx", "vy", "w", "x", "y",
-    )  # fmt: skip
+    __slots__ = ("acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "until", "w")
 
-    def __init__(self, index: int, state: Sequence[Number], t: Number, r: Number, w: Number) -> None:
+    def __init__(self, index: int, flight: Flight[N], r: N, w: N, is_pocket: bool = False) -> None:
         self.index = index
-        self.x, self.y, self.vx, self.vy = state
-        self.t = t
-        self.instant = t
-        self.late: Number | None = None
+        self.flight = flight
         self.r = r
         self.w = w
-        self.q: tuple[Number, ...] = ()
-        self.f: tuple[float, ...] | None = None
-        self.rest = False
-        self.last = 0
+        self.is_pocket = is_pocket
+        self.q: tuple[N, N, N, N, N] = flight[:5]
+        self.f: tuple[float, float, float, float, float, float] | None = None
         self.serial = 0
+        self.until = inf
         self.kind = 0
         self.acc = 0
 
-    def become(self, other: Body) -> None:
+    def become(self, other: Body[N]) -> None:
         """Takes over the numbers of the same body, computed again."""
-        self.x, self.y, self.vx, self.vy, self.t = other.x, other.y, other.vx, other.vy, other.t
-        self.instant, self.late, self.acc = other.instant, other.late, other.acc
-        self.r, self.w = other.r, other.w
+        self.flight, self.acc, self.r, self.w = other.flight, other.acc, other.r, other.w
 
     def __repr__(self) -> str:
-        return f"Body({self.index}, x={self.x}, y={self.y}, vx={self.vx}, vy={self.vy}, t={self.t})"
+        return f"Body({self.index}, {self.flight})"

@@ -14,14 +14,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from flint import arb
+
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ..numbers.system import Number
 from .ball_state import BallState, Told
 from .body import Body
+from .contact import AtWall, Entry, Link, Touch
 from .deviations import Deviations, Numbers, is_finite, numbers_of
 from .errors import Blocks
-from .steps import Link
 
 MOST_MOVERS = 24
 """Circles that move: a block costs the cube of their number, and balls lose little where each is hit seldom."""
@@ -41,10 +42,10 @@ class Pending(NamedTuple):
         blocks: of two circles, the derivative of their collision.
     """
 
-    link: Link
+    link: Touch
     centres: dict[int, Numbers]
-    central: tuple[Number | None, Told, Number | None]
-    shown: tuple[Number | None, Told]
+    central: tuple[arb | None, Told, arb | None]
+    shown: tuple[arb | None, Told]
     blocks: Blocks | None
 
 
@@ -89,41 +90,41 @@ class CentredState(BallState):
     def go(self, source: Link | int | Quantity, bodies: tuple[int, ...]) -> None:
         """As `State.go`."""
         self._land()
-        if not (isinstance(source, tuple) and self._ordinary(source, bodies)):
+        if isinstance(source, (int, Quantity, Entry)) or not self._ordinary(source, bodies):
             self.loosen()
             super().go(source, bodies)
             return
         held = self._deviations
         if held is None or not held.holds(bodies):
             held = self._deviations = self._begin()
-        flying = [body for i in bodies if not (body := self.bodies[i]).rest]
-        before = [(body, numbers_of(body), body.t, body.last) for body in flying]
+        flying = [body for i in bodies if not (body := self.bodies[i]).flight.rest]
+        before = [body.flight for body in flying]
         for body in flying:
             held.centre(body)
         super().go(source, bodies)
         centres = {body.index: numbers_of(body) for body in flying}
-        lags = [(body.index, float(body.t - t)) for body, _, t, _ in before]
+        lags = [(body.index, float(body.flight.t - flight.t)) for body, flight in zip(flying, before, strict=True)]
         told = held.advance(lags, self, source, self._told, self._root)
         if told is None:
-            for body, numbers, t, last in before:
-                body.x, body.y, body.vx, body.vy = numbers
-                body.t, body.last = t, last
+            for body, flight in zip(flying, before, strict=True):
+                body.flight = flight
             self.loosen()
             super().go(source, bodies)
             return
         time, place, blocks = told
-        for body, numbers, _, _ in before:
-            held.show_place(body, numbers)
+        for body, flight in zip(flying, before, strict=True):
+            held.show_place(body, flight)
         late, met = self.late, self._told
         self.instant = self.instant + time
         self.late = time if late is None else late + time
         if met is not None:
-            self._told = (source, met[1] + place, met[2] + place)
+            self._told = (met[0], met[1] + place, met[2] + place)
         for i in bodies:
-            self.bodies[i].instant, self.bodies[i].late = self.instant, self.late
+            body = self.bodies[i]
+            body.flight = body.flight._replace(instant=self.instant, late=self.late)
         self._pending = Pending(source, centres, (late, met, self._root), (self.late, self._told), blocks)
 
-    def kick(self, links: tuple[Link, ...]) -> None:
+    def kick(self, links: tuple[Touch, ...]) -> None:
         """As `State.kick`."""
         pending, held = self._pending, self._deviations
         if pending is None or held is None or links != (pending.link,):
@@ -131,7 +132,7 @@ class CentredState(BallState):
             super().kick(links)
             return
         movers = self._movers_of(pending.link)
-        balls = [numbers_of(body) for body in movers]
+        balls = [body.flight for body in movers]
         for body in movers:
             held.centre(body, pending.centres.get(body.index))
         self.late, self._told, self._root = pending.central
@@ -139,21 +140,25 @@ class CentredState(BallState):
         super().kick(links)
         self.late, self._told = pending.shown
         self.met = None
-        if pending.blocks is None:
-            carried = held.mirror(movers[0], self._mirrors[pending.link[1] - self.n])
-        else:
-            carried = held.meet(pending.link, movers, pending.blocks)
-        if not carried:
-            for body, numbers in zip(movers, balls, strict=True):
-                body.x, body.y, body.vx, body.vy = numbers
+        if not self._carried(held, pending, movers):
+            for body, flight in zip(movers, balls, strict=True):
+                body.flight = flight
             self.loosen()
             super().kick(links)
             return
         for body in movers:
-            body.rest = False
+            body.flight = body.flight._replace(rest=False)
             held.show(body)
         if held.errors.full:
             self._renew(held)
+
+    def _carried(self, held: Deviations, pending: Pending, movers: list[Body[arb]]) -> bool:
+        """Carries the deviations through an impulse; whether that could be done."""
+        link = pending.link
+        if isinstance(link, AtWall):
+            return held.mirror(movers[0], self.mirror_of(link))
+        assert pending.blocks is not None
+        return held.meet(link, movers, pending.blocks)
 
     def forget_contact(self) -> None:
         """As `BallState.forget_contact`."""
@@ -170,26 +175,24 @@ class CentredState(BallState):
         self.loosen()
         super().flip()
 
-    def _movers_of(self, link: Link) -> list[Body]:
-        return [self.bodies[i] for i in link if i < self.n and not self.scene.circles[i].fixed]
+    def _movers_of(self, link: Touch) -> list[Body[arb]]:
+        return [self.bodies[i] for i in link.circles if not self.scene.circles[i].fixed]
 
-    def _ordinary(self, link: Link, bodies: tuple[int, ...]) -> bool:
+    def _ordinary(self, link: Touch, bodies: tuple[int, ...]) -> bool:
         """Whether deviations may be carried to this contact."""
         if not self.centred or self._break or len(self._movers) > MOST_MOVERS:
             self._break -= self._break > 0
             return False
-        if link[1] < 0:
-            return False
         movers = self._movers_of(link)
         if sorted(body.index for body in movers) != sorted(bodies) or not self.outside.isdisjoint(bodies):
             return False
-        return all(body.rest or _is_inexact(body) for body in movers)
+        return all(body.flight.rest or _is_inexact(body) for body in movers)
 
     def _begin(self) -> Deviations:
         """Boxes: the bodies' balls as they are."""
         self._pending = None
         members = [body for i in self._movers if i not in self.outside and is_finite(body := self.bodies[i])]
-        return Deviations(members, self.bodies[: self.n])
+        return Deviations(members, list(self.bodies.values()))
 
     def _land(self) -> None:
         """Where no impulse came after a flight, the bodies have flown on, no more."""
@@ -212,6 +215,6 @@ class CentredState(BallState):
             held.show(self.bodies[i])
 
 
-def _is_inexact(body: Body) -> bool:
+def _is_inexact(body: Body[arb]) -> bool:
     """Whether both velocities have a radius, and no number an infinite one."""
-    return not (body.vx.is_exact() or body.vy.is_exact()) and is_finite(body)
+    return not (body.flight.vx.is_exact() or body.flight.vy.is_exact()) and is_finite(body)

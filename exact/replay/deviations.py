@@ -6,15 +6,15 @@ from collections.abc import Iterable, Sequence
 from math import inf, ldexp, log2
 from typing import TypeAlias
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ..numbers import ball
-from ..numbers.system import Number
-from .ball_state import BallState, Told
-from .body import Body
+from . import errors as step
+from .ball_state import BallState, Mirror, Told
+from .body import Body, Flight
+from .contact import AtWall, Link, Pair, Round
 from .derivatives import CLOSE, SMALL_WAIT, pair_derivative, wall_steepness
-from .errors import MOST, UP, Blocks, Fly, Meet, Mirror, Round, Spent, scaled
-from .steps import Link
+from .errors import MOST, UP, Blocks, Spent, scaled
 
 LEAST_WEIGHT = 1e-100
 """Bounds the squares of radii over masses that doubles hold well."""
@@ -22,7 +22,7 @@ LEAST_WEIGHT = 1e-100
 MOST_UNIT = 300
 """The largest power of two that is taken for a unit of time."""
 
-Numbers: TypeAlias = tuple[Number, Number, Number, Number]
+Numbers: TypeAlias = tuple[arb, arb, arb, arb]
 
 
 class Deviations:
@@ -37,7 +37,7 @@ class Deviations:
         place: where each body stands in it, by index.
     """
 
-    def __init__(self, members: Sequence[Body], circles: Sequence[Body]) -> None:
+    def __init__(self, members: Sequence[Body[arb]], circles: Sequence[Body[arb]]) -> None:
         from .error_set import ErrorSet  # here, since it loads numpy, which short runs do without
 
         self._time_power = _unit_of_time(members)
@@ -51,7 +51,7 @@ class Deviations:
         boxes = [[scaled(int(m), int(e) + p, shift) for (m, e), p in zip(four, powers, strict=True)] for four in radii]
         self.errors = ErrorSet(boxes, shift)
         self._balls: dict[int, arb] = {}
-        self._strengths: dict[Link, float] = {}
+        self._strengths: dict[Round, float] = {}
 
     def holds(self, bodies: Iterable[int]) -> bool:
         """Whether all of these bodies are members."""
@@ -59,23 +59,25 @@ class Deviations:
 
     # -- the bodies' numbers
 
-    def centre(self, body: Body, numbers: Numbers | None = None) -> None:
+    def centre(self, body: Body[arb], numbers: Numbers | None = None) -> None:
         """Gives a body its midpoints, or other numbers made of midpoints alone."""
-        body.x, body.y, body.vx, body.vy = numbers or self._mid[body.index]
+        set_numbers(body, numbers or self._mid[body.index])
 
-    def show(self, body: Body) -> None:
+    def show(self, body: Body[arb]) -> None:
         """Gives a body its balls: its midpoints, and its bound; none for a velocity of exactly zero."""
         power = self.errors.power(self.place[body.index])
         wide, narrow = self._ball(power), self._ball(power - self._time_power)
         x, y, vx, vy = self._mid[body.index]
-        body.x, body.y = x + wide, y + wide
-        if not body.rest:
-            body.vx, body.vy = vx + narrow, vy + narrow
+        if body.flight.rest:
+            _, _, vx, vy = numbers_of(body)
+        else:
+            vx, vy = vx + narrow, vy + narrow
+        set_numbers(body, (x + wide, y + wide, vx, vy))
 
-    def show_place(self, body: Body, before: Numbers) -> None:
+    def show_place(self, body: Body[arb], before: Flight[arb]) -> None:
         """Gives a body that has been advanced its place as a ball, and the velocity that it had as one."""
         wide = self._ball(self.errors.power(self.place[body.index]))
-        body.x, body.y, body.vx, body.vy = body.x + wide, body.y + wide, before[2], before[3]
+        set_numbers(body, (body.flight.x + wide, body.flight.y + wide, before.vx, before.vy))
 
     def _ball(self, power: int) -> arb:
         """All numbers of at most 2**power."""
@@ -86,7 +88,7 @@ class Deviations:
     # -- steps
 
     def advance(
-        self, lags: Iterable[tuple[int, float]], state: BallState, link: Link, told: Told, root: Number | None
+        self, lags: Iterable[tuple[int, float]], state: BallState, link: Link, told: Told, root: arb | None
     ) -> tuple[arb, arb, Blocks | None] | None:
         """Carries flights to a contact; gives all errors of the instant, all of d at it, and the derivative.
 
@@ -102,28 +104,26 @@ class Deviations:
             return None
         try:
             for i, lag in lags:
-                self.errors.do(Fly(self.place[i], ldexp(lag, -self._time_power)))
-            if link[1] >= state.n:
+                self.errors.do(step.Fly(self.place[i], ldexp(lag, -self._time_power)))
+            if isinstance(link, AtWall):
                 return self._to_wall(state, link)
-            return None if told is None or root is None else self._to_pair(state, link, told, root)
+            return None if told is None or root is None else self._to_pair(state, *told, root)
         except (Spent, OverflowError):
             return None
 
-    def _to_wall(self, state: BallState, link: Link) -> tuple[arb, arb, None] | None:
-        body, line = state.bodies[link[0]], state.line(state.bodies[link[0]], link[1] - state.n)
-        spread = self.errors.nu[self.place[link[0]]]
-        steep = wall_steepness(float(line.nx), float(line.ny), float(body.vx), float(body.vy))
+    def _to_wall(self, state: BallState, link: AtWall) -> tuple[arb, arb, None] | None:
+        flight, line = state.bodies[link.circle].flight, state.line(link.circle, link.wall)
+        spread = self.errors.nu[self.place[link.circle]]
+        steep = wall_steepness(float(line.nx), float(line.ny), float(flight.vx), float(flight.vy))
         if not steep * spread / self._unit < self.errors.doubles(CLOSE):
             return None
         return self._ball(self.errors.power_of(steep * spread * UP)), ball.ZERO, None
 
-    def _to_pair(
-        self, state: BallState, link: Link, told: tuple[Link, Number, Number], root: Number
-    ) -> tuple[arb, arb, Blocks] | None:
-        i, j = link
-        a, b = state.bodies[i], state.bodies[j]
+    def _to_pair(self, state: BallState, link: Round, dx: arb, dy: arb, root: arb) -> tuple[arb, arb, Blocks] | None:
+        i, j = (body.index for body in link.ends(state))
+        a, b = (body.flight for body in link.ends(state))
         spread = (self.errors.nu[self.place.get(i, -1)] + self.errors.nu[self.place.get(j, -1)]) * UP
-        d, v = (float(told[1]), float(told[2])), (float(b.vx - a.vx), float(b.vy - a.vy))
+        d, v = (float(dx), float(dy)), (float(b.vx - a.vx), float(b.vy - a.vy))
         near = self.errors.doubles(CLOSE)
         found = pair_derivative(d, v, float(root), self._strength(state, link), self._unit, spread, near)
         if found is None:
@@ -136,36 +136,36 @@ class Deviations:
         power = self.errors.power_of
         return self._ball(power(steep * spread * UP)), self._ball(power(apart)), blocks
 
-    def _strength(self, state: BallState, link: Link) -> float:
+    def _strength(self, state: BallState, link: Round) -> float:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if link not in self._strengths:
-            i, j = link
-            weight = float(state.reach(state.bodies[i], state.bodies[j])) ** 2 * (self._weights[i] + self._weights[j])
+            a, b = link.ends(state)
+            weight = float(state.reach(a, b)) ** 2 * (self._weights[a.index] + self._weights[b.index])
             self._strengths[link] = -2.0 / weight if LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT else 0.0
         return self._strengths[link]
 
-    def mirror(self, body: Body, parts: tuple[Number, Number, Number]) -> bool:
+    def mirror(self, body: Body[arb], parts: Mirror) -> bool:
         """A wall has mirrored a body by the matrix (xx, xy; xy, yy); whether that could be carried."""
         xx, xy, yy = (float(part) for part in parts)
         off = 2.0 * (max(float(part.rad()) for part in parts) + 2.0**-52) * UP
-        self.errors.do(Mirror(self.place[body.index], xx, xy, yy, off, self._recentre(body)))
+        self.errors.do(step.Mirror(self.place[body.index], xx, xy, yy, off, self._recentre(body)))
         return self._bounded((body,))
 
-    def meet(self, link: Link, movers: Sequence[Body], blocks: Blocks) -> bool:
+    def meet(self, link: Pair, movers: Sequence[Body[arb]], blocks: Blocks) -> bool:
         """Two circles have collided; whether that could be carried."""
         rounded = {body.index: self._recentre(body) for body in movers}
         i, j = link
         places = [self.place[k] if k in rounded else -1 for k in link]
         weights = self._weights
         self.errors.do(
-            Meet(places[0], places[1], weights[i], weights[j], blocks, rounded.get(i, 0.0), rounded.get(j, 0.0))
+            step.Meet(places[0], places[1], weights[i], weights[j], blocks, rounded.get(i, 0.0), rounded.get(j, 0.0))
         )
         return self._bounded(movers)
 
-    def land(self, body: Body, numbers: Numbers) -> bool:
+    def land(self, body: Body[arb], numbers: Numbers) -> bool:
         """A body has flown on, and no impulse came; whether that could be carried."""
         self._mid[body.index] = _midpoints(numbers)
-        self.errors.do(Round(self.place[body.index], self._largest(numbers)))
+        self.errors.do(step.Round(self.place[body.index], self._largest(numbers)))
         if not self._bounded((body,)):
             return False
         self.show(body)
@@ -179,10 +179,10 @@ class Deviations:
             return False
         return True
 
-    def _bounded(self, bodies: Iterable[Body]) -> bool:
+    def _bounded(self, bodies: Iterable[Body[arb]]) -> bool:
         return all(self.errors.nu[self.place[body.index]] < MOST for body in bodies)
 
-    def _recentre(self, body: Body) -> float:
+    def _recentre(self, body: Body[arb]) -> float:
         """Takes a body's midpoints from its numbers; gives what that drops, as the set counts it."""
         numbers = numbers_of(body)
         self._mid[body.index] = _midpoints(numbers)
@@ -202,14 +202,20 @@ class Deviations:
         return ldexp(size, max(power, -900)) if power < 500 and size < 2.0**500 else inf
 
 
-def numbers_of(body: Body) -> Numbers:
+def numbers_of(body: Body[arb]) -> Numbers:
     """(x, y, vx, vy) of a body."""
-    return body.x, body.y, body.vx, body.vy
+    return body.flight[:4]
 
 
-def is_finite(body: Body) -> bool:
+def set_numbers(body: Body[arb], numbers: Numbers) -> None:
+    """Gives a body a place and a velocity; all else of its flight stays."""
+    _, _, _, _, t, instant, late, last, rest = body.flight
+    body.flight = Flight(*numbers, t, instant, late, last, rest)
+
+
+def is_finite(body: Body[arb]) -> bool:
     """Whether no number of a body has an infinite radius."""
-    return body.x.is_finite() and body.y.is_finite() and body.vx.is_finite() and body.vy.is_finite()
+    return all(number.is_finite() for number in numbers_of(body))
 
 
 def _midpoints(numbers: Numbers) -> Numbers:
@@ -217,8 +223,8 @@ def _midpoints(numbers: Numbers) -> Numbers:
     return x.mid(), y.mid(), vx.mid(), vy.mid()
 
 
-def _unit_of_time(bodies: Sequence[Body]) -> int:
+def _unit_of_time(bodies: Sequence[Body[arb]]) -> int:
     """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
-    speed = max(max(abs(float(body.vx)), abs(float(body.vy))) for body in bodies)
+    speed = max(max(abs(float(body.flight.vx)), abs(float(body.flight.vy))) for body in bodies)
     width = sum(float(body.r) for body in bodies) / len(bodies)
     return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed)))) if width > 0.0 and speed > 0.0 else 0

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..numbers.system import Number
+from ..numbers.system import N
 
 
-def solve_positive(matrix: Sequence[Sequence[Number]], right: Sequence[Number]) -> list[Number]:
+def solve_positive(matrix: Sequence[Sequence[N]], right: Sequence[N]) -> list[N]:
     """Solves a symmetric positive definite system by elimination; its pivots need no choice.
 
     >>> from fractions import Fraction as Q
@@ -21,10 +21,10 @@ def solve_positive(matrix: Sequence[Sequence[Number]], right: Sequence[Number]) 
             factor = below[k] / rows[k][k]
             for column in range(k + 1, size + 1):
                 below[column] = below[column] - factor * rows[k][column]
-    solution: list[Number] = [None] * size
+    solution: list[N] = []  # from the last to the first
     for k in reversed(range(size)):
         value = rows[k][size]
         for column in range(k + 1, size):
-            value = value - rows[k][column] * solution[column]
-        solution[k] = value / rows[k][k]
-    return solution
+            value = value - rows[k][column] * solution[size - 1 - column]
+        solution.append(value / rows[k][k])
+    return solution[::-1]

@@ -11,11 +11,12 @@ from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import TypeAlias
 
+from flint import arb
+
 from ...scenarios.scene import Scene
 from ..numbers import ball
-from ..numbers.field import Field, LeavesField, field_ball, height
-from ..numbers.system import Number
-from .body import Body
+from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
+from .body import Body, Flight
 from .centred_state import CentredState
 from .state import State
 from .steps import Flip, Go, Kick, Step, Take
@@ -24,7 +25,7 @@ FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
 bits a collision, would soon cost far more."""
 
-Projection: TypeAlias = tuple[tuple[Number, ...], tuple[Number, Number]]
+Projection: TypeAlias = tuple[tuple[FieldNumber, ...], tuple[FieldNumber, FieldNumber]]
 """A linear part (a, b, c, d), which is its own square, about a centre: in exact numbers."""
 
 SPARE_BITS = 64
@@ -49,7 +50,7 @@ class RefinableState:
         self.bits = bits
         self.steps: list[Step] = []
         self._in_field: list[bool] = []
-        self._left: dict[int, list[tuple[int, tuple[Number, ...]]]] = {}
+        self._left: dict[int, list[tuple[int, Flight[FieldNumber]]]] = {}
         self._stale = set(range(self.n))
         self.numbers = Field()
         ball.use_bits(bits)
@@ -58,10 +59,10 @@ class RefinableState:
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
-        for body in self.bodies:
+        for body in self.bodies.values():
             body.acc = bits
         try:
-            self.field: State | None = State(scene, self.numbers)
+            self.field: State[FieldNumber] | None = State(scene, self.numbers)
             self._admit_walls()
             self.numbers.tower.max_depth = self.numbers.tower.depth
             self.exact = [True] * self.n
@@ -82,7 +83,7 @@ class RefinableState:
                 self.numbers.constant((nx * nx + ny * ny).sqrt())
 
     @property
-    def flip_time(self) -> Number:
+    def flip_time(self) -> arb:
         """The moment of the reversal, as a ball."""
         return self.balls.flip_time
 
@@ -92,11 +93,11 @@ class RefinableState:
 
     # -- copies
 
-    def sync_for(self, bodies: Iterable[Body]) -> None:
+    def sync_for(self, bodies: Iterable[Body[arb]]) -> None:
         """Brings the ball copies of some bodies up to date, at full precision."""
         if self._stale:
             ball.use_bits(self.bits)
-            self.sync(tuple(body.index for body in bodies if body.index >= 0))
+            self.sync(tuple(body.index for body in bodies if not body.is_pocket))
 
     def sync(self, bodies: tuple[int, ...]) -> None:
         """Brings the ball copies of exact bodies up to date."""
@@ -107,18 +108,14 @@ class RefinableState:
 
     def _copy(self, i: int) -> None:
         assert self.field is not None
-        source, target = self.field.bodies[i], self.balls.bodies[i]
         bits = ball.bits_in_use()
-        target.x, target.y = field_ball(source.x, bits), field_ball(source.y, bits)
-        target.vx, target.vy = field_ball(source.vx, bits), field_ball(source.vy, bits)
-        target.t = target.instant = field_ball(source.t, bits)
-        target.late = None
-        target.last, target.rest, target.acc = source.last, source.rest, bits
+        _enter(self.balls.bodies[i], self.field.bodies[i].flight, bits)
 
-    def knot(self, i: int) -> tuple[Number, ...]:
-        """(t, x, y, vx, vy) of a body: exact numbers if it is exact, else balls."""
-        body = self.field.bodies[i] if self.field is not None and self.exact[i] else self.balls.bodies[i]
-        return body.t, body.x, body.y, body.vx, body.vy
+    def flight(self, i: int) -> Flight[FieldNumber] | Flight[arb]:
+        """How a circle flies: in exact numbers if it is exact, else in balls."""
+        if self.field is not None and self.exact[i]:
+            return self.field.bodies[i].flight
+        return self.balls.bodies[i].flight
 
     def _leave(self, i: int) -> None:
         """The body's exact life ends here; the log keeps its last exact state."""
@@ -127,9 +124,7 @@ class RefinableState:
         self.balls.outside.discard(i)
         self._in_play -= 1
         assert self.field is not None
-        body = self.field.bodies[i]
-        kept = (body.t, body.x, body.y, body.vx, body.vy, body.last, body.rest)
-        self._left.setdefault(len(self.steps), []).append((i, kept))
+        self._left.setdefault(len(self.steps), []).append((i, self.field.bodies[i].flight))
 
     # -- steps
 
@@ -159,17 +154,14 @@ class RefinableState:
     def _taking_part(self, step: Step) -> tuple[int, ...]:
         if type(step) is Go:
             source = step.source
-            if type(source) is tuple:
-                n = self.n
-                extra = [i for i in source if 0 <= i < n and i not in step.bodies]
+            if isinstance(source, tuple):
+                extra = [i for i in source.circles if i not in step.bodies]
                 return (*step.bodies, *extra) if extra else step.bodies
             return (*step.bodies, source) if isinstance(source, int) else step.bodies
         if type(step) is Kick:
-            n = self.n
             if len(step.links) == 1:
-                (link,) = step.links
-                return link if link[1] < n else link[:1]
-            return tuple({i for link in step.links for i in link if i < n})
+                return step.links[0].circles
+            return tuple({i for link in step.links for i in link.circles})
         if isinstance(step, Take):
             return (step.body,)
         return tuple(range(self.n))
@@ -185,9 +177,10 @@ class RefinableState:
         longest = 0
         for i in taking_part:
             body = state.bodies[i]
-            longest = max(longest, height(body.x), height(body.y), height(body.t), height(body.vx))
+            x, y, vx, vy, t, *_ = body.flight
+            longest = max(longest, height(x), height(y), height(t), height(vx))
             if isinstance(step, Kick):
-                body.rest = body.vx == 0 and body.vy == 0
+                body.flight = body.flight._replace(rest=vx == 0 and vy == 0)
         if isinstance(step, Go):
             self.balls.forget_contact()
         self._stale.update(taking_part)
@@ -215,17 +208,17 @@ class RefinableState:
         for i, ((a, b, c, d), (cx, cy)) in held:
             a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
             body = state.bodies[i]
-            x, y = body.x - cx, body.y - cy
-            body.x, body.y = cx + a * x + b * y, cy + c * x + d * y
-            body.vx, body.vy = a * body.vx + b * body.vy, c * body.vx + d * body.vy
-            body.rest = body.vx.is_zero() and body.vy.is_zero()
+            x, y, vx, vy, t, instant, late, last, _ = body.flight
+            x, y = x - cx, y - cy
+            x, y, vx, vy = cx + a * x + b * y, cy + c * x + d * y, a * vx + b * vy, c * vx + d * vy
+            body.flight = Flight(x, y, vx, vy, t, instant, late, last, vx.is_zero() and vy.is_zero())
 
     def _step_in_balls(self, state: CentredState, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
         """One step, with no more bits than the bodies' accuracy deserves; gives the accuracy after it."""
         bodies = state.bodies
         accuracy = bits
         if type(step) is Go:
-            worst = min([bodies[i].acc for i in taking_part if not bodies[i].rest], default=bits)
+            worst = min([bodies[i].acc for i in taking_part if not bodies[i].flight.rest], default=bits)
             ball.use_bits(min(bits, worst + SPARE_BITS))
             state.do(step)
             if taking_part:
@@ -236,8 +229,10 @@ class RefinableState:
             state.do(step)
             if isinstance(step, Kick):
                 for i in taking_part:
-                    body = bodies[i]
-                    body.rest = body.vx.is_zero() and body.vy.is_zero()
+                    flight = bodies[i].flight
+                    rest = flight.vx.is_zero() and flight.vy.is_zero()
+                    if rest is not flight.rest:
+                        bodies[i].flight = flight._replace(rest=rest)
                 if state.steps_done in self._projected:
                     self._project_all(state, self._projected[state.steps_done])
         return accuracy
@@ -255,7 +250,7 @@ class RefinableState:
         self.lowest = bits
         ball.use_bits(bits)
         state = CentredState(self.scene, centred)
-        for body in state.bodies:
+        for body in state.bodies.values():
             body.acc = bits
         if self.field is not None:
             state.outside.update(range(self.n))
@@ -282,11 +277,15 @@ class RefinableState:
 
     def _arrive(self, state: CentredState, k: int) -> None:
         """Bodies whose exact life ended before step k enter the balls of a replay."""
-        for i, (t, x, y, vx, vy, last, rest) in self._left[k]:
-            body = state.bodies[i]
-            bits = ball.bits_in_use()
-            body.t, body.x, body.y = (field_ball(value, bits) for value in (t, x, y))
-            body.instant, body.late = body.t, None
-            body.vx, body.vy = field_ball(vx, bits), field_ball(vy, bits)
-            body.last, body.rest, body.acc = last, rest, bits
+        bits = ball.bits_in_use()
+        for i, flight in self._left[k]:
+            _enter(state.bodies[i], flight, bits)
             state.outside.discard(i)
+
+
+def _enter(body: Body[arb], exact: Flight[FieldNumber], bits: int) -> None:
+    """Gives a body in balls the flight that it has in exact numbers, whose clock is its instant."""
+    x, y, vx, vy, t, _, _, last, rest = exact
+    x, y, vx, vy, t = (field_ball(value, bits) for value in (x, y, vx, vy, t))
+    body.flight = Flight(x, y, vx, vy, t, t, None, last, rest)
+    body.acc = bits

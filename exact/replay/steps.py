@@ -9,12 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple, TypeAlias
 
 from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.scene import Scene
-
-Link: TypeAlias = tuple[int, int]
-"""A contact by index: two circles (0 <= i < j < n), or circle i and wall j - n (j >= n).
-
-With j < 0 it stands for the centre of circle i entering pocket -1 - j: no contact, but reckoned like one."""
+from .contact import Link, Touch
 
 
 class Go(NamedTuple):
@@ -39,8 +34,8 @@ class Kick(NamedTuple):
             found to push.
     """
 
-    links: tuple[Link, ...]
-    among: tuple[Link, ...]
+    links: tuple[Touch, ...]
+    among: tuple[Touch, ...]
 
 
 class Flip(NamedTuple):
@@ -56,28 +51,26 @@ class Take(NamedTuple):
 Step: TypeAlias = Go | Kick | Flip | Take
 
 
-def causal_past(steps: Sequence[Step], bodies: Iterable[int], n: int) -> tuple[list[int], list[int]]:
+def causal_past(steps: Sequence[Step], bodies: Iterable[int]) -> tuple[list[int], list[int]]:
     """The steps on which the states of some bodies depend, in order, and all bodies in them.
 
     Args:
         steps: the log.
         bodies: indices of the circles asked about.
-        n: number of circles; greater indices in contacts are walls.
     """
     wanted = set(bodies)
     needed: list[int] = []
     for k in range(len(steps) - 1, -1, -1):
         step = steps[k]
         if isinstance(step, Go):
-            touched = set(step.bodies)
-            if wanted & touched:
+            if not wanted.isdisjoint(step.bodies):
                 needed.append(k)
-                if isinstance(step.source, tuple):
-                    wanted.update(i for i in step.source if 0 <= i < n)
-                elif isinstance(step.source, int) and not isinstance(step.source, Quantity):
+                if isinstance(step.source, int):
                     wanted.add(step.source)
+                elif not isinstance(step.source, Quantity):
+                    wanted.update(step.source.circles)
         elif isinstance(step, Kick):
-            touched = {i for link in step.links for i in link if i < n}
+            touched = {i for link in step.links for i in link.circles}
             if wanted & touched:
                 needed.append(k)
                 wanted |= touched
@@ -88,15 +81,3 @@ def causal_past(steps: Sequence[Step], bodies: Iterable[int], n: int) -> tuple[l
             needed.append(k)
     needed.reverse()
     return needed, sorted(wanted)
-
-
-def name_of(scene: Scene, link: Link) -> str:
-    """A contact as a person reads it.
-
-    >>> from truebreak.scenarios import Circle, Scene
-    >>> name_of(Scene([Circle(0, 0, id="a"), Circle(4, 0, id="b")]), (0, 1))
-    'a and b'
-    """
-    ids = scene.ids
-    other = ids[link[1]] if link[1] >= 0 else f"pocket {scene.pockets[-1 - link[1]].id}"
-    return f"{ids[link[0]]} and {other}"

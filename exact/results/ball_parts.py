@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TypeAlias
 
-from flint import arb, fmpz  # type: ignore[attr-defined]
+from flint import arb, fmpz
 
 Parts: TypeAlias = tuple[int, int, int, int] | tuple[()]
 """Midpoint and radius as m, e, r, f: m * 2**e +/- r * 2**f. Nothing, for a ball that is not finite."""

@@ -8,13 +8,12 @@ from math import log2, nextafter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from flint import arb, arb_mat  # type: ignore[attr-defined]
+from flint import arb, arb_mat
 
 from ..laws.formulas import wall_bounce
 from ..laws.tangent_formulas import pair_tangent
 from ..numbers import ball
-from ..numbers.system import Number
-from .impacts import LEAST_BITS, Impact, NoTangentMap, impacts, moving
+from .impacts import LEAST_BITS, Impact, NoTangentMap, Real, impacts, moving
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,10 +43,10 @@ class Displacements:
         self.columns = columns.copy()
         self.scale = 0.0
         self.in_balls = columns.dtype == object
-        self.time: Number = arb(0) if self.in_balls else 0.0
+        self.time: Real = arb(0) if self.in_balls else 0.0
         self._row: dict[int | None, int] = {i: row for row, i in enumerate(moving(scene))}
 
-    def fly(self, time: Number) -> None:
+    def fly(self, time: Real) -> None:
         """Carries them to a time, in straight flight."""
         self.columns[:, :2] += (time - self.time) * self.columns[:, 2:]
         self.time = time

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ...scenarios.scene import Scene
 from ..numbers import ball

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
-from flint import arb  # type: ignore[attr-defined]
+from flint import arb
 
 from ..laws.formulas import pair_impulse, wall_bounce
 from ..numbers import ball
-from ..numbers.system import Number
 from ..replay.ball_state import BallState
 from ..replay.centred_state import CentredState
-from ..replay.steps import Go, Kick, Link
+from ..replay.contact import AtWall, Touch
+from ..replay.steps import Go, Kick
 from .motion import ExactMotion
 
 if TYPE_CHECKING:
@@ -34,6 +34,9 @@ class NoTangentMap(ValueError):
         self.events = events
 
 
+Real: TypeAlias = arb | float
+
+
 class Impact(NamedTuple):
     """Two circles, or a circle and a wall, at the moment before their impulse.
 
@@ -46,16 +49,16 @@ class Impact(NamedTuple):
         wa, wb: inverse masses; for a wall 0.
     """
 
-    time: Number
+    time: Real
     a: int
     b: int | None
-    dx: Number
-    dy: Number
-    vx: Number
-    vy: Number
-    reach: Number
-    wa: Number
-    wb: Number
+    dx: Real
+    dy: Real
+    vx: Real
+    vy: Real
+    reach: Real
+    wa: Real
+    wb: Real
 
 
 def moving(scene: Scene) -> list[int]:
@@ -158,7 +161,7 @@ SHARP_BITS = 60
 
 def _sharp(impact: Impact) -> bool:
     """Whether the numbers of an impact are accurate, each against what it is added to, and the approach by itself."""
-    dx, dy, vx, vy, reach = impact.dx, impact.dy, impact.vx, impact.vy, impact.reach
+    time, dx, dy, vx, vy, reach = (arb(number) for number in (impact.time, *impact[3:8]))
     if (dx * vx + dy * vy).rel_accuracy_bits() < SHARP_BITS:
         return False
     small = arb(2) ** -SHARP_BITS
@@ -166,7 +169,7 @@ def _sharp(impact: Impact) -> bool:
     return bool(
         dx.rad() + dy.rad() < small * reach
         and vx.rad() + vy.rad() < small * speed
-        and impact.time.rad() * speed < small * reach
+        and time.rad() * speed < small * reach
     )
 
 
@@ -190,18 +193,18 @@ def _replayed(trajectory: Trajectory, motion: ExactMotion, events: int, bits: in
     return found
 
 
-def _struck(state: BallState, links: Sequence[Link]) -> Iterator[Impact]:
+def _struck(state: BallState, links: Sequence[Touch]) -> Iterator[Impact]:
     """The impacts of one round, one after the other: the later ones see the velocities that the former leave."""
-    speeds = {i: (state.bodies[i].vx, state.bodies[i].vy) for link in links for i in link if i < state.n}
-    for i, j in links:
-        a = state.bodies[i]
+    speeds = {i: state.bodies[i].flight[2:4] for link in links for i in link.circles}
+    for link in links:
+        i, j, *_ = link
         ux, uy = speeds[i]
-        if j >= state.n:
-            line = state.line(a, j - state.n)
+        if isinstance(link, AtWall):
+            line = state.line(link.circle, link.wall)
             yield Impact(state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero)
             speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
             continue
-        b, (dx, dy), (vx, vy) = state.bodies[j], state.span(i, j), speeds[j]
+        (a, b), (dx, dy), (vx, vy) = link.ends(state), state.span(link), speeds[j]
         reach = state.reach(a, b)
         yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
         jx, jy = pair_impulse(dx, dy, vx - ux, vy - uy, reach, a.w, b.w)

@@ -15,7 +15,7 @@ from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.tower import Tower
 from ..laws.formulas import advance
 from ..numbers import ball
-from ..numbers.system import Number
+from ..numbers.system import N
 from ..replay.state import State
 from ..simulation.history import Mark
 from .run_log import RunLog
@@ -35,17 +35,16 @@ class Place:
     """Computes a coordinate of a circle at a time, from the state after its last change of velocity before it."""
 
     body: int
-    name: str
-    speed: str
+    axis: int
     time: ExactValue | Quantity
 
-    def __call__(self, state: State) -> Number:
-        body = state.bodies[self.body]
-        place = getattr(body, self.name)
-        if body.rest:
+    def __call__(self, state: State[N]) -> N:
+        flight = state.bodies[self.body].flight
+        place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
+        if flight.rest:
             return place
         when = self.time.formula(state) if isinstance(self.time, ExactValue) else state.constant(self.time)
-        return advance(place, getattr(body, self.speed), when - body.t)
+        return advance(place, speed, when - flight.t)
 
 
 @dataclass(frozen=True)
@@ -53,10 +52,11 @@ class Velocity:
     """Computes a component of a circle's velocity."""
 
     body: int
-    name: str
+    axis: int
 
-    def __call__(self, state: State) -> Number:
-        return getattr(state.bodies[self.body], self.name)
+    def __call__(self, state: State[N]) -> N:
+        flight = state.bodies[self.body].flight
+        return flight.vx if self.axis == 0 else flight.vy
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class Constant:
 
     value: Quantity
 
-    def __call__(self, state: State) -> Number:
+    def __call__(self, state: State[N]) -> N:
         return state.constant(self.value)
 
 
@@ -195,10 +195,10 @@ class ExactMotion:
         near_x, near_y = _near(x, vx, near_time, t), _near(y, vy, near_time, t)
         make = ExactValue
         return (
-            make(self.log, upto, bodies, Place(i, "x", "vx", time), near_x),
-            make(self.log, upto, bodies, Place(i, "y", "vy", time), near_y),
-            make(self.log, upto, bodies, Velocity(i, "vx"), vx),
-            make(self.log, upto, bodies, Velocity(i, "vy"), vy),
+            make(self.log, upto, bodies, Place(i, 0, time), near_x),
+            make(self.log, upto, bodies, Place(i, 1, time), near_y),
+            make(self.log, upto, bodies, Velocity(i, 0), vx),
+            make(self.log, upto, bodies, Velocity(i, 1), vy),
         )
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.field import TowerLimit
@@ -11,10 +11,13 @@ from ...scenarios.scene import Scene
 from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.nested import Nested
-from ..numbers.system import Number, number_system
+from ..numbers.system import N, number_system
 from ..replay.centred_state import CentredState
 from ..replay.state import State, replay
 from ..replay.steps import Step, causal_past
+
+if TYPE_CHECKING:
+    from ..numbers.expression import Expression
 
 TEXT_DEPTH = 5
 """Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
@@ -22,7 +25,11 @@ TEXT_DEPTH = 5
 TEXT_WORK = 1_000_000
 """Units of work that writing out one value may take: about a second."""
 
-Formula = Callable[[State], Number]
+
+class Formula(Protocol):
+    """Computes a number from a state, in its numbers."""
+
+    def __call__(self, state: State[N], /) -> N: ...
 
 
 class RunLog:
@@ -41,14 +48,14 @@ class RunLog:
         self.lost = lost
         self.centred = centred
         self._key: tuple[int, int] | None = None
-        self._state: State | None = None
+        self._state: CentredState | None = None
         self._too_deep: list[frozenset[int]] = []
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is computed again at need."""
         return {**self.__dict__, "_key": None, "_state": None}
 
-    def in_balls(self, bits: int, upto: int) -> State:
+    def in_balls(self, bits: int, upto: int) -> CentredState:
         """The state after the first `upto` steps, in balls computed with `bits` bits."""
         if self._key != (bits, upto):
             ball.use_bits(bits)
@@ -64,7 +71,7 @@ class RunLog:
         A value whose causal past contains one that was too deep is not tried.
         """
         steps = self.steps[:upto]
-        needed, held = causal_past(steps, bodies, len(self.scene.circles))
+        needed, held = causal_past(steps, bodies)
         past = frozenset(needed)
         if any(deep <= past for deep in self._too_deep):
             return None
@@ -77,9 +84,9 @@ class RunLog:
             self._too_deep.append(past)
             return None
 
-    def in_expressions(self, upto: int, bodies: Sequence[int]) -> State:
+    def in_expressions(self, upto: int, bodies: Sequence[int]) -> State[Expression]:
         """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""
-        needed, held = causal_past(self.steps[:upto], bodies, len(self.scene.circles))
-        state = State(self.scene, number_system("expression"), only=held)
+        needed, held = causal_past(self.steps[:upto], bodies)
+        state: State[Expression] = State(self.scene, number_system("expression"), only=held)
         replay(state, self.steps, needed)
         return state

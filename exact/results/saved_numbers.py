@@ -5,14 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-from flint import arb, fmpq, fmpz  # type: ignore[attr-defined]
+from flint import arb, fmpq, fmpz
 
 from ...scenarios.numbers.parsing import MAX_LENGTH
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower.element import AnyTower, Element
 from ...scenarios.numbers.tower.tower import Tower
-from ..numbers.system import Number
-from ..replay.steps import Flip, Go, Kick, Link, Step, Take
+from ..numbers.field import Known
+from ..replay.contact import AtWall, Entry, Link, Pair, Touch
+from ..replay.steps import Flip, Go, Kick, Step, Take
 from .ball_parts import from_parts, parts_of
 from .times import Source
 
@@ -33,7 +34,7 @@ class NumberWriter:
     def __init__(self) -> None:
         self._tower: AnyTower | None = None
 
-    def __call__(self, number: Number) -> Written:
+    def __call__(self, number: Known) -> Written:
         """One number."""
         if isinstance(number, fmpq):
             return str(number)
@@ -66,7 +67,7 @@ class NumberReader:
         if [root.text() for root in self._tower.generators] != list(roots):
             raise ValueError("the roots do not generate the field")
 
-    def __call__(self, written: Written) -> Number:
+    def __call__(self, written: Written) -> Known:
         """One number.
 
         Raises:
@@ -105,7 +106,7 @@ def _ball_of(written: Written) -> arb:
 def step_data(step: Step) -> Written:
     """A step of the log.
 
-    >>> step_data(Go((0, 1), (0, 1))), step_data(Flip())
+    >>> step_data(Go(Pair(0, 1), (0, 1))), step_data(Flip())
     (['go', [0, 1], [0, 1]], ['flip'])
     """
     if isinstance(step, Go):
@@ -122,7 +123,7 @@ def step_of(data: Written) -> Step:
         ValueError: for what is no step.
 
     >>> step_of(["kick", [[0, 1]], [[0, 1]]])
-    Kick(links=((0, 1),), among=((0, 1),))
+    Kick(links=(Pair(a=0, b=1),), among=(Pair(a=0, b=1),))
     """
     match data:
         case ["go", str(text), bodies]:
@@ -162,17 +163,28 @@ def source_of(data: Written) -> Source:
     return link_of(data) if isinstance(data, list) else data
 
 
-def links_data(links: Sequence[Link]) -> Written:
+def links_data(links: Sequence[Touch]) -> Written:
     """Contacts by index."""
     return [list(link) for link in links]
 
 
-def links_of(data: Written) -> tuple[Link, ...]:
+def links_of(data: Written) -> tuple[Touch, ...]:
     """What `links_data` wrote."""
-    return tuple(link_of(link) for link in data)
+    return tuple(link for link in map(link_of, data) if not isinstance(link, Entry))
 
 
 def link_of(data: Written) -> Link:
-    """One contact."""
-    i, j = data
-    return i, j
+    """One contact: its indices, and, of a wall or a pocket, which it is.
+
+    Raises:
+        ValueError: for what is none.
+    """
+    match data:
+        case [int(a), int(b)]:
+            return Pair(a, b)
+        case [int(circle), int(wall), "wall"]:
+            return AtWall(circle, wall)
+        case [int(circle), int(pocket), "pocket"]:
+            return Entry(circle, pocket)
+        case _:
+            raise ValueError(f"{data} is no contact")

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-from ..numbers.system import Number
-from ..replay.steps import Link
+from ..numbers.field import Known
+from ..numbers.system import N
+from ..replay.contact import Link
+from ..replay.state import State
 from ..simulation.history import Mark
 from .run_log import RunLog
 from .value import ExactValue
@@ -30,33 +32,38 @@ class TimeFormula:
     @property
     def bodies(self) -> tuple[int, ...]:
         """The circles that it depends on."""
-        if isinstance(self.source, tuple):
-            return self.source[:1]
-        return (self.source,) if isinstance(self.source, int) else (0,)
+        if isinstance(self.source, str):
+            return (0,)
+        return (self.source,) if isinstance(self.source, int) else self.source.circles[:1]
 
-    def __call__(self, state: Any) -> Number:
+    def __call__(self, state: State[N]) -> N:
         source = self.source
         if isinstance(source, int):
-            return state.bodies[source].instant
-        if isinstance(source, tuple):
-            clock, wait = state.hit(source)
+            return state.bodies[source].flight.instant
+        if not isinstance(source, str):
+            clock, wait = source.hit(state)
             return clock + wait
         if source == START:
             return state.zero
         return state.flip_time + state.flip_time if source == RETURN else state.flip_time
 
 
-def time_of(log: RunLog, mark: Mark) -> ExactValue:
+def time_of(log: RunLog, mark: Mark[Known]) -> ExactValue:
     """The time of an instant, which knows its exact value."""
     formula = TimeFormula(mark.source)
     return ExactValue(log, mark.step, formula.bodies, formula, mark.time, instant=mark.number)
 
 
-def time_of_return(log: RunLog, reversal: Mark, instant: int) -> ExactValue:
+def time_of_return(log: RunLog, reversal: Mark[Known], instant: int) -> ExactValue:
     """Twice the time of the reversal; `instant` is the last at which anything happens."""
-    return time_of(log, Mark(instant, reversal.time + reversal.time, reversal.step, RETURN))
+    return time_of(log, Mark(instant, twice(reversal.time), reversal.step, RETURN))
 
 
-def time_zero(log: RunLog, zero: Number) -> ExactValue:
+def twice(number: Known) -> Known:
+    """Two times a number."""
+    return number * 2
+
+
+def time_zero(log: RunLog, zero: Known) -> ExactValue:
     """Time 0 of a run in which nothing happened."""
     return time_of(log, Mark(0, zero, 0, START))

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
-from flint import arb, fmpq  # type: ignore[attr-defined]
+from flint import arb, fmpq
 
 from ...scenarios.numbers.doubles import BITS_PER_DIGIT, bounds_of, certain_double, nearest_double
 from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.tower import Tower
 from ..numbers import ball
-from ..numbers.system import Number
+from ..numbers.field import Known
 from .ball_parts import reduced
 from .run_log import Formula, RunLog
 
@@ -46,7 +46,7 @@ class ExactValue:
         upto: int,
         bodies: Sequence[int],
         formula: Formula,
-        near: Number,
+        near: Known,
         instant: int | None = None,
     ) -> None:
         self.log = log

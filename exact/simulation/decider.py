@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Sequence
-from typing import Any, Protocol
+from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from typing import Protocol
 
 from ...scenarios.numbers.quantity import Quantity
-from ..numbers.system import Number
+from ..numbers.system import N
 from ..predicates.question import Decision, Question
 from ..replay.body import Body
-from ..replay.steps import Link, Step
-from .history import History
+from ..replay.contact import Entry, Link
+from ..replay.steps import Step
+from .history import History, K
 from .queue import Arrival, ArrivalQueue
 
 
-class Meetings(Protocol):
+class Meetings(Protocol[N]):
     """Predicts and orders the meetings of one run."""
 
-    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
+    def predict(self, moved: Sequence[Body[N]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of circles whose flights are new.
 
         Args:
@@ -27,7 +28,7 @@ class Meetings(Protocol):
         """
         ...
 
-    def settled(self, arrival: Arrival) -> Arrival | None:
+    def settled(self, arrival: Arrival[N]) -> Arrival[N] | None:
         """An arrival that may not come, made one that does; None if it does not come.
 
         Raises:
@@ -35,15 +36,15 @@ class Meetings(Protocol):
         """
         ...
 
-    def timed(self, arrival: Arrival) -> Arrival:
+    def timed(self, arrival: Arrival[N]) -> Arrival[N]:
         """The arrival with its time computed."""
         ...
 
-    def certainly_before(self, first: Arrival, second: Arrival) -> bool:
+    def certainly_before(self, first: Arrival[N], second: Arrival[N]) -> bool:
         """Whether the one comes before the other, as far as their times at hand tell."""
         ...
 
-    def order(self, first: Arrival, second: Arrival) -> Decision:
+    def order(self, first: Arrival[N], second: Arrival[N]) -> Decision:
         """Whether the one comes before (negative), with (zero) or after (positive) the other.
 
         Raises:
@@ -51,27 +52,27 @@ class Meetings(Protocol):
         """
         ...
 
-    def off_rim(self, link: Link) -> bool:
+    def off_rim(self, link: Entry) -> bool:
         """Whether a centre is plainly not on the rim of a pocket; False says nothing."""
         ...
 
 
-class Reading(Protocol):
+class Reading(Protocol[N, K]):
     """Reads a state off, in the numbers that the history keeps."""
 
-    def knot(self, body: Body) -> tuple[Any, ...]:
+    def knot(self, body: Body[N]) -> tuple[K, K, K, K, K]:
         """(t, x, y, vx, vy) of a body."""
         ...
 
-    def now(self, body: Body) -> Number:
+    def now(self, body: Body[N]) -> K:
         """The instant at which a body's clock stands."""
         ...
 
-    def entry_time(self, link: Link) -> Number:
+    def entry_time(self, link: Entry) -> K:
         """The time of an entry."""
         ...
 
-    def reversal_time(self) -> Number:
+    def reversal_time(self) -> K:
         """The time of the reversal."""
         ...
 
@@ -79,7 +80,7 @@ class Reading(Protocol):
         """A key of the bodies' exact states, equal only for equal states; None where none is at hand."""
         ...
 
-    def rough(self, time: Number) -> float:
+    def rough(self, time: K) -> float:
         """About what double a time is."""
         ...
 
@@ -92,27 +93,34 @@ class Reading(Protocol):
         ...
 
 
-class Decider(Protocol):
+class Decider(Protocol[N, K]):
     """Keeps the state of one scene in some numbers, and decides what the loop asks.
 
-    Attributes:
-        history: what the run has gathered; its log is the decider's.
-        bodies: the circles.
-        queue: where predictions go.
-        meetings, reading: its other two faces.
+    The log in its history is its own; `meetings` and `reading` are its other two faces.
     """
 
-    history: History
-    bodies: list[Body]
-    queue: ArrivalQueue
+    @property
+    def history(self) -> History[K]:
+        """What the run has gathered."""
+        ...
 
     @property
-    def meetings(self) -> Meetings:
+    def bodies(self) -> Mapping[int, Body[N]]:
+        """The circles, by index."""
+        ...
+
+    @property
+    def queue(self) -> ArrivalQueue[N]:
+        """Where predictions go."""
+        ...
+
+    @property
+    def meetings(self) -> Meetings[N]:
         """Predicts and orders meetings."""
         ...
 
     @property
-    def reading(self) -> Reading:
+    def reading(self) -> Reading[N, K]:
         """Reads the state off."""
         ...
 
@@ -140,7 +148,7 @@ class Decider(Protocol):
         """The sign of a question if it is to be had at once, else None."""
         ...
 
-    def refresh(self, bodies: Iterable[Body]) -> None:
+    def refresh(self, bodies: Iterable[Body[N]]) -> None:
         """Makes the numbers that predictions use current for circles whose flights are new.
 
         Raises:

@@ -7,21 +7,25 @@ first, and which fall on the same instant. A limit in time counts as one of them
 from __future__ import annotations
 
 from math import inf
+from typing import Generic
 
-from ...scenarios.event import Contact, Tie
+from ...scenarios.event import Tie
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Stop, StopReason
+from ..numbers.system import N
 from ..predicates.hits import BeforeTime, Moment
 from ..predicates.question import Decision
+from ..replay.contact import AtWall, Entry, Pair, Touch, contact_of, scene_order
 from .decider import Decider
+from .history import K
 from .instant import Instant
 from .limits import Limits
 from .queue import Arrival
 from .rounds import Touching
 
 
-class Gatherer:
+class Gatherer(Generic[N, K]):
     """Gathers the instants of one run.
 
     Args:
@@ -31,17 +35,16 @@ class Gatherer:
         touching: the contacts that last.
     """
 
-    def __init__(self, scene: Scene, decider: Decider, limits: Limits, touching: Touching) -> None:
+    def __init__(self, scene: Scene, decider: Decider[N, K], limits: Limits, touching: Touching) -> None:
         self.scene = scene
         self.decider = decider
         self.limits = limits
         self.history = decider.history
         self.queue = decider.queue
-        self.n = len(scene.circles)
         self._meetings = decider.meetings
         self._touching = touching
         self._last = 0
-        self._passed: list[Arrival] = []
+        self._passed: list[Arrival[N]] = []
         self._known_bounds: dict[Quantity, tuple[float, float]] = {}
 
     def forget(self) -> None:
@@ -86,7 +89,7 @@ class Gatherer:
             self.history.set_times[time] = self._last + 3
         return time
 
-    def _rivals(self, limit: float) -> list[Arrival]:
+    def _rivals(self, limit: float) -> list[Arrival[N]]:
         """All arrivals that may be first and not after a limit, each certain to come if nothing else does."""
         while True:
             found = self.queue.rivals()
@@ -95,19 +98,19 @@ class Gatherer:
                 for rival in found:
                     if rival.low > limit:
                         self.queue.put_back(rival)
-            if not any(rival.time is None for rival in rivals):
+            if all(rival.certain for rival in rivals):
                 return rivals
             for rival in rivals:
-                settled = rival if rival.time is not None else self._meetings.settled(rival)
+                settled = rival if rival.certain else self._meetings.settled(rival)
                 if settled is not None:
                     self.queue.put_back(settled)
 
-    def _first(self, rivals: list[Arrival]) -> tuple[list[Arrival], list[Tie]]:
+    def _first(self, rivals: list[Arrival[N]]) -> tuple[list[Arrival[N]], list[Tie]]:
         """Those that come first, together; the others go back to the queue."""
         if len(rivals) < 2:
             return rivals, []
         meetings = self._meetings
-        timed = [meetings.timed(rival) for rival in sorted(rivals, key=lambda rival: rival.link[1] < 0)]
+        timed = [meetings.timed(rival) for rival in sorted(rivals, key=lambda rival: not rival.link.pushes)]
         front = []
         for rival in timed:
             if any(meetings.certainly_before(other, rival) for other in timed):
@@ -121,7 +124,7 @@ class Gatherer:
             if decision.sign > 0:
                 self.queue.put_back(rival)
             elif decision.sign == 0:
-                if rival.link[1] >= 0:
+                if rival.link.pushes:
                     ties.append(self._tie(first, rival, decision))
                 chosen.append(rival)
             else:
@@ -131,19 +134,20 @@ class Gatherer:
         return chosen, ties
 
     def _instant(
-        self, chosen: list[Arrival], touches: list[Arrival], ties: list[Tie], moment: Quantity | None
+        self, chosen: list[Arrival[N]], touches: list[Arrival[N]], ties: list[Tie], moment: Quantity | None
     ) -> Instant:
-        entries = [a.link for a in chosen if a.link[1] < 0]
-        if len(chosen) == 1 and not touches and moment is None and chosen[0].link[1] >= 0:
-            return Instant(self._last + 2, hits=(chosen[0].link,), clock=chosen[0].link)
+        first = chosen[0].link if chosen else None
+        if len(chosen) == 1 and not touches and moment is None and isinstance(first, (Pair, AtWall)):
+            return Instant(self._last + 2, hits=(first,), clock=first)
+        entries = _entries(chosen)
         return Instant(
             self._last + 2,
-            hits=tuple(sorted(a.link for a in chosen if a.link[1] >= 0)),
-            touches=dict.fromkeys(sorted(a.link for a in touches if a.link[1] >= 0), 0),
+            hits=tuple(_touches(chosen)),
+            touches=dict.fromkeys(_touches(touches), 0),
             arrivals=tuple(entries),
-            rims=frozenset(entries) | {a.link for a in touches if a.link[1] < 0},
+            rims=frozenset([*entries, *_entries(touches)]),
             ties=tuple(ties),
-            clock=chosen[0].link if chosen else None,
+            clock=first,
             reversal=moment is not None,
             moment=moment,
         )
@@ -151,8 +155,8 @@ class Gatherer:
     # -- grazes
 
     def _grazes_at(
-        self, chosen: list[Arrival], grazes: list[Arrival], ties: list[Tie], everywhere: bool
-    ) -> list[Arrival]:
+        self, chosen: list[Arrival[N]], grazes: list[Arrival[N]], ties: list[Tie], everywhere: bool
+    ) -> list[Arrival[N]]:
         """The grazes that fall on the instant of others and can take part in it.
 
         Those are the ones that its contacts reach through shared circles; if velocities are to be negated at it,
@@ -160,22 +164,22 @@ class Gatherer:
         """
         if not grazes and not everywhere:
             return []
-        reached = self._reached({i for a in chosen for i in a.link if i < self.n})
-        found: list[Arrival] = []
+        reached = self._reached({i for a in chosen for i in a.link.circles})
+        found: list[Arrival[N]] = []
         waiting = self._overlapping(chosen[0], grazes) if everywhere else grazes
         progress = True
         while progress:
             progress = False
             for graze in list(waiting):
-                if not everywhere and not reached & {i for i in graze.link if 0 <= i < self.n}:
+                if not everywhere and reached.isdisjoint(graze.link.circles):
                     continue
                 waiting.remove(graze)
                 decision = self._graze_place(graze, chosen[0])
                 if decision.sign == 0:
-                    if graze.link[1] >= 0 <= chosen[0].link[1]:
+                    if graze.link.pushes and chosen[0].link.pushes:
                         ties.append(self._tie(graze, chosen[0], decision))
                     found.append(graze)
-                    reached = self._reached(reached | {i for i in graze.link if 0 <= i < self.n})
+                    reached = self._reached(reached.union(graze.link.circles))
                     progress = True
                 elif decision.sign < 0:
                     self._passed.append(graze)
@@ -185,7 +189,7 @@ class Gatherer:
             self.queue.put_back(graze)
         return found
 
-    def _graze_place(self, graze: Arrival, other: Arrival) -> Decision:
+    def _graze_place(self, graze: Arrival[N], other: Arrival[N]) -> Decision:
         meetings = self._meetings
         timed, first = meetings.timed(graze), meetings.timed(other)
         if meetings.certainly_before(timed, first):
@@ -194,23 +198,22 @@ class Gatherer:
             return Decision(1, "times")
         return meetings.order(timed, first)
 
-    def _tie(self, first: Arrival, second: Arrival, decision: Decision) -> Tie:
-        ids = self.scene.ids
-        contacts = tuple(Contact(ids[i], ids[j]) for i, j in (first.link, second.link))
-        return Tie(contacts, decision.proof, decision.bound)
+    def _tie(self, first: Arrival[N], second: Arrival[N], decision: Decision) -> Tie:
+        contacts = [contact_of(self.scene, a.link) for a in (first, second) if not isinstance(a.link, Entry)]
+        return Tie(tuple(contacts), decision.proof, decision.bound)
 
     def _reached(self, bodies: set[int]) -> set[int]:
         """The circles that contacts of some circles reach through lasting contacts."""
-        reached = {i for i in bodies if i >= 0}
+        reached = set(bodies)
         lasting = self._touching.all()
         grown = bool(lasting)
         while grown:
-            more = {i for link in lasting if reached & {k for k in link if k < self.n} for i in link if i < self.n}
+            more = {i for link in lasting if not reached.isdisjoint(link.circles) for i in link.circles}
             grown = not more <= reached
             reached |= more
         return reached
 
-    def _pass(self, grazes: list[Arrival]) -> None:
+    def _pass(self, grazes: list[Arrival[N]]) -> None:
         """Drops the graze that comes first: it touches nothing that moves otherwise, and changes nothing."""
         first = min(grazes, key=lambda graze: graze.high)
         for graze in grazes:
@@ -218,18 +221,18 @@ class Gatherer:
                 self.queue.put_back(graze)
         self._passed.append(first)
 
-    def _overlapping(self, arrival: Arrival, grazes: list[Arrival]) -> list[Arrival]:
+    def _overlapping(self, arrival: Arrival[N], grazes: list[Arrival[N]]) -> list[Arrival[N]]:
         self._passed = [graze for graze in self._passed if self.queue.fresh(graze)]
         near = [g for g in self._passed if g.low <= arrival.high and g.high >= arrival.low]
         return [*grazes, *near]
 
     # -- limits
 
-    def _reverses_after(self, chosen: list[Arrival]) -> bool:
+    def _reverses_after(self, chosen: list[Arrival[N]]) -> bool:
         due = self.scene.reverse_after
         if due is None or self.history.reversal is not None:
             return False
-        return len(self.history.records) + 1 == due and any(arrival.link[1] >= 0 for arrival in chosen)
+        return len(self.history.records) + 1 == due and any(arrival.link.pushes for arrival in chosen)
 
     def _time_limit(self) -> tuple[Quantity | None, bool] | None:
         """The next time that instants must come before or fall on, and whether it is that of the reversal."""
@@ -250,7 +253,7 @@ class Gatherer:
             self._known_bounds[time] = self.decider.reading.limit_bounds(time)
         return self._known_bounds[time]
 
-    def _place(self, arrival: Arrival, time: Quantity | None) -> int:
+    def _place(self, arrival: Arrival[N], time: Quantity | None) -> int:
         """Whether an arrival comes before (negative), at (zero) or after (positive) a set time (None: the return)."""
         low, high = self._bounds(time)
         if arrival.low > high:
@@ -263,3 +266,13 @@ class Gatherer:
         if self.limits.to_return:
             return Stop(StopReason.HORIZON, "back at twice the time of the reversal")
         return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {self.limits.until}")
+
+
+def _touches(arrivals: list[Arrival[N]]) -> list[Touch]:
+    """Those of the contacts through which an impulse can pass, in scene order."""
+    return sorted([a.link for a in arrivals if not isinstance(a.link, Entry)], key=scene_order)
+
+
+def _entries(arrivals: list[Arrival[N]]) -> list[Entry]:
+    """The entries among the contacts."""
+    return [a.link for a in arrivals if isinstance(a.link, Entry)]

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
 from ...scenarios.event import Tie
 from ...scenarios.numbers.quantity import Quantity
-from ..numbers.system import Number
-from ..replay.steps import Link, Step
+from ..replay.contact import Link, Touch
+from ..replay.steps import Step
+
+K = TypeVar("K")
+"""The numbers that a history keeps: of one system, or of several side by side."""
 
 REVERSAL = "reversal"
 """The source of the reversal's own time."""
 
 
-class Mark(NamedTuple):
+class Mark(NamedTuple, Generic[K]):
     """An instant of a run, and how its time is computed again from the log.
 
     Attributes:
@@ -26,66 +29,69 @@ class Mark(NamedTuple):
     """
 
     number: int
-    time: Number
+    time: K
     step: int
     source: int | Link | str
 
 
-class Record(NamedTuple):
+class Record(NamedTuple, Generic[K]):
     """One event."""
 
-    mark: Mark
-    links: tuple[Link, ...]
-    impulses: tuple[Link, ...]
+    mark: Mark[K]
+    links: tuple[Touch, ...]
+    impulses: tuple[Touch, ...]
     ties: tuple[Tie, ...]
     coupled: bool
 
 
-class Entry(NamedTuple):
+class Arrived(NamedTuple, Generic[K]):
     """The centre of a circle enters a pocket."""
 
     circle: int
     pocket: int
-    mark: Mark
+    mark: Mark[K]
+
+
+Knot: TypeAlias = tuple[K, K, K, K, K, int, int]
+"""(t, x, y, vx, vy) of a circle, the steps of the log by then, the number of the instant."""
 
 
 @dataclass(slots=True)
-class Noted:
+class Noted(Generic[K]):
     """What an instant did, or a part of it, in the history's terms."""
 
-    records: list[Record] = field(default_factory=list)
-    entries: list[Entry] = field(default_factory=list)
-    knots: list[tuple[int, tuple[Any, ...]]] = field(default_factory=list)
-    reversal: Mark | None = None
-    last: Mark | None = None
+    records: list[Record[K]] = field(default_factory=list)
+    entries: list[Arrived[K]] = field(default_factory=list)
+    knots: list[tuple[int, Knot[K]]] = field(default_factory=list)
+    reversal: Mark[K] | None = None
+    last: Mark[K] | None = None
 
 
 @dataclass
-class History:
+class History(Generic[K]):
     """What a loop has gathered, always up to the end of a whole instant.
 
     Attributes:
         records: the events.
         entries: the entries into pockets.
         reversal: how many events came before it, and when it was.
-        knots: for each circle (t, x, y, vx, vy, steps of the log, number of the instant) at the start and after
-            each instant that changed its velocity.
+        knots: for each circle one at the start and one after each instant that changed its velocity.
         last: the last instant at which anything happened; None before the first.
         steps: the log.
         plan: what each rung decided, and what was skipped.
         set_times: limits and the reversal's time, with the number of the last part of the instant that falls on it.
     """
 
-    records: list[Record] = field(default_factory=list)
-    entries: list[Entry] = field(default_factory=list)
-    reversal: tuple[int, Mark] | None = None
-    knots: list[list[tuple[Any, ...]]] = field(default_factory=list)
-    last: Mark | None = None
+    records: list[Record[K]] = field(default_factory=list)
+    entries: list[Arrived[K]] = field(default_factory=list)
+    reversal: tuple[int, Mark[K]] | None = None
+    knots: list[list[Knot[K]]] = field(default_factory=list)
+    last: Mark[K] | None = None
     steps: list[Step] = field(default_factory=list)
     plan: Counter[str] = field(default_factory=Counter)
     set_times: dict[Quantity, int] = field(default_factory=dict)
 
-    def add(self, note: Noted) -> None:
+    def add(self, note: Noted[K]) -> None:
         """Takes up what an instant, or a part of one, did. It is whole once `last` says so."""
         self.records += note.records
         self.entries += note.entries

@@ -14,16 +14,19 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import Generic
 
 from ...scenarios.event import Tie
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
+from ..numbers.system import N
 from ..policies.policy import Policy
 from ..predicates.hits import Closing, RelativeSpeed, Rim
 from ..predicates.impulses import Coupling
-from ..replay.steps import Flip, Go, Kick, Link, Take
+from ..replay.contact import Entry, Link, Pair, Touch, scene_order
+from ..replay.steps import Flip, Go, Kick, Take
 from .decider import Decider
-from .history import REVERSAL, Entry, Mark, Noted, Record
+from .history import REVERSAL, Arrived, K, Mark, Noted, Record
 from .rounds import Rounds, Touching, components, settle
 
 MAX_ROUNDS = 10_000
@@ -48,10 +51,10 @@ class Instant:
     """
 
     number: int
-    hits: tuple[Link, ...] = ()
-    touches: Mapping[Link, int] = field(default_factory=dict)
-    arrivals: tuple[Link, ...] = ()
-    rims: frozenset[Link] = frozenset()
+    hits: tuple[Touch, ...] = ()
+    touches: Mapping[Touch, int] = field(default_factory=dict)
+    arrivals: tuple[Entry, ...] = ()
+    rims: frozenset[Entry] = frozenset()
     ties: tuple[Tie, ...] = ()
     clock: Link | None = None
     reversal: bool = False
@@ -59,7 +62,7 @@ class Instant:
 
 
 @dataclass(slots=True)
-class Resolved:
+class Resolved(Generic[K]):
     """What an instant did; or its part before the reversal, or its part after it.
 
     Attributes:
@@ -67,7 +70,7 @@ class Resolved:
         moved: the circles whose velocity changed.
         standing: contacts and rims at gap zero at its end, with the sign of their closing speed.
         events: what is noted of each event, first of all the circle whose clock stands at it.
-        entries: (circle, -1 - pocket) in order.
+        entries: in order.
         split: whether the limit on events left out the reversal, and what would have followed.
         before: the part before the reversal, in the history's terms, if this is the part after it.
     """
@@ -75,10 +78,10 @@ class Resolved:
     number: int
     moved: set[int] = field(default_factory=set)
     standing: dict[Link, int] = field(default_factory=dict)
-    events: list[tuple[int, tuple[Link, ...], tuple[Link, ...], tuple[Tie, ...], bool]] = field(default_factory=list)
-    entries: list[Link] = field(default_factory=list)
+    events: list[tuple[int, tuple[Touch, ...], tuple[Touch, ...], tuple[Tie, ...], bool]] = field(default_factory=list)
+    entries: list[Entry] = field(default_factory=list)
     split: bool = False
-    before: Noted | None = None
+    before: Noted[K] | None = None
 
     @property
     def flipped(self) -> bool:
@@ -86,7 +89,7 @@ class Resolved:
         return self.before is not None
 
 
-class Resolver:
+class Resolver(Generic[N, K]):
     """Resolves instants of one run.
 
     Args:
@@ -99,15 +102,15 @@ class Resolver:
         gone: circles out of play.
     """
 
-    def __init__(self, scene: Scene, decider: Decider, policy: Policy) -> None:
+    def __init__(self, scene: Scene, decider: Decider[N, K], policy: Policy) -> None:
         self.scene = scene
         self.decider = decider
         self.policy = policy
         self.n = len(scene.circles)
-        self.touching = Touching(self.n)
+        self.touching = Touching()
         self.gone: set[int] = set()
 
-    def resolve(self, instant: Instant, events_left: int | None, reverse_in: int | None) -> Resolved:
+    def resolve(self, instant: Instant, events_left: int | None, reverse_in: int | None) -> Resolved[K]:
         """Carries an instant out.
 
         Args:
@@ -115,7 +118,7 @@ class Resolver:
             events_left: how many events the limit still admits; None without a limit.
             reverse_in: the number of events until the reversal; None where none is due by count.
         """
-        done = Resolved(instant.number)
+        done: Resolved[K] = Resolved(instant.number)
         if len(instant.hits) == 1 and not instant.touches and not self.touching:
             self._alone(instant.hits[0], instant.ties, done)
         elif instant.hits:
@@ -129,50 +132,54 @@ class Resolver:
                 done = self._reverse(instant, done)
         return done
 
-    def noted(self, done: Resolved) -> Noted:
+    def noted(self, done: Resolved[K]) -> Noted[K]:
         """What an instant did, in the history's terms; nothing is kept of it yet."""
         decider = self.decider
         bodies = decider.bodies
         decider.refresh([bodies[i] for i in done.moved])
         step = len(decider.history.steps)
-        note = Noted()
+        note: Noted[K] = Noted()
         if done.flipped:
             note.reversal = note.last = Mark(done.number, decider.reading.reversal_time(), step, REVERSAL)
         for stands, links, impulses, ties, coupled in done.events:
             note.last = Mark(done.number, decider.reading.now(bodies[stands]), step, stands)
             note.records.append(Record(note.last, links, impulses, ties, coupled))
         for link in done.entries:
-            i = link[0]
+            i = link.circle
             if i in done.moved or done.number == 0:
                 note.last = Mark(done.number, decider.reading.now(bodies[i]), step, i)
             elif note.last is None:
                 note.last = Mark(done.number, decider.reading.entry_time(link), step, link)
-            note.entries.append(Entry(i, -1 - link[1], note.last))
+            note.entries.append(Arrived(i, link.pocket, note.last))
         note.knots = [(i, (*decider.reading.knot(bodies[i]), step, done.number)) for i in sorted(done.moved)]
         return note
 
     # -- 1. contacts
 
-    def _alone(self, link: Link, ties: tuple[Tie, ...], done: Resolved) -> None:
+    def _alone(self, link: Touch, ties: tuple[Tie, ...], done: Resolved[K]) -> None:
         """One contact with nothing else at gap zero: it is hit, and parts."""
-        i, j = link
+        circles = link.circles
         if done.number > 0:
-            self.decider.do(Go(link, link if j < self.n else (i,)))
+            self.decider.do(Go(link, circles))
         self.decider.do(Kick((link,), (link,)))
         self.policy.note(link)
-        done.moved.update(link if j < self.n else (i,))
+        done.moved.update(circles)
         done.standing[link] = 1
-        done.events.append((i, (link,), (link,), ties, False))
+        done.events.append((circles[0], (link,), (link,), ties, False))
 
-    def _contacts(self, hits: Iterable[Link], touches: Mapping[Link, int], instant: Instant, done: Resolved) -> None:
+    def _contacts(
+        self, hits: Iterable[Touch], touches: Mapping[Touch, int], instant: Instant, done: Resolved[K]
+    ) -> None:
         """The rounds of every set of contacts that hang together and holds one that approaches: one event."""
         lasting = self.touching.all()
         known = {**dict.fromkeys(lasting, 0), **touches, **dict.fromkeys(hits, -1)}
-        found = components([*hits, *touches], self.touching, self.n)
-        struck = sorted((min(coming), c) for c in found if (coming := [k for k in c.links if known[k] < 0]))
-        done.standing.update(touches)
-        impulses: list[Link] = []
-        taking_part: set[Link] = set()
+        found = components([*hits, *touches], self.touching)
+        struck = [(coming[0], c) for c in found if (coming := [k for k in c.links if known[k] < 0])]
+        struck.sort(key=lambda one: scene_order(one[0]))
+        for link, sign in touches.items():
+            done.standing[link] = sign
+        impulses: list[Touch] = []
+        taking_part: set[Touch] = set()
         coupled = False
         for first, component in struck:
             if instant.clock is not None and not done.flipped:
@@ -182,30 +189,30 @@ class Resolver:
             taking_part |= rounds.taking_part
             coupled = coupled or self._coupled(rounds)
             self._keep_lasting(rounds, lasting)
-            done.standing.update(rounds.signs)
+            done.standing |= rounds.signs
             if len(rounds.impulses) > 1:
                 self.policy.instant_done(lambda bodies=component.bodies: self.decider.reading.exact_state(bodies))
         if not struck:
             return
-        done.moved.update(i for link in impulses for i in link if i < self.n)
+        done.moved.update(i for link in impulses for i in link.circles)
         ties = instant.ties if len(taking_part) > 1 else ()
         stands = struck[0][1].bodies[0]
-        done.events.append((stands, tuple(sorted(taking_part)), tuple(impulses), ties, coupled))
+        done.events.append((stands, tuple(sorted(taking_part, key=scene_order)), tuple(impulses), ties, coupled))
         self.decider.gathered(done.standing)
 
-    def admit(self, link: Link, sign: int) -> None:
+    def admit(self, link: Touch, sign: int) -> None:
         """Takes up a contact of time 0, which lasts if the two move together."""
         if sign == 0 and self._lasts(link):
             self.touching.add(link)
 
-    def _lasts(self, link: Link) -> bool:
+    def _lasts(self, link: Touch) -> bool:
         """Whether two at gap zero that neither approach nor part stay there: nothing but straight flight together
         keeps two circles at gap zero, and any flight along a wall does."""
-        return link[1] >= self.n or self.decider.ask(RelativeSpeed(link)) == 0
+        return not isinstance(link, Pair) or self.decider.ask(RelativeSpeed(link)) == 0
 
     def _coupled(self, rounds: Rounds) -> bool:
         """Whether the order of an instant's impulses could matter; where that is not known, it could."""
-        links = sorted(rounds.taking_part)
+        links = sorted(rounds.taking_part, key=scene_order)
         return any(
             self.decider.ask_cheaply(Coupling(first, second)) != 0
             for k, second in enumerate(links)
@@ -213,15 +220,14 @@ class Resolver:
             if self._share_a_mover(first, second)
         )
 
-    def _share_a_mover(self, first: Link, second: Link) -> bool:
-        shared = set(first) & set(second)
-        return any(i < self.n and not self.scene.circles[i].fixed for i in shared)
+    def _share_a_mover(self, first: Touch, second: Touch) -> bool:
+        return any(i in second.circles and not self.scene.circles[i].fixed for i in first.circles)
 
-    def _keep_lasting(self, rounds: Rounds, lasting: frozenset[Link]) -> None:
+    def _keep_lasting(self, rounds: Rounds, lasting: frozenset[Touch]) -> None:
         """Keeps the contacts that last through an instant, and drops those that it ends."""
-        hit = {i for link in rounds.impulses for i in link}
+        hit = {i for link in rounds.impulses for i in link.circles}
         for link, sign in rounds.signs.items():
-            if link in lasting and not hit & set(link):
+            if link in lasting and hit.isdisjoint(link.circles):
                 continue
             if sign == 0 and self._lasts(link):
                 self.touching.add(link)
@@ -230,24 +236,25 @@ class Resolver:
 
     # -- 2. entries
 
-    def _entries(self, arrivals: Iterable[Link], rims: frozenset[Link], done: Resolved) -> None:
+    def _entries(self, arrivals: Iterable[Entry], rims: frozenset[Entry], done: Resolved[K]) -> None:
         """The circles that enter a pocket now; captured ones rest from here on."""
         arriving = set(arrivals)
         moved = [i for i in sorted(done.moved) if i not in self.gone and not self.scene.circles[i].fixed]
         self.decider.refresh([self.decider.bodies[i] for i in moved])
         pockets = range(len(self.scene.pockets))
-        looked_at = {link for link in rims if link[0] not in self.gone} | {(i, -1 - k) for i in moved for k in pockets}
+        looked_at = {link for link in rims if link.circle not in self.gone}
+        looked_at.update(Entry(i, k) for i in moved for k in pockets)
         found = [
             link
-            for link in sorted(looked_at, key=lambda link: (link[0], -link[1]))
-            if (self._moves_in(link, link in rims, done) if link[0] in done.moved else link in arriving)
+            for link in sorted(looked_at)
+            if (self._moves_in(link, link in rims, done) if link.circle in done.moved else link in arriving)
         ]
         done.entries += found
         if self.scene.capture:
-            for i in dict.fromkeys(link[0] for link in found):
-                self._capture(i, next(link for link in found if link[0] == i), done)
+            for i in dict.fromkeys(link.circle for link in found):
+                self._capture(next(link for link in found if link.circle == i), done)
 
-    def _moves_in(self, link: Link, known: bool, done: Resolved) -> bool:
+    def _moves_in(self, link: Entry, known: bool, done: Resolved[K]) -> bool:
         """Whether a centre whose velocity has just changed stands on a rim and moves inward."""
         if not known and self.decider.meetings.off_rim(link):
             return False
@@ -257,30 +264,31 @@ class Resolver:
         done.standing[link] = closing
         return closing < 0
 
-    def _capture(self, i: int, link: Link, done: Resolved) -> None:
+    def _capture(self, link: Entry, done: Resolved[K]) -> None:
+        i = link.circle
         if i not in done.moved and done.number > 0:
             self.decider.do(Go(link, (i,)))
         done.moved.add(i)
         self.decider.do(Take(i))
         self.gone.add(i)
         for contact in self.touching.all():
-            if i in contact:
+            if i in contact.circles:
                 self.touching.discard(contact)
-        for contact in [link for link in done.standing if i in link]:
+        for contact in [link for link in done.standing if i in link.circles]:
             del done.standing[contact]
 
     # -- 3. the reversal
 
-    def _reverse(self, instant: Instant, before: Resolved) -> Resolved:
+    def _reverse(self, instant: Instant, before: Resolved[K]) -> Resolved[K]:
         """Negates every velocity, at the set time or at the instant of the contacts just resolved."""
         source: int | Quantity = before.events[0][0] if instant.moment is None else instant.moment
         done = Resolved(instant.number + 1, moved=set(range(self.n)), before=self.noted(before))
         self.decider.do(Go(source, tuple(range(self.n))))
         self.decider.do(Flip())
-        touches = {link: -sign for link, sign in instant.touches.items() if not self.gone & set(link)}
-        touches.update((link, -sign) for link, sign in before.standing.items() if link[1] >= 0)
+        touches = {link: -sign for link, sign in instant.touches.items() if self.gone.isdisjoint(link.circles)}
+        touches.update((link, -sign) for link, sign in before.standing.items() if not isinstance(link, Entry))
         hits = [link for link, sign in touches.items() if sign < 0]
-        rims = instant.rims | {link for link in before.standing if link[1] < 0}
+        rims = instant.rims | {link for link in before.standing if isinstance(link, Entry)}
         self._contacts(hits, {link: sign for link, sign in touches.items() if sign >= 0}, instant, done)
         if self.scene.pockets:
             self._entries((), rims, done)

@@ -13,25 +13,28 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Collection
+from typing import Generic
 
 from ...scenarios.errors import TimeIsUp
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
+from ..numbers.system import N
 from ..numbers.undecided import BudgetSpent, Undecided
 from ..policies import Policy, policy_for
 from ..predicates.hits import Closing
-from ..replay.steps import Link
+from ..replay.contact import Link
 from .decider import Decider
 from .gathering import Gatherer
+from .history import K
+from .initial import rims_at_start, touching_at_start
 from .instant import Instant, Resolved, Resolver
 from .limits import Limits
-from .start import rims_at_start, touching_at_start
 
 PROGRESS_EVERY = 0.2
 """Seconds between progress reports."""
 
 
-class Loop:
+class Loop(Generic[N, K]):
     """The loop over one scene.
 
     Args:
@@ -45,7 +48,7 @@ class Loop:
     def __init__(
         self,
         scene: Scene,
-        decider: Decider,
+        decider: Decider[N, K],
         limits: Limits,
         progress: OnProgress | None,
         policy: Policy | None = None,
@@ -63,8 +66,9 @@ class Loop:
 
     def run(self) -> Stop:
         """Runs to the end and says why it ended."""
-        self.decider.refresh(self.decider.bodies)
-        self.history.knots += [[(*self.decider.reading.knot(body), 0, 0)] for body in self.decider.bodies]
+        bodies = list(self.decider.bodies.values())
+        self.decider.refresh(bodies)
+        self.history.knots += [[(*self.decider.reading.knot(body), 0, 0)] for body in bodies]
         try:
             self._open()
             while True:
@@ -111,9 +115,9 @@ class Loop:
         done = self.resolver.resolve(instant, self.limits.events, self.scene.reverse_after)
         self._note(instant, done)
         standing = {*links, *rims, *self._standing(done)}
-        decider.meetings.predict(decider.bodies, standing, self.resolver.gone)
+        decider.meetings.predict(list(decider.bodies.values()), standing, self.resolver.gone)
 
-    def _standing(self, done: Resolved) -> Collection[Link]:
+    def _standing(self, done: Resolved[K]) -> Collection[Link]:
         """The contacts and rims at gap zero that a prediction must leave out."""
         lasting = self.resolver.touching.all()
         return {*done.standing, *lasting} if lasting else done.standing
@@ -131,7 +135,7 @@ class Loop:
             moved = [decider.bodies[i] for i in sorted(done.moved)]
             decider.meetings.predict(moved, self._standing(done), self.resolver.gone)
 
-    def _note(self, instant: Instant, done: Resolved) -> None:
+    def _note(self, instant: Instant, done: Resolved[K]) -> None:
         """Puts a whole instant into the history."""
         note, before, history = self.resolver.noted(done), done.before, self.history
         self._split = done.split

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from math import inf, nextafter
+from typing import Generic
 
 from ...scenarios.scene import Scene
 from ..laws.formulas import (
@@ -17,19 +18,17 @@ from ..laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-from ..numbers.system import Number
+from ..numbers.system import M
 from ..replay.body import Body
+from ..replay.contact import AtWall, Entry, Link, Pair, Round
 from ..replay.state import State
-from ..replay.steps import Link
 from .queue import ArrivalQueue
 
 ROUNDED_DOWN = 1 - 2.0**-50
 """Makes a quotient of doubles a lower bound: its rounding, 2**-53, is less."""
 
-Bounds = Callable[[Number], tuple[float, float]]
 
-
-class Predictor:
+class Predictor(Generic[M]):
     """Predictions in one number system; what its signs leave open goes to `unsure`.
 
     Args:
@@ -44,10 +43,10 @@ class Predictor:
     def __init__(
         self,
         scene: Scene,
-        state: State,
-        queue: ArrivalQueue,
+        state: State[M],
+        queue: ArrivalQueue[M],
         plan: Counter[str],
-        bounds: Bounds,
+        bounds: Callable[[M], tuple[float, float]],
         unsure: Callable[[Link], None],
     ) -> None:
         self.scene = scene
@@ -57,9 +56,8 @@ class Predictor:
         plan["pairs at rest skipped"] = 0
         self.bounds = bounds
         self.unsure = unsure
-        self.n = len(scene.circles)
+        self._count = len(scene.circles)
         self.wall_count = len(scene.walls)
-        self.pockets = range(len(scene.pockets))
         self.points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
         self.zero = state.zero
         self.root = state.root
@@ -68,53 +66,58 @@ class Predictor:
         """Called before predictions, and after each that was unsure."""
         return
 
-    def reach(self, a: Body, b: Body) -> Number:
+    def reach(self, a: Body[M], b: Body[M]) -> M:
         """The sum of two radii as predictions use it."""
         return self.state.reach(a, b)
 
-    def line(self, body: Body, wall: int) -> tuple[Number, Number, Number, Number, Number]:
+    def line(self, body: Body[M], wall: int) -> tuple[M, M, M, M, M]:
         """(x0, y0, nx, ny, r*|n|) of a wall as seen from a body, as predictions use them."""
-        line = self.state.line(body, wall)
+        line = self.state.line(body.index, wall)
         return line.x0, line.y0, line.nx, line.ny, body.r * line.length
 
-    def predict(self, moved: Sequence[Body], standing: Collection[Link], gone: Collection[int]) -> None:
+    def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of some circles with every other circle, wall and pocket.
+
+        Walls come first: what a flight would meet after a wall, it does not meet (see `ArrivalQueue`).
 
         Args:
             moved: circles whose flights are new.
             standing: contacts and rims at gap zero that do not approach: nothing to predict until a flight changes.
             gone: circles out of play.
         """
-        plan, count = self.plan, self.n
+        plan, count = self.plan, self._count
         self.prepare()
-        others = self.state.bodies[:count]
-        pockets = [self.state.bodies[-1 - k] for k in self.pockets]
+        others = (
+            [b for b in self.state.bodies.values() if b.index not in gone] if gone else [*self.state.bodies.values()]
+        )
+        pockets = self.state.pockets
         if gone:
-            others = [b for b in others if b.index not in gone]
             moved = [a for a in moved if a.index not in gone]
+        for a in moved:
+            a.until = inf
+            if not a.flight.rest:
+                plan["walls predicted"] += self.wall_count
+                self.walls(a, standing)
         for done, a in enumerate(moved, start=1):
             others.remove(a)
             met = others
-            if a.rest:
-                met = [b for b in others if not b.rest]
+            if a.flight.rest:
+                met = [b for b in others if not b.flight.rest]
                 plan["pairs at rest skipped"] += len(others) - len(met)
             plan["pairs predicted"] += count - done - len(others) + len(met)
-            self.pairs(a, [*met, *pockets] if pockets and not a.rest else met, standing)
-            if not a.rest:
-                plan["walls predicted"] += self.wall_count
-                self.walls(a, standing)
+            self.pairs(a, [*met, *pockets] if pockets and not a.flight.rest else met, standing)
 
-    def pairs(self, a: Body, others: list[Body], standing: Collection[Link]) -> None:
+    def pairs(self, a: Body[M], others: list[Body[M]], standing: Collection[Link]) -> None:
         """Queues the next meetings of a, which has a new flight, with circles and pockets."""
         for b in others:
             self.pair(a, b, standing)
 
-    def walls(self, a: Body, standing: Collection[Link]) -> None:
+    def walls(self, a: Body[M], standing: Collection[Link]) -> None:
         """Queues the next hits of a, which has a new flight, with the walls."""
         for k in range(self.wall_count):
             self.wall(a, k, standing)
 
-    def pair(self, a: Body, b: Body, standing: Collection[Link]) -> None:
+    def pair(self, a: Body[M], b: Body[M], standing: Collection[Link]) -> None:
         """Queues the next meeting of a, which has a new flight, with the circle or pocket b.
 
         That they are apart and come nearer is asked at the instant at which the flight begins; the time is reckoned
@@ -122,7 +125,7 @@ class Predictor:
         """
         ax, ay, avx, avy, at = a.q
         bx, by, bvx, bvy, bt = b.q
-        if b.rest:
+        if b.flight.rest:
             dx, dy, vx, vy = bx - ax, by - ay, -avx, -avy
         else:
             if bt is at:
@@ -131,11 +134,11 @@ class Predictor:
                 lag = at - bt
                 dx, dy = advance(bx, bvx, lag) - ax, advance(by, bvy, lag) - ay
             vx, vy = bvx - avx, bvy - avy
-        zero, late = self.zero, a.late
+        zero, late = self.zero, a.flight.late
         gx, gy = (dx, dy) if late is None else (advance(dx, vx, late), advance(dy, vy, late))
         if pair_approach(gx, gy, vx, vy) >= zero:
             return
-        link = (b.index, a.index) if 0 <= b.index < a.index else (a.index, b.index)
+        link = link_of(a, b)
         if link in standing or (a.index in self.points and b.index in self.points):
             return
         reach = self.reach(a, b)
@@ -149,18 +152,18 @@ class Predictor:
             self.unsure(link)
             self.prepare()
 
-    def wall(self, a: Body, wall: int, standing: Collection[Link]) -> None:
+    def wall(self, a: Body[M], wall: int, standing: Collection[Link]) -> None:
         """Queues the next hit of a, which has a new flight, with a wall."""
         x0, y0, nx, ny, offset = self.line(a, wall)
         ax, ay, avx, avy, at = a.q
         approach = wall_approach(avx, avy, nx, ny)
         if approach >= self.zero:
             return
-        link = (a.index, self.n + wall)
+        link = AtWall(a.index, wall)
         if link in standing:
             return
         gap = wall_gap(ax, ay, x0, y0, nx, ny, offset)
-        late = a.late
+        late = a.flight.late
         still = (
             gap if late is None else wall_gap(advance(ax, avx, late), advance(ay, avy, late), x0, y0, nx, ny, offset)
         )
@@ -170,7 +173,7 @@ class Predictor:
             self.unsure(link)
             self.prepare()
 
-    def push(self, time: Number, link: Link, graze: bool = False) -> None:
+    def push(self, time: M, link: Link, graze: bool = False) -> None:
         """Queues a meeting that is certain to come if nothing else does first."""
         low, high = self.bounds(time)
         self.queue.push(low, high, time, link, graze)
@@ -179,19 +182,32 @@ class Predictor:
         """Queues a meeting that may not come at all, to be settled when its turn comes."""
         low = earliest_possible(self.state, link, self.bounds)
         if low < inf:
-            self.queue.push(low, inf, None, link)
+            self.queue.push_doubtful(low, link)
 
 
-def earliest_possible(state: State, link: Link, bounds: Bounds) -> float:
+def link_of(a: Body[M], b: Body[M]) -> Round:
+    """The contact of two circles, or the entry of a circle into the pocket b.
+
+    >>> from truebreak.exact.numbers.system import number_system
+    >>> from truebreak.scenarios import Circle
+    >>> two = State(Scene([Circle(0, 0), Circle(3, 0)]), number_system("double")).bodies
+    >>> link_of(two[1], two[0])
+    Pair(a=0, b=1)
+    """
+    if b.is_pocket:
+        return Entry(a.index, b.index)
+    return Pair(a.index, b.index) if a.index < b.index else Pair(b.index, a.index)
+
+
+def earliest_possible(state: State[M], link: Link, bounds: Callable[[M], tuple[float, float]]) -> float:
     """A double before which a doubtful meeting cannot come: the gap over the greatest closing speed; inf: never."""
-    if link[1] < state.n:
-        _, dx, dy, vx, vy, reach = state.relation(*link)
-        t = state.later(*link).instant
-        distance = state.root(dx * dx + dy * dy)
-        speed = state.root(vx * vx + vy * vy)
-        gap = state.gap(link) / (distance + reach)
+    t, gap = link.later(state).flight.instant, link.gap(state)
+    if isinstance(link, AtWall):
+        speed = -link.approach(state)
     else:
-        t, gap, speed = state.bodies[link[0]].instant, state.gap(link), -state.approach(link)
+        _, dx, dy, vx, vy, reach = state.relation(link)
+        gap = gap / (state.root(dx * dx + dy * dy) + reach)
+        speed = state.root(vx * vx + vy * vy)
     least_gap, top_speed = bounds(gap)[0], bounds(speed)[1]
     if top_speed <= 0.0:
         return inf

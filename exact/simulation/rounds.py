@@ -9,28 +9,28 @@ from ..numbers.undecided import BudgetSpent
 from ..policies.complementarity import Ask
 from ..policies.policy import Policy
 from ..predicates.hits import Closing
-from ..replay.steps import Kick, Link
+from ..replay.contact import Touch, scene_order
+from ..replay.steps import Kick
 
 
 class Touching:
     """The contacts that last: two circles at gap zero that move together, or a circle sliding along a wall."""
 
-    def __init__(self, n: int) -> None:
-        self.n = n
-        self._links: frozenset[Link] = frozenset()
+    def __init__(self) -> None:
+        self._links: frozenset[Touch] = frozenset()
 
     def __bool__(self) -> bool:
         return bool(self._links)
 
-    def add(self, link: Link) -> None:
+    def add(self, link: Touch) -> None:
         """A contact that lasts."""
         self._links |= {link}
 
-    def discard(self, link: Link) -> None:
+    def discard(self, link: Touch) -> None:
         """A contact that ends."""
         self._links -= {link}
 
-    def all(self) -> frozenset[Link]:
+    def all(self) -> frozenset[Touch]:
         """Every lasting contact."""
         return self._links
 
@@ -40,32 +40,33 @@ class Component:
     """Contacts that hang together through shared circles of finite or infinite mass, and those circles."""
 
     bodies: tuple[int, ...]
-    links: tuple[Link, ...]
+    links: tuple[Touch, ...]
 
 
-def components(links: Sequence[Link], touching: Touching, n: int) -> list[Component]:
+def components(links: Sequence[Touch], touching: Touching) -> list[Component]:
     """The contacts of an instant with the lasting contacts that they reach, split where no circle is shared.
 
     In scene order of their first circle.
 
-    >>> components([(0, 1), (4, 5)], Touching(9), 9)
-    [Component(bodies=(0, 1), links=((0, 1),)), Component(bodies=(4, 5), links=((4, 5),))]
+    >>> from truebreak.exact.replay.contact import Pair
+    >>> [found.bodies for found in components([Pair(4, 5), Pair(0, 1), Pair(1, 2)], Touching())]
+    [(0, 1, 2), (4, 5)]
     """
     pending = set(links) | set(touching.all())
     found: list[Component] = []
-    for start in sorted(links):
-        if start not in pending:
+    for first in sorted(links, key=scene_order):
+        if first not in pending:
             continue
-        bodies = {i for i in start if i < n}
-        mine: set[Link] = set()
+        bodies = set(first.circles)
+        mine: set[Touch] = set()
         grown = True
         while grown:
-            reached = {link for link in pending if any(i in bodies for i in link if i < n)}
+            reached = {link for link in pending if not bodies.isdisjoint(link.circles)}
             grown = bool(reached)
             mine |= reached
             pending -= reached
-            bodies |= {i for link in reached for i in link if i < n}
-        found.append(Component(tuple(sorted(bodies)), tuple(sorted(mine))))
+            bodies |= {i for link in reached for i in link.circles}
+        found.append(Component(tuple(sorted(bodies)), tuple(sorted(mine, key=scene_order))))
     return found
 
 
@@ -79,14 +80,14 @@ class Rounds:
         signs: for each contact, 0 if it neither approaches nor parts at the end, else +1.
     """
 
-    impulses: tuple[Link, ...]
-    taking_part: frozenset[Link]
-    signs: dict[Link, int]
+    impulses: tuple[Touch, ...]
+    taking_part: frozenset[Touch]
+    signs: dict[Touch, int]
 
 
 def settle(
-    links: Sequence[Link],
-    known: Mapping[Link, int],
+    links: Sequence[Touch],
+    known: Mapping[Touch, int],
     policy: Policy,
     ask: Ask,
     do: Callable[[Kick], None],
@@ -102,9 +103,9 @@ def settle(
         do: applies impulses to the state.
         max_rounds: raises BudgetSpent beyond.
     """
-    signs: dict[Link, int | None] = {link: known.get(link) for link in links}
-    impulses: list[Link] = []
-    taking_part: set[Link] = set()
+    signs: dict[Touch, int | None] = {link: known.get(link) for link in links}
+    impulses: list[Touch] = []
+    taking_part: set[Touch] = set()
     rounds = 0
     while True:
         told = {link: ask(Closing(link)) if sign is None else sign for link, sign in signs.items()}
@@ -119,6 +120,6 @@ def settle(
         among = chosen if policy.chooses_order else tuple(coming)
         do(Kick(chosen, among))
         impulses += chosen
-        hit = {i for link in chosen for i in link}
+        hit = {i for link in chosen for i in link.circles}
         parted = set(among)
-        signs = {link: 1 if link in parted else (None if hit & set(link) else told[link]) for link in links}
+        signs = {link: 1 if link in parted else told[link] if hit.isdisjoint(link.circles) else None for link in links}

@@ -35,14 +35,14 @@ CONTACTS = (
     ),
     Mutant(
         "every_touch_lasts", INSTANT,
-        "return link[1] >= self.n or self.decider.ask(RelativeSpeed(link)) == 0",
+        "return not isinstance(link, Pair) or self.decider.ask(RelativeSpeed(link)) == 0",
         "return True",
         "a graze is taken for a lasting contact",
     ),
     Mutant(
         "no_wall_lasts", INSTANT,
-        "return link[1] >= self.n or self.decider.ask(RelativeSpeed(link)) == 0",
-        "return link[1] < self.n and self.decider.ask(RelativeSpeed(link)) == 0",
+        "return not isinstance(link, Pair) or self.decider.ask(RelativeSpeed(link)) == 0",
+        "return isinstance(link, Pair) and self.decider.ask(RelativeSpeed(link)) == 0",
         "a circle that slides along a wall is forgotten to touch it",
     ),
     Mutant(
@@ -59,8 +59,8 @@ CONTACTS = (
     ),
     Mutant(
         "sets_by_first_circle", INSTANT,
-        "struck = sorted((min(coming), c) for c in found if (coming := [k for k in c.links if known[k] < 0]))",
-        "struck = [(min(coming), c) for c in found if (coming := [k for k in c.links if known[k] < 0])]",
+        "struck.sort(key=lambda one: scene_order(one[0]))",
+        "struck = list(struck)",
         "sets of contacts act in the order of their first circle, not of their first contact that approaches",
     ),
     Mutant(
@@ -83,7 +83,7 @@ CONTACTS = (
     ),
     Mutant(
         "stale_signs", ROUNDS,
-        "(None if hit & set(link) else told[link])",
+        "told[link] if hit.isdisjoint(link.circles) else None",
         "told[link]",
         "a contact whose circle was kicked is not asked anew",
     ),
@@ -191,7 +191,7 @@ GATHERING = (
     ),
     Mutant(
         "grazes_not_chained", GATHERING,
-        "reached = self._reached(reached | {i for i in graze.link if 0 <= i < self.n})",
+        "reached = self._reached(reached.union(graze.link.circles))",
         "reached = self._reached(reached)",
         "a graze that only another graze links to the instant is no part of it",
     ),
@@ -203,7 +203,7 @@ GATHERING = (
     ),
     Mutant(
         "grazes_not_at_counted_reversal", GATHERING,
-        "return len(self.history.records) + 1 == due and any(arrival.link[1] >= 0 for arrival in chosen)",
+        "return len(self.history.records) + 1 == due and any(arrival.link.pushes for arrival in chosen)",
         "return False",
         "at a reversal after some events the grazes elsewhere are not gathered",
         why_it_survives="a reversal sends back what parts at its instant, and that shares circles only with "
@@ -212,8 +212,8 @@ GATHERING = (
     ),
     Mutant(
         "grazes_pass_as_hits", MEETINGS,
-        "low=low, high=high, time=time, graze=disc == 0)",
-        "low=low, high=high, time=time, graze=False)",
+        "low=low, high=high, certain=True, time=time, graze=disc == 0)",
+        "low=low, high=high, certain=True, time=time, graze=False)",
         "a graze that is settled counts as a hit",
     ),
     Mutant(
@@ -242,8 +242,8 @@ GATHERING = (
     ),
     Mutant(
         "doubtful_too_late", PREDICTION,
-        "gap = state.gap(link) / (distance + reach)",
-        "gap = state.gap(link) / (reach + reach)",
+        "gap = gap / (state.root(dx * dx + dy * dy) + reach)",
+        "gap = gap / (reach + reach)",
         "a doubtful meeting is looked at too late: |d| is taken for the reach",
     ),
     Mutant(
@@ -254,9 +254,21 @@ GATHERING = (
     ),
     Mutant(
         "stale_partner", QUEUE,
-        "return not 0 <= j < self._n or bodies[j].serial == arrival.serials[1]",
+        "return len(serials) == 1 or bodies[link[1]].serial == serials[1]",
         "return True",
         "an arrival is fresh although the second circle has turned away",
+    ),
+    Mutant(
+        "wall_ends_early", QUEUE,
+        "                a.until = high\n",
+        "                a.until = low - (high - low) * 2**40\n",
+        "what comes shortly before a wall is left out with what comes after it",
+    ),
+    Mutant(
+        "wall_of_an_old_flight", "exact/simulation/prediction.py",
+        "            a.until = inf\n",
+        "",
+        "the wall that ended the flight before ends the new one too",
     ),
     Mutant(
         "one_rival", QUEUE,
@@ -266,8 +278,8 @@ GATHERING = (
     ),
     Mutant(
         "bar_at_lower_bound", QUEUE,
-        "bar = first.high if first.time is not None else inf",
-        "bar = first.low if first.time is not None else inf",
+        "bar = first.high",
+        "bar = first.low if first.certain else first.high",
         "arrivals within the error of the first are left in the queue",
     ),
     Mutant(
@@ -308,14 +320,14 @@ GATHERING = (
 ENTRIES = (
     Mutant(
         "sent_in_unseen", INSTANT,
-        "if (self._moves_in(link, link in rims, done) if link[0] in done.moved else link in arriving)",
+        "if (self._moves_in(link, link in rims, done) if link.circle in done.moved else link in arriving)",
         "if link in arriving",
         "entries are told before the contacts of their instant act",
     ),
     Mutant(
         "arriving_enters_anyway", INSTANT,
-        "if (self._moves_in(link, link in rims, done) if link[0] in done.moved else link in arriving)",
-        "if link in arriving or (link[0] in done.moved and self._moves_in(link, link in rims, done))",
+        "if (self._moves_in(link, link in rims, done) if link.circle in done.moved else link in arriving)",
+        "if link in arriving or (link.circle in done.moved and self._moves_in(link, link in rims, done))",
         "a centre enters although a contact at the rim turns it away",
     ),
     Mutant(
@@ -338,7 +350,7 @@ ENTRIES = (
     ),
     Mutant(
         "rims_forgotten_by_reversal", INSTANT,
-        "rims = instant.rims | {link for link in before.standing if link[1] < 0}",
+        "rims = instant.rims | {link for link in before.standing if isinstance(link, Entry)}",
         "rims = instant.rims",
         "a reversal forgets the rims at which the contacts before it left centres",
         why_it_survives="costs time: a reversal moves every circle, so every rim is looked at anew",
@@ -360,16 +372,16 @@ ENTRIES = (
 REVERSAL = (
     Mutant(
         "reversal_keeps_touches", INSTANT,
-        "touches = {link: -sign for link, sign in instant.touches.items() if not self.gone & set(link)}",
-        "touches = {link: sign for link, sign in instant.touches.items() if not self.gone & set(link)}",
+        "touches = {link: -sign for link, sign in instant.touches.items() if self.gone.isdisjoint(link.circles)}",
+        "touches = {link: sign for link, sign in instant.touches.items() if self.gone.isdisjoint(link.circles)}",
         "a reversal at time 0 does not turn round what parts there",
         why_it_survives="touches part at time 0 only; a reversal there needs an event, whose standing contacts "
         "hold them all",
     ),
     Mutant(
         "reversal_forgets_parted", INSTANT,
-        "        touches.update((link, -sign) for link, sign in before.standing.items() if link[1] >= 0)\n",
-        "        touches.update((link, sign) for link, sign in before.standing.items() if link[1] >= 0)\n",
+        "touches.update((link, -sign) for link, sign in before.standing.items() if not isinstance(link, Entry))",
+        "touches.update((link, sign) for link, sign in before.standing.items() if not isinstance(link, Entry))",
         "a reversal does not send back what has just parted",
     ),
     Mutant(
@@ -507,8 +519,8 @@ SYMMETRY = (
     ),
     Mutant(
         "walls_to_themselves", ISOMETRY,
-        "b = self.circle(j) if j < n else self.wall(j - n)",
-        "b = self.circle(j) if j < n else j - n",
+        "b = self.wall(link.wall) if isinstance(link, AtWall) else self.circle(link.b)",
+        "b = link.wall if isinstance(link, AtWall) else self.circle(link.b)",
         "every wall is its own image",
     ),
     Mutant(
@@ -525,8 +537,8 @@ SYMMETRY = (
     ),
     Mutant(
         "abreast_by_turn", LOG,
-        "return self._fixes(IDENTITY, i, j)",
-        "return self._fixes((-IDENTITY[0], IDENTITY[1], IDENTITY[2], -IDENTITY[3]), i, j)",
+        "return self._fixes(IDENTITY, link.a, link.b)",
+        "return self._fixes((-IDENTITY[0], IDENTITY[1], IDENTITY[2], -IDENTITY[3]), link.a, link.b)",
         "two that a half turn maps to each other are taken to fly abreast",
     ),
     Mutant(
@@ -537,8 +549,8 @@ SYMMETRY = (
     ),
     Mutant(
         "pasts_not_asked", LOG,
-        "return all(self.follows(g, i) for i in link if 0 <= i < self.past.n)",
-        "return all(g.circle(i) is not None for i in link if 0 <= i < self.past.n)",
+        "return all(self.follows(g, i) for i in link.circles)",
+        "return all(g.circle(i) is not None for i in link.circles)",
         "meetings are taken for simultaneous by their circles' data at time 0",
     ),
     Mutant(
@@ -549,7 +561,7 @@ SYMMETRY = (
     ),
     Mutant(
         "among_not_asked", LOG,
-        "        if {g.link(link) for link in a.among} != b.among:\n",
+        "        if images != {*b.among}:\n",
         "        if len(a.among) != len(b.among):\n",
         "rounds of as many contacts match",
     ),
@@ -652,8 +664,8 @@ FILTERS = (
     ),
     Mutant(
         "filter_times_bare", FILTER,
-        "yield b, time - off_time, time + off_time",
-        "yield b, time, time",
+        "found.append((time - off_time, time + off_time, b))",
+        "found.append((time, time, b))",
         "a time in doubles is taken as it is",
     ),
     Mutant(
@@ -672,8 +684,8 @@ FILTERS = (
     ),
     Mutant(
         "filter_late_hit", FILTER,
-        "if not (wait > off_time + late) or not isfinite(time):\n                yield b,",
-        "if not (wait > off_time) or not isfinite(time):\n                yield b,",
+        "if not (wait > off_time + late) or not isfinite(time):\n                unclear.append(b)",
+        "if not (wait > off_time) or not isfinite(time):\n                unclear.append(b)",
         "a meeting between the clock and the instant counts",
         why_it_survives="the clock misses the instant by less than 2**-96 of the time; the bound on times is "
         "over 2**40 times that",
@@ -741,8 +753,8 @@ FILTERS = (
     ),
     Mutant(
         "filter_wall_time", FILTER,
-        "yield k, time - off_time, time + off_time",
-        "yield k, time, time",
+        "found.append((time - off_time, time + off_time, k))",
+        "found.append((time, time, k))",
         "a time at a wall in doubles is taken as it is",
     ),
     Mutant(
@@ -769,7 +781,7 @@ FILTERS = (
 
 NUMBERS = (
     Mutant(
-        "gap_at_the_clock", BALLS,
+        "gap_at_the_clock", "exact/replay/flights.py",
         "        if late is None:\n            return pair_gap(",
         "        if True:\n            return pair_gap(",
         "whether two are apart is told at the clock, not at the instant",
@@ -777,9 +789,9 @@ NUMBERS = (
         "the radius: two that come nearer are further apart there, and gap zero does not reach the question",
     ),
     Mutant(
-        "approach_at_the_clock", BALLS,
-        "        if late is None:\n            return super().approach(link)",
-        "        if True:\n            return super().approach(link)",
+        "approach_at_the_clock", "exact/replay/flights.py",
+        "        if late is None:\n            return pair_approach(",
+        "        if True:\n            return pair_approach(",
         "whether two come nearer is told at the clock, not at the instant",
     ),
     Mutant(
@@ -790,20 +802,20 @@ NUMBERS = (
     ),
     Mutant(
         "late_not_mirrored", BALLS,
-        "offset = line.nx * line.x0 + line.ny * line.y0 + a.r * line.length",
-        "offset = line.nx * a.x + line.ny * a.y",
+        "offset = line.nx * line.x0 + line.ny * line.y0 + body.r * line.length",
+        "offset = line.nx * x + line.ny * y",
         "after a wall the line goes through the place at the clock, not at the instant",
     ),
     Mutant(
         "late_not_pushed", "exact/replay/state.py",
-        "        if self.late is not None:\n            body.x = body.x - ux * self.late\n",
-        "        if False:\n            body.x = body.x - ux * self.late\n",
+        "        if self.late is not None:\n            x, y = x - ux",
+        "        if False:\n            x, y = x - ux",
         "after impulses together the lines go through the places at the clock, not at the instant",
     ),
     Mutant(
         "late_not_flipped", "exact/replay/state.py",
-        "                if self.late is not None:\n                    twice",
-        "                if False:\n                    twice",
+        "twice = None if self.late is None else self.late + self.late",
+        "twice = None",
         "after a reversal the lines go through the places at the clock, not at the instant",
     ),
     Mutant(
@@ -822,8 +834,8 @@ NUMBERS = (
     ),
     Mutant(
         "projected_place_only", LIVE,
-        "body.vx, body.vy = a * body.vx + b * body.vy, c * body.vx + d * body.vy",
-        "body.vx, body.vy = a * body.vx, d * body.vy",
+        "x, y, vx, vy = cx + a * x + b * y, cy + c * x + d * y, a * vx + b * vy, c * vx + d * vy",
+        "x, y, vx, vy = cx + a * x + b * y, cy + c * x + d * y, a * vx, d * vy",
         "a held circle's velocity is projected on an axis",
     ),
     Mutant(
@@ -837,8 +849,8 @@ NUMBERS = (
 TOLD = (
     Mutant(
         "wall_from_the_instant", "exact/replay/flights.py",
-        "return a.t, wall_hit_time(self.wall_gap(a, j - self.n, a.x, a.y), self.approach(link))",
-        "return a.t, wall_hit_time(self.wall_gap(a, j - self.n, *self.place(a)), self.approach(link))",
+        "return flight.t, wall_hit_time(self._wall_gap(link, flight.x, flight.y), self.wall_approach(link))",
+        "return flight.t, wall_hit_time(self.wall_gap(link), self.wall_approach(link))",
         "the time to a wall is reckoned from the instant, and added to the clock",
     ),
     Mutant(

@@ -45,18 +45,18 @@ OLD: tuple[Mutant, ...] = (
         """            if decision.sign > 0:
                 self.queue.put_back(rival)
             elif decision.sign == 0:
-                if rival.link[1] >= 0:""",
-        """            if decision.sign > 0 and rival.link[1] >= 0:
+                if rival.link.pushes:""",
+        """            if decision.sign > 0 and rival.link.pushes:
                 self.queue.put_back(rival)
             elif decision.sign >= 0:
-                if rival.link[1] >= 0:""",
+                if rival.link.pushes:""",
         "an entry a flaw after a contact is taken along with it, before the reversal that comes between",
     ),
     Mutant(
         "w05_pocket_for_wall",
         "exact/predicates/isometry.py",
-        "return None if k is None else (a, -1 - k)",
-        "return (a, n) if k is None else (a, -1 - k)",
+        "return None if k is None else Entry(a, k)",
+        "return AtWall(a, 0) if k is None else Entry(a, k)",
         "the image of a pocket that has none is taken for wall 0",
     ),
     Mutant(
@@ -102,8 +102,8 @@ OLD: tuple[Mutant, ...] = (
     Mutant(
         "w10_grazes_left_out",
         INSTANT,
-        "found = components([*hits, *touches], self.touching, self.n)",
-        "found = components([*hits], self.touching, self.n)",
+        "found = components([*hits, *touches], self.touching)",
+        "found = components([*hits], self.touching)",
         "contacts that stand at gap zero at an instant are no part of its rounds",
     ),
     Mutant(

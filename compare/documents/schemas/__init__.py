@@ -6,7 +6,7 @@ import json
 from importlib.resources import files
 from typing import Any
 
-NAMES = ("trajectory-1", "comparison-2", "orders-1", "certificate-1", "chaos-1", "sweep-1", "shadow-1")
+NAMES = ("trajectory-1", "comparison-2", "orders-1", "certificate-1", "chaos-1", "sweep-1", "shadow-1", "stress-1")
 
 
 def schema(name: str) -> dict[str, Any]:

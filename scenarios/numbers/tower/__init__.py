@@ -29,7 +29,7 @@ True
 
 from .element import AnyTower, Element, Rational
 from .field import TowerLimit
-from .root_sum import sign_of_root_sum
+from .sums import sign_of_root_sum
 from .tower import Tower
 
 __all__ = ["AnyTower", "Element", "Rational", "Tower", "TowerLimit", "sign_of_root_sum"]

@@ -1,0 +1,93 @@
+"""What the rows of one lane say of one engine: from which k on it is wrong, and where it is not."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+
+from .cell import Row
+from .family import Place
+from .marks import Mark
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """The marks of one engine along one lane.
+
+    Attributes:
+        family, side, seed: the lane.
+        engine: its label; `exact` for the exact engine, whose marks are those of its witness.
+        levels: the k, ascending.
+        marks: one for each.
+    """
+
+    family: str
+    side: str
+    seed: int
+    engine: str
+    levels: tuple[int, ...]
+    marks: tuple[Mark, ...]
+
+    @property
+    def lane(self) -> str:
+        """As `Place.lane`."""
+        return Place(self.family, self.levels[0], self.side, self.seed).lane
+
+    @property
+    def first_wrong(self) -> int | None:
+        """The first k at which it is wrong; None if it is at none."""
+        return next((k for k, mark in zip(self.levels, self.marks, strict=True) if mark is Mark.WRONG), None)
+
+    @property
+    def right_again(self) -> tuple[int, ...]:
+        """The k after the first wrong one at which it is right."""
+        first = self.first_wrong
+        told = zip(self.levels, self.marks, strict=True)
+        return () if first is None else tuple(k for k, mark in told if k > first and mark is Mark.RIGHT)
+
+    @property
+    def signs(self) -> str:
+        """One letter for each k."""
+        return "".join(mark.sign for mark in self.marks)
+
+    @property
+    def stretches(self) -> tuple[tuple[Mark, int, int], ...]:
+        """Equal marks in a row: the mark, the first k and the last.
+
+        >>> marks = (Mark.RIGHT, Mark.RIGHT, Mark.WRONG)
+        >>> ladder = Ladder("near-ties", "left", 0, "double", (1, 2, 3), marks)
+        >>> [(mark.value, *ends) for mark, *ends in ladder.stretches]
+        [('right', 1, 2), ('wrong', 3, 3)]
+        """
+        found: list[tuple[Mark, int, int]] = []
+        for mark, group in groupby(zip(self.marks, self.levels, strict=True), key=lambda pair: pair[0]):
+            ks = [k for _, k in group]
+            found.append((mark, ks[0], ks[-1]))
+        return tuple(found)
+
+    def told(self) -> str:
+        """The whole ladder in words.
+
+        >>> marks = (Mark.RIGHT, Mark.WRONG, Mark.RIGHT, Mark.WRONG, Mark.WRONG)
+        >>> Ladder("near-ties", "left", 0, "double", (1, 2, 3, 4, 5), marks).told()
+        'right 1; wrong 2; right 3; wrong 4 to 5'
+        """
+        return "; ".join(
+            f"{mark.value} {low}" if low == high else f"{mark.value} {low} to {high}"
+            for mark, low, high in self.stretches
+        )
+
+
+def ladders(rows: Iterable[Row], engines: Sequence[str]) -> list[Ladder]:
+    """The ladders of a map: lane by lane, the exact engine first."""
+    found: list[Ladder] = []
+    for (family, side, seed), group in groupby(rows, key=lambda row: (row["family"], row["side"], row["seed"])):
+        lane = list(group)
+        levels = tuple(row["k"] for row in lane)
+        columns = {"exact": [row["exact"]["mark"] for row in lane]}
+        columns |= {label: [row["engines"][label]["mark"] for row in lane] for label in engines}
+        found += [
+            Ladder(family, side, seed, label, levels, tuple(map(Mark, marks))) for label, marks in columns.items()
+        ]
+    return found
