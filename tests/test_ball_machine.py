@@ -12,7 +12,10 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.engine import ExactEngine as Engine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.contact import Pair
+from truebreak.exact.replay.refinable import RefinableState
 from truebreak.exact.replay.state import State, replay
+from truebreak.exact.replay.steps import Go, Kick
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 
@@ -106,3 +109,17 @@ def test_instants_of_few_bits_hold_those_of_many(seed, bits):
     for few, many in zip(instants(bits), instants(3000), strict=True):
         ctx.prec = 3000
         assert few.contains(many)
+
+
+def test_more_bits_leave_exact_circles_where_they_are():
+    """Balls of circles that are still exact are copied anew: they are not those of time 0."""
+    state = RefinableState(Scene([Circle(0, 0, vx=1), Circle(4, 0), Circle(9, 9)]), 256)
+    link = Pair(0, 1)
+    state.do(Go(link, link))
+    state.do(Kick((link,), (link,)))
+    state.sync((0, 1, 2))
+    before = [body.flight for body in state.bodies.values()]
+    state.rise(512)
+    assert state.exact == [True] * 3
+    assert [body.flight for body in state.bodies.values()] == before
+    assert [flight.rest for flight in before] == [True, False, True]

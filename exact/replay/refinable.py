@@ -274,6 +274,7 @@ class RefinableState:
                 state.flip_time = field_ball(self.field.flip_time, bits)
         self.balls.become(state)
         self._stale = {i for i in range(self.n) if self.exact[i]}
+        self.sync(tuple(self._stale))
 
     def _arrive(self, state: CentredState, k: int) -> None:
         """Bodies whose exact life ended before step k enter the balls of a replay."""
