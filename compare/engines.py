@@ -50,6 +50,7 @@ ENGINES: dict[str, EngineEntry] = {
     "double": EngineEntry("double", "floating.double:DoubleEngine", "event-driven in 53-bit floating point"),
     "single": EngineEntry("single", "floating.single:SingleEngine", "event-driven in 24-bit floating point"),
     "quad": EngineEntry("quad", "floating.quad:QuadEngine", "event-driven in pairs of doubles: 106 bits"),
+    "rounded": EngineEntry("rounded", "floating.rounded:RoundedEngine", "event-driven, rounded to N bits each time"),
     "interval": EngineEntry("interval", "floating.interval:IntervalEngine", "in intervals; stops where unsure"),
     "pymunk": EngineEntry("pymunk", "floating.pymunk_engine:PymunkEngine", "the game engine Chipmunk, by time steps"),
     "box2d": EngineEntry("box2d", "compare.adapters.box2d:Box2DEngine", "the game engine Box2D 2.3, by time steps"),

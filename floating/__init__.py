@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from .interval import IntervalEngine
     from .pymunk_engine import PymunkEngine
     from .quad import QuadEngine
+    from .rounded import RoundedEngine
     from .single import SingleEngine
 
 _HOMES = {
@@ -17,10 +18,11 @@ _HOMES = {
     "IntervalEngine": ".interval",
     "PymunkEngine": ".pymunk_engine",
     "QuadEngine": ".quad",
+    "RoundedEngine": ".rounded",
     "SingleEngine": ".single",
 }
 
-__all__ = ["DoubleEngine", "IntervalEngine", "PymunkEngine", "QuadEngine", "SingleEngine"]
+__all__ = ["DoubleEngine", "IntervalEngine", "PymunkEngine", "QuadEngine", "RoundedEngine", "SingleEngine"]
 
 
 def __getattr__(name: str) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..exact.numbers.system import NumberSystem
@@ -34,6 +34,11 @@ class EventEngine(Declared, ABC):
     @abstractmethod
     def numbers(self) -> NumberSystem:
         """The system."""
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        """Its settings, all of them."""
+        return {}
 
     @property
     def rounds_input(self) -> bool:
@@ -72,7 +77,7 @@ class EventEngine(Declared, ABC):
         return run_plain(
             scene,
             self.name,
-            {},
+            self.parameters,
             PlainDecider(scene, State(scene, self.numbers), self.numbers),
             self.motion,
             self.shown,

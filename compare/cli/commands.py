@@ -7,12 +7,12 @@ import click
 from . import completion
 from .chaos import chaos
 from .examples import examples
-from .exit_codes import DONE, ExitCode, of_comparison, of_stop
+from .exit_codes import DONE, ExitCode, of_comparison
 from .minimise import minimise
-from .numbers import Whole
 from .options import EVENTS, JSON, NO_CACHE, POLICY, REVERSE, SCENE, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 from .orders import orders
 from .run import run
+from .shadow import shadow
 from .sweep import sweep
 
 EXAMPLES = """
@@ -212,4 +212,5 @@ cli.add_command(run)
 cli.add_command(chaos)
 cli.add_command(minimise)
 cli.add_command(orders)
+cli.add_command(shadow)
 cli.add_command(sweep)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -14,6 +14,8 @@ from .exit_codes import DONE, ExitCode
 from .options import EVENTS, JSON, SCENE_HELP, WORK
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     from ..ensemble.sweep import Done
 
 EPILOG = f"""
@@ -25,6 +27,7 @@ Examples:
   truebreak sweep --store gas.db --csv -                  the table, without running anything
   truebreak sweep gas --vary seed=1..100 --engines double,pymunk:dt=1/256 --perturb 1e-12 --events 300 --csv gas.csv
   truebreak sweep gas --vary seed=1..4000 --shard 3/40 --store part3.db       on a batch system
+  truebreak sweep gas --vary seed=1..4000 --executor dask://10.0.0.7:8786     on a Dask cluster
 
 \b
 Call it again with the same store, and it goes on where it stopped, whatever ended it.
@@ -68,6 +71,13 @@ Call it again with the same store, and it goes on where it stopped, whatever end
 @click.option("--csv", "csv_file", metavar="FILE", help="Write the table here; - is stdout.")
 @click.option("--shard", default="1/1", metavar="K/N", help="Do only the Kth of N parts.")
 @click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes; else one for each processor.")
+@click.option(
+    "--executor",
+    "executor_text",
+    metavar="dask://HOST:PORT",
+    help="Workers of a Dask cluster, in place of processes here.",
+)
+@click.option("--svg", metavar="FILE", help="Draw how long each engine's histories stay true, as one SVG file.")
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
 @JSON
 def sweep(
@@ -83,6 +93,8 @@ def sweep(
     csv_file: str | None,
     shard: str,
     jobs: int | None,
+    executor_text: str | None,
+    svg: str | None,
     yes: bool,
     as_json: bool,
 ) -> int:
@@ -97,11 +109,16 @@ def sweep(
     from ..ensemble.survival import summaries
     from ..ensemble.sweep import plan, run
     from ..ensemble.table import csv_text
+    from ..ensemble.uncertainty import uncertainty
     from ..report.listing import print_json
+    from ..report.sweep_plots import survival_svg
     from .writing import check_writable, write_whole
 
-    if csv_file not in (None, "-"):
-        check_writable(csv_file)
+    for file in (csv_file, svg):
+        if file not in (None, "-"):
+            check_writable(file)
+    if executor_text is not None and (jobs is not None or scene is None):
+        raise click.UsageError("--executor brings its own workers, to run a SCENE: leave --jobs out, and give a SCENE")
     if csv_file == "-" and as_json:
         raise click.UsageError("--csv - and --json both want stdout; write one of them to a file")
     if scene is None:
@@ -115,8 +132,8 @@ def sweep(
                      causes=causes, work=work, shard=shard)  # fmt: skip
         _ask(len(asked.family), yes)
         base = Store(store[0] if store else ":memory:", asked.settings)
-        with _showing(asked.family.scene) as show:
-            run(asked, base, jobs=jobs, progress=show)
+        with _workers(executor_text, jobs) as (executor, count), _showing(asked.family.scene) as show:
+            run(asked, base, jobs=count, executor=executor, progress=show)
         rows, settings, failures = list(base.rows()), base.settings, base.failures()
         base.close()
     keys = [text.partition("=")[0] for text in settings["vary"]]
@@ -125,13 +142,23 @@ def sweep(
         sys.stdout.write(csv_text(rows, keys))
     elif csv_file is not None:
         write_whole(csv_file, csv_text(rows, keys))
+    if svg is not None:
+        write_whole(svg, survival_svg(summaries(rows)))
+    unsure = {name: uncertainty(rows, name) for name in settings["outcomes"] if _displaced(settings)}
     if as_json:
-        print_json(sweep_json(settings, scenes, summaries(rows), failures))
+        print_json(sweep_json(settings, scenes, summaries(rows), failures, unsure))
     elif csv_file != "-":
-        print_sweep(settings, scenes, summaries(rows))
+        print_sweep(settings, scenes, summaries(rows), unsure)
     for index, attempt, note in failures:
         click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}", err=True)
     return ExitCode.UNDECIDED if failures else DONE
+
+
+def _displaced(settings: Mapping[str, Any]) -> bool:
+    """Whether a sweep displaces its scenes."""
+    from ..ensemble.row import PERTURBED
+
+    return any(label.startswith(PERTURBED) for label in settings["engines"])
 
 
 def _ask(scenes: int, yes: bool) -> None:
@@ -146,6 +173,18 @@ def _ask(scenes: int, yes: bool) -> None:
         return
     if not sys.stdin.isatty() or not click.confirm(f"{scenes:,} scenes: run them all?", err=True):
         raise click.UsageError(f"{scenes:,} scenes are to be run; add --yes to do so, or take narrower ranges")
+
+
+@contextmanager
+def _workers(text: str | None, jobs: int | None) -> Iterator[tuple[Executor | None, int | None]]:
+    """The executor that was named, and how many jobs it takes; None for processes here."""
+    if text is None:
+        yield None, jobs
+        return
+    from ..ensemble.executors import executor_named
+
+    with executor_named(text) as found:
+        yield found
 
 
 @contextmanager

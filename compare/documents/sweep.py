@@ -7,19 +7,29 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..ensemble.survival import Summary
+    from ..ensemble.uncertainty import Uncertainty
 
 SWEEP_SCHEMA = "truebreak/sweep-1"
 
 
 def sweep_json(
-    settings: Mapping[str, Any], scenes: int, told: Sequence[Summary], failures: Sequence[tuple[int, int, str]]
+    settings: Mapping[str, Any],
+    scenes: int,
+    told: Sequence[Summary],
+    failures: Sequence[tuple[int, int, str]],
+    unsure: Mapping[str, Uncertainty],
 ) -> dict[str, Any]:
-    """The object that `truebreak sweep --json` prints: what was asked, and what the rows say together."""
+    """The object that `truebreak sweep --json` prints: what was asked, and what the rows say together.
+
+    Args:
+        unsure: by outcome, how displacements of several sizes change it.
+    """
     return {
         "schema": SWEEP_SCHEMA,
         "settings": dict(settings),
         "scenes": scenes,
         "engines": [_engine(summary) for summary in told],
+        "uncertainty": {outcome: _uncertainty(found) for outcome, found in unsure.items()},
         "failures": [{"scene": scene, "attempt": attempt, "note": note} for scene, attempt, note in failures],
     }
 
@@ -40,8 +50,19 @@ def _engine(summary: Summary) -> dict[str, Any]:
     }
 
 
-def print_sweep(settings: Mapping[str, Any], scenes: int, told: Sequence[Summary]) -> None:
-    """One row an engine."""
+def _uncertainty(found: Uncertainty) -> dict[str, Any]:
+    return {
+        "shares": [vars(share) for share in found.shares],
+        "exponent": found.exponent,
+        "low": found.low,
+        "high": found.high,
+    }
+
+
+def print_sweep(
+    settings: Mapping[str, Any], scenes: int, told: Sequence[Summary], unsure: Mapping[str, Uncertainty]
+) -> None:
+    """One row an engine, and a line for each outcome that displacements of several sizes change."""
     from rich.markup import escape
 
     from ..report.listing import console, grid, say
@@ -64,3 +85,7 @@ def print_sweep(settings: Mapping[str, Any], scenes: int, told: Sequence[Summary
             "" if changed is None else f"{changed[0]} of {changed[1]} (95 %: {changed[2]:.3f} to {changed[3]:.3f})",
         )
     out.print(table)
+    for outcome, found in unsure.items():
+        if found.exponent is not None:
+            say(out, f"{outcome}: a displacement of up to d changes it in a share of scenes that goes as d**a, "
+                     f"a = {found.exponent:.3f} (95 %: {found.low:.3f} to {found.high:.3f}).")  # fmt: skip

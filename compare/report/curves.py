@@ -49,15 +49,16 @@ def plot(
     width: int = WIDTH,
     legend: bool = True,
     kind: str = "",
+    dots: Sequence[Curve] = (),
 ) -> str:
-    """The curves as one SVG element; a band is a bar at its height, its mark a dot.
+    """The curves as one SVG element; a band is a bar at its height, its mark a dot; `dots` are points not joined.
 
     Args:
         width: in pixels.
         legend: whether the labels stand beside the curves, for which there is room in a wide plot alone.
         kind: a further class of the element.
     """
-    points = [p for curve in curves for p in curve.points if math.isfinite(p[1])]
+    points = [p for curve in (*curves, *dots) for p in curve.points if math.isfinite(p[1])]
     end = max((x for x, _ in points), default=1.0) or 1.0
     heights = [y for _, y in points] + [band.height for band in bands]
     low, high = min([0.0, *heights]), max([*heights, 1e-300])
@@ -87,6 +88,15 @@ def plot(
             parts.append(f'<circle class="dot {style}" cx="{view.x(band.mark):.1f}" cy="{y:.1f}" r="4.5"/>')
         if legend:
             parts += _legend(number, band.label, style, right)
+    for number, cloud in enumerate(dots, start=len(curves) + len(bands)):
+        style = cloud.style or f"s{number % 5}"
+        parts += [
+            f'<circle class="dot {style}" cx="{view.x(x):.1f}" cy="{view.y(y):.1f}" r="3"/>'
+            for x, y in cloud.points
+            if math.isfinite(y)
+        ]
+        if legend:
+            parts += _legend(number, cloud.label, style, right)
     return "\n".join([*parts, "</svg>"])
 
 

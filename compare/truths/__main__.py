@@ -50,7 +50,8 @@ The SIAM photon to 150 digits at t = 10, ours beyond the first 79:
 - The stadium and other curved walls: walls are straight lines.
 - The escape rate of three discs to its 31 digits needs the periodic orbits of longer words; here only the first order
   of the cycle expansion is taken, from the two multipliers above.
-- Orban and Bellemans' reversal of H, and Colonna's 192 and 336 particles: no scene of theirs is at hand yet.
+- Orban and Bellemans' own numbers, and Colonna's 192 and 336 particles: their starts are not at hand. That H returns in
+  a certified run and not in floats is shown by a gas of our own: see [statistics](statistics.md).
 - Five free discs, and the numbers of Cross's experiment: no source was at hand; `cross` is the scene alone.
 """
 

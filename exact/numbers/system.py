@@ -68,6 +68,7 @@ SYSTEMS: dict[str, str] = {
     "single": "..floating.single:SINGLES",
     "quad": "..floating.quad:QUADS",
     "interval": "..floating.interval:INTERVALS",
+    "rounded": "..floating.rounded:Rounding",
 }
 """Where each system lives, seen from `exact`. A new one is its own file, and one line here."""
 

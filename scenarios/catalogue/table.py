@@ -23,6 +23,7 @@ FAMILIES = {
     "rack": "rack",
     "gas": "gas",
     "reversal": "gas",
+    "echo": "echo",
     "pinball": "scatterers",
     "lorentz": "scatterers",
     "point": "scatterers",

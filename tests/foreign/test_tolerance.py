@@ -25,6 +25,7 @@ SCENES = (
     "article", "cradle", "cradle:gap=0", "tennis", "sizes", "galperin", "lee", "near-tie:k=40", "near-tie:k=2",
     "inscribed", "rack", "rack:gap=1/50", "gas", "gas:mixed=yes", "reversal", "pinball", "pinball:discs=3", "lorentz",
     "point", "grazing", "corner", "hexagon", "two-in-a-box", "three-disc", "free-discs", "magic-masses", "cross",
+    "echo:rows=3,after=15",
 )  # fmt: skip
 
 STEPS = ("pymunk:dt=1/64", "pymunk", "pymunk:dt=1/1024")

@@ -13,6 +13,7 @@ NAMES = (
     "certificate-1",
     "chaos-1",
     "sweep-1",
+    "shadow-1",
     "stress-1",
     "advice-1",
     "bench-2",

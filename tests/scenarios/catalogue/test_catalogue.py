@@ -39,6 +39,7 @@ SPECS = (
     "gas:n=100,seed=12",
     "gas:n=20,mixed=yes,size=40",
     "reversal:n=4,after=9,mixed=yes",
+    "echo:rows=3,after=7,seed=2",
     "pinball:r=0",
     "pinball:offset=10**-30",
     "pinball:discs=3",

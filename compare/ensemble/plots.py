@@ -1,0 +1,85 @@
+"""Plots of a sweep by matplotlib (`pip install 'truebreak[plots]'`); without it: `report.sweep_plots`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from ...scenarios.errors import SceneError
+from ..report.sweep_plots import law_points
+from .survival import summaries
+
+if TYPE_CHECKING:
+    from .row import Row
+
+
+def plot_survival(rows: Sequence[Row], ax: Any = None) -> Any:
+    """Kaplan and Meier's share of scenes whose history is still true, over events, with Greenwood's intervals.
+
+    Args:
+        rows: of `sweep`.
+        ax: matplotlib axes to draw on; by default those of a new figure.
+
+    Returns:
+        The axes.
+
+    Raises:
+        SceneError: without matplotlib.
+    """
+    ax = _axes(ax)
+    for told in summaries(rows):
+        events = [0, *(step.event for step in told.survival)]
+        (line,) = ax.step(events, [1.0, *(s.share for s in told.survival)], where="post", label=told.engine)
+        lows, highs = ([1.0, *values] for values in zip(*((s.low, s.high) for s in told.survival), strict=True)) if (
+            told.survival) else ([1.0], [1.0])  # fmt: skip
+        ax.fill_between(events, lows, highs, step="post", alpha=0.2, color=line.get_color())
+    ax.set(xlabel="event", ylabel="share still true", ylim=(0, 1.02))
+    ax.legend()
+    return ax
+
+
+def plot_law(rows: Sequence[Row], ax: Any = None) -> Any:
+    """The time at which each history was left over ln(1/eps)/lambda, with the least-squares line of each engine.
+
+    Args, Returns, Raises: as `plot_survival`.
+    """
+    ax = _axes(ax)
+    clouds = law_points(rows)
+    for told in summaries(rows):
+        points = clouds.get(told.engine)
+        if not points:
+            continue
+        xs = [x for x, _ in points]
+        marks = ax.scatter(xs, [y for _, y in points], s=12, label=told.engine)
+        if told.law is not None:
+            ends = [min(xs), max(xs)]
+            law = told.law
+            ax.plot(ends, [law.slope * x + law.intercept for x in ends], color=marks.get_facecolor()[0])
+    ax.set(xlabel="ln(1/eps)/lambda", ylabel="time of divergence")
+    ax.legend()
+    return ax
+
+
+def plot_changed(rows: Sequence[Row], ax: Any = None) -> Any:
+    """The share of scenes of which each engine changed an outcome, with Wilson's 95 % intervals.
+
+    Args, Returns, Raises: as `plot_survival`.
+    """
+    ax = _axes(ax)
+    told = [(s.engine, s.changed) for s in summaries(rows) if s.changed is not None]
+    for place, (_, (count, total, low, high)) in enumerate(told):
+        share = count / total
+        ax.errorbar([place], [share], yerr=[[max(0.0, share - low)], [max(0.0, high - share)]], fmt="o", capsize=4)
+    ax.set_xticks(range(len(told)), [engine for engine, _ in told])
+    ax.set(ylabel="share of scenes with an outcome changed", ylim=(-0.02, 1.02))
+    return ax
+
+
+def _axes(ax: Any) -> Any:
+    if ax is not None:
+        return ax
+    try:
+        from matplotlib.figure import Figure
+    except ImportError:
+        raise SceneError("plots need matplotlib; pip install 'truebreak[plots]', or use report.sweep_plots") from None
+    return Figure().add_subplot()

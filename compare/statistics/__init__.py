@@ -1,0 +1,1 @@
+"""Does floating point change statistics? Ensembles in few bits against certified ones."""
