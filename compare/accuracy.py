@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ..scenarios.numbers.real import Real
     from ..scenarios.trajectory import State, Trajectory
 
-LEAST_BITS, MOST_BITS = 128, 1 << 14
+LEAST_BITS, MOST_BITS = 512, 1 << 14
 """Bits with which places are enclosed: twice as many as long as the bound of the error still falls, for then it is not
 the error that it tells; 2**14 bits are 4,900 digits."""
 

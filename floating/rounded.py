@@ -143,7 +143,7 @@ class RoundedEngine(EventEngine):
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> float(RoundedEngine(12).run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])).events[0].time)
-    2.26806640625
+    2.267578125
     """
 
     bits: int = 24

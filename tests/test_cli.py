@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 from counted import wait_for_work
 
-from truebreak.compare import engines as engine_table
+from truebreak.compare import certified_cache
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine, split_engines
 from truebreak.scenarios import SceneError, catalogue
@@ -223,7 +223,7 @@ def test_an_internal_error_is_one_line_without_debug(truebreak: Any, monkeypatch
     def broken(text: str) -> Any:
         raise RuntimeError("a bug\nin two lines")
 
-    monkeypatch.setattr(engine_table, "engine", broken)
+    monkeypatch.setattr(certified_cache, "engine_named", broken)
     said = truebreak("run", "galperin")
     assert said.code == 3
     assert said.err == ("truebreak: internal error: RuntimeError: a bug in two lines (add --debug for the traceback)\n")

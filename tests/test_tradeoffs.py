@@ -63,7 +63,8 @@ def test_a_row_says_what_a_comparison_says(rows: list[Tradeoff]) -> None:
         assert (r.verdict, r.agreed) == (found.verdict, found.alignment.agreed)
         assert r.changed == (None if found.verdict == "undecided" else found.changed)
         assert r.error == found.separation.maximum
-    assert rows[0].digits == math.inf == rows[-1].digits
+    assert rows[0].digits == math.inf
+    assert rows[-1].digits > 4900  # all that 2**14 bits tell
     assert {r.verdict for r in rows} >= {"agree", "diverged", "undecided"}
     assert all(r.seconds > 0 and r.loops > 0 and r.ratio > 0 and r.took and r.loop for r in rows)
     assert rows[0].ratio == 1.0

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import click
 
+from . import completion
 from .exit_codes import DONE, ExitCode
 from .numbers import Seconds
 from .options import JSON
@@ -85,7 +86,7 @@ def suite(
 
 
 @click.command(epilog=SURVEY_HELP)
-@click.option("--engines", default="", metavar="A,B,...", help="Only these.")
+@click.option("--engines", default="", metavar="A,B,...", shell_complete=completion.engines, help="Only these.")
 @click.option("--scenes", default="", metavar="A;B;...", help="Only these, by the names that the report has.")
 @click.option("--no-causes", is_flag=True, help="Do not look for causes: a fraction of the work.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run of one engine may take.")

@@ -88,6 +88,8 @@ def number_off(comparison: Comparison, demand: Demand, reach: Reach | None, plac
         turned = math.hypot(float(told.vx) - float(true.vx), float(told.vy) - float(true.vy))
         size, speed = math.hypot(float(true.x), float(true.y)), math.hypot(float(true.vx), float(true.vy))
         rooms = [("place", apart, demand.room(size), "asked for")]
+        if reference.scene.reverse_after == pair.mine + 1:
+            turned = 0.0  # the velocities are negated at that very instant: a time tells before or after
         if reach is not None and known:
             near = reach.position[pair.mine].get(pair.body, math.inf) + TOLD * (size + speed * time)
             slow = reach.velocity[pair.mine].get(pair.body, math.inf) + TOLD * speed

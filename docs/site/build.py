@@ -79,9 +79,12 @@ def assemble(source: Path, *, short: bool, jobs: int) -> None:
 
 
 def _copy_linked(source: Path) -> None:
-    """Files of the project that a page of docs/ links to, such as the schemas, at the same place in the site."""
+    """Files of the project that a page of docs/ links to, schemas and notebooks, at the same place in the site."""
     for page in sorted((source / "docs").glob("*.md")):
-        for name in re.findall(r"\]\(\.\./([\w./-]+)\)", page.read_text("utf-8")):
+        text = page.read_text("utf-8")
+        linked = re.findall(r"\]\(\.\./([\w./-]+)\)", text)
+        linked += [f"docs/{name}" for name in re.findall(r"\]\(([\w./-]+\.ipynb)\)", text)]
+        for name in linked:
             if (ROOT / name).is_file() and not (source / name).exists():
                 (source / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy(ROOT / name, source / name)

@@ -243,7 +243,7 @@ def test_the_command_prints_json_and_writes_a_page(tmp_path: Path, capsys: pytes
     data = json.loads(capsys.readouterr().out)
     assert data["horizons"][0]["engine"] == "single"
     text = page.read_text("utf-8")
-    assert text.count("<svg") == 2
+    assert text.count("<svg xmlns") == 4  # growth and horizon, each wide and narrow
     assert "http" not in text.replace("http://www.w3.org/2000/svg", "")
 
 

@@ -25,7 +25,7 @@ SCENES = (
     "grazing",
     "galperin:n=1",
 )
-QUICK = ("exact", "double", "single", "quad", "interval", "pymunk:dt=1/32", "pymunk")
+QUICK = ("exact", "double", "single", "quad", "rounded:bits=30", "interval", "pymunk:dt=1/32", "pymunk")
 LITERAL_SCENES = (
     "gas:n=2,seed=1",
     "lee",
