@@ -9,30 +9,30 @@ from truebreak.exact.simulation import cells
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
 
 LATTICE = Scene(
-    [Circle(3 * i, 3 * j, vx=(i * 7 + j) % 5 - 2, vy=(i + 3 * j) % 5 - 2) for i in range(8) for j in range(7)],
-    [Wall(-4, 0, -4, 1), Wall(26, 0, 26, 1), Wall(0, -4, 1, -4), Wall(0, 23, 1, 23)],
+    [Circle(3 * i, 3 * j, vx=(i * 7 + j) % 5 - 2, vy=(i + 3 * j) % 5 - 2) for i in range(10) for j in range(7)],
+    [Wall(-4, 0, -4, 1), Wall(32, 0, 32, 1), Wall(0, -4, 1, -4), Wall(0, 23, 1, 23)],
     events=300,
 )
 """Many instants of several contacts, far from one another."""
 
 SCENES = {
-    "gas": lambda: (catalogue.build("gas:n=60,seed=3"), {"events": 300}),
-    "mixed": lambda: (catalogue.build("gas:n=60,seed=4,mixed=yes"), {"events": 300}),
+    "gas": lambda: (catalogue.build("gas:n=70,seed=3"), {"events": 300}),
+    "mixed": lambda: (catalogue.build("gas:n=70,seed=4,mixed=yes"), {"events": 300}),
     "crowd": lambda: (catalogue.build("gas:n=200,seed=1"), {"events": 400}),
     "lattice": lambda: (LATTICE, {"events": 200}),
     "there and back": lambda: (
-        catalogue.build("gas:n=50,seed=2").with_changes(until=None, events=None, reverse_after=60),
+        catalogue.build("gas:n=70,seed=2").with_changes(until=None, events=None, reverse_after=60),
         {},
     ),
     "turned at a time": lambda: (
-        catalogue.build("gas:n=50,seed=5").with_changes(until=None, events=None, reverse_at=1),
+        catalogue.build("gas:n=70,seed=5").with_changes(until=None, events=None, reverse_at=1),
         {},
     ),
     "one large among small": lambda: (
         Scene(
             [
                 Circle(0, 0, 40, 1, 0, m=9),
-                *(Circle(50 + 3 * i, 3 * j, vx=-1 - i % 3) for i in range(8) for j in range(-3, 4)),
+                *(Circle(50 + 3 * i, 3 * j, vx=-1 - i % 3) for i in range(10) for j in range(-3, 4)),
             ]
         ),
         {"events": 60},

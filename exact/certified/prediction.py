@@ -47,9 +47,10 @@ class FilteredPredictor(Predictor[arb]):
         self.root = arb.sqrt
         self.filter = DoubleFilter()
         self._reaches = self._quick_reaches()
-        self._lines: dict[tuple[int, int], tuple[arb, arb, arb, arb, arb]] = {}
+        self._lines: dict[tuple[int, int, bool], tuple[arb, arb, arb, arb, arb]] = {}
         self._float_reaches = [[float(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
+        self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
 
     def prepare(self) -> None:
         """Short precision."""
@@ -74,15 +75,15 @@ class FilteredPredictor(Predictor[arb]):
         return self._reaches[a.kind][b.kind]
 
     def line(self, body: Body[arb], wall: int) -> tuple[arb, arb, arb, arb, arb]:
-        """A wall in short balls."""
-        key = (body.index, wall)
+        """A wall in short balls: the same for all circles of one radius on one side of it."""
+        key = self._key(body, wall)
         found = self._lines.get(key)
         if found is None:
             with ball.precision(2 * QUICK_BITS):
                 exact = self.scene.walls[wall]
                 nx, ny = exact.normal
                 length = (nx * nx + ny * ny).sqrt()
-                if self.refinable.balls.sides.negative(body.index, wall):
+                if key[2]:
                     nx, ny = -nx, -ny
                 offset = self.scene.circles[body.index].r * length
                 x0, y0, mx, my, fixed = (ball.constant(q) for q in (exact.x0, exact.y0, nx, ny, offset))
@@ -128,8 +129,18 @@ class FilteredPredictor(Predictor[arb]):
         return None if a.f is None else Spot(*a.f[:5])
 
     def _as_seen_from(self, a: Body[arb]) -> list[FloatLine]:
-        lines = self._float_lines[a.index] = [float_line(*self.line(a, k)) for k in range(self.wall_count)]
+        lines = self._float_lines[a.index] = [self._float_line(a, k) for k in range(self.wall_count)]
         return lines
+
+    def _float_line(self, a: Body[arb], wall: int) -> FloatLine:
+        key = self._key(a, wall)
+        if key not in self._known_float_lines:
+            self._known_float_lines[key] = float_line(*self.line(a, wall))
+        return self._known_float_lines[key]
+
+    def _key(self, a: Body[arb], wall: int) -> tuple[int, int, bool]:
+        """A circle's radius, by kind, a wall, and the side of it."""
+        return a.kind, wall, self.refinable.balls.sides.negative(a.index, wall)
 
     def off_rim(self, link: Entry) -> bool:
         """Whether doubles tell a centre at its clock from every point of a pocket's rim."""
