@@ -58,3 +58,21 @@ def test_cells_change_nothing(scene: str, name: str, monkeypatch: pytest.MonkeyP
     assert "cells crossed" not in without.plan
     assert told(with_cells) == told(without)
     assert with_cells.plan["pairs predicted"] < without.plan["pairs predicted"] / 2
+
+
+def test_what_no_double_holds_is_held_against_all() -> None:
+    """Places, radii and walls beyond the range of doubles, and below it."""
+    far = "10**400"
+    run = engine("exact").run(
+        Scene([Circle(0, 0, far, 1, 0), Circle("4*10**400", 0, far)], [Wall(far, far, 0, "2*10**400")])
+    )
+    assert run.certified
+    rows = [Circle(f"4*{k}*{far}", 0, far, -k) for k in range(70)]
+    assert engine("exact").run(Scene(rows), events=2).certified
+    near = "10**-320"
+    beside = Scene(
+        [Circle(f"{k}*{near}", 0, f"{near}/4", 1) for k in (1, 3)], [Wall(f"2*{near}", 0, f"2*{near}", "10**300")]
+    )
+    hit = engine("exact").run(beside).events[0]
+    assert hit.contacts[0] == ("c1", "w1")
+    assert float(hit.time) == 7.5e-321

@@ -47,8 +47,9 @@ class Sides:
             return None
         height = nx * (x - x0) + ny * (y - y0)
         terms = abs(nx) * (abs(x) + abs(x0)) + abs(ny) * (abs(y) + abs(y0))
-        return height < 0.0 if terms > TINIEST and isfinite(terms) and abs(height) > CLEAR * terms else None
+        lost = CLEAR * terms + TINIEST * (1.0 + abs(nx) + abs(ny) + abs(x) + abs(y) + abs(x0) + abs(y0))
+        return height < 0.0 if isfinite(terms) and abs(height) > lost else None
 
 
-TINIEST = 1e-200
-"""Terms below this might have lost digits to underflow."""
+TINIEST = 1e-280
+"""More than what underflow may take from a factor, or from a product: half of 2**-1074 each."""

@@ -22,12 +22,16 @@ from ..numbers.system import M
 from ..replay.body import Body
 from ..replay.contact import AtWall, Entry, Link, Pair, Round
 from ..replay.state import State
+from . import cells as crowding
 from .cells import Spot
 from .crowd import Crowd, cells_for
 from .queue import ArrivalQueue
 
 ROUNDED_DOWN = 1 - 2.0**-50
 """Makes a quotient of doubles a lower bound: its rounding, 2**-53, is less."""
+
+FARTHEST = 1e100
+"""Beyond this, differences of places might not be doubles any more."""
 
 SHARP = 2.0**-49
 """Most by which bounds of a number may differ, as a share of it, where a double tells it to a few roundings."""
@@ -119,8 +123,14 @@ class Predictor(Generic[M]):
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
         state = self.state
+        if self._count < crowding.FEWEST:
+            return
+        try:
+            radii = [float(circle.r) for circle in self.scene.circles]
+        except OverflowError:  # beyond doubles, as no grid is
+            return
         spots = {i: self.spot(body) for i, body in state.bodies.items()}
-        cells = cells_for(spots, [float(circle.r) for circle in self.scene.circles])
+        cells = cells_for(spots, radii)
         if cells is not None:
             self._crowd = self.queue.crossings = Crowd(
                 cells, state.bodies, state.pockets, self.plan, self.prepare, self.pairs, self.spot
@@ -131,7 +141,7 @@ class Predictor(Generic[M]):
         numbers: list[float] = []
         for number in a.q:
             low, high = self.bounds(number)
-            if not high - low <= SHARP * abs(low) < inf:
+            if not (high - low <= SHARP * abs(low) and abs(low) < FARTHEST):
                 return None
             numbers.append(low)
         return Spot(*numbers)
