@@ -28,7 +28,7 @@ from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble.family import family, shard_of, varied
 from truebreak.compare.ensemble.perturbed import Perturbed, displaced
 from truebreak.compare.ensemble.row import COLUMNS, Job, rows_of, text_of
-from truebreak.compare.ensemble.store import Store, merged
+from truebreak.compare.ensemble.store import SETTINGS, Store, merged
 from truebreak.compare.ensemble.survival import fitted, summaries, survival, wilson
 from truebreak.compare.ensemble.sweep import Done, plan, run, sweep
 from truebreak.compare.ensemble.table import csv_text
@@ -250,6 +250,47 @@ def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:
     path.write_bytes(data)
     with pytest.raises(SceneError, match=r"damaged|malformed"):
         list(Store(str(path), None).rows())
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("DELETE FROM meta WHERE key = 'settings'", "is damaged: it holds"),
+        ("UPDATE meta SET value = '{bad' WHERE key = 'settings'", "is damaged: it holds"),
+        ("UPDATE meta SET value = '[1]' WHERE key = 'settings'", "is damaged: it holds"),
+        ("UPDATE rows SET row = '{bad' WHERE scene = 1", "is damaged: it holds"),
+        ("UPDATE rows SET row = '{}' WHERE scene = 1", "is damaged: it holds"),
+        ("DROP TABLE meta", "is no store"),
+        ("DROP TABLE rows", "is no store"),
+    ],
+)
+def test_a_store_that_somebody_changed_is_refused(change: str, message: str, tmp_path: Path, thread: Executor) -> None:
+    path = str(tmp_path / "s.db")
+    sweep("gas:n=2", ["seed=1..3"], ["single"], events=10, executor=thread, store=path)
+    with sqlite3.connect(path) as base:
+        base.execute(change)
+    with pytest.raises(SceneError, match=message):
+        merged([path])
+
+
+def test_a_store_left_in_the_middle_of_a_write_is_read_as_it_was_before(tmp_path: Path, thread: Executor) -> None:
+    """As `kill -9` leaves it: pages of a row written, and the journal that takes them back."""
+    path, left = tmp_path / "s.db", tmp_path / "left.db"
+    whole = sweep("gas:n=2", ["seed=1..4"], ["single"], events=10, executor=thread, store=str(path))
+    base = sqlite3.connect(path)
+    base.execute("PRAGMA cache_size = 1")
+    base.execute("BEGIN")
+    base.execute("DELETE FROM rows WHERE scene < 3")
+    base.executemany("INSERT INTO rows VALUES (?, 0, ?)", [(k, "x" * 3000) for k in range(10, 60)])
+    for end in ("", "-journal"):
+        Path(f"{left}{end}").write_bytes(Path(f"{path}{end}").read_bytes())
+    base.close()
+    assert left.stat().st_size > 100_000, "nothing of the change had been written yet"
+    assert merged([str(left)])[0] == whole
+
+
+def test_the_settings_of_a_store_are_those_of_a_sweep() -> None:
+    assert tuple(plan("gas").settings) == SETTINGS
 
 
 def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
