@@ -70,7 +70,8 @@ standard error:
 - The stadium and other curved walls: walls are straight lines.
 - Orban and Bellemans' own numbers, and Colonna's 192 and 336 particles: their starts are not at hand. That H returns in
   a certified run and not in floats is shown by a gas of our own: see [statistics](statistics.md).
-- Five free discs, and the numbers of Cross's experiment: no source was at hand; `cross` is the scene alone.
+- Five free discs: no published number was at hand; `free-discs:n=5` collides 15 times, a witness of our own.
+- The numbers of Cross's experiment: no source was at hand; `cross` is the scene alone.
 """
 
 

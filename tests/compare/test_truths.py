@@ -17,6 +17,7 @@ from truebreak.compare.truths.truth import NotReproduced, Truth, near, same, wit
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
+from truebreak.scenarios.trajectory import StopReason
 
 ALL = (*EXACT, *STATISTICAL)
 
@@ -112,6 +113,12 @@ def test_no_folder_is_told_before_anything_is_measured(capsys: pytest.CaptureFix
 
 
 # -- the scenes behind them
+
+
+@pytest.mark.parametrize(("n", "collisions"), [(3, 4), (4, 10), (5, 15)])
+def test_free_discs_collide_so_often_and_never_again(n: int, collisions: int) -> None:
+    run = ExactEngine().run(catalogue.build("free-discs", n=n))
+    assert (run.collisions, run.certified, run.stop.reason) == (collisions, True, StopReason.QUIET)
 
 
 def test_the_photon_has_14_hits_and_doubles_have_five_digits() -> None:
