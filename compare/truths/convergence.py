@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Sequence
+from fractions import Fraction
 
 from . import ensembles
 from .ensembles import Record, estimate
@@ -37,8 +38,7 @@ def table() -> str:
     lines += rows("path between hits of anything", points(), ensembles.any_path, ANY_PATH)
     lines += rows("meetings of two discs", boxes(), ensembles.rate, two_disc_rate(1.0, 0.1, 0.98))
     for r, until in (("1/5", 100), ("1/20", 400)):
-        numerator, _, denominator = r.partition("/")
-        form = dahlqvist(int(numerator) / int(denominator))
+        form = dahlqvist(float(Fraction(r)))
         lines += rows(f"exponent per hit, R = {r}", sinai(r, until), ensembles.exponent_per_hit, form)[-3:]
     return "\n".join(lines)
 
