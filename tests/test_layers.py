@@ -277,6 +277,15 @@ def test_heavy_packages_are_not_imported_before_they_are_needed(code: str, absen
     assert not loaded & set(absent.split())
 
 
+@pytest.mark.parametrize("layer", [layer for layer in LAYERS if (ROOT / "tests" / layer).is_dir()])
+def test_the_tests_lie_in_rooms_of_the_house(layer: str) -> None:
+    """Each folder of tests of a layer has the name of one of its rooms."""
+    top = ROOT / "tests" / layer
+    rooms = {path.relative_to(top) for path in top.rglob("*") if any(path.glob("*.py"))}
+    strange = {str(room) for room in rooms if not (ROOT / layer / room / "__init__.py").is_file()}
+    assert not strange, f"tests/{layer}: {sorted(strange)}"
+
+
 def test_the_page_on_architecture_names_every_room() -> None:
     """Each folder that holds code, in the picture at its head."""
     page = (ROOT / "docs" / "architecture.md").read_text("utf-8").partition("\n## ")[0]
