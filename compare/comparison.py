@@ -251,10 +251,10 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
     Raises:
         OutOfTime: if the user's seconds are over before anything was tried.
     """
-    from .causes.experiments import diagnosis_of
-    from .causes.laboratory import Laboratory
+    from .causes.laboratory.laboratory import Laboratory
     from .causes.measure import margin_of
-    from .causes.stops import diagnosis_of_stop
+    from .causes.stops.stopped import Stopped
+    from .causes.walk import diagnosis_of, diagnosis_of_stop
 
     if candidate.alignment.divergence is not None:
         with time_to_read(study.watch):
@@ -262,7 +262,7 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
         return replace(candidate, diagnosis=diagnosis_of(lab), margin=margin_of(lab))
     if candidate.alignment.undecided:
         with time_to_read(study.watch):
-            return replace(candidate, diagnosis=diagnosis_of_stop(study, candidate, engine, progress))
+            return replace(candidate, diagnosis=diagnosis_of_stop(Stopped(study, candidate, engine, progress)))
     return candidate
 
 

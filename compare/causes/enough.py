@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 from ...exact.numbers import ball
 from ...scenarios.trajectory import StopReason
 from ..deadline import OutOfTime, time_limit
-from .balls import BallRun, Replay, steps_of
+from .decision.balls import BallRun, Replay, steps_of
 from .margin import BitsEnough
 
 if TYPE_CHECKING:
-    from .decision import Decision
-    from .laboratory import Laboratory
+    from .decision.decision import Decision
+    from .laboratory.laboratory import Laboratory
 
 FEWEST, MOST = 24, 1 << 17
 """The bits that are tried: from those of a single on."""

@@ -7,7 +7,7 @@ import pytest
 from truebreak.compare import compare, engine
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes import enough
-from truebreak.compare.causes.balls import BallRun
+from truebreak.compare.causes.decision.balls import BallRun
 from truebreak.compare.causes.margin import BitsEnough
 from truebreak.compare.report.sentences import margin_phrase
 from truebreak.scenarios import Circle, Scene, catalogue

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from truebreak.compare import compare
+from truebreak.compare.causes.decision.rounding import rounded
 from truebreak.compare.causes.diagnosis import CauseName
-from truebreak.compare.causes.rounding import rounded
 from truebreak.compare.comparison import Comparison
 from truebreak.scenarios import Circle, Scene, SceneError, catalogue
 

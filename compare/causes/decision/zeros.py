@@ -6,14 +6,14 @@ from collections.abc import Callable
 from itertools import combinations, product
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.real import real
-from ..alignment.streams import history
+from ....exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
+from ....scenarios.numbers.quantity import Quantity
+from ....scenarios.numbers.real import real
+from ...alignment.streams import history
 from .decision import Flight
 
 if TYPE_CHECKING:
-    from ...scenarios.trajectory import Trajectory
+    from ....scenarios.trajectory import Trajectory
 
 LONGEST_TEXT = 400
 """Characters of an exact value that is still calculated with as text: some levels of square roots, which a `Quantity`

@@ -6,20 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...exact.laws.formulas import pair_approach, pair_discriminant
-from ...exact.numbers import ball
-from ...exact.replay.ball_state import BallState
-from ...exact.replay.steps import Flip, Step
-from ...exact.simulation.limits import run_limits
-from ...exact.simulation.loop import Loop
-from ...floating.plain_decider import PlainDecider
+from ....exact.laws.formulas import pair_approach, pair_discriminant
+from ....exact.numbers import ball
+from ....exact.replay.ball_state import BallState
+from ....exact.replay.steps import Flip, Step
+from ....exact.simulation.limits import run_limits
+from ....exact.simulation.loop import Loop
+from ....floating.plain_decider import PlainDecider
 from .reader import Numbers, Reader
 
 if TYPE_CHECKING:
-    from ...exact.results.motion import ExactMotion
-    from ...scenarios.numbers.quantity import Quantity
-    from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import OnProgress, Stop, Trajectory
+    from ....exact.results.motion import ExactMotion
+    from ....scenarios.numbers.quantity import Quantity
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import OnProgress, Stop, Trajectory
     from .decision import Decision, Pairing
 
 

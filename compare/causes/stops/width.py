@@ -1,4 +1,4 @@
-"""How many bits would have been enough: found by running."""
+"""The width of enclosures: how many bits would have been enough, found by running."""
 
 from __future__ import annotations
 
@@ -7,16 +7,31 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...scenarios.errors import SceneError
-from ...scenarios.trajectory import StopReason
+from ....scenarios.errors import SceneError
+from ....scenarios.trajectory import StopReason
+from ..diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
-    from ...scenarios.engine import Engine
-    from ...scenarios.trajectory import OnProgress
-    from ..study import Study
+    from ....scenarios.engine import Engine
+    from ....scenarios.trajectory import OnProgress
+    from ...study import Study
+    from .stopped import Stopped
 
 MOST_WORK = 1 << 20
 """Bits times events that one try may take: at 1,000 events, numbers of 1,000 bits, some seconds of intervals."""
+
+
+def width(stopped: Stopped, rows: list[Experiment]) -> list[Experiment]:
+    """Whether more bits go on past the stop, and how many."""
+    if not stopped.widens:
+        return []
+    study, progress = stopped.study, stopped.progress
+    found = bits_past(study, stopped.engine, stopped.event, progress)
+    if found.engine is None:
+        return [Experiment(CauseName["WIDTH"], f"with {found.short} bits it stops there too", None, False)]
+    past = f"with {found.bits} bits it goes on past event {stopped.event}, with {found.short} it does not"
+    told = f"{past}; {_through(study, found.engine, progress)}"
+    return [Experiment(CauseName["WIDTH"], told, None, True, 1.0)]
 
 
 @dataclass(frozen=True)
@@ -84,3 +99,13 @@ def _fewest(engine: Engine, does: Callable[[Engine], bool], work: int) -> Fewest
         else:
             low = middle
     return Fewest(high, low, enough)
+
+
+def _through(study: Study, engine: Engine, progress: OnProgress | None) -> str:
+    """With how many bits an engine that goes on past its stop comes to the end, in words."""
+    found = bits_through(study, engine, progress)
+    if found.bits is None:
+        return f"with {found.short} it does not come to the end"
+    if found.short is None:
+        return f"with {found.bits} it comes to the end too"
+    return f"with {found.bits} it comes to the end, with {found.short} it does not"

@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING, TypeVar
 
 from flint import arb
 
-from ...exact.numbers import ball
-from ...scenarios.errors import SceneError
-from ..alignment.align import Span, align
-from ..deadline import OutOfTime, time_to_read
-from ..engines import engine
-from ..study import SERIES_MORE
-from .decision import Decision, Pairing, answer
-from .decisions import decisions
-from .reader import Reader
-from .rounding import rounded
+from ....exact.numbers import ball
+from ....scenarios.errors import SceneError
+from ...alignment.align import Span, align
+from ...deadline import OutOfTime, time_to_read
+from ...engines import engine
+from ...study import SERIES_MORE
+from ..decision.decision import Decision, Pairing, answer
+from ..decision.decisions import decisions
+from ..decision.reader import Reader
+from ..decision.rounding import rounded
 
 if TYPE_CHECKING:
-    from ...scenarios.engine import Engine
-    from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import OnProgress, Trajectory
-    from ..candidate import Candidate
-    from ..study import Study
+    from ....scenarios.engine import Engine
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import OnProgress, Trajectory
+    from ...candidate import Candidate
+    from ...study import Study
 
 
 REORDERED = 2.0**16
@@ -169,9 +169,3 @@ def rounded_or_none(scene: Scene) -> Scene | None:
         return rounded(scene)
     except SceneError:
         return None
-
-
-def verb(moved: float | None, flips: bool) -> str:
-    """What a displacement does, in words."""
-    by = "decides otherwise" if moved is None else f"moves the decision by {abs(moved):.3g}"
-    return f"{by}, which {'changes it' if flips else 'does not change it'}"

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from flint import arb
 
-from ...exact.numbers import ball
+from ....exact.numbers import ball
 
 FIRST_BITS, MOST_BITS = 256, 1 << 14
 """Precision at which a decision is first looked at, and the most: beyond it is called zero to so many bits."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...scenarios.errors import SceneError
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.scene import Scene
-from ...scenarios.things import Circle, Wall
+from ....scenarios.errors import SceneError
+from ....scenarios.numbers.quantity import Quantity
+from ....scenarios.scene import Scene
+from ....scenarios.things import Circle, Wall
 
 
 def rounded(scene: Scene) -> Scene:

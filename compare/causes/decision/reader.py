@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb
 
-from ...exact.laws import formulas as law
-from ...exact.numbers import ball
-from ...scenarios.numbers.real import real
+from ....exact.laws import formulas as law
+from ....exact.numbers import ball
+from ....scenarios.numbers.real import real
 from .decision import FIRST_BITS, MOST_BITS, Decision, Flight, Pairing
 from .zeros import grazes_exactly
 
 if TYPE_CHECKING:
-    from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Trajectory
-    from ..alignment.walk import Walk
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import Trajectory
+    from ...alignment.walk import Walk
 
 
 Numbers: TypeAlias = tuple[arb, arb, arb, arb, arb]

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ..alignment.divergence import Kind
-from ..alignment.instants import instants
+from ...alignment.divergence import Kind
+from ...alignment.instants import instants
 from .decision import Decision, Pairing
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact
-    from ...scenarios.trajectory import Trajectory
-    from ..alignment.align import Alignment
-    from ..alignment.divergence import Divergence
-    from ..alignment.walk import Walk
+    from ....scenarios.event import Contact
+    from ....scenarios.trajectory import Trajectory
+    from ...alignment.align import Alignment
+    from ...alignment.divergence import Divergence
+    from ...alignment.walk import Walk
 
 
 def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment) -> list[Decision]:

@@ -13,19 +13,19 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from ...scenarios.errors import SceneError
-from ...scenarios.numbers.doubles import Double
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.real import real
-from ...scenarios.things import Circle
-from ..alignment.align import align
-from ..alignment.streams import history
-from .decision import Decision, Pairing
-from .reader import Reader
+from ....scenarios.errors import SceneError
+from ....scenarios.numbers.doubles import Double
+from ....scenarios.numbers.quantity import Quantity
+from ....scenarios.numbers.real import real
+from ....scenarios.things import Circle
+from ...alignment.align import align
+from ...alignment.streams import history
+from ..decision.decision import Decision, Pairing
+from ..decision.reader import Reader
 
 if TYPE_CHECKING:
-    from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import State, Trajectory
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import State, Trajectory
     from .laboratory import Laboratory
 
 SMALL = 2.0**-26
