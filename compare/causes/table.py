@@ -15,7 +15,7 @@ class Cause:
     Attributes:
         text: what a person reads.
         experiment: where two histories part, the function that tries it, `module:function` of this folder: it takes the
-            `Laboratory` and what was `Found` so far, and gives rows. None: it is not tried there.
+            `Laboratory` and what was found `SoFar`, and gives rows. None: it is not tried there.
         stop: the same where an engine stops, of `Stopped` and the rows so far.
         rounding: whether it is floating-point error; None: where the engine takes no time steps.
         head: the sentence of a report for a history that it changed, where it is not.

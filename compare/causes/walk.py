@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from .diagnosis import CauseName, Diagnosis, Experiment, diagnosed
-from .found import Found
+from .so_far import SoFar
 from .table import CAUSES
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     none of these, the engine's law. One that moves it past zero suffices. What the user's seconds leave no time for is
     not tried, and says so.
     """
-    found = Found()
+    found = SoFar()
     for cause in CAUSES.values():
         if cause.experiment is not None:
             found.rows += _function(cause.experiment)(lab, found)

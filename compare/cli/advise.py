@@ -117,7 +117,7 @@ def advise(
     from ..advice.search import DEFAULT_BUDGET
     from ..advice.search import advise as search
     from ..documents.advice import advice_json, print_advice
-    from ..report.listing import print_json
+    from ..report.text.listing import print_json
     from ..scene_argument import scene_from
     from .writing import check_folder, write_whole
 

@@ -55,7 +55,7 @@ def orders(
     from ..documents.orders import orders_json, print_orders
     from ..engines import engine
     from ..outcomes.order_search import search_orders
-    from ..report.listing import print_json
+    from ..report.text.listing import print_json
     from ..scene_argument import scene_from, with_settings
     from ..validation import check_until
     from .progress import showing_progress

@@ -20,13 +20,13 @@ from ..laboratory.shown import SMALLER, shown, to_first_order, verb
 
 if TYPE_CHECKING:
     from ..decision.reader import Reader
-    from ..found import Found
     from ..laboratory.laboratory import Laboratory
+    from ..so_far import SoFar
 
 CAUSE = CauseName["ARITHMETIC"]
 
 
-def arithmetic(lab: Laboratory, found: Found) -> list[Experiment]:
+def arithmetic(lab: Laboratory, found: SoFar) -> list[Experiment]:
     """What the engine's own arithmetic does; of an engine with a time step, what the finest step leaves."""
     late = Experiment(CAUSE, NO_TIME)
     if lab.engine.step is None:
@@ -37,7 +37,7 @@ def arithmetic(lab: Laboratory, found: Found) -> list[Experiment]:
     return [late if found.cut else lab.tried(lambda: _rest(lab, found), late)]
 
 
-def _alone(lab: Laboratory, found: Found) -> Experiment:
+def _alone(lab: Laboratory, found: SoFar) -> Experiment:
     """From the exact run of what the engine is given to the engine itself."""
     entered, by_input = found.entered, found.of(CauseName["INPUT"])
     if lab.engine.bits is None:
@@ -86,7 +86,7 @@ def _displaced(lab: Laboratory, entered: Reader) -> Experiment | None:
     return told
 
 
-def _neither(lab: Laboratory, found: Found, start: arb | None, row: Experiment) -> Experiment:
+def _neither(lab: Laboratory, found: SoFar, start: arb | None, row: Experiment) -> Experiment:
     """What is left where neither rounding suffices alone: both together, or the decision's own rounding at the last."""
     if lab.got is None or lab.changes(lab.got):
         found.neither = True
@@ -108,7 +108,7 @@ def _other_law(lab: Laboratory, start: arb | None) -> bool:
     return abs(off) > lab.by_rounding(start)
 
 
-def _rest(lab: Laboratory, found: Found) -> Experiment:
+def _rest(lab: Laboratory, found: SoFar) -> Experiment:
     """What is left at the finest step, which rounding may explain."""
     assert lab.decision is not None
     start = None if found.entered is None else found.entered.value(lab.decision)

@@ -15,13 +15,13 @@ from ..laboratory.shown import SMALLER, shown, to_first_order
 
 if TYPE_CHECKING:
     from ..decision.reader import Reader
-    from ..found import Found
     from ..laboratory.laboratory import Laboratory
+    from ..so_far import SoFar
 
 CAUSE = CauseName["INPUT"]
 
 
-def input_rounding(lab: Laboratory, found: Found) -> list[Experiment]:
+def input_rounding(lab: Laboratory, found: SoFar) -> list[Experiment]:
     """The reference engine on the scene in doubles."""
     found.entered, row = lab.tried(lambda: _input(lab), (None, Experiment(CAUSE, NO_TIME)))
     return [row]

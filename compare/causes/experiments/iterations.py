@@ -12,13 +12,13 @@ from ..diagnosis import CauseName, Experiment
 from ..laboratory.variants import gone
 
 if TYPE_CHECKING:
-    from ..found import Found
     from ..laboratory.laboratory import Laboratory
+    from ..so_far import SoFar
 
 CAUSE = CauseName["ITERATIONS"]
 
 
-def iterations(lab: Laboratory, found: Found) -> list[Experiment]:
+def iterations(lab: Laboratory, found: SoFar) -> list[Experiment]:
     """Four times as many, for an engine that takes steps."""
     if lab.engine.step is None:
         return []

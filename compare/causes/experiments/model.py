@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from ..diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
-    from ..found import Found
     from ..laboratory.laboratory import Laboratory
+    from ..so_far import SoFar
 
 CAUSE = CauseName["MODEL"]
 
 
-def model(lab: Laboratory, found: Found) -> list[Experiment]:
+def model(lab: Laboratory, found: SoFar) -> list[Experiment]:
     """The engine's law, where all else was tried."""
     needed = (CauseName["STEP"], CauseName["INPUT"])
     if found.enough:

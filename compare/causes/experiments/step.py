@@ -14,8 +14,8 @@ from .tie import resolved_otherwise
 if TYPE_CHECKING:
     from flint import arb
 
-    from ..found import Found
     from ..laboratory.laboratory import Laboratory
+    from ..so_far import SoFar
 
 CAUSE = CauseName["STEP"]
 
@@ -23,7 +23,7 @@ MOST_HALVINGS = 8
 """A time step is halved up to so many times, as far as `SERIES_STEPS` allow."""
 
 
-def step(lab: Laboratory, found: Found) -> list[Experiment]:
+def step(lab: Laboratory, found: SoFar) -> list[Experiment]:
     """The series of finer steps, for an engine that takes steps."""
     if lab.engine.step is None:
         return []

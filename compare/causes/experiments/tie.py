@@ -9,13 +9,13 @@ from ..diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
     from ....scenarios.event import Contact
-    from ..found import Found
     from ..laboratory.laboratory import Laboratory
+    from ..so_far import SoFar
 
 CAUSE = CauseName["TIE"]
 
 
-def tie(lab: Laboratory, found: Found) -> list[Experiment]:
+def tie(lab: Laboratory, found: SoFar) -> list[Experiment]:
     """Another resolution of an exact tie, unless more iterations of the solver resolve it as the policy does."""
     if any(row.suffices for row in found.rows if row.cause is CauseName["ITERATIONS"]):
         return [Experiment(CAUSE, "with more iterations it resolves the instant as the policy does", None, False)]

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 from ..diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
-    from ..found import Found
     from ..laboratory.laboratory import Laboratory
+    from ..so_far import SoFar
 
 
-def together(lab: Laboratory, found: Found) -> list[Experiment]:
+def together(lab: Laboratory, found: SoFar) -> list[Experiment]:
     """Both, where each was measured: what the engine itself shows."""
     if not found.neither:
         return []

@@ -10,13 +10,13 @@ from ..decision.decisions import decisions
 from ..diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
-    from ..found import Found
     from ..laboratory.laboratory import Laboratory
+    from ..so_far import SoFar
 
 CAUSE = CauseName["TUNNELLING"]
 
 
-def tunnelling(lab: Laboratory, found: Found) -> list[Experiment]:
+def tunnelling(lab: Laboratory, found: SoFar) -> list[Experiment]:
     """Whether a circle that should be met is passed through, for an engine that takes steps."""
     if lab.engine.step is None:
         return []

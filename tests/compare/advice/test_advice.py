@@ -14,11 +14,11 @@ import jsonschema
 import pytest
 
 from truebreak.compare import compare, engine
-from truebreak.compare.accuracy import end_error
 from truebreak.compare.advice.found import Advice, End
 from truebreak.compare.advice.goal import Digits, Goal, History, OutcomeGoal, difference
 from truebreak.compare.advice.ladder import Size, ladder
 from truebreak.compare.advice.search import advise
+from truebreak.compare.chaos.accuracy import end_error
 from truebreak.compare.cli.entry import main
 from truebreak.compare.documents.advice import advice_json, sentences
 from truebreak.compare.documents.schemas import schema

@@ -24,7 +24,7 @@ from truebreak.compare.bench.tradeoff import Subject, Tradeoff, in_exact, study_
 from truebreak.compare.cli.entry import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES
-from truebreak.compare.report.tradeoff_plot import tradeoff_plot
+from truebreak.compare.report.pictures.tradeoff_plot import tradeoff_plot
 from truebreak.scenarios import SceneError, catalogue
 
 ONCE = (1, 1)

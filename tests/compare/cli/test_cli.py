@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 from counted import wait_for_work
 
-from truebreak.compare import certified_cache
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine, split_engines
+from truebreak.compare.saved import cache as certified_cache
 from truebreak.scenarios import SceneError, catalogue
 
 COMMAND = [sys.executable, "-m", "truebreak.compare.cli"]

@@ -24,7 +24,7 @@ from truebreak.compare.ensemble.row import COLUMNS
 from truebreak.compare.ensemble.survival import summaries, wilson
 from truebreak.compare.ensemble.sweep import sweep
 from truebreak.compare.ensemble.uncertainty import Share, slope, uncertainty
-from truebreak.compare.report.sweep_plots import law_svg, survival_svg
+from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
 from truebreak.scenarios import SceneError
 
 
@@ -88,7 +88,7 @@ def test_svg_needs_no_matplotlib(rows: list[dict[str, Any]], tmp_path: Path) -> 
         assert root.tag.endswith("svg")
         assert "single" in text and "double" in text
     assert law_svg(rows, summaries(rows)).count('class="dot') == sum(row["event"] is not None for row in rows)
-    code = "import sys; import truebreak.compare.report.sweep_plots; assert 'matplotlib' not in sys.modules"
+    code = "import sys; import truebreak.compare.report.pictures.sweep_plots; assert 'matplotlib' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)
     file = tmp_path / "s.svg"
     assert call(["sweep", "gas:n=2", "--vary", "seed=1..2", "--events", "20", "--jobs", "1", "--svg", str(file)]) == 0

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from browser import Browser, found
 
-from truebreak.compare.report.heat_map import DARK, LIGHT, heat_map
+from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.compare.stress.ladder import Ladder
 from truebreak.compare.stress.marks import Mark
 from truebreak.compare.stress.table import family

@@ -21,10 +21,10 @@ from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.report.engine_style import engine_style
 from truebreak.compare.report.page.outcome_tables import SAME, UNTOLD, changed, kept, value_text
 from truebreak.compare.report.page.provenance import events_csv, provenance, whole_name
 from truebreak.compare.report.page.recording import JUMP, MOST_EVENTS, recording
+from truebreak.compare.report.pictures.engine_style import engine_style
 from truebreak.scenarios import Circle, Scene, catalogue
 from truebreak.scenarios.files import loads_toml
 

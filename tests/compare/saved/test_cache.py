@@ -14,8 +14,9 @@ from pathlib import Path
 import pytest
 from command_line import said
 
-from truebreak.compare import certified_cache, trajectory_json
-from truebreak.compare.certified_cache import CachedEngine, CacheWarning, cache_folder, cached
+from truebreak.compare import trajectory_json
+from truebreak.compare.saved import cache as certified_cache
+from truebreak.compare.saved.cache import CachedEngine, CacheWarning, cache_folder, cached
 from truebreak.exact import ExactEngine
 from truebreak.exact.results.saved import saved_run
 from truebreak.floating import DoubleEngine
@@ -218,6 +219,6 @@ def test_the_command_line(folder: Path, runs: list[Scene], capsys: pytest.Captur
 
 def test_tests_leave_the_users_own_alone() -> None:
     assert os.environ["TRUEBREAK_CACHE"] == ""
-    code = "from truebreak.compare.certified_cache import cache_folder; print(cache_folder())"
+    code = "from truebreak.compare.saved.cache import cache_folder; print(cache_folder())"
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert out == "None\n"

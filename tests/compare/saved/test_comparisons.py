@@ -16,7 +16,7 @@ from truebreak.compare import Comparison, compare, comparison_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.report.html import html_report
-from truebreak.compare.saved_comparisons import comparison_of, saved_comparison
+from truebreak.compare.saved.comparisons import comparison_of, saved_comparison
 from truebreak.scenarios import SceneError, catalogue
 
 
@@ -121,7 +121,7 @@ def test_one_changed_letter_is_told() -> None:
 
 
 def test_nothing_else_is_made_of_a_file() -> None:
-    from truebreak.compare import saved_comparisons
+    from truebreak.compare.saved import comparisons as saved_comparisons
 
     data = json.loads(saved_comparison(CASES["near-tie"]()))
     data.pop("digest")

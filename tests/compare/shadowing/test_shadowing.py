@@ -13,7 +13,7 @@ from flint import arb
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import engine
-from truebreak.compare.report.shadow_text import at_most
+from truebreak.compare.report.text.shadow import at_most
 from truebreak.compare.shadowing.distance import distance
 from truebreak.compare.shadowing.obstacle import Obstacle, margin
 from truebreak.compare.shadowing.order import FixedOrder, segments

@@ -16,7 +16,7 @@ import pytest
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.documents.stress import exact_sentence
-from truebreak.compare.report.heat_map import DARK, LIGHT, heat_map
+from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.compare.stress.__main__ import TITLE
 from truebreak.compare.stress.__main__ import main as page_main
 from truebreak.compare.stress.cell import Job, row_of

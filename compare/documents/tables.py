@@ -8,16 +8,16 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.errors import SceneError
-from ..scenarios.trajectory import Trajectory
-from .alignment.separation import Separation
-from .comparison import Comparison
+from ...scenarios.errors import SceneError
+from ...scenarios.trajectory import Trajectory
+from ..alignment.separation import Separation
+from ..comparison import Comparison
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ..scenarios.event import Contact
+    from ...scenarios.event import Contact
 
 
 @dataclass(frozen=True)

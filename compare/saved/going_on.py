@@ -6,15 +6,15 @@ import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from ..exact.engine import ExactEngine
-from ..exact.results.resumed import tape_of
-from ..exact.results.saved import load_run
-from ..scenarios.trajectory import Trajectory
+from ...exact.engine import ExactEngine
+from ...exact.results.resumed import tape_of
+from ...exact.results.saved import load_run
+from ...scenarios.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from ..scenarios.numbers.quantity import QuantityLike
-    from ..scenarios.scene import Scene
-    from ..scenarios.trajectory import OnProgress
+    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress
 
 
 @dataclass(frozen=True)

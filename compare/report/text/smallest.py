@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..reduction.smallest import Size
+from ...reduction.smallest import Size
+from ..sentences import counted, divergence_phrase
 from .listing import console, grid, say
-from .sentences import counted, divergence_phrase
 from .terminal import print_comparison
 
 if TYPE_CHECKING:
-    from ..reduction.smallest import Smallest
+    from ...reduction.smallest import Smallest
 
 
 def print_smallest(found: Smallest) -> None:

@@ -9,12 +9,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from ..scenarios.errors import SceneError
-from ..scenarios.showing import cut
-from .cli.writing import write_whole
-from .comparison import Comparison
-from .documents.comparison import comparison_json
-from .documents.objects import Reader, Writer
+from ...scenarios.errors import SceneError
+from ...scenarios.showing import cut
+from ..cli.writing import write_whole
+from ..comparison import Comparison
+from ..documents.comparison import comparison_json
+from ..documents.objects import Reader, Writer
 
 SCHEMA = "truebreak/saved-comparison-1"
 

@@ -7,19 +7,19 @@ import os
 import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ...scenarios.numbers.real import real
-from ..documents.amounts import bounds, double
-from .sentences import counted
+from ....scenarios.numbers.real import real
+from ...documents.amounts import bounds, double
+from ..sentences import counted
 
 if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
-    from ...scenarios.catalogue import Entry
-    from ...scenarios.event import Event
-    from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Trajectory
-    from ..deadline import Clock
+    from ....scenarios.catalogue import Entry
+    from ....scenarios.event import Event
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import Trajectory
+    from ...deadline import Clock
 
 PLAIN_WIDTH = 110
 """Columns of a table where the output is not a terminal."""
@@ -110,11 +110,11 @@ def _flat(value: Any) -> str:
 
 def print_catalogue(as_json: bool) -> None:
     """Every scene of the catalogue, with parameters and source."""
-    from ...scenarios import catalogue
+    from ....scenarios import catalogue
 
     entries = [catalogue.entry(name) for name in catalogue.names()]
     if as_json:
-        from ..documents.amounts import plain
+        from ...documents.amounts import plain
 
         print_json({"scenes": [plain(catalogue_row(entry)) for entry in entries]})
         return

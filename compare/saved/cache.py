@@ -16,19 +16,19 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..exact.engine import ExactEngine
-from ..exact.results.motion import ExactMotion
-from ..exact.results.saved import run_of, saved_run
-from ..exact.simulation.limits import run_limits
-from ..scenarios.errors import SceneError
-from ..scenarios.trajectory import StopReason
-from .engines import engine as engine_named
+from ...exact.engine import ExactEngine
+from ...exact.results.motion import ExactMotion
+from ...exact.results.saved import run_of, saved_run
+from ...exact.simulation.limits import run_limits
+from ...scenarios.errors import SceneError
+from ...scenarios.trajectory import StopReason
+from ..engines import engine as engine_named
 
 if TYPE_CHECKING:
-    from ..scenarios.engine import Engine
-    from ..scenarios.numbers.quantity import QuantityLike
-    from ..scenarios.scene import Scene
-    from ..scenarios.trajectory import OnProgress, Trajectory
+    from ...scenarios.engine import Engine
+    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress, Trajectory
 
 FOLDER = "TRUEBREAK_CACHE"
 """The environment variable that names another folder, or, empty, none."""

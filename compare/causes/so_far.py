@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @dataclass
-class Found:
+class SoFar:
     """What was found so far at one divergence, and what later experiments start from.
 
     Attributes:

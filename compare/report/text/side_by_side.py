@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
-from ..alignment.streams import history
+from ...alignment.streams import history
 
 if TYPE_CHECKING:
-    from ...scenarios.trajectory import Trajectory
-    from ..candidate import Candidate
-    from ..comparison import Comparison
+    from ....scenarios.trajectory import Trajectory
+    from ...candidate import Candidate
+    from ...comparison import Comparison
 
 BEFORE, AFTER = 2, 3
 """Meetings shown before and from the divergence on."""

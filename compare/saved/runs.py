@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING
 
-from ..scenarios.errors import SceneError
-from ..scenarios.files import dump_json
-from .cli.writing import check_writable, write_whole
+from ...scenarios.errors import SceneError
+from ...scenarios.files import dump_json
+from ..cli.writing import check_writable, write_whole
 
 if TYPE_CHECKING:
-    from ..scenarios.scene import Scene
-    from ..scenarios.trajectory import Trajectory
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
 
 
 def check_savable(engine: str, scene: Scene, path: str) -> None:
@@ -33,6 +33,6 @@ def save_run(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
     Raises:
         SceneError: for a run of another engine, one that no file can hold, or a place that cannot be written to.
     """
-    from ..exact.results.saved import saved_run
+    from ...exact.results.saved import saved_run
 
     write_whole(os.fspath(path), saved_run(trajectory))

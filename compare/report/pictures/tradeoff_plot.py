@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from .engine_style import engine_style
 
 if TYPE_CHECKING:
-    from ..bench.tradeoff import Tradeoff
+    from ...bench.tradeoff import Tradeoff
 
 COLUMNS, WIDTH, HEIGHT = 2, 430, 250
 """Panels in a row, and the size of one, in pixels."""

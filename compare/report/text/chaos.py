@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from ..sentences import counted, listed
 from .listing import console, grid, say
-from .sentences import counted, listed
 
 if TYPE_CHECKING:
-    from ..chaos.blocks import Rate
-    from ..chaos.chaos import Chaos
-    from ..chaos.horizon import Horizon, Place
+    from ...chaos.blocks import Rate
+    from ...chaos.chaos import Chaos
+    from ...chaos.horizon import Horizon, Place
 
 SHOWN_EXPONENTS = 12
 """Exponents listed for people; the JSON has all."""

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .listing import console, grid, say
-from .sentences import (
+from ..sentences import (
     consequence_phrase,
     counted,
     divergence_phrase,
@@ -18,13 +17,14 @@ from .sentences import (
     span_phrase,
     verdict_sentence,
 )
+from .listing import console, grid, say
 from .side_by_side import side_by_side
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from ..candidate import Candidate
-    from ..comparison import Comparison
+    from ...candidate import Candidate
+    from ...comparison import Comparison
 
 COLOURS = {"agree": "green", "diverged": "red", "unsettled": "yellow", "undecided": "yellow"}
 

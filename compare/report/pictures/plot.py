@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from .engine_style import engine_style
 
 if TYPE_CHECKING:
-    from ..chaos.foreseen import Foreseen
-    from ..comparison import Comparison
+    from ...chaos.foreseen import Foreseen
+    from ...comparison import Comparison
 
 WIDE, NARROW = 900, 340
 """Widths of the plot in pixels: on a desk or on paper, and on a telephone. Its letters are of one size in both."""
@@ -26,7 +26,7 @@ FLOOR = 1e-20
 
 
 @dataclass(frozen=True)
-class Line:
+class Graph:
     """One engine's separation: its place among the engines, its name, the points, and when it first differs."""
 
     number: int
@@ -65,10 +65,10 @@ class Scale:
         return TOP + (HEIGHT - TOP - BOTTOM) * (self.high - height) / (self.high - self.low)
 
 
-def separation_lines(comparison: Comparison) -> list[Line]:
+def separation_lines(comparison: Comparison) -> list[Graph]:
     """The lines of the plot: an engine that did not run has none."""
     return [
-        Line(
+        Graph(
             number,
             c.engine,
             c.separation.times,
@@ -160,7 +160,7 @@ def ticks(end: float, count: int = 6) -> list[float]:
     return [round(stride * k, 12) for k in range(int(end / stride * (1 + 1e-12)) + 1)]
 
 
-def _drawn(line: Line, scale: Scale) -> list[str]:
+def _drawn(line: Graph, scale: Scale) -> list[str]:
     points = " ".join(f"{scale.x(t):.1f},{scale.y(v):.1f}" for t, v in zip(line.times, line.values, strict=True))
     kind, dash = f"series e{line.number}", engine_style(line.number).dash
     parts = [
@@ -173,10 +173,10 @@ def _drawn(line: Line, scale: Scale) -> list[str]:
     return parts
 
 
-def _at(line: Line, time: float) -> float:
+def _at(line: Graph, time: float) -> float:
     """The separation at the last sample that is not later than a time."""
     return next((v for t, v in reversed(_pairs(line)) if t <= time), line.values[0])
 
 
-def _pairs(line: Line) -> Sequence[tuple[float, float]]:
+def _pairs(line: Graph) -> Sequence[tuple[float, float]]:
     return list(zip(line.times, line.values, strict=True))

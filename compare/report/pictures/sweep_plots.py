@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from .curves import Curve, plot
 
 if TYPE_CHECKING:
-    from ..ensemble.row import Row
-    from ..ensemble.survival import Step, Summary
+    from ...ensemble.row import Row
+    from ...ensemble.survival import Step, Summary
 
 STYLE = """<style>
 svg { background: #fff; font: 12px sans-serif; } .gridline { stroke: #ddd; } .series { fill: none; stroke-width: 2; }

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ...scenarios.scene import Scene
-    from ..candidate import Candidate
-    from ..comparison import Comparison
+    from ....scenarios.scene import Scene
+    from ...candidate import Candidate
+    from ...comparison import Comparison
 
 WIDTH, HEIGHT = 720.0, 480.0
 """Largest size of a picture in pixels."""
@@ -263,7 +263,7 @@ def svg_path(name: str) -> Path:
     Raises:
         SceneError: unless it ends in .svg.
     """
-    from ...scenarios.errors import SceneError
+    from ....scenarios.errors import SceneError
 
     if not name.lower().endswith(".svg"):
         raise SceneError(f"--plot {name!r}: pictures are SVG; give a file name that ends in .svg")
