@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -149,7 +149,8 @@ def compare(
     'agree'
     """
     scene = _checked_scene(scene)
-    listed: list[Any] = [engines] if isinstance(engines, str) or hasattr(engines, "run") else list(engines)  # type: ignore[arg-type]
+    several = isinstance(engines, Iterable) and not isinstance(engines, str)
+    listed: list[str | Engine] = list(engines) if several else [engines]
     if not listed:
         raise SceneError("no engine to compare; name at least one, such as double")
     chosen: list[tuple[str, Engine]] = [(_label(e), check_engine(_engine(e))) for e in listed]

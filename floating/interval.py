@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from math import inf, nextafter
 from typing import Any, ClassVar
 
-import mpmath  # type: ignore[import-untyped]
+import mpmath
 import numpy as np
 from flint import arb
-from mpmath.libmp import to_float  # type: ignore[import-untyped]
+from mpmath.libmp import to_float
 from numpy.typing import NDArray
 
 from ..exact.numbers.undecided import Undecided

@@ -77,7 +77,23 @@ class Engine(Protocol):
         ...
 
 
-class Declared:
+class Unchangeable:
+    """What an engine says that cannot be made finer, wider or firmer."""
+
+    def finer(self) -> Engine | None:
+        """None: there is no step to halve."""
+        return None
+
+    def wider(self) -> Engine | None:
+        """None: no wider numbers are to be had."""
+        return None
+
+    def firmer(self) -> Engine | None:
+        """None: nothing is iterated."""
+        return None
+
+
+class Declared(Unchangeable):
     """The declarations of an event-driven engine of exact numbers, for engines to derive from.
 
     >>> Declared().step, Declared().rounds_input, Declared().finer()
@@ -103,18 +119,6 @@ class Declared:
     def scene_keys(self) -> frozenset[str]:
         """Follows every key (see `Engine.scene_keys`)."""
         return SCENE_KEYS
-
-    def finer(self) -> Engine | None:
-        """None: there is no step to halve."""
-        return None
-
-    def wider(self) -> Engine | None:
-        """None: no wider numbers are to be had."""
-        return None
-
-    def firmer(self) -> Engine | None:
-        """None: nothing is iterated."""
-        return None
 
 
 def horizon(scene: Scene, until: QuantityLike | None, events: int | None) -> tuple[Quantity | None, int | None]:

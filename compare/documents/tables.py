@@ -73,7 +73,7 @@ class Table(Mapping[str, list[Any]]):
             SceneError: if pandas is not installed.
         """
         try:
-            from pandas import DataFrame  # type: ignore[import-not-found]
+            from pandas import DataFrame
         except ImportError:
             raise SceneError("pandas is not installed; pip install pandas, or take csv() or numpy()") from None
         return DataFrame(dict(self.columns))

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ...scenarios.engine import Declared, horizon
+from ...scenarios.engine import SCENE_KEYS, Unchangeable, horizon
 from ...scenarios.errors import TimeIsUp
 from .recording import Recording
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import OnProgress, Trajectory
 
 
-class RecordedEngine(Declared, ABC):
+class RecordedEngine(Unchangeable, ABC):
     """An engine that plays a scene into a `Recording`; all that an engine owes besides is done here.
 
     A subclass writes `play`, and sets what it is as class attributes: `name`, `bits`, `step`, `rounds_input`,
@@ -35,9 +35,10 @@ class RecordedEngine(Declared, ABC):
     """
 
     name: str = "mine"
-    bits: int | None = 53  # type: ignore[assignment]
-    step: float | None = None  # type: ignore[assignment]
-    rounds_input: bool = True  # type: ignore[assignment]
+    bits: int | None = 53
+    step: float | None = None
+    rounds_input: bool = True
+    scene_keys: frozenset[str] = SCENE_KEYS
 
     @abstractmethod
     def play(self, scene: Scene, recording: Recording) -> None:

@@ -79,7 +79,7 @@ def comparison_of(text: str, where: str = "the text") -> Comparison:
         data = None
         if text.startswith(f'{{"schema": "{SCHEMA}"'):
             raise damaged from None
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:  # type: ignore[reportUnknownMemberType]
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise SceneError(f"{where}: is not a saved comparison; write one with `truebreak compare SCENE --save FILE`")
     known: dict[str, Any] = data
     if known.get("version") != version("truebreak"):

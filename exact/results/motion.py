@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from ...scenarios.event import Event
+    from ...scenarios.trajectory import Trajectory
+
 READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
 
@@ -266,6 +269,17 @@ def _double(number: Any) -> float:
     value = _ball(number)
     double = certain_double(value)
     return float(value) if double is None else double
+
+
+def motion_of(run: Trajectory) -> ExactMotion | None:
+    """The motion of an exact run, which has its log; None for a run of any other engine."""
+    return run.motion if isinstance(run.motion, ExactMotion) else None
+
+
+def steps_through(event: Event) -> int:
+    """How many steps of its log lead through an event of an exact run."""
+    assert isinstance(event.time, ExactValue)
+    return event.time.upto
 
 
 def _shown(time: Any) -> str:

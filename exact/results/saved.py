@@ -92,7 +92,7 @@ def run_of(text: str, where: str = "the text") -> Trajectory:
         data = None
         if text.startswith(f'{{"schema":"{SCHEMA}"'):
             raise SceneError(f"{where}: is damaged; save the run again") from None
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:  # type: ignore[reportUnknownMemberType]
+    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
         raise SceneError(f"{where}: is not a saved run; write one with `truebreak run SCENE --save FILE`")
     known: dict[str, Any] = data
     if known.get("version") != version("truebreak"):

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ....exact.laws.formulas import pair_approach, pair_discriminant
 from ....exact.numbers import ball
 from ....exact.replay.ball_state import BallState
 from ....exact.replay.steps import Flip, Step
+from ....exact.results.motion import motion_of, steps_through
 from ....exact.simulation.limits import run_limits
 from ....exact.simulation.loop import Loop
 from ....floating.plain_decider import PlainDecider
 from .reader import Numbers, Reader
 
 if TYPE_CHECKING:
-    from ....exact.results.motion import ExactMotion
     from ....scenarios.numbers.quantity import Quantity
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import OnProgress, Stop, Trajectory
@@ -90,7 +90,7 @@ class Replay(Reader):
         if self._turned(pairing):
             return 1 + next(k for k, step in enumerate(steps_of(self.run)) if isinstance(step, Flip))
         anchor = pairing.anchors.get(name)
-        return 0 if anchor is None else upto(self.run, anchor)
+        return 0 if anchor is None else steps_through(self.run.events[anchor])
 
     def numbers(self, pairing: Pairing, name: str, bits: int) -> Numbers:
         """As `Reader.numbers`, at the replay's bits."""
@@ -124,11 +124,6 @@ class Replay(Reader):
 
 def steps_of(run: Trajectory) -> Sequence[Step]:
     """The log of an exact run."""
-    motion: ExactMotion = run.motion  # type: ignore[assignment]
+    motion = motion_of(run)
+    assert motion is not None
     return motion.log.steps
-
-
-def upto(run: Trajectory, event: int) -> int:
-    """How many steps of the log lead through an event."""
-    time: Any = run.events[event].time
-    return int(time.upto)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ....scenarios.errors import SceneError
 from ....scenarios.trajectory import StopReason
@@ -91,7 +91,7 @@ def _fewest(engine: Engine, does: Callable[[Engine], bool], work: int) -> Fewest
     while high - low > 1:
         middle = (low + high) // 2
         try:
-            between: Engine = dataclasses.replace(engine, bits=middle)  # type: ignore[type-var]
+            between = _with_bits(engine, middle)
         except (TypeError, SceneError):
             break
         if does(between):
@@ -109,3 +109,12 @@ def _through(study: Study, engine: Engine, progress: OnProgress | None) -> str:
     if found.short is None:
         return f"with {found.bits} it comes to the end too"
     return f"with {found.bits} it comes to the end, with {found.short} it does not"
+
+
+def _with_bits(engine: Any, bits: int) -> Engine:
+    """The same engine with so many bits.
+
+    Raises:
+        TypeError, SceneError: if it cannot be built so.
+    """
+    return dataclasses.replace(engine, bits=bits)
