@@ -149,8 +149,7 @@ def compare(
     'agree'
     """
     scene = _checked_scene(scene)
-    several = isinstance(engines, Iterable) and not isinstance(engines, str)
-    listed: list[str | Engine] = list(engines) if several else [engines]
+    listed = [engines] if isinstance(engines, str) or not isinstance(engines, Iterable) else [*engines]
     if not listed:
         raise SceneError("no engine to compare; name at least one, such as double")
     chosen: list[tuple[str, Engine]] = [(_label(e), check_engine(_engine(e))) for e in listed]

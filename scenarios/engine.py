@@ -93,21 +93,12 @@ class Unchangeable:
         return None
 
 
-class Declared(Unchangeable):
-    """The declarations of an event-driven engine of exact numbers, for engines to derive from.
-
-    >>> Declared().step, Declared().rounds_input, Declared().finer()
-    (None, False, None)
-    """
+class EventDriven(Unchangeable):
+    """The declarations of an event-driven engine, but for its `bits`."""
 
     @property
     def step(self) -> float | None:
         """No time step: event-driven (see `Engine.step`)."""
-        return None
-
-    @property
-    def bits(self) -> int | None:
-        """As many as it takes (see `Engine.bits`)."""
         return None
 
     @property
@@ -119,6 +110,19 @@ class Declared(Unchangeable):
     def scene_keys(self) -> frozenset[str]:
         """Follows every key (see `Engine.scene_keys`)."""
         return SCENE_KEYS
+
+
+class Declared(EventDriven):
+    """The declarations of an event-driven engine of exact numbers, for engines to derive from.
+
+    >>> Declared().step, Declared().rounds_input, Declared().finer()
+    (None, False, None)
+    """
+
+    @property
+    def bits(self) -> int | None:
+        """As many as it takes (see `Engine.bits`)."""
+        return None
 
 
 def horizon(scene: Scene, until: QuantityLike | None, events: int | None) -> tuple[Quantity | None, int | None]:

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import time as clock
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -16,7 +12,7 @@ from .numbers import Seconds, Whole
 from .options import EVENTS, SCENE, SCENE_HELP, UNTIL
 
 if TYPE_CHECKING:
-    from ..reduction.minimise import OnSearch, Searching
+    from ..reduction.minimise import Searching
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -87,12 +83,13 @@ def minimise(
     from ..reduction.smallest import End
     from ..report.text.smallest import print_smallest
     from ..scene_argument import scene_from
+    from .progress import showing_search
     from .writing import check_writable, write_whole
 
     loaded = scene_from(scene)
     if out is not None:
         check_writable(out)
-    with showing_search(loaded.name) as progress:
+    with showing_search(loaded.name, searched) as progress:
         found = search(
             loaded,
             engine_text,
@@ -110,20 +107,6 @@ def minimise(
     click.echo(f"Written to {out}." if out is not None else f"\n{text}", nl=out is not None)
     codes = {End.MINIMAL: DONE, End.INTERRUPTED: ExitCode.INTERRUPTED}
     return codes.get(found.end, ExitCode.UNDECIDED)
-
-
-@contextmanager
-def showing_search(title: str) -> Iterator[OnSearch | None]:
-    """A line on stderr with comparisons made, their rate, and the size so far; None where stderr is no terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.markup import escape
-
-    began = clock.monotonic()
-    with Console(stderr=True).status(escape(title)) as status:
-        yield lambda state: status.update(escape(f"{title}: {searched(state, clock.monotonic() - began)}"))
 
 
 def searched(state: Searching, seconds: float) -> str:

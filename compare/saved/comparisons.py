@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 from ...scenarios.errors import SceneError
-from ...scenarios.showing import cut
+from ...scenarios.files.sealed import Seal
 from ..cli.writing import write_whole
 from ..comparison import Comparison
 from ..documents.comparison import comparison_json
 from ..documents.objects import Reader, Writer
 
-SCHEMA = "truebreak/saved-comparison-1"
+SEAL = Seal("truebreak/saved-comparison-1", "comparison", "truebreak compare SCENE --save FILE")
 
 
 def save_comparison(comparison: Comparison, path: str | os.PathLike[str]) -> None:
@@ -40,14 +37,9 @@ def saved_comparison(comparison: Comparison) -> str:
     ('diverged', True)
     """
     writer = Writer()
-    data = {
-        "schema": SCHEMA,
-        "version": version("truebreak"),
-        "comparison": comparison_json(comparison),
-        "objects": writer(comparison),
-    }
+    data = {"comparison": comparison_json(comparison), "objects": writer(comparison)}
     data = json.loads(json.dumps({**data, "roots": writer.roots}))
-    return json.dumps({**data, "digest": _digest(data)}) + "\n"
+    return json.dumps(SEAL.sealed(data)) + "\n"
 
 
 def load_comparison(path: str | os.PathLike[str]) -> Comparison:
@@ -72,31 +64,11 @@ def comparison_of(text: str, where: str = "the text") -> Comparison:
     Raises:
         SceneError: as `load_comparison`.
     """
-    damaged = SceneError(f"{where}: is damaged; save the comparison again")
-    try:
-        data: Any = json.loads(text)
-    except (ValueError, RecursionError):
-        data = None
-        if text.startswith(f'{{"schema": "{SCHEMA}"'):
-            raise damaged from None
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:
-        raise SceneError(f"{where}: is not a saved comparison; write one with `truebreak compare SCENE --save FILE`")
-    known: dict[str, Any] = data
-    if known.get("version") != version("truebreak"):
-        raise SceneError(
-            f"{where}: was saved by truebreak {cut(known.get('version'))}, and this is {version('truebreak')}; "
-            "save the comparison again, or install that version"
-        )
-    if known.pop("digest", None) != _digest(known):
-        raise damaged
+    known = SEAL.opened(text, where)
     try:
         found = Reader(known["roots"])(known["objects"])
     except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
-        raise damaged from None
+        raise SEAL.damaged(where) from None
     if not isinstance(found, Comparison):
-        raise damaged
+        raise SEAL.damaged(where)
     return found
-
-
-def _digest(data: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()

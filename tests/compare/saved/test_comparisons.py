@@ -18,6 +18,7 @@ from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.report.html import html_report
 from truebreak.compare.saved.comparisons import comparison_of, saved_comparison
 from truebreak.scenarios import SceneError, catalogue
+from truebreak.scenarios.files.sealed import digest
 
 
 def of(name: str, *engines: Any, **limits: Any) -> Comparison:
@@ -121,13 +122,11 @@ def test_one_changed_letter_is_told() -> None:
 
 
 def test_nothing_else_is_made_of_a_file() -> None:
-    from truebreak.compare.saved import comparisons as saved_comparisons
-
     data = json.loads(saved_comparison(CASES["near-tie"]()))
     data.pop("digest")
     data["objects"] = {"is": "os:system", "of": ["true"]}
     with pytest.raises(SceneError, match="is damaged"):
-        comparison_of(json.dumps({**data, "digest": saved_comparisons._digest(data)}))
+        comparison_of(json.dumps({**data, "digest": digest(data)}))
 
 
 def test_no_file_at_all(tmp_path: Path) -> None:

@@ -22,6 +22,7 @@ from truebreak.exact.results.ball_parts import from_parts, parts_of
 from truebreak.exact.results.saved import run_of, saved_run
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.files import loads_json
+from truebreak.scenarios.files.sealed import digest
 
 BOX = (Wall(0, 0, 0, 1), Wall(9, 0, 9, 1), Wall(0, 0, 1, 0), Wall(0, 7, 1, 7))
 
@@ -142,10 +143,8 @@ def test_a_normal_form_too_long_to_be_read_is_kept_as_a_ball(monkeypatch: pytest
 
 def resealed(data: dict[str, Any]) -> str:
     """The text of a file whose contents were changed, with the digest that belongs to them."""
-    from truebreak.exact.results import saved
-
     data.pop("digest", None)
-    return json.dumps({**data, "digest": saved._digest(data)})
+    return json.dumps({**data, "digest": digest(data)})
 
 
 @pytest.mark.parametrize("name", ["double", "interval", "pymunk", "sympy"])
