@@ -10,7 +10,9 @@ import mpmath
 import pytest
 import referee
 from mpmath import mpf
-from referee import AGREED_BITS, SCENES, History, Instant, Table, compare_to_referee, load, play, texts
+from referee import AGREED_BITS, History, compare_to_referee, load, texts
+from referee_play import Instant, Table, play
+from referee_scenes import SCENES
 
 from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall
 

@@ -14,7 +14,8 @@ from flint import arb
 from fuzz.check import check
 from fuzz.table import TooLong
 from mpmath import mpf
-from referee import compare_to_referee, gas, polygon, referee
+from referee import compare_to_referee, referee
+from referee_scenes import gas, polygon
 
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
