@@ -158,7 +158,10 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
         return time_of(log, Mark(instant, number(near), upto, source_of(source)))
 
     end = time(data["end"])
-    knots = [[(*map(number, knot[:5]), *knot[5:]) for knot in row] for row in data["knots"]]
+    knots = [
+        [(number(t), number(x), number(y), number(vx), number(vy), upto, last) for t, x, y, vx, vy, upto, last in row]
+        for row in data["knots"]
+    ]
     motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
     motion.returned, motion.tape = data["returned"], tape_of_data(data["tape"])
     reason, message = data["stop"]

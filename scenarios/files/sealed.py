@@ -6,7 +6,7 @@ import hashlib
 import json
 from dataclasses import dataclass
 from importlib.metadata import version
-from typing import Any
+from typing import Any, cast
 
 from ..errors import SceneError
 from ..showing import cut
@@ -43,12 +43,12 @@ class Seal:
             SceneError: for what is none of these, is damaged or is of another version.
         """
         try:
-            data: Any = json.loads(text)
+            told: Any = json.loads(text)
         except (ValueError, RecursionError):
-            data = None
+            told = None
             if text[:99].replace(" ", "").startswith(f'{{"schema":"{self.schema}"'):
                 raise self.damaged(where) from None
-        contents: dict[str, Any] = data if isinstance(data, dict) else {}
+        contents = cast("dict[str, Any]", told) if isinstance(told, dict) else {}
         if contents.get("schema") != self.schema:
             raise SceneError(f"{where}: is not a saved {self.kind}; write one with `{self.command}`")
         if contents.get("version") != version("truebreak"):
