@@ -32,8 +32,8 @@ from .simulation.tape import Tape
 DEFAULT_WORK = 3_000_000
 """Units of work that one question, or all of one instant, may cost; a unit is about a microsecond.
 
-200,000 suffice to tell two rows of 16 discs apart that are flawed by 10**-9000 (`tests/test_log_symmetry.py`), and a
-proof in six nested roots takes about as many: fifteen times that leaves room, and ends what has no end in seconds."""
+200,000 suffice to tell two rows of 16 discs apart that are flawed by 10**-9000 (`test_log_symmetry.py`), and a proof in
+six nested roots takes about as many: fifteen times that leaves room, and ends what has no end in seconds."""
 
 
 @dataclass(frozen=True)
