@@ -106,10 +106,12 @@ class FilteredPredictor(Predictor[arb]):
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`."""
         found, unclear = self.filter.pairs(a, others, self._float_reaches[a.kind])
-        until = a.until
-        for low, high, b in found:
-            if low <= until and (link := link_of(a, b)) not in standing:
-                self.queue.push(low, high, None, link)
+        if self.state.pockets:
+            for low, high, b in found:
+                if low <= a.until and (link := link_of(a, b)) not in standing:
+                    self.queue.push(low, high, None, link)
+        else:
+            self.queue.push_pairs(a, found, standing)
         for b in unclear:
             self.plan["unclear in doubles"] += 1
             self.pair(a, b, standing)

@@ -18,6 +18,8 @@ from ..numbers import ball
 from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
 from .body import Body, Flight
 from .centred_state import CentredState
+from .contact import Touch
+from .lone import SPARE_BITS, LoneContacts
 from .state import State
 from .steps import Flip, Go, Kick, Step, Take
 
@@ -27,9 +29,6 @@ bits a collision, would soon cost far more."""
 
 Projection: TypeAlias = tuple[tuple[FieldNumber, ...], tuple[FieldNumber, FieldNumber]]
 """A linear part (a, b, c, d), which is its own square, about a centre: in exact numbers."""
-
-SPARE_BITS = 64
-"""Bits of working precision kept beyond the accuracy of the numbers at hand."""
 
 
 class RefinableState:
@@ -56,6 +55,7 @@ class RefinableState:
         ball.use_bits(bits)
         self.balls = CentredState(scene, centred=False)
         self.bodies = self.balls.bodies
+        self._lone = LoneContacts(self.balls)
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
@@ -142,6 +142,28 @@ class RefinableState:
         self._in_field.append(in_field)
         if self.held is not None and not in_field and isinstance(step, Kick):
             self._hold(taking_part)
+
+    def strike(self, link: Touch, steps: tuple[Go, Kick]) -> bool:
+        """Carries out the two steps of a contact alone in one go, and logs them, if that can be done.
+
+        Args:
+            link: the contact, of which nothing is exact and nothing holds to a line.
+            steps: to it, and its impulse.
+        """
+        if self.held is not None or self.balls.centred:
+            return False
+        if self._in_play and not self._none_exact(link.circles):
+            return False
+        accuracy = self._lone.strike(link, self.bits, len(self.steps))
+        if accuracy is None:
+            return False
+        self.lowest = min(self.lowest, accuracy)
+        self.steps += steps
+        self._in_field += (False, False)
+        return True
+
+    def _none_exact(self, bodies: tuple[int, ...]) -> bool:
+        return not any(self.exact[i] for i in bodies)
 
     def _hold(self, bodies: tuple[int, ...]) -> None:
         """Puts circles that something is known to hold to a line or a point there."""
