@@ -33,6 +33,16 @@ class Partners(NamedTuple):
     alike: bool
 
 
+class Shares(NamedTuple):
+    """What no flight of two circles on one line changes: R, 2 w / (wa + wb) for each, and what these leave of 1."""
+
+    reach: arb
+    a: arb
+    b: arb
+    rest_a: arb
+    rest_b: arb
+
+
 class Upright(NamedTuple):
     """A wall along an axis, to a circle: the coordinate at which the circle touches it, twice that, and which it is."""
 
@@ -73,6 +83,7 @@ class LoneContacts:
         self._state = state
         self._bits = 0
         self._partners: dict[Pair, Partners] = {}
+        self._shares: dict[Pair, Shares] = {}
         self._walls: dict[AtWall, Upright | Oblique] = {}
 
     def strike(self, link: Touch, bits: int, done: int) -> int | None:
@@ -89,6 +100,7 @@ class LoneContacts:
         if bits != self._bits:
             self._bits = bits
             self._partners.clear()
+            self._shares.clear()
             self._walls.clear()
         return self._bounce(link, bits, done + 1) if isinstance(link, Pair) else self._rebound(link, bits, done + 1)
 
@@ -99,6 +111,8 @@ class LoneContacts:
         bx, by, bvx, bvy, bt, _, _, blast, brest = b.flight
         if arest or brest:
             return None
+        if (avy.is_zero() and bvy.is_zero()) or (avx.is_zero() and bvx.is_zero()):
+            return self._on_line(link, bits, step)
         square_reach, share_a, share_b, alike = self._partners.get(link) or self._become_partners(link, bits)
         worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
@@ -138,6 +152,54 @@ class LoneContacts:
         a.flight, b.flight = one, _flight(Flight, (x, y, wx, wy, clock, instant, late, step, rest))
         accuracy = self._stand(instant, late, step, bits)
         a.acc = b.acc = accuracy
+        return accuracy
+
+    def _on_line(self, link: Pair, bits: int, step: int) -> int | None:
+        """Two circles that fly along one level or upright line, exactly: `BallState`'s forms of `_head_on` and `_mix`.
+
+        There the direction of v is (1, 0) or (-1, 0), say, and pair_mix's matrix has one entry, 2 w / (wa + wb).
+        """
+        a, b = self._state.bodies[link[0]], self._state.bodies[link[1]]
+        ax, ay, avx, avy, at, _, _, alast, _ = a.flight
+        bx, by, bvx, bvy, bt, _, _, blast, _ = b.flight
+        level = avy.is_zero() and bvy.is_zero()
+        if not (by - ay if level else bx - ax).is_zero():
+            return None
+        reach, share_a, share_b, rest_a, rest_b = self._shares.get(link) or self._share(link, bits)
+        worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        p, u, q, v = (ax, avx, bx, bvx) if level else (ay, avy, by, bvy)
+        if alast >= blast:
+            base = at
+            now_p, now_q = p, q + v * (at - bt)
+        else:
+            base = bt
+            now_p, now_q = p + u * (bt - at), q
+        speed = v - u
+        sign = ball.sign_of(speed)
+        if not sign:
+            return None
+        apart = reach if sign < 0 else -reach  # d at the hit
+        wait = (apart - (now_q - now_p)) / speed
+        instant = base + wait
+        clock = instant.mid()
+        lag = clock - base
+        late = wait - lag
+        p, q = now_p + u * lag, now_q + v * lag
+        place, pace = p.mid(), u.mid()
+        own, other, mine, its = p - place, q - place, u - pace, v - pace
+        change = (mine - its) * late
+        p = (place + (rest_a * own + share_a * (other - apart))).intersection(p + share_a * change)
+        q = (place + (rest_b * other + share_b * (own + apart))).intersection(q - share_b * change)
+        u, v = pace + (rest_a * mine + share_a * its), pace + (rest_b * its + share_b * mine)
+        still = u.is_zero(), v.is_zero()
+        if level:
+            one, two = (p, ay, u, avy), (q, by, v, bvy)
+        else:
+            one, two = (ax, p, avx, u), (bx, q, bvx, v)
+        a.flight = _flight(Flight, (*one, clock, instant, late, step, still[0]))
+        b.flight = _flight(Flight, (*two, clock, instant, late, step, still[1]))
+        a.acc = b.acc = accuracy = self._stand(instant, late, step, bits)
         return accuracy
 
     def _rebound(self, link: AtWall, bits: int, step: int) -> int | None:
@@ -190,6 +252,14 @@ class LoneContacts:
         shares = (a.w + a.w) / whole, (b.w + b.w) / whole
         circles = self._state.scene.circles
         found = self._partners[link] = Partners(square, *shares, circles[link.a].m == circles[link.b].m)
+        return found
+
+    def _share(self, link: Pair, bits: int) -> Shares:
+        ball.use_bits(bits)
+        a, b = link.ends(self._state)
+        whole, one = a.w + b.w, self._state.one
+        share_a, share_b = (a.w + a.w) / whole, (b.w + b.w) / whole
+        found = self._shares[link] = Shares(self._state.reach(a, b), share_a, share_b, one - share_a, one - share_b)
         return found
 
     def _face(self, link: AtWall, body: Body[arb], bits: int) -> Upright | Oblique:

@@ -18,7 +18,7 @@ from ..numbers import ball
 from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
 from .body import Body, Flight
 from .centred_state import CentredState
-from .contact import Touch
+from .contact import AtWall, Pair, Touch
 from .lone import SPARE_BITS, LoneContacts
 from .state import State
 from .steps import Flip, Go, Kick, Step, Take
@@ -147,10 +147,10 @@ class RefinableState:
         """Carries out the two steps of a contact alone in one go, and logs them, if that can be done.
 
         Args:
-            link: the contact, of which nothing is exact and nothing holds to a line.
+            link: the contact.
             steps: to it, and its impulse.
         """
-        if self.held is not None or self.balls.centred:
+        if self.balls.centred:
             return False
         if self._in_play and not self._none_exact(link.circles):
             return False
@@ -160,6 +160,8 @@ class RefinableState:
         self.lowest = min(self.lowest, accuracy)
         self.steps += steps
         self._in_field += (False, False)
+        if self.held is not None:
+            self._hold(link.circles)
         return True
 
     def _none_exact(self, bodies: tuple[int, ...]) -> bool:
@@ -276,18 +278,24 @@ class RefinableState:
             body.acc = bits
         if self.field is not None:
             state.outside.update(range(self.n))
-        for k, step in enumerate(self.steps):
+        lone = LoneContacts(state)
+        k, count = 0, len(self.steps)
+        while k < count:
             if k in self._left:
                 self._arrive(state, k)
-            if not self._in_field[k]:
-                state.steps_done = k
-                accuracy = self._step_in_balls(state, step, self._taking_part(step), bits)
+            link = None if centred else self._alone(k)
+            accuracy = None if link is None else lone.strike(link, bits, k)
+            if accuracy is not None:
                 self.lowest = min(self.lowest, accuracy)
-                ball.use_bits(bits)
-            elif isinstance(step, Go):
-                state.forget_contact()
-            elif isinstance(step, Flip):
-                state.flip_time = self.balls.flip_time
+                k += 2
+                if k in self._projected:
+                    ball.use_bits(bits)
+                    self._project_all(state, self._projected[k])
+                continue
+            ball.use_bits(bits)
+            self._again(state, k, bits)
+            k += 1
+        ball.use_bits(bits)
         if len(self.steps) in self._left:
             self._arrive(state, len(self.steps))
         if self.field is not None and any(isinstance(step, Flip) for step in self.steps):
@@ -297,6 +305,27 @@ class RefinableState:
         self.balls.become(state)
         self._stale = {i for i in range(self.n) if self.exact[i]}
         self.sync(tuple(self._stale))
+
+    def _alone(self, k: int) -> Touch | None:
+        """The contact that stands alone in steps k and k + 1, where both were carried out in balls; else None."""
+        step = self.steps[k]
+        if self._in_field[k] or k + 1 in self._left or not isinstance(step, Go) or k + 1 == len(self.steps):
+            return None
+        link, after = step.source, self.steps[k + 1]
+        if not isinstance(link, (Pair, AtWall)) or step.bodies != link.circles or not isinstance(after, Kick):
+            return None
+        return link if after.links == (link,) else None
+
+    def _again(self, state: CentredState, k: int, bits: int) -> None:
+        """Step k of a replay."""
+        step = self.steps[k]
+        if not self._in_field[k]:
+            state.steps_done = k
+            self.lowest = min(self.lowest, self._step_in_balls(state, step, self._taking_part(step), bits))
+        elif isinstance(step, Go):
+            state.forget_contact()
+        elif isinstance(step, Flip):
+            state.flip_time = self.balls.flip_time
 
     def _arrive(self, state: CentredState, k: int) -> None:
         """Bodies whose exact life ended before step k enter the balls of a replay."""
