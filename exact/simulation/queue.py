@@ -98,6 +98,18 @@ class ArrivalQueue(Generic[N]):
                 heappush(heap, _new(Arrival, (low, order, high, True, None, link, serials, False)))
         self._order = order
 
+    def push_walls(self, a: Body[N], found: Iterable[tuple[float, float, int]], standing: Collection[Link]) -> None:
+        """Queues arrivals of a at walls, the earliest first, until one of them ends its flight."""
+        for low, high, wall in sorted(found):
+            if low > a.until:
+                return
+            link = _new(AtWall, (a.index, wall, "wall"))
+            if link not in standing:
+                a.until = min(a.until, high)
+                self._order += 1
+                serials = (a.serial,)
+                heappush(self._heap, _new(Arrival, (low, self._order, high, True, None, link, serials, False)))
+
     def push_doubtful(self, low: float, link: Link) -> None:
         """Queues one that may not come, and not before a time."""
         self._push(low, inf, False, None, link, False)
