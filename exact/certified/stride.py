@@ -94,7 +94,9 @@ class Stride:
             moved = [bodies[i] for i in circles]
             predictor.refresh(moved)
             done, alone = len(steps), both[1].links
-            mark = _new(Mark, (last, reading.now(moved[0]), done, circles[0]))
+            first = moved[0]
+            time = +first.flight.instant if in_balls else reading.now(first)  # short, as `refresh` has left it
+            mark = _new(Mark, (last, time, done, circles[0]))
             records.append(_new(Record, (mark, alone, alone, (), False)))
             for body in moved:
                 body.serial += 1
