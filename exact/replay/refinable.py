@@ -152,7 +152,7 @@ class RefinableState:
         """
         if self.balls.centred:
             return False
-        if self._in_play and not self._none_exact(link.circles):
+        if self._in_play and not self._all_leave(link.circles):
             return False
         accuracy = self._lone.strike(link, self.bits, len(self.steps))
         if accuracy is None:
@@ -164,8 +164,15 @@ class RefinableState:
             self._hold(link.circles)
         return True
 
-    def _none_exact(self, bodies: tuple[int, ...]) -> bool:
-        return not any(self.exact[i] for i in bodies)
+    def _all_leave(self, bodies: tuple[int, ...]) -> bool:
+        """Ends the exact lives of those of some bodies that have one; False, and nothing done, if all have."""
+        exact = [i for i in bodies if self.exact[i]]
+        if len(exact) == len(bodies):
+            return False
+        ball.use_bits(self.bits)
+        for i in exact:
+            self._leave(i)
+        return True
 
     def _hold(self, bodies: tuple[int, ...]) -> None:
         """Puts circles that something is known to hold to a line or a point there."""
