@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
@@ -108,7 +109,11 @@ class ExactMotion:
         self.end = end
         self.returned = False
         self.tape: Tape | None = None
-        self._rough = [[float(_ball(knot[0])) for knot in row] for row in knots]
+
+    @cached_property
+    def _rough(self) -> list[list[float]]:
+        """About when each knot is."""
+        return [[float(_ball(knot[0])) for knot in row] for row in self.knots]
 
     def state(self, time: ExactValue | QuantityLike) -> list[Row]:
         """(x, y, vx, vy) of every circle; at an instant, after all that happens at it.
