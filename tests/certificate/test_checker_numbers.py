@@ -14,7 +14,7 @@ from truebreak.tools.verify import ROOTS, WORK, Ball, Exact, Undecided, number
 @pytest.fixture(autouse=True)
 def numbers_of_its_own() -> Iterator[None]:
     bits, Ball.bits = Ball.bits, 40
-    Exact.roots, Exact.most, Exact.work, Exact.budget = [], ROOTS, 0, WORK
+    Exact.roots, Exact.named, Exact.most, Exact.work, Exact.budget = [], [], ROOTS, 0, WORK
     yield
     Ball.bits = bits
 
@@ -95,6 +95,6 @@ def test_exact_numbers_are_bounded_in_work_and_roots() -> None:
 
 
 def test_numbers_as_they_are_written() -> None:
-    Exact.roots.append(number("2"))
+    Exact.named.append(number("2").sqrt())
     read = number("-3/4+1/2*r1*r1-5*r1")
     assert (read - number("1/4") + number("5*r1")).zero()
