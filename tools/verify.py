@@ -23,6 +23,7 @@ isometry maps the causal past of one number to that of another, or of its negati
 impulses by the blocks before them, and by induction flights are mapped to flights. "back": the way back of a reversed
 run undoes the way out, block by block. docs/symmetry-and-ties.md proves both theorems.
 """
+
 # fmt: off
 import json
 import random
@@ -35,7 +36,7 @@ from operator import add, mul, neg, sub, truediv
 from pathlib import Path
 
 FORMAT, BYTES, CIRCLES, BITS, PAIRS, SIZE = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20, 1 << 22, 1 << 30
-TEXT, ROOTS, SCENE_ROOTS, WORK, INSTANTS = 20_000, 16, 12, 1 << 38, 1 << 14
+TEXT, ROOTS, SCENE_ROOTS, WORK, INSTANTS = 20_000, 16, 12, 1 << 37, 1 << 14
 NEVER, DOUBT = ("never", None), ("doubt", None)
 Flight = namedtuple("Flight", "x y vx vy t age")  # at (x, y) at time t, which is that of the instant `age`
 Meeting = namedtuple("Meeting", "t gap closing d v square arms")
@@ -45,7 +46,6 @@ class Refuted(Exception): """The certificate states something false."""
 class Malformed(Exception): """This is no certificate."""
 class Undecided(Exception): """The intervals are too wide, or a witness is missing."""
 BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
-
 
 class Exact:
     """a + b*sqrt(d): d is the k-th of `roots`, a and b use those before it; for k = 0 the fraction a."""
@@ -78,7 +78,7 @@ class Exact:
         return b if a in (0, b) else a * (self.a * self.a - self.b * self.b * Exact.roots[self.k - 1]).sign()
     def sqrt(self):
         """The positive root: made of the roots at hand if it can be, else a new one."""
-        if self.sign() < 1: raise Undecided("a number that is not positive has a root")
+        if self.sign() < 1: raise Malformed("a number that is not positive has a root")
         if root := self.within(len(Exact.roots)): return root if root.sign() > 0 else -root
         if len(Exact.roots) >= Exact.most: raise Undecided("an exact witness takes too many roots")
         Exact.roots.append(self)
@@ -89,14 +89,11 @@ class Exact:
             root = Fraction(isqrt(abs(self.a.numerator)), isqrt(self.a.denominator))
             return Exact(root) if root * root == self.a else None
         (a, b), d = self.parts(k), Exact.roots[k - 1]
-        if not b:
-            e = None if (c := a.within(k - 1)) else (a / d).within(k - 1)
-            return c or (e and Exact(ZERO, e, k))
+        if not b: return a.within(k - 1) or ((e := (a / d).within(k - 1)) and Exact(ZERO, e, k))
         norm = (a * a - b * b * d).within(k - 1)
         for n in (norm, -norm) if norm else ():
             if c := ((a + n) / (ONE + ONE)).within(k - 1): return Exact(c, b / (c + c), k)
         return None
-
 
 class Ball:
     """The reals within r of m, in units of 2**-bits; what is exact at these bits stays so. `how` the number comes
@@ -148,7 +145,6 @@ class Ball:
             for how in done: how[0] = how[0] if how[0] is not None and how[0].k <= roots else None
             del Exact.roots[roots:]
 
-
 ZERO, ONE = Exact(Fraction(0)), Exact(Fraction(1))
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def number(text):
@@ -166,7 +162,6 @@ def put(flight, t, age):
     """The same flight, told from where it is at a time t, that of the instant `age`."""
     x, y, vx, vy, since, then = flight
     return flight if age == then else Flight(x + vx * (t - since), y + vy * (t - since), vx, vy, t, age)
-
 
 class Laws:
     """The laws of flight, meeting and impulse. Bodies are circles, and then pockets, which rest, counted from behind. A
@@ -199,9 +194,9 @@ class Laws:
         """The x with G x = y, by elimination; each row is one of G, and then of y."""
         if not rows: return []
         (pivot, *top), *rest = rows
-        low = [[x - f * y for f in [row[0] / pivot] for x, y in zip(row[1:], top, strict=True)] for row in rest]
-        known = self.solve(low)
-        return [sum((-(g * x) for g, x in zip(top[:-1], known, strict=True)), top[-1]) / pivot, *known]
+        rest = [[x - f * y for f in [row[0] / pivot] for x, y in zip(row[1:], top, strict=True)] for row in rest]
+        low = self.solve(rest)
+        return [sum((-(g * x) for g, x in zip(top[:-1], low, strict=True)), top[-1]) / pivot, *low]
     def blow(self, flights, push, others):
         """Of those that push the impulses s, by G s = -2u; 2u + G s of others; the new velocities."""
         met = {c: self.meeting(flights, c) for c in (*push, *others)}
@@ -212,11 +207,10 @@ class Laws:
             return sum(((x * p + y * q) * w for w, x, y, p, q in both), self.none)
         rows, new = [[*(effect(c, o) for o in push), -twice[c]] for c in push], {}
         s = dict(zip(push, self.solve(rows), strict=True))
-        for c, i, (x, y) in ((c, i, arm) for c in push for i, arm in met[c].arms.items()):
+        for i, x, y, j in ((i, x, y, s[c]) for c in push for i, (x, y) in met[c].arms.items()):
             (vx, vy), w = new.get(i, flights[i][2:4]), self.weights[i]
-            new[i] = vx + w * s[c] * x, vy + w * s[c] * y
+            new[i] = vx + w * j * x, vy + w * j * y
         return s, {c: sum((effect(c, o) * s[o] for o in push), twice[c]) for c in others}, new
-
 
 class Zeros(Laws):
     """What proves numbers of a run zero. The past of a circle is its last block, and so all before: a round of impulses
@@ -306,7 +300,6 @@ class Zeros(Laws):
         latest = max(self.blocks[k].age for k in pasts[1:])
         return latest if c in self.standing[latest] else None
 
-
 class Checker(Zeros):
     """Follows the log of a certificate. Between instants it keeps `flights`, all enclosed; `nexts`, what is known of
     the next meeting of two: never, a hit or a graze, and when, or a doubt; `lasting`, the contacts that stay at gap
@@ -322,7 +315,7 @@ class Checker(Zeros):
         falls = sorted(self.bits.items()) == [(k, b) for k, b in told["bits"]] and max(self.bits.values()) == bits
         if first != 0 or not falls or not 0 < min(self.bits.values()) <= bits <= BITS or size * bits > SIZE:
             raise Malformed("bits out of range")
-        Exact.roots, Exact.named, Exact.most, Exact.work, Exact.budget = [], [], ROOTS, 0, WORK
+        Exact.roots, Exact.named, Exact.most, Exact.budget = [], [], ROOTS, WORK
         for text in told["roots"]: Exact.named.append(number(text).sqrt())
         def read(kind, keys): return [[number(thing[key]) for key in keys.split()] for thing in scene.get(kind, ())]
         circles, walls, pockets = read("circles", "x y vx vy r"), read("walls", "x0 y0 x1 y1"), read("pockets", "x y r")
@@ -335,6 +328,9 @@ class Checker(Zeros):
         pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if circles[i][4] or circles[j][4]]
         others = [(i, j) for i in sorted(self.movable) for j in (*range(n, n + len(walls)), *range(-len(pockets), 0))]
         self.meets = dict.fromkeys([c for c in pairs if not self.movable.isdisjoint(c)] + others)
+        sides = {(i, n + k): nx * (circles[i][0] - x) + ny * (circles[i][1] - y)
+                 for i in self.movable for k, (x, y, nx, ny) in enumerate(self.lines)}
+        self.sides = {c: x.sign() for c, x in sides.items()}
         limits = {"reverse": scene.get("reverse_at"), "until": self.end.get("until")}
         self.limits = {question: number(text) for question, text in limits.items() if text is not None}
         self.policy, _, seed = scene["tie_policy"].partition(":seed=")
@@ -350,10 +346,11 @@ class Checker(Zeros):
         Ball.bits = self.bits[0] * factor
         self.none, self.due = Ball.of(ZERO), {question: Ball.of(x) for question, x in self.limits.items()}
         bodies, self.walls = ([[*map(Ball.of, row)] for row in rows] for rows in (self.bodies, self.lines))
-        for wall, (_, _, nx, ny) in zip(self.walls, self.lines, strict=True): wall.append(Ball.of(nx * nx + ny * ny).sqrt())
+        for wall, (_, _, nx, ny) in zip(self.walls, self.lines, strict=True):
+            wall.append(Ball.of(nx * nx + ny * ny).sqrt())  # exact before, so that it stays exact if it can
         self.radii, self.weights = ([row[k] for row in bodies] for k in (4, 5))
         self.flights, self.time, self.age = [Flight(*row[:4], self.none, 0) for row in bodies], self.none, 0
-        self.sides, self.nexts, self.lasting, self.gone, self.grazed, self.standing = {}, {}, set(), set(), set(), {}
+        self.nexts, self.lasting, self.gone, self.grazed, self.standing = {}, set(), set(), set(), {}
         self.blocks, self.numbers = [Block("data", frozenset(), frozenset(), {}, 0)], {}
         self.last, self.way, self.count, self.where = dict.fromkeys(range(self.n), 0), {}, 0, "at the start"
         self.open(self.told["start"])
@@ -367,18 +364,15 @@ class Checker(Zeros):
         """Goes on with so many bits, which may be fewer: what is known gets less sharp on the way."""
         drop, Ball.bits = Ball.bits - bits, bits
         if drop:
-            flights, times = (x for flight in self.flights for x in flight[:5]), (x for _, x in self.nexts.values() if x)
-            rows = [x for row in (*self.walls, self.radii, self.weights, self.due.values()) for x in row]
-            for x in {id(x): x for x in (*flights, *times, *rows)}.values(): x.cut(drop)
+            rows = *(flight[:5] for flight in self.flights), *self.walls, self.radii, self.weights, self.due.values()
+            numbers = *(x for row in rows for x in row), *(x for _, x in self.nexts.values() if x)
+            for x in {id(x): x for x in numbers}.values(): x.cut(drop)
 
     def open(self, entry):
         """Time 0: nothing overlaps; what touches is known exactly."""
         known = {}
         self.take(entry, None)
-        for i, j in (c for c in self.meets if c[1] >= self.n):
-            (x, y, nx, ny, _), flight = self.walls[j - self.n], self.flights[i]
-            self.sides[i, j] = (nx * (flight.x - x) + ny * (flight.y - y)).sign()
-            if not self.sides[i, j]: raise Undecided(f"on which side of wall {j - self.n} circle {i} is")
+        if 0 in self.sides.values(): raise Refuted("a centre is on a wall")
         for c in self.meets:
             m = self.meeting(self.flights, c)
             if (gap := m.gap.sign()) == 0 or (gap is None and m.gap.zero()): known[c] = self.sign("still", c, m.closing)
@@ -402,25 +396,26 @@ class Checker(Zeros):
             self.tied.add(c)
         near = [c for c in self.meets if c not in self.tied and self.later(c, self.time)]
         for question, limit in self.due.items():
-            sign = 0 if not arrive and (limit - self.time).zero() else self.sign(question, self.clock, limit - self.time)
+            wait = limit - self.time
+            sign = 0 if not arrive and wait.zero() else self.sign(question, self.clock, wait)
             if sign < 0: raise Refuted("the end, or the reversal, comes before it")
             due |= question == "reverse" and sign == 0
         self.resolve(dict.fromkeys(self.lasting | {*grazes}, 0) | dict.fromkeys(arrive, -1), entry, near)
         self.turn_if_due(entry, due)
     def next(self, c):
-        """What is known of the next meeting of two: never; a hit or a graze, and when; or a doubt, but for a witness."""
+        """What is known of the next meeting of two: never; a hit or a graze, and when; a doubt, but for witnesses."""
         if self.nexts.get(c, DOUBT) == DOUBT:
             m = self.meeting(self.flights, c) if c in self.meets and self.gone.isdisjoint(c) else None
             closing, gap = (m.closing.sign(), m.gap.sign()) if m else (1, 1)
-            self.nexts[c] = DOUBT
-            if closing in (0, 1) or (gap == -1 and c[1] < 0): self.nexts[c] = NEVER
-            elif gap == -1: raise Refuted(f"{c} overlap")
-            elif (disc := self.disc(m).sign() if m.v else 1) == -1: self.nexts[c] = NEVER
-            elif closing is None: self.nexts[c] = NEVER if self.zero("still", c, m.closing, must=False) else DOUBT
-            elif disc == 1: self.nexts[c] = "hit", self.hit(m)
+            known = DOUBT
+            if gap == -1 and c[1] >= 0: raise Refuted(f"{c} overlap")
+            if closing in (0, 1) or gap == -1 or (disc := self.disc(m).sign() if m.v else 1) == -1: known = NEVER
+            elif closing is None: known = NEVER if self.zero("still", c, m.closing, must=False) else DOUBT
+            elif disc == 1: known = "hit", self.hit(m)
             elif disc == 0 or self.zero("graze", c, self.disc(m)):
-                self.nexts[c] = "graze", self.graze(m)
+                known = "graze", self.graze(m)
                 self.grazed |= set() if self.way else {self.pasts(c)}
+            self.nexts[c] = known
         return self.nexts[c]
     def apart(self, m, time):
         """Whether two have surely not met until a time. Their gap is at least gap + 2 closing * s at s after the start,
@@ -543,6 +538,14 @@ class Checker(Zeros):
         for flight, row in zip(self.flights[: self.n], self.told["final"]["circles"], strict=True):
             for value, text in zip(put(flight, self.time, self.age)[:4], row, strict=True): self.said(value, text)
 
+def judged(told, factor):
+    """The exit code for a certificate with so many times its bits, a sentence, and how many these are."""
+    checker = None
+    try:
+        (checker := Checker(told)).check(factor)
+        return 0, f"verified: {checker.count} events, to the end: {checker.end['reason']}", factor * checker.bits[0]
+    except Undecided as doubt: return 4, f"not decided: {checker.where if checker else 'in the scene'}: {doubt}", 0
+    except Refuted as fault: return 1, f"refuted: {checker.where}: {fault}", factor * checker.bits[0]
 
 def verdict(path):
     """The exit code for a file, and a sentence."""
@@ -551,20 +554,12 @@ def verdict(path):
         if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
         if len(text) > BYTES: raise Malformed(f"it is longer than {BYTES} bytes")
-        told, first = json.loads(text), None
-        for factor in (1, 2, 4):
-            checker = None
-            try:
-                checker = Checker(told)
-                checker.check(factor)
-                sentence = f"verified: {checker.count} events, to the end: {checker.end['reason']}"
-                return (4, f"{first}; {factor * checker.bits[0]} bits verify it") if first else (0, sentence)
-            except Undecided as doubt:
-                first = first or f"not decided: {checker.where if checker else 'in the scene'}: {doubt}"
-            except Refuted as fault:
-                refuted = f"refuted: {checker.where}: {fault}"
-                return (4, f"{first}; {factor * checker.bits[0]} bits: {refuted}") if first else (1, refuted)
-        return 4, f"{first}; nor do 4 times the bits decide"
+        Exact.work, told = 0, json.loads(text)
+        code, sentence, _ = judged(told, 1)
+        for factor in (2, 4) if code == 4 else ():
+            more, what, bits = judged(told, factor)
+            if more != 4: return 4, f"{sentence}; with {bits} bits it is {what}"
+        return code, sentence + "; nor do 4 times the bits decide" * (code == 4)
     except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
     except BROKEN as error:
         return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"

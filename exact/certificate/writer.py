@@ -89,6 +89,7 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
     most = min(BITS // 2, ENOUGH * bits + 4 * len(json.dumps(frame["scene"])))
     while True:
         told = {**deepcopy(frame), "bits": [[0, bits]], "start": deepcopy(log[0]), "instants": deepcopy(log[1:])}
+        Exact.work = 0
         prover = Prover(told, contacts, digits)
         try:
             prover.run()
