@@ -51,7 +51,7 @@ class Exact:
     """a + b*sqrt(d): d is the k-th of `roots`, a and b use those before it; for k = 0 the fraction a."""
     roots, named, most, work, budget = [], [], ROOTS, 0, WORK
     def __init__(self, a, b=None, k=0): self.a, self.b, self.k = a, b, k
-    def __bool__(self): return self.k > 0 or self.a != 0
+    def __bool__(self) -> bool: return self.k > 0 or self.a != 0
     def parts(self, k): return (self.a, self.b) if self.k == k else (self, ZERO)
     def __neg__(self): return Exact(-self.a, self.b and -self.b, self.k)
     def __sub__(self, o): return self + -o
@@ -253,7 +253,7 @@ class Zeros(Laws):
     def isometry(self, k):
         """The linear part, what is mapped to what, checked on the data, and the images of the first blocks."""
         if k not in self.isometries:
-            told = self.told["isometries"][k]
+            told = dict(enumerate(self.told["isometries"]))[k]
             (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
             images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
             alike = all((i < 0, i < self.n) == (j < 0, j < self.n) for i, j in images.items())
@@ -517,11 +517,11 @@ class Checker(Zeros):
 
     def said(self, value, text):
         """That a number is as the decimal text says, to within one unit of its last digit."""
-        if not (decimal := re.fullmatch(r"-?\d{1,400}(?:\.(\d{1,400}))?", text, re.ASCII)):
+        if not (decimal := re.fullmatch(r"(-?\d{1,400})(?:\.(\d{1,400}))?", text, re.ASCII)):
             raise Malformed(f"{text[:40]!r} is no decimal")
-        unit, off = Fraction(1, 10 ** len(decimal[1] or "")), value - Ball.of(Exact(Fraction(text)))
-        if (signs := [(Ball.of(Exact(unit)) + x).sign() for x in (off, -off)]) != [1, 1]:
-            raise (Undecided if None in signs else Refuted)(f"a number is not {text}")
+        scale, unit = 10 ** len(part := decimal[2] or ""), 1 << Ball.bits
+        off, wide = abs(value.m * scale - (int(decimal[1] + part) << Ball.bits)), value.r * scale
+        if off + wide >= unit: raise (Refuted if off - wide >= unit else Undecided)(f"a number is not {text}")
     def close(self, reason):
         """What ended the run, and the final state."""
         self.take(self.end, self.clock)
@@ -547,6 +547,11 @@ def judged(told, factor):
     except Undecided as doubt: return 4, f"not decided: {checker.where if checker else 'in the scene'}: {doubt}", 0
     except Refuted as fault: return 1, f"refuted: {checker.where}: {fault}", factor * checker.bits[0]
 
+def once(pairs):
+    """An object of JSON whose keys differ."""
+    if len(found := dict(pairs)) < len(pairs): raise Malformed("a key comes twice")
+    return found
+
 def verdict(path):
     """The exit code for a file, and a sentence."""
     sys.set_int_max_str_digits(TEXT)
@@ -554,7 +559,7 @@ def verdict(path):
         if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
         if len(text) > BYTES: raise Malformed(f"it is longer than {BYTES} bytes")
-        Exact.work, told = 0, json.loads(text)
+        Exact.work, told = 0, json.loads(text, object_pairs_hook=once)
         code, sentence, _ = judged(told, 1)
         for factor in (2, 4) if code == 4 else ():
             more, what, bits = judged(told, factor)

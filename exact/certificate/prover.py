@@ -148,6 +148,7 @@ class Prover(Checker):
 
     def _grazes(self, c: Contact, time: Ball) -> bool:
         """Whether two graze at a time, as far as intervals tell."""
+        when: Any
         kind, when = self.next(c)
         return kind == "graze" and (when - time).sign() in (None, 0)
 
