@@ -246,7 +246,7 @@ class Zeros(Laws):
             return alike and all(self.maps(g, k) for k in c if 0 <= k < self.n)
         if question not in ("still", "together") or j < 0: return False
         if j >= self.n:
-            _, _, nx, ny = self.things[j]
+            _, _, nx, ny, _ = self.things[j]
             return not (a * nx + b * ny + nx or d * nx + e * ny + ny) and images.get(i) == i and self.maps(g, i)
         unturned = not any((a - ONE, b, d, e - ONE))
         return unturned and any(images.get(k) == m and self.maps(g, k) for k, m in ((i, j), (j, i)))
@@ -323,13 +323,14 @@ class Checker(Zeros):
             row.append(ZERO if thing["m"] == "oo" else ONE / number(thing["m"]))
         self.bodies = circles + [[x, y, ZERO, ZERO, r, ZERO] for x, y, r in reversed(pockets)]
         self.lines = [[x0, y0, y0 - y1, x1 - x0] for x0, y0, x1, y1 in walls]
+        for line in self.lines: line.append(line[2] * line[2] + line[3] * line[3])
         self.things = dict(enumerate(circles + self.lines)) | {k: self.bodies[k] for k in range(-len(pockets), 0)}
         self.movable = {i for i, c in enumerate(circles) if c[5]}
         pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if circles[i][4] or circles[j][4]]
         others = [(i, j) for i in sorted(self.movable) for j in (*range(n, n + len(walls)), *range(-len(pockets), 0))]
         self.meets = dict.fromkeys([c for c in pairs if not self.movable.isdisjoint(c)] + others)
         sides = {(i, n + k): nx * (circles[i][0] - x) + ny * (circles[i][1] - y)
-                 for i in self.movable for k, (x, y, nx, ny) in enumerate(self.lines)}
+                 for i in self.movable for k, (x, y, nx, ny, _) in enumerate(self.lines)}
         self.sides = {c: x.sign() for c, x in sides.items()}
         limits = {"reverse": scene.get("reverse_at"), "until": self.end.get("until")}
         self.limits = {question: number(text) for question, text in limits.items() if text is not None}
@@ -337,7 +338,8 @@ class Checker(Zeros):
         self.draw = random.Random(int(seed)) if seed else None
         if self.policy not in ("simultaneous", "sequential", "sequential:order=scene"):
             raise Malformed(f"tie policy {self.policy!r} is not known")
-        sizes = [*self.limits.values(), *(p[2] for p in pockets), *(x for c in circles for x in c[4:] if x)]
+        sizes = [*self.limits.values(), *(row[-1] for row in pockets + self.lines)]
+        sizes += [x for c in circles for x in c[4:] if x]
         if any(x.sign() < 1 for x in sizes) or any(x for c in circles if not c[5] for x in c[2:4]):
             raise Malformed("a size, mass or time is not positive, or a fixed circle moves")
         if "reverse_at" in scene and "reverse_after" in scene: raise Malformed("there are two reversals")
@@ -346,8 +348,7 @@ class Checker(Zeros):
         Ball.bits = self.bits[0] * factor
         self.none, self.due = Ball.of(ZERO), {question: Ball.of(x) for question, x in self.limits.items()}
         bodies, self.walls = ([[*map(Ball.of, row)] for row in rows] for rows in (self.bodies, self.lines))
-        for wall, (_, _, nx, ny) in zip(self.walls, self.lines, strict=True):
-            wall.append(Ball.of(nx * nx + ny * ny).sqrt())  # exact before, so that it stays exact if it can
+        for wall in self.walls: wall[4] = wall[4].sqrt()
         self.radii, self.weights = ([row[k] for row in bodies] for k in (4, 5))
         self.flights, self.time, self.age = [Flight(*row[:4], self.none, 0) for row in bodies], self.none, 0
         self.nexts, self.lasting, self.gone, self.grazed, self.standing = {}, set(), set(), set(), {}

@@ -39,7 +39,7 @@ class Prover(Checker):
         self.contacts = contacts
         self.digits = digits
         self.known_isometries: dict[str, int] = {}
-        self.candidates = Candidates(self.bodies, self.lines, self.n)
+        self.candidates = Candidates(self.bodies, [line[:4] for line in self.lines], self.n)
         self.drops: list[list[int]] = []
         self.upto: Ball | None = None
         self.idle = False

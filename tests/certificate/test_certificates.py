@@ -14,6 +14,7 @@ import pytest
 from certificate.checkers import TOOLS, both_verify, by_program
 from certificate.samples import built, coincidence, rows, samples, there_and_back
 from truebreak.compare.documents.schemas import schema
+from truebreak.compare.stress import table
 from truebreak.exact import ExactEngine
 from truebreak.exact.certificate import CertificateError, certificate_json, certify
 from truebreak.floating import DoubleEngine
@@ -109,6 +110,26 @@ def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
     told = certify(run)
     assert [entry["arrive"] for entry in told["instants"]] == [[[2, 3]], [[0, 1]]] and told["bits"][0][1] > 5000
     both_verify([("long", told)], tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("family", "k"),
+    [("scaled", 76), ("scaled", 300), ("slow-fast", 32), ("slow-fast", 200), ("mass-ratios", 100), ("corners", 300)],
+)
+def test_numbers_of_every_size(family: str, k: int, tmp_path: Path) -> None:
+    one = table.family(family)
+    told = {side: certify(ExactEngine().run(one.scene(one.place(k, side)))) for side in one.sides}
+    both_verify(told.items(), tmp_path)
+
+
+def test_sizes_that_take_more_bits_than_are_said_are_not_called_none(tmp_path: Path) -> None:
+    tiny = [Circle(0, 0, vx=1, r="10**-60", m="10**60"), Circle(4, 0, r="10**-60", m="10**-60")]
+    told = certify(ExactEngine().run(Scene(tiny)))
+    both_verify([("tiny", told)], tmp_path)
+    told["bits"] = [[0, 100]]
+    path = tmp_path / "few bits.json"
+    path.write_text(certificate_json(told), encoding="utf-8")
+    assert verdict(path)[0] == 4
 
 
 def test_more_digits_are_had_for_the_asking(tmp_path: Path) -> None:
