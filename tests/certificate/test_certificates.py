@@ -114,7 +114,16 @@ def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("family", "k"),
-    [("scaled", 76), ("scaled", 300), ("slow-fast", 32), ("slow-fast", 200), ("mass-ratios", 100), ("corners", 300)],
+    [
+        ("scaled", 76),
+        ("scaled", 300),
+        ("slow-fast", 32),
+        ("slow-fast", 200),
+        ("mass-ratios", 100),
+        ("corners", 300),
+        ("pi", 5),
+        pytest.param("pi", 6, marks=pytest.mark.slow),
+    ],
 )
 def test_numbers_of_every_size(family: str, k: int, tmp_path: Path) -> None:
     one = table.family(family)
