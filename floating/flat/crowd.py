@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable
+from collections.abc import Collection
 
-from ...exact.simulation.cells import Cells, Spot
+from ...exact.simulation.cells import Cells, Flight
 from ...exact.simulation.prediction import FARTHEST
 from .flights import FlatFlight, FlatFlights
 from .inlined import pairs
@@ -24,7 +24,7 @@ class FlatCrowd:
         self._cells = cells
         self._flights = flights
         self._plan = plan
-        self._known: dict[int, int] = {}
+        self._known: list[dict[int, int]] = [{} for _ in range(flights.n)]  # by circle: others met, and their serials
 
     @property
     def next_crossing(self) -> float:
@@ -37,7 +37,13 @@ class FlatCrowd:
 
     def pairs(self, i: int, standing: Collection[int], done: Collection[int]) -> None:
         """Queues the next meetings of a circle, whose flight is new, with all around it but some."""
-        met = self._to_meet(i, [k for k in self._cells.around(i) if k not in done])
+        flights, serial = self._flights.flights, self._flights.serial
+        near = self._cells.around(i)
+        if done:
+            near = [k for k in near if k not in done]
+        near.sort()
+        self._known[i] = dict(zip(near, [serial[k] for k in near], strict=True))
+        met = self._moving(i, [flights[k] for k in near])
         self._plan["pairs predicted"] += len(met)
         pairs(self._flights, i, met, standing)
 
@@ -46,35 +52,30 @@ class FlatCrowd:
         f, plan, known, serial = self._flights, self._plan, self._known, self._flights.serial
         for i, near in self._cells.crossed(since, until):
             plan["cells crossed"] += 1
-            new = [k for k in near if known.get(i * f.n + k if i < k else k * f.n + i) != serial[i] + serial[k]]
-            for flight in self._to_meet(i, new):
+            mine, own = known[i], serial[i]
+            new = [k for k in near if mine.get(k) != serial[k] and known[k].get(i) != own]
+            new.sort()
+            mine.update((k, serial[k]) for k in new)
+            for flight in self._moving(i, [f.flights[k] for k in new]):
                 plan["pairs predicted"] += 1
                 first, second = (i, flight[-1]) if i < flight[-1] else (flight[-1], i)
                 if f.last[first] < f.last[second]:
                     first, second = second, first
                 pairs(f, first, (f.flights[second],), ())
 
-    def _to_meet(self, i: int, others: Iterable[int]) -> list[FlatFlight]:
-        """Those of some circles that one may meet, in scene order; they are known from now on.
-
-        What is known of two is the sum of their serial numbers, which both only grow.
-        """
-        f, known = self._flights, self._known
-        flights, serial, n, own = f.flights, f.serial, f.n, f.serial[i]
-        met: list[FlatFlight] = []
-        for k in sorted(others):
-            known[i * n + k if i < k else k * n + i] = own + serial[k]
-            met.append(flights[k])
-        if f.rests(i):
-            moving = [flight for flight in met if flight[2] or flight[3]]
-            self._plan["pairs at rest skipped"] += len(met) - len(moving)
-            return moving
-        return met
+    def _moving(self, i: int, others: list[FlatFlight]) -> list[FlatFlight]:
+        """Those of some flights that a circle may meet: two at rest do not."""
+        if not self._flights.rests(i):
+            return others
+        moving = [flight for flight in others if flight[2] or flight[3]]
+        self._plan["pairs at rest skipped"] += len(others) - len(moving)
+        return moving
 
 
-def spot(flight: FlatFlight) -> Spot | None:
+def spot(flight: FlatFlight) -> Flight | None:
     """A flight as cells take it; None beyond what they can be trusted with (see `Predictor.spot`)."""
     x, y, vx, vy, t, _, _ = flight
-    if abs(x) < FARTHEST and abs(y) < FARTHEST and abs(vx) < FARTHEST and abs(vy) < FARTHEST and abs(t) < FARTHEST:
-        return Spot(x, y, vx, vy, t)
+    far = FARTHEST
+    if -far < x < far and -far < y < far and -far < vx < far and -far < vy < far and t < far:
+        return x, y, vx, vy, t
     return None

@@ -11,6 +11,7 @@ from ...exact.replay.body import Body
 from ...exact.replay.contact import Link
 from ...exact.replay.state import State
 from ...exact.simulation import cells as crowding
+from ...exact.simulation.cells import Spot
 from ...exact.simulation.crowd import cells_for
 from ...scenarios.scene import Scene
 from ..plain_decider import PlainMeetings
@@ -114,7 +115,8 @@ class FlatMeetings(PlainMeetings[float]):
             radii = [float(r) for r in self._radii]
         except OverflowError:  # beyond doubles, as no grid is
             return
-        spots = {i: spot(flight) for i, flight in enumerate(f.flights)}
+        found = {i: spot(flight) for i, flight in enumerate(f.flights)}
+        spots = {i: None if flight is None else Spot(*flight) for i, flight in found.items()}
         cells = cells_for(spots, radii)
         if cells is not None:
             self.crowd = self._queue.crossings = FlatCrowd(cells, f, self._plan)
