@@ -105,6 +105,7 @@ class Cells:
         self._ahead = {step: _ahead(step, row) for step in (-1, 1, -row, row)}
         self._columns = _ends(grid.x, grid.width, grid.columns)
         self._rows = _ends(grid.y, grid.width, grid.rows)
+        self._sharp = MARGIN / 8 * grid.width / (64.0 * UNIT) - abs(grid.x) - abs(grid.y)
         self._cell: dict[int, int] = {}
         self._held: dict[int, set[int]] = {}
         self._crossings: list[tuple[float, int, int]] = []
@@ -120,12 +121,12 @@ class Cells:
             return
         self.loose.discard(i)
         self._spots[i] = spot
-        x, y, width, grid = spot[0], spot[1], self.grid.width, self.grid
-        column, row = int((x - grid.x) / width), int((y - grid.y) / width)
-        if not 0 <= column < grid.columns:
-            column = 0 if column < 0 else grid.columns - 1
-        if not 0 <= row < grid.rows:
-            row = 0 if row < 0 else grid.rows - 1
+        left, low, width, columns, rows = self.grid
+        column, row = int((spot[0] - left) / width), int((spot[1] - low) / width)
+        if not 0 <= column < columns:
+            column = 0 if column < 0 else columns - 1
+        if not 0 <= row < rows:
+            row = 0 if row < 0 else rows - 1
         self._put(i, column + 1 + row * self._row)
         self._foresee(i, column, row)
 
@@ -164,30 +165,35 @@ class Cells:
             heappop(crossings)
         return inf
 
+    def cross(self) -> tuple[int, list[int]]:
+        """Carries out the next crossing: the circle, and those whose neighbour it has become."""
+        _, _, i = heappop(self._crossings)
+        step = self._steps[i]
+        cell = self._cell[i] + step
+        self._put(i, cell)
+        row, column = divmod(cell, self._row)
+        self._foresee(i, column - 1, row)
+        if i in self.loose:
+            return i, [k for k in (*self._cell, *self.loose) if k != i]
+        found: list[int] = []
+        held = self._held
+        for ahead in self._ahead[step]:
+            group = held.get(cell + ahead)
+            if group:
+                found += group
+        return i, found
+
     def crossed(self, since: float, until: float) -> Iterator[tuple[int, list[int]]]:
         """Carries out the crossings up to a time: each circle, with those whose neighbour it has become.
 
         What happens next may come as early as `since`: a circle that then is far from its new cell is loose.
         """
-        held = self._held
         while self.next_crossing <= until:
-            _, _, i = heappop(self._crossings)
-            step = self._steps[i]
-            cell = self._cell[i] + step
-            self._put(i, cell)
-            row, column = divmod(cell, self._row)
-            self._foresee(i, column - 1, row)
+            i, found = self.cross()
             _, _, vx, vy, _ = self._spots[i]
-            if until > since and not (until - since) * (abs(vx) + abs(vy)) < MARGIN / 2 * self.grid.width:
+            if i not in self.loose and not (until - since) * (abs(vx) + abs(vy)) < MARGIN / 2 * self.grid.width:
                 self._loosen(i)
-            if i in self.loose:
-                yield i, [k for k in (*self._cell, *self.loose) if k != i]
-                continue
-            found: list[int] = []
-            for ahead in self._ahead[step]:
-                group = held.get(cell + ahead)
-                if group:
-                    found += group
+                found = [k for k in (*self._cell, *self.loose) if k != i]
             yield i, found
 
     # -- one circle
@@ -215,7 +221,6 @@ class Cells:
     def _foresee(self, i: int, column: int, row: int) -> None:
         """Queues the time at which a circle is half a margin beyond its cell; a place not sharp enough is loose."""
         x, y, vx, vy, t = self._spots[i]
-        grid = self.grid
         wait, step = inf, 0
         if vx > 0.0:
             wait, step = (self._columns[1][column] - x) / vx, 1
@@ -230,8 +235,7 @@ class Cells:
             if up < wait:
                 wait, step = up, -self._row
         last = t if wait == inf or wait < 0.0 else t + wait
-        off = 64.0 * UNIT * (abs(x) + abs(y) + (abs(vx) + abs(vy)) * last + abs(grid.x) + abs(grid.y))
-        if not off < MARGIN / 8 * grid.width:
+        if not abs(x) + abs(y) + (abs(vx) + abs(vy)) * last < self._sharp:
             self._loosen(i)
         elif wait < inf:
             self._count += 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection
+from itertools import count
 
 from ...exact.simulation.cells import Cells, Flight
 from ...exact.simulation.prediction import FARTHEST
@@ -24,7 +25,9 @@ class FlatCrowd:
         self._cells = cells
         self._flights = flights
         self._plan = plan
-        self._known: list[dict[int, int]] = [{} for _ in range(flights.n)]  # by circle: others met, and their serials
+        self._known: list[set[int]] = [set()] * flights.n
+        self._born = [0] * flights.n
+        self._births = count(1).__next__
 
     @property
     def next_crossing(self) -> float:
@@ -34,38 +37,55 @@ class FlatCrowd:
     def enter(self, i: int) -> None:
         """Takes up a circle's new flight."""
         self._cells.enter(i, spot(self._flights.flights[i]))
+        self._born[i] = self._births()
 
     def pairs(self, i: int, standing: Collection[int], done: Collection[int]) -> None:
         """Queues the next meetings of a circle, whose flight is new, with all around it but some."""
-        flights, serial = self._flights.flights, self._flights.serial
+        flights = self._flights.flights
         near = self._cells.around(i)
+        self._known[i] = set(near)
         if done:
             near = [k for k in near if k not in done]
         near.sort()
-        self._known[i] = dict(zip(near, [serial[k] for k in near], strict=True))
         met = self._moving(i, [flights[k] for k in near])
         self._plan["pairs predicted"] += len(met)
         pairs(self._flights, i, met, standing)
 
     def cross(self, since: float, until: float) -> None:
         """See `Crossings`."""
-        f, plan, known, serial = self._flights, self._plan, self._known, self._flights.serial
-        for i, near in self._cells.crossed(since, until):
-            plan["cells crossed"] += 1
-            mine, own = known[i], serial[i]
-            new = [k for k in near if mine.get(k) != serial[k] and known[k].get(i) != own]
-            new.sort()
-            mine.update((k, serial[k]) for k in new)
-            for flight in self._moving(i, [f.flights[k] for k in new]):
-                plan["pairs predicted"] += 1
-                first, second = (i, flight[-1]) if i < flight[-1] else (flight[-1], i)
-                if f.last[first] < f.last[second]:
-                    first, second = second, first
-                pairs(f, first, (f.flights[second],), ())
+        while self._cells.next_crossing <= until:
+            self.cross_one()
+
+    def cross_one(self) -> None:
+        """The next crossing; doubles know when it is, so nothing can be far from its cell.
+
+        What two flights come to is predicted once: of the two born last, it knows the other.
+        """
+        f, known, born = self._flights, self._known, self._born
+        flights = f.flights
+        i, near = self._cells.cross()
+        mine, own = known[i], born[i]
+        new = [k for k in near if (k not in mine if own > born[k] else i not in known[k])]
+        self._plan["cells crossed"] += 1
+        new.sort()
+        for k in new:
+            if own > born[k]:
+                mine.add(k)
+            else:
+                known[k].add(i)
+        met = self._moving(i, [flights[k] for k in new])
+        self._plan["pairs predicted"] += len(met)
+        for flight in met:
+            k = flight[-1]
+            if f.last[i] > f.last[k] or (f.last[i] == f.last[k] and i < k):
+                pairs(f, i, (flight,), ())
+            else:
+                pairs(f, k, (flights[i],), ())
 
     def _moving(self, i: int, others: list[FlatFlight]) -> list[FlatFlight]:
         """Those of some flights that a circle may meet: two at rest do not."""
-        if not self._flights.rests(i):
+        _, _, vx, vy, _, _, _ = self._flights.flights[i]
+        if vx or vy:
             return others
         moving = [flight for flight in others if flight[2] or flight[3]]
         self._plan["pairs at rest skipped"] += len(others) - len(moving)

@@ -91,6 +91,10 @@ class FlatFlights:
         """The places of a contact."""
         return (link[0], self.n + link[1]) if isinstance(link, AtWall) else (link[0], link[1])
 
+    def stale(self, entry: Entry) -> bool:
+        """Whether an arrival rests on flights that are over."""
+        return self.serial[entry[2]] != entry[4] or self.serial[entry[3]] != entry[5]
+
     def rests(self, i: int) -> bool:
         """Whether a circle's velocity is exactly zero."""
         return self.flights[i][2] == 0.0 == self.flights[i][3]

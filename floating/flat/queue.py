@@ -68,8 +68,8 @@ class FlatQueue(ArrivalQueue[float]):
         return found
 
     def _drop_stale(self) -> None:
-        heap, serial = self._flights.heap, self._flights.serial
-        while heap and (serial[heap[0][2]] != heap[0][4] or serial[heap[0][3]] != heap[0][5]):
+        heap, stale = self._flights.heap, self._flights.stale
+        while heap and stale(heap[0]):
             heappop(heap)
 
     def _arrival(self, entry: Entry) -> Arrival[float]:

@@ -37,29 +37,31 @@ class FlatStride:
         heap, flights, serial, last, n = f.heap, f.flights, f.serial, f.last, f.n
         f.take_up()
         shifted, ahead = f.shifted, f.ahead
+        stale = f.stale
         done = 0
         while done < most and heap:
-            entry = heappop(heap)
-            time, _, i, j, si, sj, wait, _ = entry
+            first = heap[0]
+            time, _, i, j, si, sj, wait, _ = first
             if serial[i] != si or serial[j] != sj:
-                continue
-            while heap and heap[0][0] <= time and (serial[heap[0][2]] != heap[0][4] or serial[heap[0][3]] != heap[0][5]):
                 heappop(heap)
-            if crowd is not None and crowd.next_crossing <= time:
-                heappush(heap, entry)
-                crowd.cross(crowd.next_crossing, crowd.next_crossing)
                 continue
-            tied = heap and heap[0][0] <= time
-            if wait is None or tied or not time < before or (shifted and (i in shifted or j in shifted)):
-                heappush(heap, entry)
+            if crowd is not None and crowd.next_crossing <= time:
+                crowd.cross_one()
+                continue
+            if wait is None or not time < before or (shifted and (i in shifted or j in shifted)):
+                break
+            if j < n and last[i] < last[j]:
+                break
+            heappop(heap)
+            while heap and heap[0][0] <= time and stale(heap[0]):
+                heappop(heap)
+            if heap and heap[0][0] <= time:
+                heappush(heap, first)
                 break
             if j >= n:
                 rebound(f, i, j, time, wait)
                 records.append((time, flights[i], None, j))  # type: ignore[arg-type]
                 ahead.add(i)
-            elif last[i] < last[j]:
-                heappush(heap, entry)
-                break
             else:
                 strike(f, i, j, time, wait)
                 if i > j:
