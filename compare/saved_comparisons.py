@@ -5,12 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from ..scenarios.errors import SceneError
 from ..scenarios.showing import cut
+from ..scenarios.version import VERSION
 from .cli.writing import write_whole
 from .comparison import Comparison
 from .documents.comparison import comparison_json
@@ -42,7 +42,7 @@ def saved_comparison(comparison: Comparison) -> str:
     writer = Writer()
     data = {
         "schema": SCHEMA,
-        "version": version("truebreak"),
+        "version": VERSION,
         "comparison": comparison_json(comparison),
         "objects": writer(comparison),
     }
@@ -82,9 +82,9 @@ def comparison_of(text: str, where: str = "the text") -> Comparison:
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:  # type: ignore[reportUnknownMemberType]
         raise SceneError(f"{where}: is not a saved comparison; write one with `truebreak compare SCENE --save FILE`")
     known: dict[str, Any] = data
-    if known.get("version") != version("truebreak"):
+    if known.get("version") != VERSION:
         raise SceneError(
-            f"{where}: was saved by truebreak {cut(known.get('version'))}, and this is {version('truebreak')}; "
+            f"{where}: was saved by truebreak {cut(known.get('version'))}, and this is {VERSION}; "
             "save the comparison again, or install that version"
         )
     if known.pop("digest", None) != _digest(known):

@@ -65,8 +65,8 @@ def print_sweep(
     """One row an engine, and a line for each outcome that displacements of several sizes change."""
     from rich.markup import escape
 
+    from ..report.counting import counted
     from ..report.listing import console, grid, say
-    from ..report.sentences import counted
 
     out = console()
     asked = " ".join([settings["scene"], *settings["vary"]])

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from .counting import counted
 from .listing import console, grid, say
-from .sentences import counted, listed
+from .sentences import listed
 
 if TYPE_CHECKING:
     from ..chaos.blocks import Rate

@@ -5,8 +5,8 @@ from __future__ import annotations
 from decimal import ROUND_CEILING, Context, Decimal
 from typing import TYPE_CHECKING
 
+from .counting import counted
 from .listing import console, say
-from .sentences import counted
 
 if TYPE_CHECKING:
     from ..shadowing.shadow import Proof, Shadow

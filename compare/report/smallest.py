@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..reduction.smallest import Size
+from .counting import counted
 from .listing import console, grid, say
-from .sentences import counted, divergence_phrase
+from .sentences import divergence_phrase
 from .terminal import print_comparison
 
 if TYPE_CHECKING:

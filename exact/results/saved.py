@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from ...scenarios.files import dump_json, loads_json
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.showing import cut
 from ...scenarios.trajectory import Stop, StopReason, Trajectory
+from ...scenarios.version import VERSION
 from ..simulation.history import Mark
 from .motion import ExactMotion
 from .run_log import RunLog
@@ -50,7 +50,7 @@ def saved_run(trajectory: Trajectory) -> str:
     motion = trajectory.motion
     if trajectory.engine != "exact" or not isinstance(motion, ExactMotion):
         raise SceneError(f"only runs of the exact engine are saved with their log, not those of {trajectory.engine}")
-    data = {"schema": SCHEMA, "version": version("truebreak"), **_data(trajectory, motion)}
+    data = {"schema": SCHEMA, "version": VERSION, **_data(trajectory, motion)}
     return _text({**data, "digest": _digest(data)})
 
 
@@ -95,9 +95,9 @@ def run_of(text: str, where: str = "the text") -> Trajectory:
     if not isinstance(data, dict) or data.get("schema") != SCHEMA:  # type: ignore[reportUnknownMemberType]
         raise SceneError(f"{where}: is not a saved run; write one with `truebreak run SCENE --save FILE`")
     known: dict[str, Any] = data
-    if known.get("version") != version("truebreak"):
+    if known.get("version") != VERSION:
         raise SceneError(
-            f"{where}: was saved by truebreak {cut(known.get('version'))}, and this is {version('truebreak')}; "
+            f"{where}: was saved by truebreak {cut(known.get('version'))}, and this is {VERSION}; "
             "save the run again, or install that version"
         )
     if known.pop("digest", None) != _digest(known):

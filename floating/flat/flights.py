@@ -1,9 +1,9 @@
 """The flights of a run in doubles: plain floats in flat lists, and the queue's entries upon them.
 
-A flight here is (x, y, vx, vy, t, r, place): the place of a circle is its index, that of wall k is n + k. The state of the
-general loop holds the same flights; of those that changed here last it is told when it is asked for (`sync`), and what
-it changed is taken over (`take_up`). Clocks are handed on as the objects that they are: that two bodies stand at one
-instant is told by the clock being the same.
+A flight here is (x, y, vx, vy, t, r, place): the place of a circle is its index, that of wall k is n + k. The state of
+the general loop holds the same flights; of those that changed here last it is told when it is asked for (`sync`), and
+what it changed is taken over (`take_up`). Clocks are handed on as the objects that they are: that two bodies stand at
+one instant is told by the clock being the same.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ FlatLine: TypeAlias = tuple[int, float, float, float, float, float, float]
 """(place, x0, y0, nx, ny, r |n|, |n|^2) of a wall as seen from a circle (see `SeenWall`)."""
 
 Entry: TypeAlias = tuple[float, int, int, int, int, int, float | None, bool]
-"""An arrival: its time, its order among equal ones, the places of the two, the serial numbers of their flights, the time
-to it from the clock of the first, and whether it is a graze. What is no plain hit, or has been taken off before, has
-None in place of the wait: the general loop sees to it."""
+"""An arrival: its time, its order among equal ones, the places of the two, the serial numbers of their flights, the
+time to it from the clock of the first, and whether it is a graze. What is no plain hit, or has been taken off before,
+has None in place of the wait: the general loop sees to it."""
 
 
 class FlatFlights:
@@ -60,7 +60,9 @@ class FlatFlights:
         self.until = [inf] * places
         self.serial = [0] * places
         self.last = [0] * n
-        self.weights = [(body.w, circle.fixed) for body, circle in zip(state.bodies.values(), scene.circles, strict=True)]
+        self.weights = [
+            (body.w, circle.fixed) for body, circle in zip(state.bodies.values(), scene.circles, strict=True)
+        ]
         self.heap: list[Entry] = []
         self.tick = count(1).__next__
         self.steps = 0

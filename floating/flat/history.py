@@ -8,8 +8,8 @@ from ...exact.simulation.history import History, Mark, Noted, Record
 from .flights import FlatFlight, FlatFlights
 
 Lone: TypeAlias = tuple[float, FlatFlight, FlatFlight | None, int]
-"""A contact that stood alone at its instant: the time, the flights of the two from then on (of a wall there is none), and
-the place of the second. It is the only plain tuple among the records."""
+"""A contact that stood alone at its instant: the time, the flights of the two from then on (of a wall there is none),
+and the place of the second. It is the only plain tuple among the records."""
 
 
 class FlatHistory(History[float]):
@@ -57,14 +57,16 @@ class FlatHistory(History[float]):
     def unfold(self) -> None:
         """Puts every lone contact into the general loop's terms."""
         self._add_rows()
-        for place, record in enumerate(self.records):
+        records: list[Any] = self.records
+        for place, record in enumerate(records):
             if type(record) is tuple:
                 links = (self._flights.link(record[1][-1], record[3]),)
-                self.records[place] = Record(self._mark_of(record), links, links, (), False)
+                records[place] = Record(self._mark_of(record), links, links, (), False)
 
     def _add_rows(self) -> None:
         """The knots of lone contacts that are not among the rows yet."""
-        for record in self.records[self._rows_of :]:
+        since: list[Any] = self.records[self._rows_of :]
+        for record in since:
             if type(record) is tuple:
                 for flight in record[1:3]:
                     if flight is not None:

@@ -25,8 +25,7 @@ def walls(f: FlatFlights, i: int, standing: Container[int]) -> None:
             time = t + wait
             if time > untils[i]:
                 continue
-            if time < untils[i]:
-                untils[i] = time
+            untils[i] = min(untils[i], time)
             heappush(heap, (time, f.tick(), i, k, serial, 0, wait, False))
         else:
             f.unsure(i, k)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from math import inf
 
+from ...exact.numbers.system import NumberSystem
 from ...exact.policies import Policy, policy_for
 from ...exact.policies.sequential import Sequential
 from ...exact.policies.simultaneous import Simultaneous
 from ...exact.replay.state import State
 from ...exact.replay.steps import Go, Kick, Step
-from ...exact.numbers.system import NumberSystem
 from ...exact.simulation.gathering import Gatherer
 from ...exact.simulation.instant import Instant
 from ...exact.simulation.limits import Limits
@@ -29,6 +29,8 @@ EVENTS_A_LOOK = 256
 
 class FlatDecider(PlainDecider[float]):
     """See `PlainDecider`; ordinary instants are not asked about."""
+
+    history: FlatHistory
 
     def __init__(self, scene: Scene, state: State[float], numbers: NumberSystem[float]) -> None:
         super().__init__(scene, state, numbers)

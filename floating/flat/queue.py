@@ -34,8 +34,8 @@ class FlatQueue(ArrivalQueue[float]):
     def put_back(self, arrival: Arrival[float]) -> None:
         """Queues an arrival again."""
         i, j = self._flights.places(arrival.link)
-        serials = arrival.serials
-        heappush(self._flights.heap, (arrival.low, arrival.order, i, j, *serials, None, arrival.graze))
+        si, sj = arrival.serials
+        heappush(self._flights.heap, (arrival.low, arrival.order, i, j, si, sj, None, arrival.graze))
 
     def clear(self) -> None:
         """Drops everything."""
