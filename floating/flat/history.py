@@ -75,5 +75,5 @@ class FlatHistory(History[float]):
         self._rows_of = len(self.records)
 
     def _mark_of(self, lone: Lone) -> Mark[float]:
-        number = 0 if self._mark is None else self._mark.number
+        number = -1 if self._mark is None else self._mark.number
         return Mark(number, lone[0], len(self.steps), lone[1][-1])
