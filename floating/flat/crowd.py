@@ -73,14 +73,16 @@ class FlatCrowd:
                 mine.add(k)
             else:
                 known[k].add(i)
-        met = self._moving(i, [flights[k] for k in new])
+        if not new:
+            return
+        met, last = self._moving(i, [flights[k] for k in new]), f.last
         self._plan["pairs predicted"] += len(met)
+        earlier = [flight for flight in met if last[flight[-1]] <= last[i]]
+        if earlier:
+            pairs(f, i, earlier, ())
         for flight in met:
-            k = flight[-1]
-            if f.last[i] > f.last[k] or (f.last[i] == f.last[k] and i < k):
-                pairs(f, i, (flight,), ())
-            else:
-                pairs(f, k, (flights[i],), ())
+            if last[flight[-1]] > last[i]:
+                pairs(f, flight[-1], (flights[i],), ())
 
     def _moving(self, i: int, others: list[FlatFlight]) -> list[FlatFlight]:
         """Those of some flights that a circle may meet: two at rest do not."""

@@ -39,7 +39,7 @@ class FlatDecider(PlainDecider[float]):
         self.queue = FlatQueue(self.flights)
         plan = self.history.plan
         self.meetings = FlatMeetings(scene, state, self.queue, plan, numbers, self.ask, self.flights)
-        self.stride = FlatStride(self.flights, self.history, self.meetings)
+        self.plain_stride = FlatStride(self.flights, self.history, self.meetings)
 
     def do(self, step: Step) -> None:
         """Carries out a step and logs it."""
@@ -63,7 +63,7 @@ class FlatGatherer(Gatherer[float, float]):
 
     def gather(self, last: int) -> Instant | Stop | None:
         """See `Gatherer`; None also after a stride."""
-        if not self._touching and self.decider.stride(self._most(), self._before()):
+        if not self._touching and self.decider.plain_stride(self._most(), self._before()):
             return None
         self.decider.flights.sync()
         return super().gather(last)
