@@ -66,7 +66,7 @@ def print_sweep(
     from rich.markup import escape
 
     from ..report.counting import counted
-    from ..report.listing import console, grid, say
+    from ..report.text.listing import console, grid, say
 
     out = console()
     asked = " ".join([settings["scene"], *settings["vary"]])

@@ -27,7 +27,7 @@ class FlatHistory(History[float]):
         super().__init__()
 
     @property
-    def last(self) -> Mark[float] | None:
+    def last(self) -> Mark[float] | None:  # type: ignore[reportIncompatibleVariableOverride]
         """See `History`."""
         return self._newest(self.records[self._marked :]) or self._mark
 

@@ -30,16 +30,14 @@ EVENTS_A_LOOK = 256
 class FlatDecider(PlainDecider[float]):
     """See `PlainDecider`; ordinary instants are not asked about."""
 
-    history: FlatHistory
-
     def __init__(self, scene: Scene, state: State[float], numbers: NumberSystem[float]) -> None:
         super().__init__(scene, state, numbers)
         self.flights = FlatFlights(scene, state)
-        self.history = FlatHistory(self.flights)
+        self.history = self._kept = FlatHistory(self.flights)
         self.queue = FlatQueue(self.flights)
         plan = self.history.plan
         self.meetings = FlatMeetings(scene, state, self.queue, plan, numbers, self.ask, self.flights)
-        self.plain_stride = FlatStride(self.flights, self.history, self.meetings)
+        self.plain_stride = FlatStride(self.flights, self._kept, self.meetings)
 
     def do(self, step: Step) -> None:
         """Carries out a step and logs it."""
@@ -53,7 +51,7 @@ class FlatDecider(PlainDecider[float]):
 
     def finish(self) -> None:
         """See `PlainDecider`."""
-        self.history.unfold()
+        self._kept.unfold()
 
 
 class FlatGatherer(Gatherer[float, float]):
