@@ -27,12 +27,12 @@ class FlatHistory(History[float]):
         super().__init__()
 
     @property
-    def last(self) -> Mark[float] | None:  # type: ignore[reportIncompatibleVariableOverride]
+    def last(self) -> Mark[float] | None:
         """See `History`."""
         return self._newest(self.records[self._marked :]) or self._mark
 
     @last.setter
-    def last(self, mark: Mark[float] | None) -> None:
+    def last(self, mark: Mark[float] | None) -> None:  # type: ignore[reportIncompatibleVariableOverride]
         self._mark = mark
         self._marked = len(self.records)
 
@@ -52,7 +52,7 @@ class FlatHistory(History[float]):
         newest = self._newest([record for record in since if type(record) is tuple or record.mark.number <= number])
         self.unfold()
         super().drop_unfinished()
-        self.last = newest or self._mark
+        self._mark, self._marked = newest or self._mark, len(self.records)
 
     def unfold(self) -> None:
         """Puts every lone contact into the general loop's terms."""
