@@ -9,10 +9,16 @@ from math import nan, sqrt
 from typing import Any, ClassVar
 
 from ..exact.numbers.system import NumberSystem
-from ..scenarios.numbers.quantity import Quantity
-from ..scenarios.trajectory import Motion
+from ..exact.policies import Policy
+from ..exact.replay.state import State
+from ..scenarios.late import Late
+from ..scenarios.numbers.quantity import Quantity, QuantityLike
+from ..scenarios.scene import Scene
+from ..scenarios.trajectory import Motion, OnProgress, Trajectory
 from .event_engine import EventEngine
+from .flat.loop import FlatDecider, FlatLoop, follows
 from .knots import DoubleMotion
+from .plain_run import run_plain
 
 
 class Doubles:
@@ -70,4 +76,30 @@ class DoubleEngine(EventEngine):
 
     def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
         """See `EventEngine.motion`."""
-        return DoubleMotion([[knot[:5] for knot in row] for row in knots], float(end))
+        return DoubleMotion(Late(len(knots), lambda: ([knot[:5] for knot in row] for row in knots)), float(end))
+
+    def run_with(
+        self,
+        scene: Scene,
+        policy: Policy | None,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """As `EventEngine.run_with`, on flat flights where that can be (see `follows`)."""
+        if not follows(scene, policy):
+            return super().run_with(scene, policy, until=until, events=events, progress=progress)
+        decider = FlatDecider(scene, State(scene, DOUBLES), DOUBLES)
+        return run_plain(
+            scene,
+            self.name,
+            self.parameters,
+            decider,
+            self.motion,
+            self.shown,
+            until=until,
+            events=events,
+            progress=progress,
+            loop=lambda limits: FlatLoop(scene, decider, limits, progress),
+        )

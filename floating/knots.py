@@ -6,10 +6,11 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import SupportsFloat, TypeAlias
+from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 Knot: TypeAlias = tuple[float, float, float, float, float]
 """(t, x, y, vx, vy) of one circle: from time t on it flies straight from (x, y) at (vx, vy)."""
@@ -54,6 +55,8 @@ class DoubleMotion:
         Raises:
             ValueError: as `state`.
         """
+        import numpy as np
+
         at = np.asarray(times, dtype=np.float64)
         result = np.empty((len(at), len(self.knots), 4))
         if len(at):

@@ -202,6 +202,9 @@ class PlainDecider(Generic[M]):
     def gathered(self, links: Iterable[Link]) -> None:
         """Nothing to note."""
 
+    def finish(self) -> None:
+        """Called before the history is read: nothing to do."""
+
     def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""
         zero = self.state.zero

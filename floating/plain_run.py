@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from ..exact.numbers.system import M
 from ..exact.policies import Policy
 from ..exact.replay.contact import Named
 from ..exact.simulation.history import Mark
-from ..exact.simulation.limits import run_limits
+from ..exact.simulation.limits import Limits, run_limits
 from ..exact.simulation.loop import Loop
 from ..scenarios.event import Event, Pocketing, Reversal
+from ..scenarios.late import Late
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, StopReason, Trajectory
@@ -23,13 +24,14 @@ def run_plain(
     engine: str,
     parameters: Mapping[str, Any],
     decider: PlainDecider[M],
-    motion: Callable[[list[list[tuple[Any, ...]]], Any], Motion],
+    motion: Callable[[Sequence[Sequence[tuple[Any, ...]]], Any], Motion],
     shown: Callable[[Any, int], Any],
     *,
     until: QuantityLike | None,
     events: int | None,
     progress: OnProgress | None,
     policy: Policy | None = None,
+    loop: Callable[[Limits], Loop[M, M]] | None = None,
 ) -> Trajectory:
     """The trajectory of a scene in the numbers of a decider.
 
@@ -39,14 +41,26 @@ def run_plain(
         decider: keeps the state and decides.
         motion: makes the motion from knots (t, x, y, vx, vy, number of the instant) and the last time that may be
             asked for.
+        loop: makes the loop, where it is not the general one.
         shown: makes a time of the trajectory from a number and the number of its instant.
     """
     limits = run_limits(scene, until, events)
-    stop = Loop(scene, decider, limits, progress, policy).run()
+    stop = (Loop(scene, decider, limits, progress, policy) if loop is None else loop(limits)).run()
     ids, history, named = scene.ids, decider.history, Named(scene)
 
     def at(mark: Mark[M]) -> Any:
         return shown(mark.time, mark.number)
+
+    def events_of() -> Iterator[Event]:
+        decider.finish()
+        for index, record in enumerate(history.records):
+            impulses = named(record.impulses)
+            yield Event(index, at(record.mark), named(record.links), impulses, record.ties, record.coupled)
+
+    def knots_of() -> Iterator[list[tuple[Any, ...]]]:
+        decider.finish()
+        for row in history.knots:
+            yield [(*knot[:5], knot[-1]) for knot in row]
 
     reversal = None
     if history.reversal is not None:
@@ -67,20 +81,10 @@ def run_plain(
         scene=scene,
         engine=engine,
         parameters=parameters,
-        events=tuple(
-            Event(
-                index,
-                at(record.mark),
-                named(record.links),
-                named(record.impulses),
-                record.ties,
-                record.coupled,
-            )
-            for index, record in enumerate(history.records)
-        ),
+        events=Late(len(history.records), events_of),
         stop=stop,
         final_time=end,
-        motion=motion([[(*knot[:5], knot[-1]) for knot in row] for row in history.knots], end),
+        motion=motion(Late(len(history.knots), knots_of), end),
         reversal=reversal,
         pocketings=tuple(
             Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), at(e.mark)) for e in history.entries

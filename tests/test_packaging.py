@@ -238,3 +238,9 @@ def python(
         environment["PYTHONPATH"] = str(request.getfixturevalue("site"))
     command = [sys.executable, *arguments]
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+
+
+def test_the_version_is_told_once_more_where_nothing_is_looked_up() -> None:
+    from truebreak.scenarios.version import VERSION
+
+    assert tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"] == VERSION

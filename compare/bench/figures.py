@@ -156,6 +156,14 @@ def gas_against_double(size: Size) -> Figure:
     return Figure("gas-double", f"10 discs, {size.gas:,} collisions: exact / double", *pair)
 
 
+def double_against_billiards(size: Size) -> Figure:
+    """Doubles against doubles: this project's engine and another project's, in Python both."""
+    scene = scene_of(GAS)
+    pair = interleaved(running("double", scene, size.gas), lambda: run_billiards(scene, size.gas), 3 * size.repeats)
+    what = f"10 discs, {size.gas:,} collisions: double / billiards (float64)"
+    return Figure("double-billiards", what, *pair, Target("ratio", "at most", 0.2))
+
+
 def long_gas(size: Size) -> Figure:
     """A long chaotic run, where the precision must keep growing."""
     scene = scene_of(GAS)
@@ -239,6 +247,7 @@ Benchmark: TypeAlias = Callable[[Size], Figure]
 BENCHMARKS: dict[str, Benchmark] = {
     "gas-billiards": gas_against_billiards,
     "gas-double": gas_against_double,
+    "double-billiards": double_against_billiards,
     "gas-long": long_gas,
     "galperin-perfect-physics": galperin_against_perfect_physics,
     "galperin-long": long_galperin,

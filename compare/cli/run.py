@@ -81,7 +81,6 @@ def run(
     from ..foreign.guard import is_own, run_guarded
     from ..report.text.listing import print_json, print_trajectory
     from ..saved.cache import reference_named
-    from ..saved.runs import check_savable, save_run
     from ..scene_argument import changed, with_settings
     from ..validation import check_trajectory, check_until
     from .progress import goal_of, showing_progress
@@ -103,11 +102,15 @@ def run(
 
         check_certifiable(chosen.name, certificate)
     if save is not None:
+        from ..saved.runs import check_savable
+
         check_savable(chosen.name, loaded, save)
     with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
         told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
         trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)
     if save is not None:
+        from ..saved.runs import save_run
+
         save_run(trajectory, save)
     if certificate is not None:
         from ..certificates import write_certificate

@@ -73,7 +73,7 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> Non
 
 def orders_sentence(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> str:
     """How many outcomes there are, and whether these are all."""
-    from ..report.sentences import counted
+    from ..report.counting import counted
 
     found = counted(len(tree.outcomes), "outcome")
     if tree.complete:

@@ -65,7 +65,7 @@ def print_sweep(
     """One row an engine, and a line for each outcome that displacements of several sizes change."""
     from rich.markup import escape
 
-    from ..report.sentences import counted
+    from ..report.counting import counted
     from ..report.text.listing import console, grid, say
 
     out = console()

@@ -9,6 +9,7 @@ from ..alignment.align import VERDICTS
 from ..alignment.divergence import Kind
 from ..causes.table import NO_CAUSE
 from ..outcomes.permitted import Relation
+from .counting import counted
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -138,15 +139,6 @@ def all_of(number: int) -> str:
     """
     few = {0: "it, which has no event", 1: "its one event"}
     return few.get(number, f"all {counted(number, 'event')}")
-
-
-def counted(number: int, noun: str) -> str:
-    """A number with its noun.
-
-    >>> counted(1, "event"), counted(1200, "event")
-    ('1 event', '1,200 events')
-    """
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def listed(words: list[str]) -> str:

@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 import contextlib
-import gzip
-import hashlib
 import json
 import os
-import tempfile
 import time as clock
 import warnings
 import zlib
 from dataclasses import dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...exact.engine import ExactEngine
 from ...exact.results.motion import ExactMotion
-from ...exact.results.saved import run_of, saved_run
 from ...exact.simulation.limits import run_limits
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason
+from ...scenarios.version import VERSION
 from ..engines import engine as engine_named
 
 if TYPE_CHECKING:
@@ -126,7 +122,7 @@ class CachedEngine(ExactEngine):
         """
         limits = run_limits(scene, until, events)
         told = [
-            version("truebreak"),
+            VERSION,
             scene.digest,
             str(scene.tie_policy),
             None if limits.until is None else limits.until.text(),
@@ -134,15 +130,25 @@ class CachedEngine(ExactEngine):
             limits.to_return,
             [self.max_bits, self.ties, self.work],
         ]
-        return hashlib.sha256(json.dumps(told).encode()).hexdigest()
+        from hashlib import sha256
+
+        return sha256(json.dumps(told).encode()).hexdigest()
 
 
 def _kept(path: Path, scene: Scene) -> Trajectory | None:
     """A kept run, for a scene that may bear another name; None if there is none, or none that is whole."""
     try:
-        text = gzip.decompress(path.read_bytes()).decode()
+        packed = path.read_bytes()
     except (FileNotFoundError, NotADirectoryError):
         return None
+    except OSError as error:
+        return _damaged(path, str(error))
+    import gzip
+
+    from ...exact.results.saved import run_of
+
+    try:
+        text = gzip.decompress(packed).decode()
     except DAMAGE as error:
         return _damaged(path, str(error))
     try:
@@ -166,6 +172,11 @@ def _damaged(path: Path, why: str) -> None:
 
 def _keep(path: Path, run: Trajectory) -> None:
     """Writes a run beside its place and moves it there; makes room first."""
+    import gzip
+    import tempfile
+
+    from ...exact.results.saved import saved_run
+
     try:
         data = gzip.compress(saved_run(run).encode(), compresslevel=1, mtime=0)
     except SceneError:  # a scene that no file can hold

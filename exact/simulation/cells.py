@@ -35,7 +35,8 @@ FEWEST = 64
 LARGE = 4.0
 """Circles more than this many times as large as the usual one are held against all others."""
 
-Cell: TypeAlias = tuple[int, int]
+Flight: TypeAlias = tuple[float, float, float, float, float]
+"""(x, y, vx, vy, t) in doubles (see `Spot`)."""
 
 
 class Spot(NamedTuple):
@@ -63,13 +64,6 @@ class Grid(NamedTuple):
     columns: int
     rows: int
 
-    def cell(self, x: float, y: float) -> Cell:
-        """The cell that a point lies in."""
-        return (
-            min(max(int((x - self.x) / self.width), 0), self.columns - 1),
-            min(max(int((y - self.y) / self.width), 0), self.rows - 1),
-        )
-
 
 def grid_for(spots: Sequence[Spot | None], radii: Sequence[float]) -> Grid | None:
     """Cells for circles, about one circle to a cell; None where they would spare nothing."""
@@ -91,6 +85,9 @@ def grid_for(spots: Sequence[Spot | None], radii: Sequence[float]) -> Grid | Non
 class Cells:
     """The circles of a run in cells.
 
+    A cell is a number, row by row, with an empty column to the left and to the right: what it has around it is found by
+    adding the same few numbers everywhere.
+
     Args:
         grid: the cells.
         large: circles that are held against all others, whatever they do.
@@ -103,126 +100,161 @@ class Cells:
         self.grid = grid
         self.large = large
         self.loose: set[int] = set()
-        self._cell: dict[int, Cell] = {}
-        self._held: dict[Cell, set[int]] = {}
+        self._row = row = grid.columns + 2
+        self._around = tuple(across + up * row for across in (-1, 0, 1) for up in (-1, 0, 1))
+        self._ahead = {step: _ahead(step, row) for step in (-1, 1, -row, row)}
+        self._columns = _ends(grid.x, grid.width, grid.columns)
+        self._rows = _ends(grid.y, grid.width, grid.rows)
+        self._sharp = MARGIN / 8 * grid.width / (64.0 * UNIT) - abs(grid.x) - abs(grid.y)
+        self._cell: dict[int, int] = {}
+        self._held: dict[int, set[int]] = {}
         self._crossings: list[tuple[float, int, int]] = []
         self._newest: dict[int, int] = {}
-        self._spots: dict[int, Spot] = {}
+        self._spots: dict[int, Flight] = {}
+        self._steps: dict[int, int] = {}
         self._count = 0
 
-    def enter(self, i: int, spot: Spot | None) -> None:
+    def enter(self, i: int, spot: Flight | None) -> None:
         """Takes up a circle's new flight."""
-        self.remove(i)
         if spot is None or i in self.large:
-            self.loose.add(i)
+            self._loosen(i)
             return
+        self.loose.discard(i)
         self._spots[i] = spot
-        self._put(i, self.grid.cell(spot.x, spot.y))
-        self._foresee(i)
+        left, low, width, columns, rows = self.grid
+        column, row = int((spot[0] - left) / width), int((spot[1] - low) / width)
+        if not 0 <= column < columns:
+            column = 0 if column < 0 else columns - 1
+        if not 0 <= row < rows:
+            row = 0 if row < 0 else rows - 1
+        self._put(i, column + 1 + row * self._row)
+        self._foresee(i, column, row)
 
     def remove(self, i: int) -> None:
         """Drops a circle."""
         self._newest.pop(i, None)
         self.loose.discard(i)
-        self._take_out(i)
+        cell = self._cell.pop(i, None)
+        if cell is not None:
+            self._held[cell].discard(i)
 
-    def around(self, i: int) -> Iterator[int]:
+    def around(self, i: int) -> list[int]:
         """The circles that one may meet before another crossing, itself aside; for a loose one all."""
+        found: list[int] = []
         if i in self.loose:
-            yield from (k for k in self._cell if k != i)
+            found += self._cell
         else:
-            column, row = self._cell[i]
-            held = self._held
-            for cell in [(c, r) for c in (column - 1, column, column + 1) for r in (row - 1, row, row + 1)]:
-                for k in held.get(cell, ()):
-                    if k != i:
-                        yield k
-        yield from (k for k in self.loose if k != i)
+            cell, held = self._cell[i], self._held
+            for step in self._around:
+                group = held.get(cell + step)
+                if group:
+                    found += group
+        if self.loose:
+            found += self.loose
+        found.remove(i)
+        return found
 
     @property
     def next_crossing(self) -> float:
         """When the next circle leaves its cell; infinite if none does."""
-        crossings = self._crossings
-        while crossings and self._newest.get(crossings[0][2]) != crossings[0][1]:
+        crossings, newest = self._crossings, self._newest
+        while crossings:
+            first = crossings[0]
+            if newest.get(first[2]) == first[1]:
+                return first[0]
             heappop(crossings)
-        return crossings[0][0] if crossings else inf
+        return inf
+
+    def cross(self) -> tuple[int, list[int]]:
+        """Carries out the next crossing: the circle, and those whose neighbour it has become."""
+        _, _, i = heappop(self._crossings)
+        step = self._steps[i]
+        cell = self._cell[i] + step
+        self._put(i, cell)
+        row, column = divmod(cell, self._row)
+        self._foresee(i, column - 1, row)
+        if i in self.loose:
+            return i, [k for k in (*self._cell, *self.loose) if k != i]
+        found: list[int] = []
+        held = self._held
+        for ahead in self._ahead[step]:
+            group = held.get(cell + ahead)
+            if group:
+                found += group
+        return i, found
 
     def crossed(self, since: float, until: float) -> Iterator[tuple[int, list[int]]]:
         """Carries out the crossings up to a time: each circle, with those whose neighbour it has become.
 
         What happens next may come as early as `since`: a circle that then is far from its new cell is loose.
         """
-        crossings = self._crossings
         while self.next_crossing <= until:
-            _, _, i = heappop(crossings)
-            column, row = self._cell[i]
-            across, up = self._way(i)
-            self._take_out(i)
-            self._put(i, (column + across, row + up))
-            self._foresee(i)
-            spot = self._spots[i]
-            if not (until - since) * (abs(spot.vx) + abs(spot.vy)) < MARGIN / 2 * self.grid.width:
+            i, found = self.cross()
+            _, _, vx, vy, _ = self._spots[i]
+            if i not in self.loose and not (until - since) * (abs(vx) + abs(vy)) < MARGIN / 2 * self.grid.width:
                 self._loosen(i)
-            if i in self.loose:
-                yield i, [k for k in (*self._cell, *self.loose) if k != i]
-                continue
-            ahead = (
-                [(column + 2 * across, row + r) for r in (-1, 0, 1)]
-                if across
-                else [(column + c, row + 2 * up) for c in (-1, 0, 1)]
-            )
-            yield i, [k for cell in ahead for k in self._held.get(cell, ())]
+                found = [k for k in (*self._cell, *self.loose) if k != i]
+            yield i, found
 
     # -- one circle
 
-    def _put(self, i: int, cell: Cell) -> None:
+    def _put(self, i: int, cell: int) -> None:
+        """Moves a circle to a cell."""
+        old = self._cell.get(i)
+        if old == cell:
+            return
+        held = self._held
+        if old is not None:
+            held[old].discard(i)
         self._cell[i] = cell
-        self._held.setdefault(cell, set()).add(i)
-
-    def _take_out(self, i: int) -> None:
-        cell = self._cell.pop(i, None)
-        if cell is not None:
-            self._held[cell].discard(i)
+        group = held.get(cell)
+        if group is None:
+            held[cell] = {i}
+        else:
+            group.add(i)
 
     def _loosen(self, i: int) -> None:
-        self._newest.pop(i, None)
-        self._take_out(i)
+        """Holds a circle against all others."""
+        self.remove(i)
         self.loose.add(i)
 
-    def _waits(self, i: int) -> tuple[float, float]:
-        """The times until a circle is half a margin beyond its cell, along x and along y."""
-        x, y, vx, vy, _ = self._spots[i]
-        grid, (column, row) = self.grid, self._cell[i]
-        half = MARGIN / 2
-        across = up = inf
-        if vx > 0.0 and column + 1 < grid.columns:
-            across = (grid.x + (column + 1 + half) * grid.width - x) / vx
-        elif vx < 0.0 and column > 0:
-            across = (grid.x + (column - half) * grid.width - x) / vx
-        if vy > 0.0 and row + 1 < grid.rows:
-            up = (grid.y + (row + 1 + half) * grid.width - y) / vy
-        elif vy < 0.0 and row > 0:
-            up = (grid.y + (row - half) * grid.width - y) / vy
-        return across, up
-
-    def _way(self, i: int) -> tuple[int, int]:
-        """In which direction a circle leaves its cell."""
-        across, up = self._waits(i)
-        spot = self._spots[i]
-        if across <= up:
-            return (1 if spot.vx > 0.0 else -1), 0
-        return 0, (1 if spot.vy > 0.0 else -1)
-
-    def _foresee(self, i: int) -> None:
-        """Queues the time at which a circle leaves its cell; one whose place is not sharp enough is loose."""
+    def _foresee(self, i: int, column: int, row: int) -> None:
+        """Queues the time at which a circle is half a margin beyond its cell; a place not sharp enough is loose."""
         x, y, vx, vy, t = self._spots[i]
-        wait = min(self._waits(i))
-        last = t if wait == inf else t + max(wait, 0.0)
-        off = 64.0 * UNIT * (abs(x) + abs(y) + (abs(vx) + abs(vy)) * last + abs(self.grid.x) + abs(self.grid.y))
-        if not off < MARGIN / 8 * self.grid.width:
+        wait, step = inf, 0
+        if vx > 0.0:
+            wait, step = (self._columns[1][column] - x) / vx, 1
+        elif vx < 0.0:
+            wait, step = (self._columns[0][column] - x) / vx, -1
+        if vy > 0.0:
+            up = (self._rows[1][row] - y) / vy
+            if up < wait:
+                wait, step = up, self._row
+        elif vy < 0.0:
+            up = (self._rows[0][row] - y) / vy
+            if up < wait:
+                wait, step = up, -self._row
+        last = t if wait == inf or wait < 0.0 else t + wait
+        if not abs(x) + abs(y) + (abs(vx) + abs(vy)) * last < self._sharp:
             self._loosen(i)
-            return
-        if wait < inf:
+        elif wait < inf:
             self._count += 1
             self._newest[i] = self._count
+            self._steps[i] = step
             heappush(self._crossings, (t + wait, self._count, i))
+        else:
+            self._newest.pop(i, None)
+
+
+def _ahead(step: int, row: int) -> tuple[int, int, int]:
+    """The three cells that come to be around one, as seen from it, for who takes a step."""
+    aside = row if abs(step) == 1 else 1
+    return step - aside, step, step + aside
+
+
+def _ends(start: float, width: float, count: int) -> tuple[list[float], list[float]]:
+    """Where a circle leaves each of the cells along an axis, downwards and upwards: half a margin beyond its border."""
+    low = [start + (k - MARGIN / 2) * width for k in range(count)]
+    high = [start + (k + 1 + MARGIN / 2) * width for k in range(count)]
+    low[0], high[-1] = -inf, inf
+    return low, high

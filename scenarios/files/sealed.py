@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
-from importlib.metadata import version
 from typing import Any, cast
 
 from ..errors import SceneError
 from ..showing import cut
+from ..version import VERSION
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Seal:
 
     def sealed(self, data: dict[str, Any]) -> dict[str, Any]:
         """Contents with schema, version and digest."""
-        whole = {"schema": self.schema, "version": version("truebreak"), **data}
+        whole = {"schema": self.schema, "version": VERSION, **data}
         return {**whole, "digest": digest(whole)}
 
     def opened(self, text: str, where: str) -> dict[str, Any]:
@@ -51,9 +51,9 @@ class Seal:
         contents = cast("dict[str, Any]", told) if isinstance(told, dict) else {}
         if contents.get("schema") != self.schema:
             raise SceneError(f"{where}: is not a saved {self.kind}; write one with `{self.command}`")
-        if contents.get("version") != version("truebreak"):
+        if contents.get("version") != VERSION:
             raise SceneError(
-                f"{where}: was saved by truebreak {cut(contents.get('version'))}, and this is {version('truebreak')}; "
+                f"{where}: was saved by truebreak {cut(contents.get('version'))}, and this is {VERSION}; "
                 f"save the {self.kind} again, or install that version"
             )
         if contents.pop("digest", None) != digest(contents):

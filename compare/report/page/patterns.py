@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from ...outcomes.permitted import PermittedPatterns, Relation
-from ..sentences import counted
+from ..counting import counted
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from ..sentences import counted, listed
+from ..counting import counted
+from ..sentences import listed
 from .listing import console, grid, say
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ....scenarios.numbers.real import real
 from ...documents.amounts import bounds, double
-from ..sentences import counted
+from ..counting import counted
 
 if TYPE_CHECKING:
     from rich.console import Console

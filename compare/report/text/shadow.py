@@ -5,7 +5,7 @@ from __future__ import annotations
 from decimal import ROUND_CEILING, Context, Decimal
 from typing import TYPE_CHECKING
 
-from ..sentences import counted
+from ..counting import counted
 from .listing import console, say
 
 if TYPE_CHECKING:

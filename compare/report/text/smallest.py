@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...reduction.smallest import Size
-from ..sentences import counted, divergence_phrase
+from ..counting import counted
+from ..sentences import divergence_phrase
 from .listing import console, grid, say
 from .terminal import print_comparison
 

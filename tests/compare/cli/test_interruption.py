@@ -193,7 +193,7 @@ def assert_same_state(part: Trajectory, whole: Trajectory) -> None:
         assert np.allclose(part.final.array()[:, :2], whole.sample([end])[0, :, :2], rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("name", ["exact", "double"])
+@pytest.mark.parametrize("name", ["exact", "rounded:bits=53"])
 @pytest.mark.parametrize("kind", SCENES)
 def test_a_run_that_is_ended_anywhere_ends_at_a_whole_instant(
     kind: str, name: str, monkeypatch: pytest.MonkeyPatch

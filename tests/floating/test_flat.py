@@ -1,0 +1,232 @@
+"""Runs in doubles on flat flights are those of the general loop, to the last bit, and of the formulas as called."""
+
+from __future__ import annotations
+
+import pickle
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import pytest
+
+from truebreak.floating import DoubleEngine
+from truebreak.floating.event_engine import EventEngine
+from truebreak.floating.flat import crowd, flying, inlining, meetings, stride
+from truebreak.floating.flat.loop import follows
+from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
+from truebreak.scenarios.errors import TimeIsUp
+from truebreak.scenarios.trajectory import StopReason
+
+
+def box(width: int, height: int) -> list[Wall]:
+    return [Wall(0, 0, 0, 1), Wall(width, 0, width, 1), Wall(0, 0, 1, 0), Wall(0, height, 1, height)]
+
+
+def lattice(columns: int, rows: int, **more: Any) -> Scene:
+    """Many instants of several contacts."""
+    circles = [
+        Circle(3 * i + 2, 3 * j + 2, vx=(7 * i + j) % 5 - 2, vy=(i + 3 * j) % 5 - 2)
+        for i in range(columns)
+        for j in range(rows)
+    ]
+    return Scene(circles, box(3 * columns + 4, 3 * rows + 3), **more)
+
+
+def at_rest(columns: int, rows: int) -> Scene:
+    """One that flies into many that do not."""
+    circles = [Circle(3 * i + 2, 3 * j + 2) for i in range(columns) for j in range(rows)]
+    return Scene([*circles, Circle(2, 3 * rows + 4, vx="1/3", vy=-2)], box(3 * columns + 9, 3 * rows + 9))
+
+
+def named(text: str, **limits: Any) -> Callable[[], tuple[Scene, dict[str, Any]]]:
+    return lambda: (catalogue.build(text), limits)
+
+
+def made(make: Callable[[], Scene], **limits: Any) -> Callable[[], tuple[Scene, dict[str, Any]]]:
+    return lambda: (make(), limits)
+
+
+def turned(text: str, **when: Any) -> Callable[[], tuple[Scene, dict[str, Any]]]:
+    return lambda: (catalogue.build(text).with_changes(until=None, events=None, **when), {})
+
+
+OBLIQUE = [Wall(-5, 0, 0, -7), Wall(0, -7, 9, 0), Wall(9, 0, 1, 9), Wall(1, 9, -5, 0)]
+LINE = [Circle(0, 0, vx=1), Circle(4, 0)]
+SIDES = [Wall(9, 0, 9, 1), Wall(-2, 0, -2, 1)]
+FAR = [Wall(20, 0, 20, 1), Wall(-5, 0, -5, 1)]
+ROW = [*(Circle(2 * i + 5, 5) for i in range(6)), Circle(1, 5, vx=2)]
+SLIDING = [Circle(1, 1, vx=1), Circle(7, 1, vx=-1), Circle(4, 5, vy=-1)]
+FIXED = [Circle(5, 5, 2, m="oo"), Circle(1, 1, vx=2, vy=1), Circle(9, 2, vy=2)]
+ROOTS = [Circle("sqrt(2)", "sqrt(3)", 1, "sqrt(5)", 1), Circle(7, "sqrt(7)", vx=-1)]
+POINTS = [Circle(1, 1, 0, 2, 1, point=True), Circle(5, 5, 0, -1, 1, point=True), Circle(3, 6, vx=1)]
+PASSING = [Circle(0, 0, vx=1), Circle(5, 2)]
+HUGE = [Circle("10**150", 0, "10**149", "-10**150"), Circle("-10**150", "10**148", "10**149", "10**150", 1)]
+
+SCENES: dict[str, Callable[[], tuple[Scene, dict[str, Any]]]] = {
+    "gas": named("gas:n=10", events=600),
+    "mixed": named("gas:n=20,seed=3,mixed=yes", events=200),
+    "until": named("gas:n=10", until="7/2"),
+    "crowd": named("gas:n=70,seed=3", events=200),
+    "mixed crowd": named("gas:n=70,seed=4,mixed=yes", events=200),
+    "galperin": named("galperin:n=2", events=400),
+    "cradle": named("cradle", events=60),
+    "tied rack": made(lambda: catalogue.build("rack:rows=4,gap=0").with_changes(pockets=[]), events=60),
+    "inscribed": named("inscribed", events=60),
+    "near tie": named("near-tie"),
+    "lorentz": named("lorentz", events=60),
+    "pinball": named("pinball"),
+    "tennis": named("tennis", events=80),
+    "lee": named("lee"),
+    "point": named("point", events=60),
+    "sizes": named("sizes", events=60),
+    "corner": named("corner", events=60),
+    "lattice": made(lambda: lattice(5, 4), events=200),
+    "lattice in order": made(lambda: lattice(5, 4, tie_policy="sequential"), events=120),
+    "lattice at random": made(lambda: lattice(5, 4, tie_policy="sequential:seed=5"), events=120),
+    "lattice crowd": made(lambda: lattice(10, 7), events=120),
+    "at rest": made(lambda: at_rest(3, 3), events=200),
+    "crowd at rest": made(lambda: at_rest(9, 8), events=200),
+    "touching": made(lambda: Scene(ROW, box(30, 10)), events=60),
+    "sliding": made(lambda: Scene(SLIDING, box(20, 10)), events=60),
+    "fixed": made(lambda: Scene(FIXED, box(12, 10)), events=120),
+    "oblique": made(lambda: Scene([Circle(0, 0, 1, 2, 1), Circle(3, 1, 1, -1, 1)], OBLIQUE), events=120),
+    "irrational": made(lambda: Scene(ROOTS, box(12, 9)), events=120),
+    "points": made(lambda: Scene(POINTS, box(10, 9)), events=60),
+    "graze": made(lambda: Scene([*PASSING, Circle(12, 0)], FAR), events=30),
+    "graze and tie": made(lambda: Scene([*PASSING, Circle(7, 0)], FAR), events=30),
+    "at the limit": made(lambda: Scene(LINE, SIDES), until=2),
+    "just before": made(lambda: Scene(LINE, SIDES), until="2 - 1/10**30"),
+    "just after": made(lambda: Scene(LINE, SIDES), until="2 + 1/10**30"),
+    "there and back": turned("gas:n=6", reverse_after=30),
+    "turned at a time": turned("gas:n=6", reverse_at=2),
+    "turned at a hit": made(lambda: Scene(LINE, SIDES, reverse_at=2)),
+    "crowd there and back": turned("gas:n=70,seed=2", reverse_after=40),
+    "one": made(lambda: Scene([Circle(3, 3, vx=1, vy="1/3")], box(10, 10)), events=50),
+    "nothing": made(lambda: Scene([Circle(0, 0, vx=-1), Circle(5, 0, vx=1)])),
+    "huge": made(lambda: Scene(HUGE), events=9),
+}
+
+
+def general(scene: Scene, **limits: Any) -> Trajectory:
+    """The run of the general loop."""
+    return EventEngine.run_with(DoubleEngine(), scene, None, **limits)
+
+
+def told(run: Trajectory) -> list[Any]:
+    """All that a run says, to the last bit."""
+    return [
+        [(e.index, float(e.time).hex(), e.contacts, e.impulses, e.ties, e.coupled) for e in run.events],
+        [[tuple(number.hex() for number in knot) for knot in row] for row in run.motion.knots],
+        [tuple(float(q).hex() for q in (c.x, c.y, c.vx, c.vy)) for c in run.final.circles],
+        (float(run.final_time).hex(), run.stop, run.reversal, run.pocketings, run.plan),
+    ]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_flat_run_is_the_general_one(name: str) -> None:
+    scene, limits = SCENES[name]()
+    assert follows(scene, None)
+    assert told(DoubleEngine().run(scene, **limits)) == told(general(scene, **limits))
+
+
+def test_what_is_not_flat() -> None:
+    scene = catalogue.build("rack:rows=3")
+    assert scene.pockets
+    assert not follows(scene, None)
+
+
+def test_the_formulas_written_out_are_current() -> None:
+    assert inlining.INLINED.read_text("utf-8") == inlining.render(), "run python -m truebreak.floating.flat"
+
+
+@pytest.mark.parametrize("name", ["gas", "mixed crowd", "fixed", "oblique", "lattice", "graze"])
+def test_the_formulas_as_called_give_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, limits = SCENES[name]()
+    run = DoubleEngine().run(scene, **limits)
+    for module in (crowd, meetings, stride):
+        for function in ("walls", "pairs", "strike", "rebound"):
+            if hasattr(module, function):
+                monkeypatch.setattr(module, function, getattr(flying, function))
+    assert told(DoubleEngine().run(scene, **limits)) == told(run)
+
+
+def test_most_instants_of_a_gas_are_ordinary(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So the general loop resolves but few: none, after that at time 0, where nothing falls together."""
+    resolved: list[object] = []
+    from truebreak.exact.simulation.instant import Resolver
+
+    resolve = Resolver.resolve
+    monkeypatch.setattr(Resolver, "resolve", lambda self, *given: resolved.append(self) or resolve(self, *given))
+    assert len(DoubleEngine().run(catalogue.build("gas:n=10"), events=600).events) == 600
+    assert len(resolved) == 1
+
+
+def test_a_run_pickles_read_or_not() -> None:
+    scene, limits = SCENES["lattice"]()
+    run = DoubleEngine().run(scene, **limits)
+    again = pickle.loads(pickle.dumps(run))
+    assert told(again) == told(run)
+    assert isinstance(again.events, tuple)
+    assert again.events == run.events == tuple(run.events)
+
+
+FLAT = str(Path(stride.__file__).parent)
+
+
+@contextmanager
+def ended_at(line: int, error: BaseException) -> Iterator[list[int]]:
+    """Raises an error before so many lines of a stride have been run; counts them."""
+    count = [0]
+
+    def trace(frame: FrameType, event: str, _: Any) -> Any:
+        if not frame.f_code.co_filename.startswith(FLAT) or not _in_stride(frame):
+            return None
+        if event == "line":
+            count[0] += 1
+            if count[0] == line:
+                raise error
+        return trace
+
+    before = sys.gettrace()
+    sys.settrace(trace)
+    try:
+        yield count
+    finally:
+        sys.settrace(before)
+
+
+def _in_stride(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename == stride.__file__ and frame.f_code.co_name == "__call__":
+            return True
+        frame = frame.f_back
+    return False
+
+
+@pytest.mark.parametrize("name", ["gas", "lattice", "crowd", "there and back", "crowd there and back"])
+def test_a_stride_that_is_ended_anywhere_ends_at_a_whole_instant(name: str) -> None:
+    scene, limits = SCENES[name]()
+    if "events" in limits:
+        limits = {"events": 60}
+    with ended_at(0, KeyboardInterrupt()) as counted:
+        whole = DoubleEngine().run(scene, **limits)
+    assert counted[0] > 100
+    knots = told(whole)[1]
+    for k in range(24):
+        error = TimeIsUp("enough") if k % 2 else KeyboardInterrupt()
+        with ended_at(1 + counted[0] * k // 24 + k, error):
+            part = DoubleEngine().run(scene, **limits)
+        assert part.stop.reason is (StopReason.BUDGET if k % 2 else StopReason.INTERRUPTED)
+        done = len(part.events)
+        assert list(part.events) == list(whole.events[:done])
+        assert part.reversal is None or part.reversal == whole.reversal
+        last = [float(e.time) for e in part.events[-1:]]
+        end = max([0.0, *last, *([] if part.reversal is None else [float(part.reversal.time)])])
+        assert float(part.final_time) == end
+        for mine, theirs in zip(told(part)[1], knots, strict=True):
+            assert mine == theirs[: len(mine)]
+            assert all(float.fromhex(knot[0]) <= end for knot in mine)
+            assert all(float.fromhex(knot[0]) >= end for knot in theirs[len(mine) :])
