@@ -21,6 +21,7 @@ from ...exact.results.ball_parts import from_parts, parts_of
 from ...exact.results.saved_numbers import NumberReader, NumberWriter, set_time_data, step_data, step_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
+from ...scenarios.late import Late
 from ...scenarios.numbers.doubles import Double
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower.element import Element
@@ -120,7 +121,7 @@ class Writer:
             return self._float(value)
         if type(value) is list:
             return [self(item) for item in value]
-        if type(value) is tuple:
+        if type(value) is tuple or isinstance(value, Late):
             return {"tuple": [self(item) for item in value]}
         if isinstance(value, set | frozenset):
             return {

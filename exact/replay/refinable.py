@@ -21,7 +21,7 @@ from .centred_state import CentredState
 from .contact import AtWall, Pair, Touch
 from .lone import SPARE_BITS, LoneContacts
 from .state import State
-from .steps import Flip, Go, Kick, Step, Take
+from .steps import Flip, Go, Kick, Step, circles_of
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
@@ -130,7 +130,7 @@ class RefinableState:
 
     def do(self, step: Step) -> None:
         """Carries out one step, in the field if its bodies stay there, and logs it."""
-        taking_part = self._taking_part(step)
+        taking_part = circles_of(step, self.n)
         in_field = self._in_play > 0 and self.all_exact(taking_part) and self._try_field(step, taking_part)
         if not in_field:
             if self._in_play:
@@ -180,22 +180,7 @@ class RefinableState:
         found = [(i, projection) for i in bodies if (projection := self.held(i)) is not None]
         if found:
             self._projected[len(self.steps)] = found
-            self._project_all(self.balls, found)
-
-    def _taking_part(self, step: Step) -> tuple[int, ...]:
-        if type(step) is Go:
-            source = step.source
-            if isinstance(source, tuple):
-                extra = [i for i in source.circles if i not in step.bodies]
-                return (*step.bodies, *extra) if extra else step.bodies
-            return (*step.bodies, source) if isinstance(source, int) else step.bodies
-        if type(step) is Kick:
-            if len(step.links) == 1:
-                return step.links[0].circles
-            return tuple({i for link in step.links for i in link.circles})
-        if isinstance(step, Take):
-            return (step.body,)
-        return tuple(range(self.n))
+            _project_all(self.balls, found)
 
     def _try_field(self, step: Step, taking_part: tuple[int, ...]) -> bool:
         state = self.field
@@ -231,19 +216,6 @@ class RefinableState:
         accuracy = self._step_in_balls(state, step, taking_part, self.bits)
         self.lowest = min(self.lowest, accuracy)
 
-    @staticmethod
-    def _project_all(state: CentredState, held: Iterable[tuple[int, Projection]]) -> None:
-        """A circle on a mirror line, or at a centre of rotation, stays there: exactly, whatever the balls say."""
-        state.loosen()
-        bits = ball.bits_in_use()
-        for i, ((a, b, c, d), (cx, cy)) in held:
-            a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
-            body = state.bodies[i]
-            x, y, vx, vy, t, instant, late, last, _ = body.flight
-            x, y = x - cx, y - cy
-            x, y, vx, vy = cx + a * x + b * y, cy + c * x + d * y, a * vx + b * vy, c * vx + d * vy
-            body.flight = Flight(x, y, vx, vy, t, instant, late, last, vx.is_zero() and vy.is_zero())
-
     def _step_in_balls(self, state: CentredState, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
         """One step, with no more bits than the bodies' accuracy deserves; gives the accuracy after it."""
         bodies = state.bodies
@@ -265,7 +237,7 @@ class RefinableState:
                     if rest is not flight.rest:
                         bodies[i].flight = flight._replace(rest=rest)
                 if state.steps_done in self._projected:
-                    self._project_all(state, self._projected[state.steps_done])
+                    _project_all(state, self._projected[state.steps_done])
         return accuracy
 
     # -- precision
@@ -297,7 +269,7 @@ class RefinableState:
                 k += 2
                 if k in self._projected:
                     ball.use_bits(bits)
-                    self._project_all(state, self._projected[k])
+                    _project_all(state, self._projected[k])
                 continue
             ball.use_bits(bits)
             self._again(state, k, bits)
@@ -328,7 +300,7 @@ class RefinableState:
         step = self.steps[k]
         if not self._in_field[k]:
             state.steps_done = k
-            self.lowest = min(self.lowest, self._step_in_balls(state, step, self._taking_part(step), bits))
+            self.lowest = min(self.lowest, self._step_in_balls(state, step, circles_of(step, self.n), bits))
         elif isinstance(step, Go):
             state.forget_contact()
         elif isinstance(step, Flip):
@@ -340,6 +312,19 @@ class RefinableState:
         for i, flight in self._left[k]:
             _enter(state.bodies[i], flight, bits)
             state.outside.discard(i)
+
+
+def _project_all(state: CentredState, held: Iterable[tuple[int, Projection]]) -> None:
+    """A circle on a mirror line, or at a centre of rotation, stays there: exactly, whatever the balls say."""
+    state.loosen()
+    bits = ball.bits_in_use()
+    for i, ((a, b, c, d), (cx, cy)) in held:
+        a, b, c, d, cx, cy = (field_ball(value, bits) for value in (a, b, c, d, cx, cy))
+        body = state.bodies[i]
+        x, y, vx, vy, t, instant, late, last, _ = body.flight
+        x, y = x - cx, y - cy
+        x, y, vx, vy = cx + a * x + b * y, cy + c * x + d * y, a * vx + b * vy, c * vx + d * vy
+        body.flight = Flight(x, y, vx, vy, t, instant, late, last, vx.is_zero() and vy.is_zero())
 
 
 def _enter(body: Body[arb], exact: Flight[FieldNumber], bits: int) -> None:

@@ -81,3 +81,20 @@ def causal_past(steps: Sequence[Step], bodies: Iterable[int]) -> tuple[list[int]
             needed.append(k)
     needed.reverse()
     return needed, sorted(wanted)
+
+
+def circles_of(step: Step, count: int) -> tuple[int, ...]:
+    """The circles that take part in a step, of so many."""
+    if type(step) is Go:
+        source = step.source
+        if isinstance(source, tuple):
+            extra = [i for i in source.circles if i not in step.bodies]
+            return (*step.bodies, *extra) if extra else step.bodies
+        return (*step.bodies, source) if isinstance(source, int) else step.bodies
+    if type(step) is Kick:
+        if len(step.links) == 1:
+            return step.links[0].circles
+        return tuple({i for link in step.links for i in link.circles})
+    if isinstance(step, Take):
+        return (step.body,)
+    return tuple(range(count))
