@@ -19,9 +19,9 @@ approaches with 2u + G s >= 0; the velocities that follow are unique (Cottle, Pa
 Problem, 3.1). `sequential`: one contact at a time, in the order that the scene or its seed says.
 
 *Zeros.* That a number is zero takes a witness. "exact": it is computed again from the scene in `Exact` numbers. An
-isometry: it maps the causal past of one number to that of another, or of its negative: data are compared exactly,
-rounds as sets of contacts, and by induction over the rounds flights are mapped to flights. "back": the way back of a
-reversed run undoes the way out, round by round. docs/symmetry-and-ties.md proves both theorems.
+isometry maps the causal past of one number to that of another, or of its negative: data are compared exactly, blocks of
+impulses by the blocks before them, and by induction flights are mapped to flights. "back": the way back of a reversed
+run undoes the way out, block by block. docs/symmetry-and-ties.md proves both theorems.
 """
 
 # fmt: off
@@ -36,67 +36,64 @@ from operator import add, mul, neg, sub, truediv
 from pathlib import Path
 
 FORMAT, BYTES, CIRCLES, BITS, PAIRS, SIZE = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20, 1 << 22, 1 << 30
-TEXT, ROOTS, SCENE_ROOTS, WORK, INSTANTS = 20_000, 16, 12, 1 << 38, 1 << 14
+TEXT, ROOTS, SCENE_ROOTS, WORK, INSTANTS = 20_000, 16, 12, 1 << 37, 1 << 14
 NEVER, DOUBT = ("never", None), ("doubt", None)
 Flight = namedtuple("Flight", "x y vx vy t age")  # at (x, y) at time t, which is that of the instant `age`
 Meeting = namedtuple("Meeting", "t gap closing d v square arms")
-Block = namedtuple("Block", "kind among push places age")
-
+Block = namedtuple("Block", "kind among push before age")  # before: of each circle, the number of the block before
 
 class Refuted(Exception): """The certificate states something false."""
 class Malformed(Exception): """This is no certificate."""
 class Undecided(Exception): """The intervals are too wide, or a witness is missing."""
 BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
 
-
 class Exact:
     """a + b*sqrt(d): d is the k-th of `roots`, a and b use those before it; for k = 0 the fraction a."""
-    roots, most, work, budget = [], ROOTS, 0, WORK
+    roots, named, most, work, budget = [], [], ROOTS, 0, WORK
     def __init__(self, a, b=None, k=0): self.a, self.b, self.k = a, b, k
-    def zero(self): return self.k == 0 and self.a == 0
+    def __bool__(self) -> bool: return self.k > 0 or self.a != 0
     def parts(self, k): return (self.a, self.b) if self.k == k else (self, ZERO)
     def __neg__(self): return Exact(-self.a, self.b and -self.b, self.k)
     def __sub__(self, o): return self + -o
     def __add__(self, o):
-        if (k := max(self.k, o.k)) == 0: return Exact(self.a + o.a)
+        if not (k := max(self.k, o.k)): return Exact(self.a + o.a)
         (a, b), (c, d) = self.parts(k), o.parts(k)
-        return a + c if (b + d).zero() else Exact(a + c, b + d, k)
+        return Exact(a + c, high, k) if (high := b + d) else a + c
     def __mul__(self, o):
-        if (k := max(self.k, o.k)) == 0:
-            sizes = [x.a.numerator.bit_length() + x.a.denominator.bit_length() for x in (self, o)]
-            Exact.work += 10_000 + (sizes[0] * sizes[1] >> 8)  # about a nanosecond a unit
+        if not (self and o): return ZERO
+        if not (k := max(self.k, o.k)):
+            Exact.work += 10_000 + (size(self.a) * size(o.a) >> 8)  # about a nanosecond a unit
             if Exact.work > Exact.budget: raise Undecided("an exact witness takes too much work")
             return Exact(self.a * o.a)
         (a, b), (c, d) = self.parts(k), o.parts(k)
-        high, low = a * d + b * c, a * c if b.zero() or d.zero() else a * c + b * d * Exact.roots[k - 1]
-        return low if high.zero() else Exact(low, high, k)
+        low, high = a * c + b * d * Exact.roots[k - 1], a * d + b * c
+        return Exact(low, high, k) if high else low
     def __truediv__(self, o):
         if o.k == 0: return self * Exact(1 / o.a)
-        norm = o.a * o.a - o.b * o.b * Exact.roots[o.k - 1]
-        return self * Exact(o.a / norm, -o.b / norm, o.k)
+        return self * Exact(o.a, -o.b, o.k) / (o.a * o.a - o.b * o.b * Exact.roots[o.k - 1])
+    def sign(self):
+        """That of a and b; where they differ, a*a - b*b*d tells which is the greater."""
+        if self.k == 0: return (self.a > 0) - (self.a < 0)
+        a, b = self.a.sign(), self.b.sign()
+        return b if a in (0, b) else a * (self.a * self.a - self.b * self.b * Exact.roots[self.k - 1]).sign()
     def sqrt(self):
         """The positive root: made of the roots at hand if it can be, else a new one."""
-        if Ball.of(self).sign() != 1: raise Undecided("a number that may not be positive has a root")
-        if (root := self.within(len(Exact.roots))) is None:
-            if len(Exact.roots) >= Exact.most: raise Undecided("an exact witness takes too many roots")
-            Exact.roots.append(self)
-            return Exact(ZERO, ONE, len(Exact.roots))
-        if (sign := Ball.of(root).sign()) is None: raise Undecided("a root may have either sign")
-        return root if sign > 0 else -root
+        if self.sign() < 1: raise Malformed("a number that is not positive has a root")
+        if root := self.within(len(Exact.roots)): return root if root.sign() > 0 else -root
+        if len(Exact.roots) >= Exact.most: raise Undecided("an exact witness takes too many roots")
+        Exact.roots.append(self)
+        return Exact(ZERO, ONE, len(Exact.roots))
     def within(self, k):
         """A square root made of the first k roots, or None: from (c + e*sqrt(d))^2 = a + b*sqrt(d)."""
         if k == 0:
             root = Fraction(isqrt(abs(self.a.numerator)), isqrt(self.a.denominator))
             return Exact(root) if root * root == self.a else None
-        d, (a, b) = Exact.roots[k - 1], self.parts(k)
-        if b.zero():
-            e = None if (c := a.within(k - 1)) else (a / d).within(k - 1)
-            return c or (e and Exact(ZERO, e, k))
+        (a, b), d = self.parts(k), Exact.roots[k - 1]
+        if not b: return a.within(k - 1) or ((e := (a / d).within(k - 1)) and Exact(ZERO, e, k))
         norm = (a * a - b * b * d).within(k - 1)
         for n in (norm, -norm) if norm else ():
-            if (c := ((a + n) / (ONE + ONE)).within(k - 1)) and not c.zero(): return Exact(c, b / (c + c), k)
+            if c := ((a + n) / (ONE + ONE)).within(k - 1): return Exact(c, b / (c + c), k)
         return None
-
 
 class Ball:
     """The reals within r of m, in units of 2**-bits; what is exact at these bits stays so. `how` the number comes
@@ -106,11 +103,9 @@ class Ball:
     def __neg__(self): return Ball(-self.m, self.r, neg, self.how)
     def __add__(self, o): return Ball(self.m + o.m, self.r + o.r, add, self.how, o.how)
     def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r, sub, self.how, o.how)
-    def sign(self): return 1 if self.m > self.r else -1 if self.m < -self.r else None if self.r else 0
     def __mul__(self, o):
-        m, r = self.m * o.m, abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
-        exact = r == 0 and (m >> Ball.bits) << Ball.bits == m
-        return Ball(m >> Ball.bits, 0 if exact else (r >> Ball.bits) + 2, mul, self.how, o.how)
+        wide = abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
+        return Ball(self.m * o.m, wide, mul, self.how, o.how).cut(Ball.bits)
     def __truediv__(self, o):
         if (least := abs(o.m) - o.r) <= 0: raise Undecided("a number that may be zero divides")
         m, rest = divmod(self.m << Ball.bits, o.m)
@@ -121,6 +116,12 @@ class Ball:
         root = isqrt(low)
         half = 0 if self.r == 0 and root * root == low else (self.r << Ball.bits) // root // 2 + 2
         return Ball(root + half, half, Exact.sqrt, self.how)
+    def cut(self, drop):
+        """The same in units of so many bits less."""
+        exact = self.r == 0 and self.m >> drop << drop == self.m
+        self.m, self.r = self.m >> drop, 0 if exact else (self.r >> drop) + 2
+        return self
+    def sign(self): return 1 if self.m > self.r else -1 if self.m < -self.r else None if self.r else 0
     @staticmethod
     def of(x):
         """The interval of an exact number."""
@@ -134,29 +135,26 @@ class Ball:
         try:
             while todo:
                 value, *by = how = todo[-1]
-                if not value and not by: raise Undecided("it is too long ago to be computed again")
-                if missing := [part for part in by[1:] if not value and not part[0]]: todo += missing
+                if value is None and not by: raise Undecided("it is too long ago to be computed again")
+                if missing := [part for part in by[1:] if value is None and part[0] is None]: todo += missing
                 else:
-                    how[0] = value or by[0](*(part[0] for part in by[1:]))
+                    how[0] = by[0](*(part[0] for part in by[1:])) if value is None else value
                     done.append(todo.pop())
-            return self.how[0].zero()
+            return not self.how[0]
         finally:
-            for how in done: how[0] = how[0] if how[0] and how[0].k <= roots else None
+            for how in done: how[0] = how[0] if how[0] is not None and how[0].k <= roots else None
             del Exact.roots[roots:]
 
-
 ZERO, ONE = Exact(Fraction(0)), Exact(Fraction(1))
-
+def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def number(text):
     """Reads a sum of terms such as 3/4*r1*r2."""
-    term, total = r"\d+(?:/0*[1-9]\d*)?(?:\*r\d+)*", ZERO
+    term, total = r"\d+(?:/0*[1-9]\d*)?(?:\*r[1-9]\d?)*", ZERO
     if len(text) > TEXT or not re.fullmatch(f"[+-]?{term}([+-]{term})*", text, re.ASCII):
         raise Malformed(f"{text[:40]!r} is no number")
     for factor, *names in (found.split("*r") for found in re.findall(f"[+-]?{term}", text)):
         value = Exact(Fraction(factor))
-        for k in map(int, names):
-            if not 1 <= k <= len(Exact.roots): raise Malformed(f"there is no root r{k}")
-            value = value * Exact(ZERO, ONE, k)
+        for name in names: value = value * Exact.named[int(name) - 1]
         total = total + value
     return total
 
@@ -164,7 +162,6 @@ def put(flight, t, age):
     """The same flight, told from where it is at a time t, that of the instant `age`."""
     x, y, vx, vy, since, then = flight
     return flight if age == then else Flight(x + vx * (t - since), y + vy * (t - since), vx, vy, t, age)
-
 
 class Laws:
     """The laws of flight, meeting and impulse. Bodies are circles, and then pockets, which rest, counted from behind. A
@@ -175,7 +172,7 @@ class Laws:
         (i, j), a = c, flights[c[0]]
         if j >= self.n:
             x, y, nx, ny, length = self.walls[j - self.n]
-            nx, ny = (nx, ny) if self.sides[c] else (-nx, -ny)
+            nx, ny = (nx, ny) if self.sides[c] > 0 else (-nx, -ny)
             gap = nx * (a.x - x) + ny * (a.y - y) - self.radii[i] * length
             return Meeting(a.t, gap, nx * a.vx + ny * a.vy, None, None, None, {i: (nx, ny)})
         t, age = max(a, flights[j], key=lambda flight: flight.age)[4:]
@@ -193,30 +190,31 @@ class Laws:
     def hit(self, m):
         """When the gap falls through zero."""
         return m.t + m.gap / (self.disc(m).sqrt() - m.closing) if m.v else m.t - m.gap / m.closing
+    def solve(self, rows):
+        """The x with G x = y, by elimination; each row is one of G, and then of y."""
+        if not rows: return []
+        (pivot, *top), *rest = rows
+        rest = [[x - f * y for f in [row[0] / pivot] for x, y in zip(row[1:], top, strict=True)] for row in rest]
+        low = self.solve(rest)
+        return [sum((-(g * x) for g, x in zip(top[:-1], low, strict=True)), top[-1]) / pivot, *low]
     def blow(self, flights, push, others):
-        """Of those that push the impulses s, by elimination from G s = -2u; 2u + G s of others; the new velocities."""
+        """Of those that push the impulses s, by G s = -2u; 2u + G s of others; the new velocities."""
         met = {c: self.meeting(flights, c) for c in (*push, *others)}
         twice = {c: m.closing + m.closing for c, m in met.items()}
         def effect(c, o):  # an entry of G
             if c == o and c[1] < self.n: return (self.weights[c[0]] + self.weights[c[1]]) * met[c].square
             both = [(self.weights[i], *met[c].arms[i], *met[o].arms[i]) for i in met[c].arms if i in met[o].arms]
             return sum(((x * p + y * q) * w for w, x, y, p, q in both), self.none)
-        rows, s, new = [[*(effect(c, o) for o in push), -twice[c]] for c in push], {}, {}
-        for k, top in enumerate(rows):
-            for row in rows[k + 1 :]:
-                factor = row[k] / top[k]
-                row[k + 1 :] = [x - factor * y for x, y in zip(row[k + 1 :], top[k + 1 :], strict=True)]
-        for k, c in reversed(list(enumerate(push))):
-            s[c] = sum((-(rows[k][m] * s[push[m]]) for m in range(k + 1, len(push))), rows[k][-1]) / rows[k][k]
-            for i, (x, y) in met[c].arms.items():
-                (vx, vy), w = new.get(i, flights[i][2:4]), self.weights[i]
-                new[i] = vx + w * s[c] * x, vy + w * s[c] * y
+        rows, new = [[*(effect(c, o) for o in push), -twice[c]] for c in push], {}
+        s = dict(zip(push, self.solve(rows), strict=True))
+        for i, x, y, j in ((i, x, y, s[c]) for c in push for i, (x, y) in met[c].arms.items()):
+            (vx, vy), w = new.get(i, flights[i][2:4]), self.weights[i]
+            new[i] = vx + w * j * x, vy + w * j * y
         return s, {c: sum((effect(c, o) * s[o] for o in push), twice[c]) for c in others}, new
 
-
 class Zeros(Laws):
-    """What proves numbers of a run zero. An isometry maps blocks to blocks: rounds of impulses among contacts that hang
-    together through movable circles, or one circle's turn or capture. The way back undoes blocks."""
+    """What proves numbers of a run zero. The past of a circle is its last block, and so all before: a round of impulses
+    among contacts that hang together through movable circles, or one circle's turn or capture."""
     def take(self, entry, clock):
         """Takes up the witnesses of an entry, and the contact that tells its time."""
         self.clock, self.witnesses = clock, {}
@@ -239,135 +237,143 @@ class Zeros(Laws):
         if tie and other not in self.tied: return False
         if witness == "exact": return (self.nexts[c][1] - self.nexts[other][1] if tie else value).zero()
         if witness == "back":
-            if not self.turned or question == "graze": return self.turned and self.heights(c) in self.grazed
+            if question == "graze": return bool(self.way) and self.pasts(c) in self.grazed
             if tie: return self.parted(c) is not None and self.parted(c) == self.parted(other)
             return question == "until" and "until" not in self.limits and self.parted(c) == 0
         (a, b, d, e), images, _ = g = self.isometry(witness)
         if tie:
             alike = self.nexts[c][0] == self.nexts[other][0] and self.image(images, c) == other
-            return alike and all(self.maps(g, k) for k in c if k < self.n)
+            return alike and all(self.maps(g, k) for k in c if 0 <= k < self.n)
         if question not in ("still", "together") or j < 0: return False
         if j >= self.n:
-            _, _, nx, ny = self.lines[j - self.n]
-            turned = (a * nx + b * ny + nx).zero() and (d * nx + e * ny + ny).zero()
-            return turned and images.get(i) == i and self.maps(g, i)
-        unturned = all(x.zero() for x in (a - ONE, b, d, e - ONE))
+            _, _, nx, ny, _ = self.things[j]
+            return not (a * nx + b * ny + nx or d * nx + e * ny + ny) and images.get(i) == i and self.maps(g, i)
+        unturned = not any((a - ONE, b, d, e - ONE))
         return unturned and any(images.get(k) == m and self.maps(g, k) for k, m in ((i, j), (j, i)))
     def isometry(self, k):
-        """The linear part, what is mapped to what, checked on the data, and the blocks that it is known to map."""
+        """The linear part, what is mapped to what, checked on the data, and the images of the first blocks."""
         if k not in self.isometries:
-            told = self.told["isometries"][k]
+            told = dict(enumerate(self.told["isometries"]))[k]
             (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
             images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
             alike = all((i < 0, i < self.n) == (j < 0, j < self.n) for i, j in images.items())
             for i, j in images.items() if alike else ():
-                if i >= self.n:
-                    (x, y, mx, my), (u, v, nx, ny) = self.lines[i - self.n], self.lines[j - self.n]
-                    for s, t in ((x, y), (x + my, y - mx)):
-                        zeros.append(nx * (a * s + b * t + p - u) + ny * (d * s + e * t + q - v))
-                else:
-                    (x, y, vx, vy, *kind), (u, v, wx, wy, *like) = self.bodies[i], self.bodies[j]
-                    zeros += [a * x + b * y + p - u, d * x + e * y + q - v, a * vx + b * vy - wx, d * vx + e * vy - wy]
-                    zeros += [kind[0] - like[0], kind[1] - like[1]]
-            if not alike or len(set(images.values())) < len(images) or not all(x.zero() for x in zeros):
+                (x, y, vx, vy, *kind), (u, v, wx, wy, *like) = self.things[i], self.things[j]
+                x, y, vx, vy = a * x + b * y + p - u, d * x + e * y + q - v, a * vx + b * vy, d * vx + e * vy
+                wall = [vx * wy - vy * wx, x * wx + y * wy]
+                zeros += wall if i >= self.n else [x, y, vx - wx, vy - wy, *map(sub, kind, like)]
+            if not alike or len(set(images.values())) < len(images) or any(zeros):
                 raise Refuted(f"isometry {k} does not map what it says")
-            self.isometries[k] = (a, b, d, e), images, set()
+            self.isometries[k] = (a, b, d, e), images, [0]
         return self.isometries[k]
     def image(self, images, c):
         """The image of a contact."""
         i, j = images.get(c[0]), images.get(c[1])
         return None if i is None or j is None else (min(i, j), max(i, j)) if 0 <= j < self.n else (i, j)
     def maps(self, g, i):
-        """Whether an isometry maps circle i with its past to its image: each block of it to one of the same kind."""
-        _, images, proved = g
-        if images.get(i) is None or len(self.rows[i]) != len(self.rows[images[i]]): return False
-        seen, todo = set(), self.rows[i][-1:]
-        while todo:
-            if (one := todo.pop()) in seen or one in proved: continue
-            block = self.log[one]
-            places = {images.get(k): p for k, p in block.places.items()}
-            k, p = next(iter(places.items()))
-            twin = self.log[self.rows[k][p]] if k is not None and p < len(self.rows[k]) else block
-            if twin.kind != block.kind or twin.kind == "take" or twin.places != places: return False
-            if {self.image(images, c) for c in block.among} != set(twin.among): return False
-            seen.add(one)
-            todo += [self.rows[k][p - 1] for k, p in block.places.items() if p]
-        proved |= seen
-        return True
-    def heights(self, c):
-        """A contact, and how many blocks of its circles' way out are done, or not undone (None: they left the way)."""
-        return c, *(None if row is None else len(row) for row in ((self.way or self.rows)[i] for i in c if i < self.n))
+        """Whether an isometry maps circle i with its past to its image: the image of a block is that of its kind with
+        the images of its contacts, and of the blocks before it."""
+        _, images, seen = g
+        for kind, among, _, before, _ in self.blocks[len(seen) : self.last[i] + 1]:
+            past = frozenset((images.get(k), seen[number]) for k, number in before.items())
+            seen.append(self.numbers.get((kind, frozenset(self.image(images, c) for c in among), past)))
+        return i in images and seen[self.last[i]] == self.last[images[i]]
+    def note(self, kind, among, push, circles):
+        """Logs a block, and gives its circles; on the way back it undoes one of the way out, or they leave that way."""
+        before = {i: self.last[i] for i in circles & self.movable}
+        block = Block(kind, frozenset(among), frozenset(push), before, self.age)
+        if kind != "take": self.numbers[kind, block.among, frozenset(before.items())] = len(self.blocks)
+        self.last |= dict.fromkeys(before, len(self.blocks))
+        self.blocks.append(block)
+        if self.way and kind == "kick":
+            one, *more = {self.way[i] for i in before}
+            old = self.blocks[0 if more or one is None else one]
+            undone = old.push == block.push and old.before.keys() == before.keys()
+            self.way |= {i: old.before[i] if undone else None for i in before}
+        return before
+    def pasts(self, c):
+        """A contact, and the last blocks of its circles on the way out that are done, or not undone (None: it left)."""
+        return c, *((self.way or self.last)[i] for i in c if 0 <= i < self.n)
     def parted(self, c):
         """The age of the instant of the way out at which two, on their flights of now, stood at gap zero; or None."""
-        rows = [self.way[i] for i in self.movable.intersection(c)]
-        latest = None if None in rows else max((self.log[row[-1]].age for row in rows if row), default=0)
-        return latest if latest is not None and c in self.standing[latest] else None
-
+        if not self.way or None in (pasts := self.pasts(c)): return None
+        latest = max(self.blocks[k].age for k in pasts[1:])
+        return latest if c in self.standing[latest] else None
 
 class Checker(Zeros):
     """Follows the log of a certificate. Between instants it keeps `flights`, all enclosed; `nexts`, what is known of
     the next meeting of two: never, a hit or a graze, and when, or a doubt; `lasting`, the contacts that stay at gap
-    zero; `rows`, the past of each circle, as places in `log`; `way`, after the reversal, what of that is not undone."""
+    zero; the `last` block of each circle; `way`, after the reversal, the last one of the way out that is not undone."""
     def __init__(self, told):
         if not isinstance(told, dict) or told.get("format") != FORMAT: raise Malformed(f"the format is not {FORMAT}")
         self.told, self.scene, self.end, self.isometries = told, (scene := told["scene"]), told["end"], {}
-        Exact.roots, Exact.most, Exact.work, Exact.budget = [], ROOTS, 0, WORK
-        self.n, (first, self.bits) = (n := len(scene["circles"])), told["bits"][0]
+        self.n, (first, bits) = (n := len(scene["circles"])), told["bits"][0]
         size = n * sum(len(scene.get(kind, ())) for kind in ("circles", "walls", "pockets"))
         if not 0 < n <= CIRCLES or size > PAIRS or len(told["roots"]) > SCENE_ROOTS:
             raise Malformed("it has no circle, or too many circles, walls, pockets or roots")
-        if first != 0 or not 0 < self.bits <= BITS or size * self.bits > SIZE: raise Malformed("bits out of range")
-        for text in told["roots"]: Exact.roots.append(number(text))
+        self.bits = dict(told["bits"])
+        falls = sorted(self.bits.items()) == [(k, b) for k, b in told["bits"]] and max(self.bits.values()) == bits
+        if first != 0 or not falls or not 0 < min(self.bits.values()) <= bits <= BITS or size * bits > SIZE:
+            raise Malformed("bits out of range")
+        Exact.roots, Exact.named, Exact.most, Exact.budget = [], [], ROOTS, WORK
+        for text in told["roots"]: Exact.named.append(number(text).sqrt())
         def read(kind, keys): return [[number(thing[key]) for key in keys.split()] for thing in scene.get(kind, ())]
         circles, walls, pockets = read("circles", "x y vx vy r"), read("walls", "x0 y0 x1 y1"), read("pockets", "x y r")
         for row, thing in zip(circles, scene["circles"], strict=True):
             row.append(ZERO if thing["m"] == "oo" else ONE / number(thing["m"]))
         self.bodies = circles + [[x, y, ZERO, ZERO, r, ZERO] for x, y, r in reversed(pockets)]
         self.lines = [[x0, y0, y0 - y1, x1 - x0] for x0, y0, x1, y1 in walls]
-        self.movable = {i for i, c in enumerate(circles) if not c[5].zero()}
-        points = {i for i, c in enumerate(circles) if c[4].zero()}
-        pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if not {i, j} <= points and {i, j} & self.movable]
+        for line in self.lines: line.append(line[2] * line[2] + line[3] * line[3])
+        self.things = dict(enumerate(circles + self.lines)) | {k: self.bodies[k] for k in range(-len(pockets), 0)}
+        self.movable = {i for i, c in enumerate(circles) if c[5]}
+        pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if circles[i][4] or circles[j][4]]
         others = [(i, j) for i in sorted(self.movable) for j in (*range(n, n + len(walls)), *range(-len(pockets), 0))]
-        self.meets = dict.fromkeys(pairs + others)
+        self.meets = dict.fromkeys([c for c in pairs if not self.movable.isdisjoint(c)] + others)
+        sides = {(i, n + k): nx * (circles[i][0] - x) + ny * (circles[i][1] - y)
+                 for i in self.movable for k, (x, y, nx, ny, _) in enumerate(self.lines)}
+        self.sides = {c: x.sign() for c, x in sides.items()}
         limits = {"reverse": scene.get("reverse_at"), "until": self.end.get("until")}
         self.limits = {question: number(text) for question, text in limits.items() if text is not None}
         self.policy, _, seed = scene["tie_policy"].partition(":seed=")
         self.draw = random.Random(int(seed)) if seed else None
         if self.policy not in ("simultaneous", "sequential", "sequential:order=scene"):
             raise Malformed(f"tie policy {self.policy!r} is not known")
-        Ball.bits, fixed = self.bits, [c for c in circles if c[5].zero()]
-        sizes = [x for c in circles for x in c[4:] if not x.zero()]
-        positive = [*self.limits.values(), *(p[2] for p in pockets), *sizes]
-        if any(Ball.of(x).sign() != 1 for x in positive) or not all(x.zero() for c in fixed for x in c[2:4]):
+        sizes = [*self.limits.values(), *(row[-1] for row in pockets + self.lines)]
+        sizes += [x for c in circles for x in c[4:] if x]
+        if any(x.sign() < 1 for x in sizes) or any(x for c in circles if not c[5] for x in c[2:4]):
             raise Malformed("a size, mass or time is not positive, or a fixed circle moves")
         if "reverse_at" in scene and "reverse_after" in scene: raise Malformed("there are two reversals")
     def check(self, factor=1):
         """Checks all of it, with `factor` times the bits; raises Refuted, or Undecided if these bits do not tell."""
-        Ball.bits = self.bits * factor
+        Ball.bits = self.bits[0] * factor
         self.none, self.due = Ball.of(ZERO), {question: Ball.of(x) for question, x in self.limits.items()}
         bodies, self.walls = ([[*map(Ball.of, row)] for row in rows] for rows in (self.bodies, self.lines))
-        for row in self.walls: row.append((row[2] * row[2] + row[3] * row[3]).sqrt())
+        for wall in self.walls: wall[4] = wall[4].sqrt()
         self.radii, self.weights = ([row[k] for row in bodies] for k in (4, 5))
-        self.flights = [Flight(*row[:4], self.none, 0) for row in bodies]
-        self.sides, self.nexts, self.standing, self.log, self.rows = {}, {}, {}, [], [[] for _ in bodies]
-        self.lasting, self.grazed, self.gone, self.way, self.turned = set(), set(), set(), None, False
-        self.time, self.age, self.count, self.where = self.none, 0, 0, "at the start"
+        self.flights, self.time, self.age = [Flight(*row[:4], self.none, 0) for row in bodies], self.none, 0
+        self.nexts, self.lasting, self.gone, self.grazed, self.standing = {}, set(), set(), set(), {}
+        self.blocks, self.numbers = [Block("data", frozenset(), frozenset(), {}, 0)], {}
+        self.last, self.way, self.count, self.where = dict.fromkeys(range(self.n), 0), {}, 0, "at the start"
         self.open(self.told["start"])
         for k, entry in enumerate(self.told["instants"]):
             self.where = f"instant {k}"
+            self.fall(self.bits.get(k + 1, 0) * factor or Ball.bits)
             self.instant(entry)
         self.where = "at the end"
         self.close(self.end["reason"])
+    def fall(self, bits):
+        """Goes on with so many bits, which may be fewer: what is known gets less sharp on the way."""
+        drop, Ball.bits = Ball.bits - bits, bits
+        if drop:
+            rows = *(flight[:5] for flight in self.flights), *self.walls, self.radii, self.weights, self.due.values()
+            numbers = *(x for row in rows for x in row), *(x for _, x in self.nexts.values() if x)
+            for x in {id(x): x for x in numbers}.values(): x.cut(drop)
 
     def open(self, entry):
         """Time 0: nothing overlaps; what touches is known exactly."""
         known = {}
         self.take(entry, None)
-        for i, j in (c for c in self.meets if c[1] >= self.n):
-            x, y, nx, ny, _ = self.walls[j - self.n]
-            side = (nx * (self.flights[i].x - x) + ny * (self.flights[i].y - y)).sign()
-            if not side: raise Undecided(f"on which side of wall {j - self.n} circle {i} is")
-            self.sides[i, j] = side > 0
+        if 0 in self.sides.values(): raise Refuted("a centre is on a wall")
         for c in self.meets:
             m = self.meeting(self.flights, c)
             if (gap := m.gap.sign()) == 0 or (gap is None and m.gap.zero()): known[c] = self.sign("still", c, m.closing)
@@ -377,101 +383,95 @@ class Checker(Zeros):
     def instant(self, entry):
         """One instant: its time, nothing before it, all that falls on it, and what that does."""
         arrive, grazes = ([tuple(c) for c in entry.get(key, ())] for key in ("arrive", "grazes"))
-        kind, time = self.next(arrive[0]) if arrive else ("hit", self.due.get("reverse"))
-        if kind != "hit": raise (Undecided if kind == "doubt" else Refuted)(f"{arrive[0]} do not meet, or may not")
-        if not time or not (arrive or "reversal" in entry): raise Refuted("nothing falls on it")
-        self.time, self.age, self.tied, due = time, self.age + 2, set(arrive[:1]), False
         self.take(entry, arrive[0] if arrive else None)
-        self.said(time, entry["time"])
+        self.age, self.tied, due = self.age + 2, set(arrive[:1]), False
+        kind, self.time = self.next(arrive[0]) if arrive else ("hit", self.due.get("reverse"))
+        if kind != "hit": raise (Undecided if kind == "doubt" else Refuted)(f"{arrive[0]} do not meet, or may not")
+        if not self.time or not (arrive or "reversal" in entry): raise Refuted("nothing falls on it")
+        self.said(self.time, entry["time"])
         for c in (*arrive[1:], *grazes):
-            kind, when = self.settled(c)
-            if kind != ("hit" if c in arrive else "graze") or c in self.tied or self.sign("tie", c, when - time):
+            kind, when = self.next(c)
+            if kind == "doubt": raise Undecided(f"whether {c} meet, graze or miss")
+            if kind != ("hit" if c in arrive else "graze") or c in self.tied or self.sign("tie", c, when - self.time):
                 raise Refuted(f"{c} do not meet at this instant")
             self.tied.add(c)
-        near = [c for c in self.meets if c not in self.tied and self.later(c, time)]
+        near = [c for c in self.meets if c not in self.tied and self.later(c, self.time)]
         for question, limit in self.due.items():
-            sign = 0 if not arrive and (limit - time).zero() else self.sign(question, self.clock, limit - time)
+            wait = limit - self.time
+            sign = 0 if not arrive and wait.zero() else self.sign(question, self.clock, wait)
             if sign < 0: raise Refuted("the end, or the reversal, comes before it")
             due |= question == "reverse" and sign == 0
         self.resolve(dict.fromkeys(self.lasting | {*grazes}, 0) | dict.fromkeys(arrive, -1), entry, near)
         self.turn_if_due(entry, due)
     def next(self, c):
-        """What is known of the next meeting of two, from the start of the younger of their flights."""
-        if c not in self.nexts:
-            flying = c in self.meets and self.gone.isdisjoint(c)
-            self.nexts[c], m = NEVER, self.meeting(self.flights, c) if flying else None
-            if m and (closing := m.closing.sign()) not in (0, 1) and ((gap := m.gap.sign()) != -1 or c[1] >= 0):
-                if gap == -1: raise Refuted(f"{c} overlap")
-                disc = self.disc(m).sign() if m.v else 1
-                if None in (closing, disc) and disc != -1: self.nexts[c] = DOUBT
-                elif disc >= 0: self.nexts[c] = ("hit", self.hit(m)) if disc else ("graze", self.graze(m))
-        return self.nexts[c]
-    def settled(self, c, time=None):
-        """The same, with a doubt settled by a witness; or it may stay, if the two have surely not met until a time."""
-        if self.next(c) == DOUBT:
-            m = self.meeting(self.flights, c)
-            if m.closing.sign() == -1 and self.zero("graze", c, self.disc(m)):
-                self.grazed |= set() if self.turned else {self.heights(c)}
-                self.nexts[c] = "graze", self.graze(m)
-            elif m.closing.sign() is None and self.zero("still", c, m.closing, must=False): self.nexts[c] = NEVER
-            elif not time or not self.apart(m, time): raise Undecided(f"whether {c} meet, graze or miss")
+        """What is known of the next meeting of two: never; a hit or a graze, and when; a doubt, but for witnesses."""
+        if self.nexts.get(c, DOUBT) == DOUBT:
+            m = self.meeting(self.flights, c) if c in self.meets and self.gone.isdisjoint(c) else None
+            closing, gap = (m.closing.sign(), m.gap.sign()) if m else (1, 1)
+            known = DOUBT
+            if gap == -1 and c[1] >= 0: raise Refuted(f"{c} overlap")
+            if closing in (0, 1) or gap == -1 or (disc := self.disc(m).sign() if m.v else 1) == -1: known = NEVER
+            elif closing is None: known = NEVER if self.zero("still", c, m.closing, must=False) else DOUBT
+            elif disc == 1: known = "hit", self.hit(m)
+            elif disc == 0 or self.zero("graze", c, self.disc(m)):
+                known = "graze", self.graze(m)
+                self.grazed |= set() if self.way else {self.pasts(c)}
+            self.nexts[c] = known
         return self.nexts[c]
     def apart(self, m, time):
-        """Whether two have not met until a time. Their gap is at least gap + 2 closing * s at s after the start, as it
-        is convex; and if it still falls then, it has not been smaller."""
+        """Whether two have surely not met until a time. Their gap is at least gap + 2 closing * s at s after the start,
+        as it is convex; and if it still falls then, it has not been smaller."""
         s, most = time - m.t, Ball(2 * (abs(m.closing.m) + m.closing.r), 0)
         then = m.closing + self.speed(m) * s if m.v else self.none
         end = m.gap + (m.closing + then) * s
         return (m.gap - most * s).sign() == 1 or (then.sign() == -1 and end.sign() == 1)
     def later(self, c, time):
         """Proves that two meet after a time (None: never). A graze is free: then, whether it may come at the time."""
-        kind, when = self.settled(c, time)
-        order = (when - time).sign() if when and time else -1
-        if kind == "hit" and order != 1: raise (Refuted if order == -1 else Undecided)(f"{c} meet before it, or may")
+        kind, when = self.next(c)
+        order = (when - time).sign() if when and time else None
+        if kind == "hit" and (order == -1 or not time): raise Refuted(f"{c} meet before it")
+        if kind in ("hit", "doubt") and order != 1 and not (time and self.apart(self.meeting(self.flights, c), time)):
+            raise Undecided(f"whether {c} meet before it")
         return kind == "graze" and order in (0, None)
 
-    def resolve(self, known, entry, near=(), everyone=False):
+    def resolve(self, known, entry, near=(), moved=()):
         """What an instant does with all that stands at gap zero, `known` with the signs of its closing speeds: rounds
         of impulses among all that hangs together with what approaches; then entries; then what lasts."""
-        arrive, solid, events = entry.get("arrive", ()), [c for c in known if c[1] >= 0], len(self.log)
-        rounds = iter(entry.get("rounds", [arrive] if len(arrive) == 1 and arrive[0][1] >= 0 else []))
-        moved = set(range(self.n)) if everyone else set()
-        while approaching := [c for c in solid if known[c] < 0]:
-            first, time = min(approaching), Ball(self.time.m, self.time.r)
-            group = self.linked(first, solid, range(self.n))
-            bodies = {i for c in group for i in c if i < self.n}
-            if any(c[1] >= 0 and not bodies.isdisjoint(c) for c in near):
-                raise Undecided(f"a graze may take part in the impulses of {first}")
-            own = self.age > 0 and self.age % 2 == 0  # not at time 0, not after the reversal: the time of its own hit
-            time.how = self.nexts[first][1].how if own else self.time.how
-            while coming := sorted(c for c in group if known[c] < 0):
-                self.push, among = [tuple(c) for c in next(rounds, ())], coming
-                if self.policy != "simultaneous":
-                    among = [coming[self.draw.randrange(len(coming)) if self.draw and len(coming) > 1 else 0]]
-                if not self.push or len(set(self.push)) < len(self.push) or not set(self.push) <= set(among):
-                    raise Refuted(f"{self.push} push, but {among} may")
-                here = {i: put(self.flights[i], time, self.age) for i in bodies}
-                s, slacks, new = self.blow(here, self.push, [c for c in among if c not in self.push])
-                if any(x.sign() is None for x in s.values()): raise Undecided(f"whether {self.push} push")
-                for c in among:
-                    if c in s and s[c].sign() < 1: raise Refuted(f"{c} do not push")
-                    if c not in s and self.sign("slack", c, slacks[c]) < 0: raise Refuted(f"{c} push too")
-                while among:
-                    part = self.linked(among[0], among, self.movable)
-                    among = [c for c in among if c not in part]
-                    for i in self.note("kick", part, [c for c in self.push if c in part], {i for c in part for i in c}):
-                        self.flights[i] = Flight(*here[i][:2], *new.get(i, here[i][2:4]), *here[i][4:])
-                moved |= (hit := {i for c in self.push for i in c} & self.movable)
-                for c in group:
-                    if not hit.isdisjoint(c): known[c] = self.sign("still", c, self.meeting(self.flights, c).closing)
+        arrive, solid, group, logged = entry.get("arrive", ()), [c for c in known if c[1] >= 0], (), len(self.blocks)
+        rounds, moved = iter(entry.get("rounds", [arrive] if len(arrive) == 1 and arrive[0][1] >= 0 else [])), {*moved}
+        while approaching := sorted(c for c in solid if known[c] < 0):
+            if not (coming := [c for c in approaching if c in group]):  # the next group
+                group = self.linked(approaching[0], solid, range(self.n))
+                time = self.nexts[approaching[0]][1] if self.age and self.age % 2 == 0 else self.time
+                here = {i: put(self.flights[i], time, self.age) for c in group for i in c if i < self.n}
+                if any(c[1] >= 0 and not here.keys().isdisjoint(c) for c in near):
+                    raise Undecided(f"a graze may take part in the impulses of {approaching[0]}")
+                continue
+            self.push = [tuple(c) for c in next(rounds, ())]
+            if self.policy != "simultaneous":
+                coming = [coming[self.draw.randrange(len(coming)) if self.draw and len(coming) > 1 else 0]]
+            if not self.push or len(set(self.push)) < len(self.push) or not set(self.push) <= set(coming):
+                raise Refuted(f"{self.push} push, but {coming} may")
+            s, slacks, new = self.blow(here, self.push, [c for c in coming if c not in self.push])
+            for c in coming:
+                if c in s and (sign := s[c].sign()) != 1: raise (Refuted if sign else Undecided)(f"{c} do not push")
+                if c not in s and self.sign("slack", c, slacks[c]) < 0: raise Refuted(f"{c} push too")
+            while coming:
+                part = self.linked(coming[0], coming, self.movable)
+                coming = [c for c in coming if c not in part]
+                for i in self.note("kick", part, part & set(self.push), {i for c in part for i in c}):
+                    here[i] = self.flights[i] = Flight(*here[i][:2], *new.get(i, here[i][2:4]), *here[i][4:])
+            moved |= (hit := {i for c in self.push for i in c} & self.movable)
+            for c in group:
+                if not hit.isdisjoint(c): known[c] = self.sign("still", c, self.meeting(self.flights, c).closing)
         if next(rounds, None) is not None: raise Refuted("it has rounds of impulses where nothing approaches")
-        self.count, self.standing[self.age] = self.count + (len(self.log) > events), set(solid)
+        self.count, self.standing[self.age] = self.count + (len(self.blocks) > logged), set(solid)
         self.enter(known, moved, entry)
         for c in solid:
             if c not in self.lasting or not moved.isdisjoint(c):
                 m = self.meeting(self.flights, c)
                 lasts = known.get(c) == 0 and (not m.v or self.sign("together", c, self.speed(m)) == 0)
-                self.lasting = self.lasting | {c} if lasts else self.lasting - {c}
+                (self.lasting.add if lasts else self.lasting.discard)(c)
         for i in moved if self.age > INSTANTS else ():  # how they came about is forgotten, to bound memory
             self.flights[i] = Flight(*(Ball(x.m, x.r) for x in self.flights[i][:5]), self.flights[i].age)
         self.nexts = {c: x for c, x in self.nexts.items() if moved.isdisjoint(c)} | dict.fromkeys(known, NEVER)
@@ -483,17 +483,6 @@ class Checker(Zeros):
             group |= more
             circles |= {i for c in more for i in c if i in through}
         return group
-    def note(self, kind, among, push, circles):
-        """Logs a block; on the way back it undoes one of the way out, or its circles leave that way. Its circles."""
-        block = Block(kind, among, push, {i: len(self.rows[i]) for i in circles & self.movable}, self.age)
-        for i in block.places: self.rows[i].append(len(self.log))
-        self.log.append(block)
-        if self.turned and kind == "kick":
-            last = {self.way[i][-1] if self.way[i] else None for i in block.places}
-            old = self.log[last.pop()] if len(last) == 1 and None not in last else None
-            undone = old and set(old.push) == set(push) and old.places.keys() == block.places.keys()
-            for i in block.places: self.way[i] = self.way[i][:-1] if undone else None
-        return block.places
     def enter(self, known, moved, entry):
         """Centres that stand on a rim and move inward, in the state after the impulses; captures."""
         for c in [c for c in self.meets if c[1] < 0 and c[0] in moved and c[0] not in self.gone]:
@@ -507,16 +496,16 @@ class Checker(Zeros):
             x, y = put(self.flights[i], self.time, self.age)[:2]
             self.flights[i] = Flight(x, y, self.none, self.none, self.time, self.age)
             self.gone.add(i)
-            moved |= set(self.note("take", (), (), {i}))
+            moved |= {*self.note("take", (), (), {i})}
             for c in [c for c in known if i in c]: del known[c]
     def turn_if_due(self, entry, due):
         """The reversal, if it falls on this instant, and what follows from it."""
-        due = due or (not self.turned and 0 < self.count == self.scene.get("reverse_after"))
+        due = due or (not self.way and 0 < self.count == self.scene.get("reverse_after"))
         last = entry is (self.told["instants"] or [self.told["start"]])[-1]
         if due and last and "reversal" not in entry and self.end.get("limit") == self.count: return  # it comes too late
         if due != ("reversal" in entry): raise Refuted(f"the reversal {'falls' if due else 'does not fall'} on it")
         if not due: return
-        self.age, self.way, self.turned = self.age + 1, [list(row) for row in self.rows], True
+        self.age, self.way = self.age + 1, dict(self.last)
         self.due.pop("reverse", None)
         if self.end["reason"] == "return": self.due["until"] = self.time + self.time
         for i in self.movable:
@@ -524,22 +513,22 @@ class Checker(Zeros):
             self.flights[i] = Flight(x, y, -vx, -vy, *start)
             self.note("turn", (), (), {i})
         self.take(entry["reversal"], self.clock)
-        self.resolve({c: -sign for c, sign in self.stood.items()}, entry["reversal"], everyone=True)
+        self.resolve({c: -sign for c, sign in self.stood.items()}, entry["reversal"], moved=range(self.n))
         self.age += 1
 
     def said(self, value, text):
         """That a number is as the decimal text says, to within one unit of its last digit."""
-        if not (decimal := re.fullmatch(r"-?\d{1,400}(?:\.(\d{1,400}))?", text, re.ASCII)):
+        if not (decimal := re.fullmatch(r"(-?\d{1,400})(?:\.(\d{1,400}))?", text, re.ASCII)):
             raise Malformed(f"{text[:40]!r} is no decimal")
-        unit, off = Fraction(1, 10 ** len(decimal[1] or "")), value - Ball.of(Exact(Fraction(text)))
-        if (signs := [(Ball.of(Exact(unit)) + x).sign() for x in (off, -off)]) != [1, 1]:
-            raise (Undecided if None in signs else Refuted)(f"a number is not {text}")
+        scale, unit = 10 ** len(part := decimal[2] or ""), 1 << Ball.bits
+        off, wide = abs(value.m * scale - (int(decimal[1] + part) << Ball.bits)), value.r * scale
+        if off + wide >= unit: raise (Refuted if off - wide >= unit else Undecided)(f"a number is not {text}")
     def close(self, reason):
         """What ended the run, and the final state."""
         self.take(self.end, self.clock)
         if reason not in ("events", "stopped", "horizon", "return", "quiet"): raise Malformed(f"end {reason!r}")
-        if reason == "events" and self.end["limit"] != self.count: raise Refuted(f"there are {self.count} events")
-        if reason == "return" and not self.turned: raise Refuted("nothing was reversed")
+        if reason == "events" and self.end["limit"] - self.count: raise Refuted(f"there are {self.count} events")
+        if reason == "return" and not self.way: raise Refuted("nothing was reversed")
         if reason in ("horizon", "return", "quiet"):
             until, turn = self.due["until"] if reason != "quiet" else None, self.due.get("reverse")
             order = (turn - until).sign() if turn and until else -1 if turn else 1
@@ -550,6 +539,19 @@ class Checker(Zeros):
         for flight, row in zip(self.flights[: self.n], self.told["final"]["circles"], strict=True):
             for value, text in zip(put(flight, self.time, self.age)[:4], row, strict=True): self.said(value, text)
 
+def judged(told, factor):
+    """The exit code for a certificate with so many times its bits, a sentence, and how many these are."""
+    checker = None
+    try:
+        (checker := Checker(told)).check(factor)
+        return 0, f"verified: {checker.count} events, to the end: {checker.end['reason']}", factor * checker.bits[0]
+    except Undecided as doubt: return 4, f"not decided: {checker.where if checker else 'in the scene'}: {doubt}", 0
+    except Refuted as fault: return 1, f"refuted: {checker.where}: {fault}", factor * checker.bits[0]
+
+def once(pairs):
+    """An object of JSON whose keys differ."""
+    if len(found := dict(pairs)) < len(pairs): raise Malformed("a key comes twice")
+    return found
 
 def verdict(path):
     """The exit code for a file, and a sentence."""
@@ -558,20 +560,12 @@ def verdict(path):
         if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
         if len(text) > BYTES: raise Malformed(f"it is longer than {BYTES} bytes")
-        told, first = json.loads(text), None
-        for factor in (1, 2, 4):
-            checker = None
-            try:
-                checker = Checker(told)
-                checker.check(factor)
-                sentence = f"verified: {checker.count} events, to the end: {checker.end['reason']}"
-                return (4, f"{first}; {factor * checker.bits} bits verify it") if first else (0, sentence)
-            except Undecided as doubt:
-                first = first or f"not decided: {checker.where if checker else 'in the scene'}: {doubt}"
-            except Refuted as fault:
-                refuted = f"refuted: {checker.where}: {fault}"
-                return (4, f"{first}; {factor * checker.bits} bits: {refuted}") if first else (1, refuted)
-        return 4, f"{first}; nor do 4 times the bits decide"
+        Exact.work, told = 0, json.loads(text, object_pairs_hook=once)
+        code, sentence, _ = judged(told, 1)
+        for factor in (2, 4) if code == 4 else ():
+            more, what, bits = judged(told, factor)
+            if more != 4: return 4, f"{sentence}; with {bits} bits it is {what}"
+        return code, sentence + "; nor do 4 times the bits decide" * (code == 4)
     except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
     except BROKEN as error:
         return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"

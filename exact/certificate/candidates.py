@@ -96,9 +96,9 @@ def orthogonal_maps(sources: Sequence[Vector], images: Sequence[Vector]) -> Iter
     """The orthogonal linear maps, two at most, that take each vector to its image; none where all are zero."""
     for (ux, uy), (wx, wy) in zip(sources, images, strict=True):
         square = ux * ux + uy * uy
-        if not (square - (wx * wx + wy * wy)).zero():
+        if square - (wx * wx + wy * wy):
             return
-        if not square.zero():
+        if square:
             break
     else:
         return
@@ -106,14 +106,14 @@ def orthogonal_maps(sources: Sequence[Vector], images: Sequence[Vector]) -> Iter
     mirrored, skew = (ux * wx - uy * wy) / square, (ux * wy + uy * wx) / square
     for a, b, d, e in ((along, -across, across, along), (mirrored, skew, skew, -mirrored)):
         pairs = zip(sources, images, strict=True)
-        if all((a * x + b * y - u).zero() and (d * x + e * y - v).zero() for (x, y), (u, v) in pairs):
+        if not any((a * x + b * y - u) or (d * x + e * y - v) for (x, y), (u, v) in pairs):
             yield a, b, d, e
 
 
 def _line(x: Exact, y: Exact, nx: Exact, ny: Exact) -> list[Exact]:
     """A line's normal form: n.p = c with the first component of n that is not zero made 1."""
     offset = nx * x + ny * y
-    return [ZERO, ONE, offset / ny] if nx.zero() else [ONE, ny / nx, offset / nx]
+    return [ZERO, ONE, offset / ny] if not nx else [ONE, ny / nx, offset / nx]
 
 
 def _key(numbers: Sequence[Exact]) -> tuple[str, ...]:

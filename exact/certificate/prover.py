@@ -9,11 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, cast
 
-from ...tools.verify import DOUBT, ROOTS, WORK, Ball, Checker, Exact, Flight, Undecided, put
+from ...tools.verify import ROOTS, WORK, Ball, Checker, Exact, Undecided, put
 from .candidates import Candidates, Contact
 
 GUARD = 64
 """Bits kept below the width of what is known, so that rounding adds nothing to it."""
+
+LEAST = 128
+"""Bits that are kept in any case: of large numbers none after the point may be known."""
 
 CHEAP_ROOTS, DEEP_ROOTS = 2, 7
 """Roots beyond the scene's that an exact witness may take: first, to compare two times; at last."""
@@ -36,8 +39,10 @@ class Prover(Checker):
         self.contacts = contacts
         self.digits = digits
         self.known_isometries: dict[str, int] = {}
-        self.candidates = Candidates(self.bodies, self.lines, self.n)
+        self.candidates = Candidates(self.bodies, [line[:4] for line in self.lines], self.n)
         self.drops: list[list[int]] = []
+        self.upto: Ball | None = None
+        self.idle = False
 
     def run(self) -> None:
         """Completes the certificate, with the bits that it says.
@@ -85,30 +90,16 @@ class Prover(Checker):
         """Gathers what falls on an instant, then checks it."""
         self.number += 1
         width = max(x.r.bit_length() for flight in self.flights for x in cast(tuple[Ball, ...], flight[:5]))
-        if width > 2 * GUARD:
-            self.cut(width - GUARD)
+        if width > 2 * GUARD and Ball.bits > LEAST:
+            self.fall(max(Ball.bits - (width - GUARD), LEAST))
             self.drops.append([self.number, Ball.bits])
         self.shown: set[Contact] = set()
+        self.upto, self.idle = None, True
         self._gather(entry, self.contacts[self.number])
+        self.idle = False
         entry["time"], self.shown = "0", self.tied
         super().instant(entry)
         entry["time"] = self.decimal(cast(Ball, self.time))
-
-    def cut(self, drop: int) -> None:
-        """Goes on with so many bits fewer."""
-
-        def shorter(x: Ball) -> Ball:
-            kept = x.m >> drop
-            short = Ball(kept, 0 if x.r == 0 and kept << drop == x.m else (x.r >> drop) + 2)
-            short.how = x.how
-            return short
-
-        Ball.bits -= drop
-        self.none, self.due = shorter(self.none), {question: shorter(x) for question, x in self.due.items()}
-        self.flights = [Flight._make([*map(shorter, flight[:5]), flight.age]) for flight in self.flights]
-        self.walls = [[*map(shorter, row)] for row in self.walls]
-        self.radii, self.weights = [*map(shorter, self.radii)], [*map(shorter, self.weights)]
-        self.nexts = {c: (kind, when and shorter(when)) for c, (kind, when) in self.nexts.items()}
 
     # -- what falls on an instant
 
@@ -123,7 +114,8 @@ class Prover(Checker):
                 raise Undecided("whether the contacts of an event meet")
             return
         clock = min(hits)[1]
-        time = met[clock][1]
+        self.upto, self.idle = met[clock][1], False
+        time: Ball = met[clock][1]
         entry["arrive"], entry["grazes"], self.tied = [list(clock)], [], {clock}
         self.take(entry, clock)
         for c, (kind, when) in met.items():
@@ -156,19 +148,21 @@ class Prover(Checker):
 
     def _grazes(self, c: Contact, time: Ball) -> bool:
         """Whether two graze at a time, as far as intervals tell."""
-        kind, when = self.settled(c, time)
+        when: Any
+        kind, when = self.next(c)
         return kind == "graze" and (when - time).sign() in (None, 0)
 
-    def settled(self, c: Contact, time: Ball | None = None) -> Any:
-        """As the checker does it, but a witness is looked for only where it is needed."""
-        if time and self.next(c) == DOUBT and self.apart(self.meeting(self.flights, c), time):
-            return DOUBT
-        return super().settled(c)
+    def close(self, reason: str) -> None:
+        """The end."""
+        self.upto = self.due.get("until") if reason != "quiet" else None
+        super().close(reason)
 
     # -- witnesses
 
     def zero(self, question: str, c: Contact, value: Ball, must: bool = True) -> bool:
-        """Whether a witness is found; it is kept."""
+        """Whether a witness is found; it is kept. That two graze or fly abreast is shown only where it has to be."""
+        if (question == "graze" or not must) and (self.idle or self._waits(c)):
+            return False
         if question == "tie" and c in self.shown:
             return True
         for witness in self._witnesses(question, c):
@@ -178,6 +172,10 @@ class Prover(Checker):
                     self.zeros.append(told)
                 return True
         return False
+
+    def _waits(self, c: Contact) -> bool:
+        """Whether two that are in doubt have not met by the instant at hand."""
+        return self.upto is not None and self.apart(self.meeting(self.flights, c), self.upto)
 
     def _accepts(self, question: str, c: Contact, value: Ball, witness: tuple[Any, ...]) -> bool:
         spent = Exact.work

@@ -7,10 +7,7 @@ from typing import Any, cast
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ...tools.verify import SCENE_ROOTS, WORK, ZERO, Ball, Exact, Undecided
-
-MOST_BITS = 1 << 14
-"""Bits to which the sign of a root is sought before a scene is given up."""
+from ...tools.verify import SCENE_ROOTS, WORK, ZERO, Exact
 
 
 def exact_number(q: Quantity) -> Exact:
@@ -23,24 +20,13 @@ def exact_number(q: Quantity) -> Exact:
         return Exact(Fraction(int(q.rational.p), int(q.rational.q)))
     parts = [exact_number(part) for part in q.args]
     if q.op == "sqrt":
-        return ZERO if parts[0].zero() else _root(parts[0])
+        return parts[0].sqrt() if parts[0] else ZERO
     left, right = parts
     if q.op == "+":
         return left + right
     if q.op == "-":
         return left - right
     return left * right if q.op == "*" else left / right
-
-
-def _root(value: Exact) -> Exact:
-    Ball.bits = 64
-    while True:
-        try:
-            return value.sqrt()
-        except Undecided:
-            if Ball.bits > MOST_BITS or len(Exact.roots) >= Exact.most:
-                raise
-            Ball.bits *= 4
 
 
 def text_of(value: Exact) -> str:
@@ -55,7 +41,7 @@ def text_of(value: Exact) -> str:
 
 def _terms(value: Exact) -> list[tuple[Fraction, list[str]]]:
     if value.k == 0:
-        return [] if value.zero() else [(value.a, [])]
+        return [] if not value else [(value.a, [])]
     plain, rooted = _terms(value.a), _terms(cast(Exact, value.b))
     return plain + [(factor, [*names, f"r{value.k}"]) for factor, names in rooted]
 
@@ -71,7 +57,7 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     >>> [text_of(root) for root in Exact.roots], part["circles"][0]["x"]
     (['8'], '1/2+1*r1')
     """
-    Exact.roots, Exact.most, Exact.work, Exact.budget = [], SCENE_ROOTS, 0, WORK
+    Exact.roots, Exact.named, Exact.most, Exact.work, Exact.budget = [], [], SCENE_ROOTS, 0, WORK
 
     def row(thing: Any, keys: tuple[str, ...]) -> dict[str, str]:
         return {"id": str(thing.id), **{key: text_of(exact_number(getattr(thing, key))) for key in keys}}

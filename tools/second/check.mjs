@@ -321,7 +321,7 @@ export class Check {
   #finish() {
     const { end, final } = this.data
     const { scene, sweep } = this
-    sweep.resolve(this.prover.witnesses(end.zeros))
+    if (!['events', 'stopped'].includes(end.reason)) sweep.resolve(this.prover.witnesses(end.zeros))
     const setTime = this.reversed ? undefined : scene.reverseAt
     let last = this.last
     if (end.reason === 'quiet') {

@@ -67,6 +67,12 @@ export class Scene {
 
   // Contacts
 
+  /** Whether there is such a contact. */
+  has([i, j]) {
+    const [n, walls, pockets] = [this.n, this.walls.length, this.pockets.length]
+    return i < n && (j < 0 ? j >= -pockets : j < n ? i < j : j < n + walls)
+  }
+
   isPocket([, j]) {
     return j < 0
   }

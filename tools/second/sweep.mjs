@@ -145,10 +145,9 @@ export class Sweep {
     if (meeting.kind === 'hit') {
       if (lower(meeting.time) > upper(time)) return
       if (upper(meeting.time) < lower(time)) throw new Refuted(`[${contact}] meets before that`)
-      throw new Undecided(`whether [${contact}] meets before, then or later`)
     }
-    if (meeting.kind === 'doubt' && !this.check.fine.notBy(meeting, time)) {
-      throw new Undecided(`whether [${contact}] meets, and when`)
+    if (['hit', 'doubt'].includes(meeting.kind) && !this.check.fine.notBy(meeting, time)) {
+      throw new Undecided(`whether [${contact}] meets before that, then, later or never`)
     }
   }
 

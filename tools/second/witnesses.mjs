@@ -27,6 +27,7 @@ export class Prover {
     if (how === 'exact') return this.#exact(question, contact, given)
     if (how === 'back') return this.#back(question, contact, given)
     const isometry = this.isometries[how]
+    if (!isometry) return false
     if (question === 'tie') return given.kind === given.otherKind && isometry.mapsContact(contact, given.other)
     if (question === 'still' && this.scene.isWall(contact)) {
       return isometry.turnsWall(contact[0], contact[1] - this.scene.n)
@@ -72,6 +73,7 @@ class Witnesses {
     this.prover = prover
     this.byQuestion = new Map()
     for (const [question, contact, how, other] of zeros) {
+      if (!prover.scene.has(contact)) continue // nothing asks about it
       const name = `${question} ${contact}`
       if (!this.byQuestion.has(name)) this.byQuestion.set(name, [])
       this.byQuestion.get(name).push({ question, contact, how, other, asked: false, used: false })
@@ -91,6 +93,7 @@ class Witnesses {
   shows(question, contact, given = {}) {
     for (const witness of this.#of(question, contact)) {
       witness.asked = true
+      if (witness.other && !this.prover.scene.has(witness.other)) throw new Refuted(`[${witness.other}] is no contact`)
       const facts = typeof given === 'function' ? given(witness) : given
       if (this.prover.shows(question, contact, witness.how, facts)) {
         witness.used = true

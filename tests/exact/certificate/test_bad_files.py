@@ -21,6 +21,9 @@ from truebreak.tools.verify import BYTES
 LEE = json.dumps(certify(built("lee")))
 
 
+ONE_POINT = {"id": "w", "x0": "9", "y0": "0", "x1": "9", "y1": "0"}
+
+
 def changed(**values: Any) -> str:
     """The certificate of `lee` with other values at its first level."""
     return json.dumps({**json.loads(LEE), **values})
@@ -47,6 +50,10 @@ BAD = {
     "no circle": changed(scene={"tie_policy": "simultaneous", "circles": []}),
     "a policy of its own": changed(scene=json.loads(LEE)["scene"] | {"tie_policy": "simultaneously"}),
     "bits beyond measure": changed(bits=[[0, 10**12]]),
+    "bits beyond all numbers": changed(bits=[[0, 7]]).replace("[[0, 7]]", "[[0, 1e999]]"),
+    "bits that are not a number": changed(bits=[[0, float("nan")]]),
+    "bits that are a fraction": changed(bits=[[0, 160.5]]),
+    "bits that rise": changed(bits=[[0, 160], [1, 170]]),
     "bits that are none": changed(bits=[[0, "many"]]),
     "no bits": changed(bits=[]),
     "roots without end": changed(roots=["2"] * 100_000),
@@ -61,6 +68,13 @@ BAD = {
     "a number of JSON": scene(x=1),
     "a negative radius": scene(r="-1"),
     "no mass": scene(m="0"),
+    "a wall of one point": changed(scene={**json.loads(LEE)["scene"], "walls": [ONE_POINT]}),
+    "a root of what is negative": changed(roots=["-2"]),
+    "a key that comes twice": LEE.replace('"writer"', '"roots": ["2"], "writer"'),
+    "an infinite limit": changed(end={"reason": "events", "limit": float("inf")}).replace('"events"', '"evens"'),
+    "truth for a number": scene(x=True),
+    "a list for a scene": changed(scene=[]),
+    "a number for an instant": changed(instants=[7]),
     "a fixed circle that moves": scene(m="oo"),
     "a final state of too few": changed(final={"time": "1.0", "circles": []}),
     "instants of something else": changed(instants=[{"arrive": 7}]),

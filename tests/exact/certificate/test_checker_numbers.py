@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from math import isqrt
 from random import Random
 
 import pytest
@@ -14,7 +15,7 @@ from truebreak.tools.verify import ROOTS, WORK, Ball, Exact, Undecided, number
 @pytest.fixture(autouse=True)
 def numbers_of_its_own() -> Iterator[None]:
     bits, Ball.bits = Ball.bits, 40
-    Exact.roots, Exact.most, Exact.work, Exact.budget = [], ROOTS, 0, WORK
+    Exact.roots, Exact.named, Exact.most, Exact.work, Exact.budget = [], [], ROOTS, 0, WORK
     yield
     Ball.bits = bits
 
@@ -95,6 +96,15 @@ def test_exact_numbers_are_bounded_in_work_and_roots() -> None:
 
 
 def test_numbers_as_they_are_written() -> None:
-    Exact.roots.append(number("2"))
+    Exact.named.append(number("2").sqrt())
     read = number("-3/4+1/2*r1*r1-5*r1")
-    assert (read - number("1/4") + number("5*r1")).zero()
+    assert read and not read - number("1/4") + number("5*r1")
+
+
+def test_signs_of_nested_roots_are_told_however_near_they_are_to_zero() -> None:
+    Exact.named.append(number("2").sqrt())
+    Exact.named.append(number("3").sqrt())
+    near = number(f"{isqrt(6 * 10**400)}/{10**200}") - number("1*r1*r2")
+    assert (near.sign(), (-near).sign(), (near - near).sign()) == (-1, 1, 0)
+    Exact.named.append(number("5+2*r1*r2").sqrt())
+    assert not number("1*r3-1*r1-1*r2") and number("1*r3-1*r1").sign() == 1
