@@ -23,7 +23,7 @@ FORESIGHT = 1.1
 """Share by which the bits foreseen for a whole run exceed the extrapolation, so that one rise mostly suffices."""
 
 LONG_BITS = 24_000
-"""Precision from which on deviations are kept in a set, which costs an instant about as much as numbers so long."""
+"""Precision from which on deviations are kept in a set: an instant of it costs some three of short balls in strides."""
 
 CENTRED_SHARE = 0.5
 """Share of the bits that balls need which then suffices; if it does not, one more rise comes."""
