@@ -34,11 +34,11 @@ SMALLER = 200
 def diagnosis_of(lab: Laboratory) -> Diagnosis:
     """The cause of a divergence, by what suffices at the contact in question.
 
-    Each experiment moves the number that decides: input rounding alone (the reference engine on the scene in doubles),
-    arithmetic alone (from there to the engine), both together; for an engine with a time step, the step, in a series,
-    passing through within a step, and the iterations of its solver; another resolution of an exact tie; and, where
-    none of these, the engine's law. One that moves it past zero suffices. What the user's seconds leave no time for is
-    not tried, and says so.
+    Each experiment moves the number that decides: input rounding alone (the reference engine on the scene in the
+    engine's numbers), arithmetic alone (from there to the engine), both together; for an engine with a time step, the
+    step, in a series, passing through within a step, and the iterations of its solver; another resolution of an exact
+    tie; and, where none of these, the engine's law. One that moves it past zero suffices. What the user's seconds leave
+    no time for is not tried, and says so.
     """
     tie = _tie(lab)
     rows: list[Experiment] = []
@@ -106,21 +106,21 @@ def _input(lab: Laboratory) -> tuple[Reader | None, Experiment]:
         return lab.truth, Experiment(CauseName.INPUT, "no input is rounded", 0.0, False)
     if lab.given is None:
         try:
-            rounded(lab.study.scene)
+            rounded(lab.study.scene, lab.bits)
         except SceneError as error:
             return None, Experiment(
-                CauseName.INPUT, f"rounded to doubles, the scene is no longer valid: {error}", None, True, 1.0
+                CauseName.INPUT, f"rounded to {lab.numbers}, the scene is no longer valid: {error}", None, True, 1.0
             )
     assert lab.given is not None
     if lab.given.digest == lab.study.scene.digest:
         return lab.truth, Experiment(
-            CauseName.INPUT, "the scene is exact in doubles, so no input was rounded", 0.0, False
+            CauseName.INPUT, f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False
         )
     run = lab.run(lab.study.truth, lab.given, lab.until(None))
     reader = lab.reader(run, lab.given, None)
     if lab.decision is None:
         return reader, Experiment(CauseName.INPUT, "not tried: no contact can be named")
-    told = _told(lab, CauseName.INPUT, reader, "the reference engine on the scene in doubles")
+    told = _told(lab, CauseName.INPUT, reader, f"the reference engine on the scene in {lab.numbers}")
     return reader, told if told.displacement is not None else _to_first_order(told, _linear(lab))
 
 
@@ -144,7 +144,7 @@ def _linear(lab: Laboratory) -> float | None:
     """What input rounding moves the decision by, to the first order: by the response to a 2**-`SMALLER` part of it."""
     assert lab.decision is not None
     try:
-        scene = shifted(lab.study.scene, Quantity.of(Fraction(1, 2**SMALLER)))
+        scene = shifted(lab.study.scene, Quantity.of(Fraction(1, 2**SMALLER)), lab.bits)
     except SceneError:
         return None
     run = lab.run(lab.study.truth, scene, lab.until(None))
@@ -180,7 +180,8 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
     if lab.engine.bits is None:
         return [Experiment(CauseName.ARITHMETIC, "its numbers are exact", 0.0, False)]
     if lab.decision is None or entered is None:
-        reason = "no contact can be named" if lab.decision is None else "there is no exact run of the scene in doubles"
+        no_run = f"there is no exact run of the scene in {lab.numbers}"
+        reason = "no contact can be named" if lab.decision is None else no_run
         return [Experiment(CauseName.ARITHMETIC, f"not tried: {reason}")]
     start = entered.value(lab.decision)
     if _other_law(lab, start):
@@ -188,7 +189,8 @@ def _arithmetic(lab: Laboratory, entered: Reader | None, by_input: Experiment) -
     by_itself = None if entered is lab.truth else _alone(lab, entered)
     if by_itself is not None:
         return [by_itself] if by_itself.suffices or by_input.suffices else _together(lab, start, by_itself)
-    what = f"{lab.name} against the exact run of {'the scene in doubles' if entered is not lab.truth else 'the scene'}"
+    given = "the scene" if entered is lab.truth else f"the scene in {lab.numbers}"
+    what = f"{lab.name} against the exact run of {given}"
     if start is None or lab.got is None:
         whole = lab.moved(lab.got, lab.margin)
         moved = None if whole is None or by_input.displacement is None else whole - by_input.displacement

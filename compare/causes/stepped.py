@@ -50,7 +50,7 @@ def _rest(lab: Laboratory, entered: Reader | None, finest: arb | None) -> Experi
     if rest is None:
         return Experiment(CauseName.ARITHMETIC, "not tried: the finest step does not come to the contact")
     small = abs(rest) <= lab.by_rounding(start)
-    told = f"at the finest step, {lab.name} is {abs(rest):.3g} off the exact run of the scene in doubles"
+    told = f"at the finest step, {lab.name} is {abs(rest):.3g} off the exact run of the scene in {lab.numbers}"
     return Experiment(CauseName.ARITHMETIC, told, rest, small and lab.changes(finest))
 
 
