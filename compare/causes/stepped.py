@@ -12,6 +12,7 @@ from ..alignment.divergence import Kind
 from ..alignment.instants import NEARER, instants, velocity_difference
 from ..alignment.walk import REPEATED
 from ..deadline import NO_TIME
+from ..foreign.guard import finer_of, firmer_of
 from ..study import SERIES_STEPS, finer_by
 from .decisions import decisions
 from .diagnosis import CauseName, Experiment
@@ -99,7 +100,7 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
             last = reader.value(lab.decision) if all(reader.follows(p) for p in lab.pairings) else None
         if gone[-2:] == [True, True]:
             break
-    if not gone and lab.engine.finer() is None:
+    if not gone and finer_of(lab.engine) is None:
         return Experiment(CauseName.STEP, f"not tried: {lab.name} has no finer step to offer"), None
     if not gone:
         return Experiment(CauseName.STEP, f"not tried: a finer step takes more than {SERIES_STEPS:,} steps"), None
@@ -149,19 +150,19 @@ def _tunnelling(lab: Laboratory) -> Experiment:
 
 def _iterations(lab: Laboratory) -> Experiment:
     """The solver's iterations doubled, twice over."""
-    firmer = lab.engine.firmer()
-    if firmer is None:
+    more = firmer_of(lab.engine)
+    if more is None:
         return Experiment(CauseName.ITERATIONS, "it iterates nothing", None, False)
     last = lab.divergence.time + REPEATED * (lab.engine.step or 0.0)
     earlier = [e for e in lab.candidate.trajectory.events if float(e.time) <= last]
     if not any(len(e.contacts) > 1 for e in earlier):
         return Experiment(CauseName.ITERATIONS, "no step had several contacts", None, False)
-    firmer = firmer.firmer() or firmer
+    more = firmer_of(more) or more
     until = lab.until(lab.engine.step)
     if until > SERIES_STEPS * (lab.engine.step or math.inf):
         return Experiment(CauseName.ITERATIONS, f"not tried: it takes more than {SERIES_STEPS:,} steps")
-    run = lab.run(firmer, lab.study.scene, until)
-    gone = _gone(lab, run, firmer.step)
+    run = lab.run(more, lab.study.scene, until)
+    gone = _gone(lab, run, more.step)
     return Experiment(
         CauseName.ITERATIONS, f"with four times as many it {'agrees' if gone else 'differs too'}", None, gone
     )

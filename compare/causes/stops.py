@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...scenarios.trajectory import StopReason
+from ..foreign.guard import wider_of
 from .diagnosis import CauseName, Diagnosis, Experiment
 from .widths import bits_past, bits_through
 from .zeros import exact_zero
@@ -24,7 +25,7 @@ def diagnosis_of_stop(study: Study, candidate: Candidate, engine: Engine, progre
     if stop.reason is not StopReason.UNDECIDED:
         return _only(CauseName.BUDGET, stop.message)
     done = len(candidate.trajectory.events)
-    if engine.wider() is None:
+    if wider_of(engine) is None:
         return _only(CauseName.UNKNOWN, stop.message)
     found = bits_past(study, engine, done, progress)
     reference = study.longest or study.reference
