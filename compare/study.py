@@ -181,7 +181,7 @@ class Study:
             run, alignment = runs[halvings]
             for found in instants(alignment.walks):
                 if set(instant.mine) <= set(found.mine):
-                    return velocity_difference(mine, run, found)
+                    return velocity_difference(mine, run, found.among(instant))
             return None
 
         return difference

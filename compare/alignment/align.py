@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 from ...scenarios.trajectory import StopReason
 from .divergence import Divergence, Kind
 from .impulse_order import same_velocity
-from .instants import Finer, Instant, first_changed_instant
-from .instants import instants as grouped
+from .instants import Finer, Instant, clusters, first_changed_instant
 from .patience import Patience, patience_for
 from .streams import History, history
 from .walk import REPEATED, Mismatch, Walk, walk
@@ -136,7 +135,7 @@ def align(
         body: walk(mine.meetings[body], theirs.meetings.get(body, []), mine.times, theirs.times, step or 0.0, patience)
         for body in mine.meetings
     }
-    groups = grouped(walks)
+    groups = clusters(walks, reference, candidate)
     judge = _Judge(reference, candidate, mine, theirs, span, patience)
     judge.look_round(groups, step or 0.0)
     found = [d for body, walked in walks.items() if (d := judge.divergence(body, walked.mismatch)) is not None]

@@ -36,7 +36,13 @@ DOUBLE_BITS = 53
 """Bits of a double."""
 
 
-def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequence[Contact]], same: float) -> bool:
+def order_reproduces(
+    trajectory: Trajectory,
+    index: int,
+    impulses: Sequence[Contact],
+    groups: Sequence[Sequence[Contact]],
+    same: float,
+) -> bool:
     """Whether the impulses of `groups`, in order, lead from the state before an event to the state after it.
 
     A run that took an instant's contacts apart (or took several instants as one) has not changed what
@@ -46,6 +52,7 @@ def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequen
     Args:
         trajectory: the run that took the contacts as one instant.
         index: the event in that run.
+        impulses: those of its impulses that are meant: they have no circle that can move in common with the others.
         groups: the pairs as the other run took them: a group for each of its instants.
         same: see `same_velocity`.
     """
@@ -57,7 +64,7 @@ def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequen
     at_once = trajectory.scene.tie_policy.name == "simultaneous"
     if not all(impact.take(group, at_once) for group in groups):
         return False
-    touched = {name for pair in (*event.impulses, *(p for g in groups for p in g)) for name in pair}
+    touched = {name for pair in (*impulses, *(p for g in groups for p in g)) for name in pair}
     return all(
         math.hypot(impact.velocities[c.id][0] - float(c.vx), impact.velocities[c.id][1] - float(c.vy)) <= room
         for c in after.circles

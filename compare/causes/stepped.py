@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from flint import arb
 
+from ...exact.numbers import ball
 from ..alignment.align import align
 from ..alignment.divergence import Kind
 from ..alignment.instants import NEARER, instants, velocity_difference
@@ -107,6 +108,8 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
     moved = lab.moved(lab.got, last)
     within = _within_a_step(lab, lab.engine.step / 2 ** len(gone))
     enough = (gone[-1] or within) and not stays_tied
+    if enough and not _explains(lab, moved):
+        moved = None  # it is the series that tells
     runs = [f"{step} {'agrees' if flag else 'differs'}" for step, flag in zip(told, gone, strict=True)]
     first = gone.index(True) if True in gone else len(gone)
     if first > 1 and all(gone[first:]):
@@ -114,6 +117,14 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
     if within:
         runs.append("and the two meetings are nearer than that")
     return Experiment(CauseName.STEP, f"with a step of {', '.join(runs)}", moved, enough), last
+
+
+def _explains(lab: Laboratory, moved: float | None) -> bool:
+    """Whether flights that are displaced by so much decide otherwise: a step may do so without displacing them."""
+    if moved is None or lab.margin is None:
+        return False
+    with ball.precision(4096):
+        return lab.changes(lab.margin + arb(moved))
 
 
 def _within_a_step(lab: Laboratory, step: float) -> bool:

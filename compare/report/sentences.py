@@ -114,6 +114,8 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
             what = f"{body} does not meet {named(scene, divergence.expected)}"
         case Kind.EXTRA:
             what = f"{body} meets {named(scene, divergence.got)}, which it should not"
+        case Kind.TIE if divergence.got == divergence.expected:
+            what = f"{body} meets {tied(divergence.got)}, as it should, but the impulses lead to other velocities"
         case Kind.TIE:
             what = f"{body} meets {tied(divergence.got)} where it should meet {tied(divergence.expected)}"
     return f"{where}: {what}."
