@@ -185,12 +185,17 @@ def compare(
     if causes and told.stop.reason not in UNKNOWING:
         own = pattern_of(told)
         others = [
-            (c.trajectory, e.step is not None)
+            (c, e.step is not None)
             for c, (_, e) in zip(results, chosen, strict=True)
             if c.verdict == "diverged" and c.pattern != own
         ]
         if others and not watch.over:
-            permitted = permitted_patterns(study, others, _noted(progress, "orders"))
+            permitted = permitted_patterns(
+                study,
+                [(c.trajectory, stepped) for c, stepped in others],
+                _noted(progress, "orders"),
+                wanted=[c.pattern for c, _ in others if c.pattern is not None],
+            )
         elif others:
             cut.append("which patterns are permitted")
     miss = return_miss(told, told)

@@ -40,11 +40,13 @@ class Instant:
     Attributes:
         mine, theirs: the events, ascending.
         bodies: for each movable circle that takes part, its last event of each run.
+        pairs: which event of the one run shares a meeting with which of the other.
     """
 
     mine: tuple[int, ...]
     theirs: tuple[int, ...]
     bodies: tuple[tuple[str, int, int], ...]
+    pairs: frozenset[tuple[int, int]] = frozenset()
 
     def coupled(self, reference: Trajectory, candidate: Trajectory) -> bool:
         """Whether the order of its impulses could matter, in either run."""
@@ -134,16 +136,20 @@ def _grouped(walks: dict[str, Walk], part: Callable[[int, int, str], str]) -> li
     for _, _, _, mine, theirs in joined:
         a, b = find(mine), find(theirs)
         root[max(a, b)] = min(a, b)
-    groups: dict[Place, tuple[set[int], set[int], dict[str, tuple[int, int]]]] = {}
+    groups: dict[Place, tuple[set[tuple[int, int]], dict[str, tuple[int, int]]]] = {}
     for body, m, c, mine, _ in joined:
-        group = groups.setdefault(find(mine), (set(), set(), {}))
-        group[0].add(m)
-        group[1].add(c)
-        last = group[2].get(body, (-1, -1))
-        group[2][body] = (max(last[0], m), max(last[1], c))
+        pairs, bodies = groups.setdefault(find(mine), (set(), {}))
+        pairs.add((m, c))
+        last = bodies.get(body, (-1, -1))
+        bodies[body] = (max(last[0], m), max(last[1], c))
     found = [
-        Instant(tuple(sorted(m)), tuple(sorted(c)), tuple((name, *last) for name, last in bodies.items()))
-        for m, c, bodies in groups.values()
+        Instant(
+            tuple(sorted({m for m, _ in pairs})),
+            tuple(sorted({c for _, c in pairs})),
+            tuple((name, *last) for name, last in bodies.items()),
+            frozenset(pairs),
+        )
+        for pairs, bodies in groups.values()
     ]
     return sorted(found, key=lambda instant: instant.mine)
 
@@ -192,7 +198,7 @@ def first_changed_instant(
             changed = not _blurred(reference, candidate, instant, step, finer, same)
         else:
             apart = _taken_apart(walks, instant, sequential)
-            changed = apart and not _reproduced(reference, candidate, instant, same)
+            changed = apart and not _reproduced(reference, candidate, walks, instant, same)
             changed = changed or (len(instant.theirs) == 1 == len(instant.mine)
                                   and not _explained(reference, candidate, instant, step, same))  # fmt: skip
         if changed:
@@ -202,27 +208,42 @@ def first_changed_instant(
 
 def _taken_apart(walks: dict[str, Walk], instant: Instant, sequential: bool) -> bool:
     """Whether the candidate has an instant in several, in one with others, or in another order."""
-    here = {*instant.mine}
-    for walked in (walks[name] for name, _, _ in instant.bodies):
-        if here & walked.split.keys() or (sequential and here & walked.reordered.keys()):
-            return True
-        if any(here & events for events in walked.merged.values()):
-            return True
-    return False
+    return len(instant.mine) + len(instant.theirs) > 2 or (sequential and bool(_reordered(walks, instant)))
 
 
-def _reproduced(reference: Trajectory, candidate: Trajectory, instant: Instant, same: float) -> bool:
-    """Whether the impulses of one run, in its order, lead through the other's instant to the same velocities."""
-    mine, theirs = _impulses(reference, instant, instant.mine), _impulses(candidate, instant, instant.theirs)
-    if len(instant.mine) == 1:
-        groups = impulses_among(theirs, mine[0])
-        event = reference.events[instant.mine[0]]
-        return not event.coupled or order_reproduces(reference, event.index, mine[0], groups, same)
-    if len(instant.theirs) == 1:
-        groups = impulses_among(mine, theirs[0])
-        event = candidate.events[instant.theirs[0]]
-        return not event.coupled or order_reproduces(candidate, event.index, theirs[0], groups, same)
-    return _explained(reference, candidate, instant, 0.0, same)
+def _reordered(walks: dict[str, Walk], instant: Instant) -> set[int]:
+    """The reference's events of an instant whose partners a circle meets in another order."""
+    return {m for name, _, _ in instant.bodies for m in walks[name].reordered} & {*instant.mine}
+
+
+def _reproduced(
+    reference: Trajectory, candidate: Trajectory, walks: dict[str, Walk], instant: Instant, same: float
+) -> bool:
+    """Whether the impulses of each run, in its order, lead through the other's events to the same velocities.
+
+    Each event that the other run has in several, or in another order, is asked by itself: what comes later can then
+    not change the answer.
+    """
+    apart = _reordered(walks, instant)
+    for m in instant.mine:
+        others = sorted(c for mine, c in instant.pairs if mine == m)
+        if (len(others) > 1 or m in apart) and not _leads_to(reference, m, candidate, others, instant, same):
+            return False
+    for c in instant.theirs:
+        others = sorted(m for m, theirs in instant.pairs if theirs == c)
+        if len(others) > 1 and not _leads_to(candidate, c, reference, others, instant, same):
+            return False
+    return True
+
+
+def _leads_to(
+    run: Trajectory, index: int, other: Trajectory, events: Sequence[int], instant: Instant, same: float
+) -> bool:
+    """Whether an event's impulses, as the other run has them in some events, lead to the velocities after it."""
+    event = run.events[index]
+    own = instant.impulses(event)
+    groups = impulses_among(_impulses(other, instant, events), own)
+    return not event.coupled or order_reproduces(run, index, own, groups, same)
 
 
 def _impulses(run: Trajectory, instant: Instant, events: Sequence[int]) -> list[list[Contact]]:

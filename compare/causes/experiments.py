@@ -57,6 +57,11 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     ]
     if any(e.suffices for e in rows):
         rows.append(Experiment(CauseName.MODEL, "not tried: something else suffices"))
+    elif lab.study.truth.rounds_input:
+        told = (
+            f"not tried: {lab.study.truth.name}, the reference, rounds too: what it has otherwise may be its own error"
+        )
+        rows.append(Experiment(CauseName.MODEL, told))
     elif untried:
         rows.append(Experiment(CauseName.MODEL, "not tried: what else there could be was not all tried"))
     else:
@@ -67,10 +72,10 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
 def _tie(lab: Laboratory) -> Experiment:
     """Contacts of one exact instant, which the engine resolves otherwise."""
     divergence, events = lab.divergence, lab.reference.events
-    if lab.decision is not None and lab.decision.kind == "order":
-        names = {lab.decision.first.partner, lab.decision.second.partner} if lab.decision.second else set()
+    if lab.decision is not None and lab.decision.second is not None:
+        names = {lab.decision.first.partner, lab.decision.second.partner}
     else:
-        names = {divergence.got, divergence.expected} - {None}
+        names = {*divergence.partners} & {*lab.study.scene.ids}
     here = events[divergence.event] if divergence.event < len(events) else None
     cluster = _cluster(lab, [] if here is None or not here.coupled else here.contacts)
     together = {name for pair in cluster for name in pair}

@@ -10,6 +10,7 @@ from flint import arb
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span, align
+from ..alignment.divergence import Kind
 from ..alignment.impulse_order import DOUBLE_BITS
 from ..deadline import OutOfTime, time_to_read
 from ..engines import engine
@@ -97,13 +98,17 @@ class Laboratory:
 
     @property
     def tied(self) -> bool:
-        """Whether the decision is an order of two meetings that the reference has at one instant."""
-        events, event = self.reference.events, self.divergence.event
-        if self.decision is None or self.decision.second is None or event >= len(events):
+        """Whether what is in question is an order of meetings that the reference has at one instant."""
+        events, event, divergence = self.reference.events, self.divergence.event, self.divergence
+        if event >= len(events):
             return False
         pairs = {frozenset(pair) for pair in events[event].contacts}
-        asked = {frozenset((p.body, p.partner)) for p in (self.decision.first, self.decision.second)}
-        return len(asked) == 2 and asked <= pairs
+        if self.decision is not None:
+            asked = {frozenset((p.body, p.partner)) for p in self.pairings}
+        else:
+            known = {*divergence.partners} & {*self.study.scene.ids}
+            asked = {frozenset((divergence.body, name)) for name in known if divergence.kind is Kind.TIE}
+        return len(asked) > 1 and asked <= pairs
 
     def tried(self, experiment: Callable[[], Told], otherwise: Told) -> Told:
         """What an experiment tells; something else once the user's seconds are over."""

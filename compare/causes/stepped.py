@@ -36,8 +36,10 @@ def stepped(lab: Laboratory, entered: Reader | None, by_input: Experiment, tie: 
     series, finest = lab.tried(lambda: _series(lab, stays_tied=bool(tie.suffices)), (cut, None))
     firmer = lab.tried(lambda: _iterations(lab), Experiment(CauseName.ITERATIONS, NO_TIME))
     rows = [series, passed, firmer]
-    if any(e.suffices for e in rows) or by_input.suffices or lab.decision is None:
-        rows.append(Experiment(CauseName.ARITHMETIC, "not tried: something else suffices"))
+    if any(e.suffices for e in (*rows, by_input, tie)) or lab.decision is None:
+        suffices = any(e.suffices for e in (*rows, by_input, tie))
+        reason = "something else suffices" if suffices else "no contact can be named"
+        rows.append(Experiment(CauseName.ARITHMETIC, f"not tried: {reason}"))
         return rows
     left = Experiment(CauseName.ARITHMETIC, NO_TIME)
     untried = any(e.result == NO_TIME for e in (*rows, by_input))
