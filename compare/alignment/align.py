@@ -20,7 +20,7 @@ from .impulse_order import same_velocity
 from .instants import Finer, Instant, clusters, first_changed_instant
 from .patience import Patience, patience_for
 from .streams import History, history
-from .walk import REPEATED, Mismatch, Walk, walk
+from .walk import REPEATED, Walk, walk
 
 if TYPE_CHECKING:
     from ...scenarios.numbers.real import Real
@@ -161,7 +161,7 @@ def align(
     groups = clusters(walks, reference, candidate)
     judge = _Judge(reference, candidate, mine, theirs, span, patience)
     judge.look_round(groups, step or 0.0)
-    found = [d for body, walked in walks.items() if (d := judge.divergence(body, walked.mismatch)) is not None]
+    found = [d for body, walked in walks.items() if (d := judge.divergence(body, walked)) is not None]
     first = min(found, key=lambda d: (d.time, d.event), default=None)
     before = (first.time, first.event) if first else (span.time, span.events - 1)
     if instants:
@@ -281,8 +281,9 @@ class _Judge:
                     if run.stop.reason is not StopReason.QUIET and float(run.final_time) < until:
                         self.open.append(_Open(min(first, start), group.mine[0], run is self.reference, until))
 
-    def divergence(self, body: str, mismatch: Mismatch | None) -> Divergence | None:
-        """The divergence that a mismatch is, if it lies in the span and is settled."""
+    def divergence(self, body: str, walked: Walk) -> Divergence | None:
+        """The divergence that a body's mismatch is, if it lies in the span and is settled."""
+        mismatch = walked.mismatch
         if mismatch is None:
             return None
         mine = None if mismatch.mine is None else self.mine.times[mismatch.mine]
@@ -294,7 +295,9 @@ class _Judge:
         if not inside and not met:
             return None
         time = min(t for t in (mine, theirs) if t is not None)
-        event = mismatch.mine if mismatch.mine is not None else bisect_left(self.mine.times, time)
+        event = mismatch.mine
+        if event is None:  # where it would be: after all that the body has had before
+            event = max(bisect_left(self.mine.times, time), max((m for m, _ in walked.pairs), default=-1) + 1)
         if not mismatch.final:
             waits, until = (self.candidate if theirs is None else self.reference), self.patience.latest(time)
             if waits.stop.reason is not StopReason.QUIET and float(waits.final_time) < until:

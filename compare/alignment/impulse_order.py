@@ -98,6 +98,33 @@ def merging_changes(
     return apart if apart > same * scale + 4 * len(everything) * scale * way / one.least_reach else 0.0
 
 
+def follows_the_law(trajectory: Trajectory, index: int, bits: int | None) -> bool:
+    """Whether an event of one contact leaves its circles as the law of elastic impact does, from the run's own state.
+
+    What rounding to so many bits makes of places and velocities is granted; a contact that approaches no faster than
+    that may do nothing.
+    """
+    event = trajectory.events[index]
+    if len(event.impulses) != 1:
+        return True
+    pair = event.impulses[0]
+    before, after = _velocities_before(trajectory, index), trajectory.at(event.time)
+    places = {c.id: (float(c.x), float(c.y)) for c in after.circles}
+    impact = _Impact(trajectory, places, before)
+    speed = max((math.hypot(*v) for v in before.values()), default=0.0)
+    far = max(abs(x) for place in places.values() for x in place) + speed * float(event.time)
+    turned = 2.0 ** -min(bits or DOUBLE_BITS, DOUBLE_BITS) * far / impact.least_reach
+    room = speed * (same_velocity(bits) + TURNS * turned)
+    if impact.closing(pair) > 0:
+        impact.take([pair], True)
+    told = _velocities(after)
+    return all(math.dist(impact.velocities[name], told[name]) <= room for name in pair if name in told)
+
+
+TURNS = 64
+"""How many roundings of its place an impact may be turned by: some for each operation that leads to the contact."""
+
+
 def impulses_among(events: Iterable[Sequence[Contact]], pairs: Sequence[Contact]) -> list[list[Contact]]:
     """For each of some events, its impulses that are between the given pairs; events without any left out."""
     wanted = {frozenset(pair) for pair in pairs}

@@ -189,19 +189,22 @@ def first_changed_instant(
     """
     sequential = reference.scene.tie_policy.name == "sequential"
     for instant in groups:
-        first, start = reference.events[instant.mine[0]].time, candidate.events[instant.theirs[0]].time
-        if (min(float(first), float(start)), instant.mine[0]) > before or not instant.coupled(reference, candidate):
+        if (_start(reference, candidate, instant), instant.mine[0]) > before:
             continue
-        if step and len(instant.mine) > 1:
-            changed = _matters(reference, candidate, instant, same)
-        elif step:
-            changed = not _blurred(reference, candidate, instant, step, finer, same)
-        else:
-            apart = _taken_apart(walks, instant, sequential)
-            changed = apart and not _reproduced(reference, candidate, walks, instant, same)
-            changed = changed or (len(instant.theirs) == 1 == len(instant.mine)
-                                  and not _explained(reference, candidate, instant, step, same))  # fmt: skip
-        if changed:
+        if not instant.coupled(reference, candidate):
+            continue
+        if step:
+            several = len(instant.mine) > 1
+            changed = (_matters(reference, candidate, instant, same) if several
+                       else not _blurred(reference, candidate, instant, step, finer, same))  # fmt: skip
+            if changed:
+                return _tie(reference, candidate, instant)
+            continue
+        if _taken_apart(walks, instant, sequential):
+            part = _not_reproduced(reference, candidate, walks, instant, same)
+            if part is not None:
+                return _tie(reference, candidate, part)
+        if len(instant.theirs) == 1 == len(instant.mine) and not _explained(reference, candidate, instant, step, same):
             return _tie(reference, candidate, instant)
     return None
 
@@ -216,24 +219,30 @@ def _reordered(walks: dict[str, Walk], instant: Instant) -> set[int]:
     return {m for name, _, _ in instant.bodies for m in walks[name].reordered} & {*instant.mine}
 
 
-def _reproduced(
+def _not_reproduced(
     reference: Trajectory, candidate: Trajectory, walks: dict[str, Walk], instant: Instant, same: float
-) -> bool:
-    """Whether the impulses of each run, in its order, lead through the other's events to the same velocities.
+) -> Instant | None:
+    """The first part of an instant at which the impulses of one run, in its order, lead elsewhere than the other's.
 
     Each event that the other run has in several, or in another order, is asked by itself: what comes later can then
     not change the answer.
     """
     apart = _reordered(walks, instant)
+    parts: list[Instant] = []
     for m in instant.mine:
         others = sorted(c for mine, c in instant.pairs if mine == m)
         if (len(others) > 1 or m in apart) and not _leads_to(reference, m, candidate, others, instant, same):
-            return False
+            parts.append(replace(instant, mine=(m,), theirs=tuple(others)))
     for c in instant.theirs:
         others = sorted(m for m, theirs in instant.pairs if theirs == c)
         if len(others) > 1 and not _leads_to(candidate, c, reference, others, instant, same):
-            return False
-    return True
+            parts.append(replace(instant, mine=tuple(others), theirs=(c,)))
+    return min(parts, key=lambda part: (_start(reference, candidate, part), part.mine), default=None)
+
+
+def _start(reference: Trajectory, candidate: Trajectory, instant: Instant) -> float:
+    """The earlier of the times at which the two runs begin an instant."""
+    return min(float(reference.events[instant.mine[0]].time), float(candidate.events[instant.theirs[0]].time))
 
 
 def _leads_to(

@@ -47,7 +47,7 @@ def verdict_sentence(comparison: Comparison) -> str:
     same = f"{listed(agreeing)} {verb} with the {reference.engine} run in {all_of(len(reference.events))}{rest}."
     changed = sorted({name.replace("_", " ") for c in by_verdict["agree"] for name in c.changed})
     if changed:
-        return f"Floating point changed no collision, but an outcome ({', '.join(changed)}): {same}"
+        return f"No collision changed, but an outcome did ({', '.join(changed)}): {same}"
     return f"Floating point did not change what happened: {same}"
 
 
