@@ -224,9 +224,11 @@ def _check_fields(where: str, trajectory: Trajectory) -> None:
 
 
 def _check_list(where: str, value: Any, kind: type = object) -> None:
-    """A tuple or a list of things of one kind."""
-    if not isinstance(value, tuple | list):
+    """A tuple, or another sequence, of things of one kind."""
+    if not isinstance(value, Sequence) or isinstance(value, str | bytes):
         raise EngineError(f"{where} = {_told(value)}; must be a tuple")
+    if kind is object:
+        return
     for item in value:
         if not isinstance(item, kind):
             raise EngineError(f"{where} has {_told(item)}; must hold things of the kind {kind.__name__} only")

@@ -1,0 +1,123 @@
+"""Causes and margins of divergences, on scenes whose cause is known beforehand."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import pytest
+
+from truebreak.compare import compare
+from truebreak.compare.causes.decision.rounding import nearest, rounded
+from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.compare.comparison import Comparison
+from truebreak.floating.quad import QUADS
+from truebreak.floating.rounded import Rounding
+from truebreak.floating.single import SINGLES
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
+
+
+def cause(comparison: Comparison, engine: str) -> CauseName:
+    found = comparison[engine].diagnosis
+    assert found is not None
+    assert found.evidence
+    return found.name
+
+
+def test_a_near_tie_lost_in_the_doubles_of_the_scene_is_input_rounding() -> None:
+    comparison = compare(catalogue.build("near-tie:k=40"), ["double"])
+    assert comparison.verdict == "diverged"
+    assert cause(comparison, "double") is CauseName.INPUT
+    close = comparison["double"].margin
+    assert close is not None
+    assert close.gap == pytest.approx((1e-40, 1e-40), rel=1e-12)
+    assert close.ulps == pytest.approx(1e-40 / 2**-52, rel=1e-12)
+    assert (close.enough.bits, close.enough.short) == (137, 136)
+
+
+def test_an_exact_tie_that_rounding_breaks_is_a_tie() -> None:
+    comparison = compare(catalogue.build("rack:rows=3"), ["double"], events=6)
+    assert cause(comparison, "double") is CauseName.TIE
+    divergence = comparison["double"].alignment.divergence
+    assert divergence is not None
+    assert divergence.expected == "b4 + b6"
+    close = comparison["double"].margin
+    assert close is not None
+    assert (close.gap, close.distance) == ((0.0, 0.0), (0.0, 0.0))
+
+
+def test_a_scene_of_whole_numbers_has_no_input_rounding() -> None:
+    scene = catalogue.build("gas")
+    comparison = compare(rounded(scene), ["double"])
+    assert comparison["double"].verdict == "diverged"
+    assert cause(comparison, "double") is CauseName.ARITHMETIC
+
+
+def test_a_divergence_that_moves_with_the_step_is_the_time_step() -> None:
+    comparison = compare(catalogue.build("gas"), ["pymunk"], events=40)
+    assert comparison["pymunk"].verdict == "diverged"
+    assert cause(comparison, "pymunk") is CauseName.STEP
+
+
+def test_an_interval_that_wider_numbers_would_decide_is_too_wide() -> None:
+    comparison = compare(catalogue.build("cradle"), ["interval"])
+    assert comparison.verdict == "undecided"
+    assert cause(comparison, "interval") is CauseName.WIDTH
+
+
+def test_no_width_of_intervals_decides_a_graze() -> None:
+    comparison = compare(catalogue.build("grazing"), ["interval"])
+    assert cause(comparison, "interval") is CauseName.ZERO
+
+
+def test_a_touching_scene_that_rounds_to_an_overlap_is_input_rounding() -> None:
+    touching = Scene([Circle("1/10", 0, r="1/10"), Circle("3/10", 0, r="1/10", vx=-1)])
+    with pytest.raises(SceneError, match="overlaps"):
+        rounded(touching)
+
+
+def test_causes_can_be_left_out() -> None:
+    comparison = compare(catalogue.build("near-tie"), ["double"], causes=False)
+    assert comparison["double"].diagnosis is None
+    assert comparison["double"].verdict == "diverged"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0",
+        "1/3",
+        "-sqrt(2)/7",
+        "5 + 10**-20",
+        "1 + 1/2**24",
+        "1 + 3/2**24",
+        "-1 - 1/2**24 - 10**-90",
+        "2**-149 / 2",
+        "2/3",
+    ],
+)
+def test_the_nearest_number_is_the_one_that_engines_are_given(text: str) -> None:
+    value = Quantity.of(text)
+    assert nearest(value, 24) == Quantity.of(Fraction(float(SINGLES.constant(value))))
+    assert nearest(value, 53) == Quantity.of(Fraction(float(value)))
+    pair = QUADS.constant(value)
+    assert nearest(value, 106) == Quantity.of(Fraction(pair.hi) + Fraction(pair.lo))
+    for bits in (5, 30, 52):
+        assert nearest(value, bits) == Quantity.of(Fraction(float(Rounding(bits).constant(value))))
+
+
+@pytest.mark.parametrize(("text", "engine"), [("near-tie:k=10", "single"), ("near-tie:k=12", "rounded:bits=30")])
+def test_input_is_rounded_to_the_engine_s_own_numbers(text: str, engine: str) -> None:
+    """Doubles hold such a scene apart; numbers of fewer bits do not, before anything is computed."""
+    found = compare(catalogue.build(text), [engine])[engine].diagnosis
+    assert found is not None
+    assert found.sufficient == (CauseName.INPUT,)
+    assert found.experiments[1].displacement == 0.0
+
+
+def test_a_scene_of_doubles_is_not_exact_in_fewer_bits() -> None:
+    scene = rounded(catalogue.build("gas:n=3"))
+    found = compare(scene, ["double", "single"], events=60)
+    assert found["single"].diagnosis is not None
+    by_input = found["single"].diagnosis.experiments[0]
+    assert by_input.cause is CauseName.INPUT and by_input.displacement != 0.0
+    assert "24 bits" in by_input.result
