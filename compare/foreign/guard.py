@@ -11,8 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.trajectory import Trajectory
 from ..validation import EngineError, check_engine
@@ -134,6 +132,8 @@ class GuardedMotion:
         Raises:
             EngineError: for what it raises, and for an array of another shape, or of other than finite numbers.
         """
+        import numpy as np  # here, since nothing else does at the start of a command
+
         try:
             told = np.asarray(self.motion.sample(times), dtype=float)
         except Exception as error:

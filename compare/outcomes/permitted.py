@@ -210,7 +210,7 @@ class _ExactSpan:
         events = tuple(event for event in run.events if not self._after(event.time))
         return replace(run, events=events, final_time=min(float(run.final_time), float(self.end)))
 
-    def patterns_of_nearby(self, run: Trajectory) -> list[Pattern]:
+    def patterns_of_nearby(self, run: Trajectory) -> Sequence[Pattern]:
         """The patterns of a nearby scene's run up to the end, and to just past it, where that is another.
 
         First the one that has as much as the span, if an event falls on its end.
