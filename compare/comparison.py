@@ -13,6 +13,7 @@ from ..scenarios.notebook import html_table
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
+from .alignment.impulse_order import follows_the_law
 from .alignment.separation import not_measured, return_miss, separation
 from .candidate import Candidate
 from .chaos.errors import model_of
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from ..scenarios.engine import Engine
     from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.trajectory import OnProgress
-    from .alignment.align import Verdict
+    from .alignment.align import Alignment, Verdict
     from .certificates import Certified
     from .outcomes.table import Outcome
 
@@ -185,12 +186,17 @@ def compare(
     if causes and told.stop.reason not in UNKNOWING:
         own = pattern_of(told)
         others = [
-            (c.trajectory, e.step is not None)
+            (c, e.step is not None)
             for c, (_, e) in zip(results, chosen, strict=True)
             if c.verdict == "diverged" and c.pattern != own
         ]
         if others and not watch.over:
-            permitted = permitted_patterns(study, others, _noted(progress, "orders"))
+            permitted = permitted_patterns(
+                study,
+                [(c.trajectory, stepped) for c, stepped in others],
+                _noted(progress, "orders"),
+                wanted=[c.pattern for c, _ in others if c.pattern is not None],
+            )
         elif others:
             cut.append("which patterns are permitted")
     miss = return_miss(told, told)
@@ -235,7 +241,7 @@ def candidate_of(
         alignment=alignment,
         separation=apart,
         outcomes=values,
-        changed=tuple(changed_outcomes(expected, values, agrees=alignment.divergence is None)),
+        changed=tuple(changed_outcomes(expected, values, agrees=_only_error(engine, run, alignment, study))),
         return_miss=return_miss(run, study.reference),
         seconds=seconds,
         unable=unable,
@@ -243,6 +249,19 @@ def candidate_of(
         pattern=pattern_of(matched),
         error=model_of(engine),
     )
+
+
+def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: Study) -> bool:
+    """Whether numbers that are not whole may differ by error alone: no divergence, and no impact against the law.
+
+    Of each circle the last meeting inside the span is looked at, with which it ends. An engine with a time step has no
+    state at a contact; what its step makes of velocities is looked at where contacts are coupled.
+    """
+    if alignment.divergence is not None or engine.step is not None:
+        return alignment.divergence is None
+    events = study.span.events
+    last = {max((c for m, c in w.pairs if m < events), default=None) for w in alignment.walks.values()}
+    return all(follows_the_law(run, c, engine.bits) for c in last if c is not None)
 
 
 def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Candidate:

@@ -13,7 +13,7 @@ from .alignment.align import UNKNOWING, Alignment, Span, align
 from .alignment.instants import Finer, Instant, instants, velocity_difference
 from .alignment.patience import Patience, patience_for
 from .deadline import Clock, OutOfTime, time_limit, uninterrupted
-from .foreign.guard import run_guarded
+from .foreign.guard import finer_of, run_guarded
 from .still import Still
 from .validation import EngineError, check_trajectory, unsupported
 
@@ -163,7 +163,7 @@ class Study:
 
     def _series(self, engine: Engine) -> Finer | None:
         """Tells how far the velocities after an instant are from the reference's at a finer step."""
-        if engine.step is None or engine.finer() is None:
+        if engine.step is None or finer_of(engine) is None:
             return None
 
         runs: dict[int, tuple[Trajectory, Alignment]] = {}
@@ -181,7 +181,7 @@ class Study:
             run, alignment = runs[halvings]
             for found in instants(alignment.walks):
                 if set(instant.mine) <= set(found.mine):
-                    return velocity_difference(mine, run, found)
+                    return velocity_difference(mine, run, found.among(instant))
             return None
 
         return difference
@@ -191,7 +191,7 @@ def finer_by(engine: Engine, halvings: int) -> Engine | None:
     """The engine with its step halved so many times; None if it does not go that far."""
     chosen: Engine | None = engine
     for _ in range(halvings):
-        chosen = None if chosen is None else chosen.finer()
+        chosen = None if chosen is None else finer_of(chosen)
     return chosen
 
 

@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence, Set
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.engine import SCENE_KEYS
 from ..scenarios.errors import SceneError
-from ..scenarios.event import Event
+from ..scenarios.event import Assumption, Event, Pocketing, Reversal, Tie
 from ..scenarios.limits import positive_time
-from ..scenarios.trajectory import StopReason, Trajectory
+from ..scenarios.scene import Scene
+from ..scenarios.trajectory import Stop, StopReason, Trajectory
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
     from ..scenarios.numbers.quantity import QuantityLike
-    from ..scenarios.scene import Scene
 
 
 class EngineError(SceneError):
@@ -23,6 +24,8 @@ class EngineError(SceneError):
 
 
 DECLARATIONS = ("name", "step", "bits", "rounds_input", "scene_keys", "finer", "wider", "firmer", "run")
+
+METHODS = ("finer", "wider", "firmer", "run")
 
 
 def check_engine(engine: Any) -> Engine:
@@ -35,18 +38,29 @@ def check_engine(engine: Any) -> Engine:
     >>> check_engine(DoubleEngine()).bits
     53
     """
+    if isinstance(engine, type):
+        raise EngineError(f"engine {engine.__name__!r}: is a class; give an engine, such as {engine.__name__}()")
     name = getattr(engine, "name", type(engine).__name__)
     for key in DECLARATIONS:
         if not hasattr(engine, key):
             raise EngineError(
                 f"engine {name!r}: declares no {key}; derive it from scenarios.Declared (see scenarios.Engine)"
             )
+        if key in METHODS and not callable(getattr(engine, key)):
+            raise EngineError(f"engine {name!r}: {key} = {_told(getattr(engine, key))}; must be a method")
     step, bits = engine.step, engine.bits
-    if step is not None and not (isinstance(step, int | float) and 0 < step < math.inf):
-        raise EngineError(f"engine {name!r}: step = {step!r}: must be a finite number above zero, or None")
-    if bits is not None and (not isinstance(bits, int) or bits < 1):
-        raise EngineError(f"engine {name!r}: bits = {bits!r}: must be a whole number from 1, or None")
-    strange = sorted(map(str, set(engine.scene_keys) - SCENE_KEYS))
+    if not isinstance(name, str) or not name.strip() or not name.isprintable():
+        raise EngineError(f"engine {type(engine).__name__!r}: name = {_told(name)}; must be text of one line")
+    if step is not None and (not isinstance(step, int | float) or isinstance(step, bool) or not 0 < step < math.inf):
+        raise EngineError(f"engine {name!r}: step = {step!r}: must be a finite int or float above zero, or None")
+    if bits is not None and (not isinstance(bits, int) or isinstance(bits, bool) or bits < 1):
+        raise EngineError(f"engine {name!r}: bits = {bits!r}: must be a whole number (an int) from 1, or None")
+    if not isinstance(engine.rounds_input, bool):
+        raise EngineError(f"engine {name!r}: rounds_input = {_told(engine.rounds_input)}; must be True or False")
+    keys = engine.scene_keys
+    if not isinstance(keys, Set | Sequence) or isinstance(keys, str):
+        raise EngineError(f"engine {name!r}: scene_keys = {_told(keys)}; must be a frozenset of keys")
+    strange = sorted(str(key) for key in keys if not isinstance(key, str) or key not in SCENE_KEYS)
     if strange:
         raise EngineError(
             f"engine {name!r}: scene_keys has {strange[0]!r}; choose from {', '.join(sorted(SCENE_KEYS))}"
@@ -97,12 +111,15 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
     where = f"engine {name!r}"
     if not isinstance(trajectory, Trajectory):
         raise EngineError(f"{where}: run gave {_told(trajectory)}; it must give a scenarios.Trajectory")
-    if trajectory.scene.ids != scene.ids:
+    told = trajectory.scene
+    if told is not scene and (
+        not isinstance(told, Scene) or told.circles != scene.circles or told.walls != scene.walls
+    ):
         raise EngineError(
-            f"{where}: its trajectory is of another scene, {trajectory.scene.name!r}; hand back the one asked for"
+            f"{where}: its trajectory is of another scene, {_told(getattr(told, 'name', told))}; "
+            "hand back the one asked for"
         )
-    if not isinstance(getattr(trajectory.stop, "reason", None), StopReason):
-        raise EngineError(f"{where}: stop = {_told(trajectory.stop)}; must be a Stop with a StopReason")
+    _check_fields(where, trajectory)
     times = []
     for place, event in enumerate(trajectory.events):
         times.append(checked_event(f"{where}: event {place}", event, place, scene))
@@ -119,7 +136,8 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
             f"{where}: final_time = {end!r} is before its last event, at {max([0.0, *times])!r}; "
             "give the end of the run"
         )
-    _check_reversal(where, trajectory, scene, end)
+    _check_pocketings(where, trajectory, scene, end)
+    _check_reversal(where, trajectory, scene, times, end)
     _check_states(where, trajectory)
     return trajectory
 
@@ -150,16 +168,20 @@ def checked_event(where: str, event: Any, place: int, scene: Scene) -> float:
     """
     if not isinstance(event, Event):
         raise EngineError(f"{where}: is {_told(event)}; must be a scenarios.Event")
-    if event.index != place:
+    if not isinstance(event.index, int) or isinstance(event.index, bool) or event.index != place:
         raise EngineError(f"{where}: index = {event.index!r}; must be its place, {place}")
+    if not isinstance(event.coupled, bool):
+        raise EngineError(f"{where}: coupled = {_told(event.coupled)}; must be True or False")
+    _check_list(f"{where}: ties", event.ties, Tie)
     time = checked_number(f"{where}: time", event.time)
     if time < 0:
         raise EngineError(f"{where}: time = {time!r} is before the start; times are from 0")
-    if not event.impulses:
+    if isinstance(event.impulses, Sequence) and not event.impulses:
         raise EngineError(f"{where}: impulses is empty; leave out an instant without an impulse")
     places = {name: number for number, name in enumerate(scene.ids)}
     circles = len(scene.circles)
     for field, pairs in (("contacts", event.contacts), ("impulses", event.impulses)):
+        _check_list(f"{where}: {field}", pairs)
         for pair in pairs:
             try:
                 first, second = pair
@@ -168,7 +190,7 @@ def checked_event(where: str, event: Any, place: int, scene: Scene) -> float:
                     f"{where}: {field} has {_told(pair)}; must be pairs of ids, such as Contact('a', 'b')"
                 ) from None
             for name in (first, second):
-                if name not in places:
+                if not isinstance(name, str) or name not in places:
                     raise EngineError(f"{where}: {field} has {name!r}, which is not in the scene; use the scene's ids")
             if not places[first] < places[second] or places[first] >= circles:
                 raise EngineError(
@@ -184,13 +206,60 @@ def checked_event(where: str, event: Any, place: int, scene: Scene) -> float:
     return time
 
 
-def _check_reversal(where: str, trajectory: Trajectory, scene: Scene, end: float) -> None:
-    if scene.reverse_at is None and scene.reverse_after is None:
-        if trajectory.reversal is not None:
-            raise EngineError(f"{where}: reversal = {trajectory.reversal}, but the scene has none; leave it out")
+def _check_fields(where: str, trajectory: Trajectory) -> None:
+    """What else a trajectory says of itself is of the kind that it has to be."""
+    stop = trajectory.stop
+    if not isinstance(stop, Stop) or not isinstance(stop.reason, StopReason) or not isinstance(stop.message, str):
+        raise EngineError(f"{where}: stop = {_told(stop)}; must be a Stop with a StopReason and a message")
+    if not isinstance(trajectory.engine, str):
+        raise EngineError(f"{where}: engine = {_told(trajectory.engine)}; must be its name")
+    for field in ("parameters", "plan"):
+        value = getattr(trajectory, field)
+        if not isinstance(value, Mapping):
+            raise EngineError(f"{where}: {field} = {_told(value)}; must be a dict")
+    _check_list(f"{where}: events", trajectory.events)
+    _check_list(f"{where}: pocketings", trajectory.pocketings, Pocketing)
+    _check_list(f"{where}: assumptions", trajectory.assumptions, Assumption)
+    _check_list(f"{where}: notes", trajectory.notes, str)
+
+
+def _check_list(where: str, value: Any, kind: type = object) -> None:
+    """A tuple, or another sequence, of things of one kind."""
+    if not isinstance(value, Sequence) or isinstance(value, str | bytes):
+        raise EngineError(f"{where} = {_told(value)}; must be a tuple")
+    if kind is object:
         return
-    if trajectory.reversal is not None:
-        checked_number(f"{where}: reversal.time", trajectory.reversal.time)
+    for item in value:
+        if not isinstance(item, kind):
+            raise EngineError(f"{where} has {_told(item)}; must hold things of the kind {kind.__name__} only")
+
+
+def _check_pocketings(where: str, trajectory: Trajectory, scene: Scene, end: float) -> None:
+    """Entries are of the scene's circles into its pockets, within the run."""
+    circles, pockets = {c.id for c in scene.circles}, {p.id for p in scene.pockets}
+    for place, entry in enumerate(trajectory.pocketings):
+        told = f"{where}: pocketing {place}"
+        for field, name, known in (("circle", entry.circle, circles), ("pocket", entry.pocket, pockets)):
+            if not isinstance(name, str) or name not in known:
+                raise EngineError(f"{told}: {field} = {_told(name)}, which is not in the scene; use the scene's ids")
+        if not 0 <= checked_number(f"{told}: time", entry.time) <= end:
+            raise EngineError(f"{told}: time = {float(entry.time)!r} is not within the run, which ends at {end!r}")
+
+
+def _check_reversal(where: str, trajectory: Trajectory, scene: Scene, times: Sequence[float], end: float) -> None:
+    reversal = trajectory.reversal
+    if scene.reverse_at is None and scene.reverse_after is None:
+        if reversal is not None:
+            raise EngineError(f"{where}: reversal = {_told(reversal)}, but the scene has none; leave it out")
+        return
+    if reversal is not None:
+        if not isinstance(reversal, Reversal):
+            raise EngineError(f"{where}: reversal = {_told(reversal)}; must be a Reversal, or None")
+        time, after = checked_number(f"{where}: reversal.time", reversal.time), reversal.after
+        if not isinstance(after, int) or isinstance(after, bool) or not 0 <= after <= len(times):
+            raise EngineError(f"{where}: reversal.after = {_told(after)}; must be the number of events before it")
+        if not 0 <= time <= end:
+            raise EngineError(f"{where}: reversal.time = {time!r} is not within the run, which ends at {end!r}")
         return
     due = (scene.reverse_at is not None and float(scene.reverse_at) < end) or (
         scene.reverse_after is not None and len(trajectory.events) > scene.reverse_after
@@ -203,17 +272,19 @@ def _check_reversal(where: str, trajectory: Trajectory, scene: Scene, end: float
 
 
 def _check_states(where: str, trajectory: Trajectory) -> None:
-    """The first and the last state are finite, one for each circle, and the first is the scene's."""
-    for time, told in ((trajectory.final_time, "the final state"),):
-        try:
-            state = trajectory.at(time)
-        except (ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
-            raise EngineError(
-                f"{where}: {told} is not to be had ({error}); motion.state must answer from 0 to final_time"
-            ) from None
-        for circle in state.circles:
-            for key in ("x", "y", "vx", "vy"):
-                checked_number(f"{where}: {told}: circle {circle.id!r}: {key}", getattr(circle, key))
+    """The last state is there, and finite."""
+    told = "the final state"
+    try:
+        state = trajectory.at(trajectory.final_time)
+    except EngineError:
+        raise
+    except (ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
+        raise EngineError(
+            f"{where}: {told} is not to be had ({error}); motion.state must answer from 0 to final_time"
+        ) from None
+    for circle in state.circles:
+        for key in ("x", "y", "vx", "vy"):
+            checked_number(f"{where}: {told}: circle {circle.id!r}: {key}", getattr(circle, key))
 
 
 def checked_number(where: str, value: Any) -> float:
@@ -222,6 +293,8 @@ def checked_number(where: str, value: Any) -> float:
     Raises:
         EngineError: if it is none, or not finite.
     """
+    if isinstance(value, str | bytes):
+        raise EngineError(f"{where} = {_told(value)}; must be a number")
     try:
         number = float(value)
     except OverflowError:

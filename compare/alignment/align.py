@@ -12,16 +12,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
+from ...exact.numbers import ball
+from ...scenarios.numbers.real import real
 from ...scenarios.trajectory import StopReason
 from .divergence import Divergence, Kind
 from .impulse_order import same_velocity
-from .instants import Finer, Instant, first_changed_instant
-from .instants import instants as grouped
+from .instants import Finer, Instant, clusters, first_changed_instant
 from .patience import Patience, patience_for
 from .streams import History, history
-from .walk import REPEATED, Mismatch, Walk, walk
+from .walk import REPEATED, Walk, walk
 
 if TYPE_CHECKING:
+    from ...scenarios.numbers.real import Real
     from ...scenarios.trajectory import Trajectory
 
 Verdict: TypeAlias = Literal["diverged", "unsettled", "undecided", "agree"]
@@ -33,6 +35,10 @@ UNKNOWING = (StopReason.UNDECIDED, StopReason.BUDGET, StopReason.INTERRUPTED)
 """Stops after which an engine would not go on, whatever the limits."""
 
 
+SAME_BITS = 1024
+"""Bits to which a time is compared with the end of a span: an event on the end itself agrees with it to any number."""
+
+
 @dataclass(frozen=True)
 class Span:
     """What is compared: a beginning of the reference's history.
@@ -40,16 +46,32 @@ class Span:
     Attributes:
         events: how many of the reference's events lie inside.
         time: its end; infinite where the reference's history is known to be over.
+        exact: the same in the reference's own numbers; None: the double is meant.
     """
 
     events: int
     time: float
+    exact: Real | None = field(default=None, repr=False, compare=False)
 
     @classmethod
     def of(cls, reference: Trajectory) -> Span:
         """All that a run has."""
         quiet = reference.stop.reason is StopReason.QUIET
-        return cls(len(reference.events), math.inf if quiet else float(reference.final_time))
+        end = reference.final_time
+        return cls(len(reference.events), math.inf if quiet else float(end), None if quiet else end)
+
+    def holds(self, time: Real) -> bool:
+        """Whether a time lies in it; one that agrees with the exact end to `SAME_BITS` bits does.
+
+        >>> from ...scenarios.numbers.quantity import Quantity
+        >>> end = Quantity.of("1 - 1/10**60")
+        >>> Span(0, 1.0).holds(1.0), Span(0, 1.0, end).holds(1.0), Span(0, 1.0, end).holds(end)
+        (True, False, True)
+        """
+        near = float(time)
+        if near != self.time or self.exact is None:
+            return near <= self.time
+        return ball.sign_of(real(time).ball(SAME_BITS) - real(self.exact).ball(SAME_BITS)) != 1
 
 
 @dataclass(frozen=True)
@@ -136,10 +158,10 @@ def align(
         body: walk(mine.meetings[body], theirs.meetings.get(body, []), mine.times, theirs.times, step or 0.0, patience)
         for body in mine.meetings
     }
-    groups = grouped(walks)
+    groups = clusters(walks, reference, candidate)
     judge = _Judge(reference, candidate, mine, theirs, span, patience)
     judge.look_round(groups, step or 0.0)
-    found = [d for body, walked in walks.items() if (d := judge.divergence(body, walked.mismatch)) is not None]
+    found = [d for body, walked in walks.items() if (d := judge.divergence(body, walked)) is not None]
     first = min(found, key=lambda d: (d.time, d.event), default=None)
     before = (first.time, first.event) if first else (span.time, span.events - 1)
     if instants:
@@ -237,8 +259,8 @@ class _Judge:
         self.mine, self.theirs = mine, theirs
         self.span, self.patience = span, patience
         self.open: list[_Open] = []
-        self._mine: set[int] = set()
-        self._theirs: set[int] = set()
+        self._mine: set[tuple[int, str]] = set()
+        self._theirs: set[tuple[int, str]] = set()
 
     def look_round(self, groups: Sequence[Instant], step: float) -> None:
         """Notes the instants that reach into the span: what belongs to them counts as inside, wherever it lies.
@@ -248,28 +270,34 @@ class _Judge:
         for group in groups:
             first, last = self.mine.times[group.mine[0]], self.mine.times[group.mine[-1]]
             start, end = self.theirs.times[group.theirs[0]], self.theirs.times[group.theirs[-1]]
-            if group.mine[0] >= self.span.events and start > self.span.time:
+            if group.mine[0] >= self.span.events and not self.span.holds(self.candidate.events[group.theirs[0]].time):
                 continue
-            self._mine.update(group.mine)
-            self._theirs.update(group.theirs)
+            for name, _, _ in group.bodies:
+                self._mine.update((m, name) for m in group.mine)
+                self._theirs.update((c, name) for c in group.theirs)
             if step and group.coupled(self.reference, self.candidate):
                 until = max(last, end) + REPEATED * step
                 for run in (self.reference, self.candidate):
                     if run.stop.reason is not StopReason.QUIET and float(run.final_time) < until:
                         self.open.append(_Open(min(first, start), group.mine[0], run is self.reference, until))
 
-    def divergence(self, body: str, mismatch: Mismatch | None) -> Divergence | None:
-        """The divergence that a mismatch is, if it lies in the span and is settled."""
+    def divergence(self, body: str, walked: Walk) -> Divergence | None:
+        """The divergence that a body's mismatch is, if it lies in the span and is settled."""
+        mismatch = walked.mismatch
         if mismatch is None:
             return None
         mine = None if mismatch.mine is None else self.mine.times[mismatch.mine]
         theirs = None if mismatch.theirs is None else self.theirs.times[mismatch.theirs]
-        inside = mismatch.mine is not None and (mismatch.mine < self.span.events or mismatch.mine in self._mine)
-        met = theirs is not None and (theirs <= self.span.time or mismatch.theirs in self._theirs)
+        inside = mismatch.mine is not None and (mismatch.mine < self.span.events or (mismatch.mine, body) in self._mine)
+        met = mismatch.theirs is not None and (
+            self.span.holds(self.candidate.events[mismatch.theirs].time) or (mismatch.theirs, body) in self._theirs
+        )
         if not inside and not met:
             return None
         time = min(t for t in (mine, theirs) if t is not None)
-        event = mismatch.mine if mismatch.mine is not None else bisect_left(self.mine.times, time)
+        event = mismatch.mine
+        if event is None:  # where it would be: after all that the body has had before
+            event = max(bisect_left(self.mine.times, time), max((m for m, _ in walked.pairs), default=-1) + 1)
         if not mismatch.final:
             waits, until = (self.candidate if theirs is None else self.reference), self.patience.latest(time)
             if waits.stop.reason is not StopReason.QUIET and float(waits.final_time) < until:

@@ -44,3 +44,15 @@ class Divergence:
     expected_time: float | None = None
     got_time: float | None = None
     candidate_event: int | None = None
+
+    @property
+    def partners(self) -> list[str]:
+        """Everything that the body meets in either run, each once.
+
+        >>> Divergence(0, 1.0, "b1", "b2 + b3", "b3 then b4", Kind.TIE).partners
+        ['b2', 'b3', 'b4']
+        """
+        told = [text for text in (self.expected, self.got) if text is not None]
+        if self.kind is not Kind.TIE:
+            return [*dict.fromkeys(told)]
+        return [*dict.fromkeys(name for text in told for part in text.split(" then ") for name in part.split(" + "))]

@@ -36,7 +36,13 @@ DOUBLE_BITS = 53
 """Bits of a double."""
 
 
-def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequence[Contact]], same: float) -> bool:
+def order_reproduces(
+    trajectory: Trajectory,
+    index: int,
+    impulses: Sequence[Contact],
+    groups: Sequence[Sequence[Contact]],
+    same: float,
+) -> bool:
     """Whether the impulses of `groups`, in order, lead from the state before an event to the state after it.
 
     A run that took an instant's contacts apart (or took several instants as one) has not changed what
@@ -46,6 +52,7 @@ def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequen
     Args:
         trajectory: the run that took the contacts as one instant.
         index: the event in that run.
+        impulses: those of its impulses that are meant: they have no circle that can move in common with the others.
         groups: the pairs as the other run took them: a group for each of its instants.
         same: see `same_velocity`.
     """
@@ -57,7 +64,7 @@ def order_reproduces(trajectory: Trajectory, index: int, groups: Sequence[Sequen
     at_once = trajectory.scene.tie_policy.name == "simultaneous"
     if not all(impact.take(group, at_once) for group in groups):
         return False
-    touched = {name for pair in (*event.impulses, *(p for g in groups for p in g)) for name in pair}
+    touched = {name for pair in (*impulses, *(p for g in groups for p in g)) for name in pair}
     return all(
         math.hypot(impact.velocities[c.id][0] - float(c.vx), impact.velocities[c.id][1] - float(c.vy)) <= room
         for c in after.circles
@@ -89,6 +96,33 @@ def merging_changes(
     apart = max(math.dist(one.velocities[name], other.velocities[name]) for name in before)
     way = scale * (float(last) - float(first))
     return apart if apart > same * scale + 4 * len(everything) * scale * way / one.least_reach else 0.0
+
+
+def follows_the_law(trajectory: Trajectory, index: int, bits: int | None) -> bool:
+    """Whether an event of one contact leaves its circles as the law of elastic impact does, from the run's own state.
+
+    What rounding to so many bits makes of places and velocities is granted; a contact that approaches no faster than
+    that may do nothing.
+    """
+    event = trajectory.events[index]
+    if len(event.impulses) != 1:
+        return True
+    pair = event.impulses[0]
+    before, after = _velocities_before(trajectory, index), trajectory.at(event.time)
+    places = {c.id: (float(c.x), float(c.y)) for c in after.circles}
+    impact = _Impact(trajectory, places, before)
+    speed = max((math.hypot(*v) for v in before.values()), default=0.0)
+    far = max(abs(x) for place in places.values() for x in place) + speed * float(event.time)
+    turned = 2.0 ** -min(bits or DOUBLE_BITS, DOUBLE_BITS) * far / impact.least_reach
+    room = speed * (same_velocity(bits) + TURNS * turned)
+    if impact.closing(pair) > 0:
+        impact.take([pair], True)
+    told = _velocities(after)
+    return all(math.dist(impact.velocities[name], told[name]) <= room for name in pair if name in told)
+
+
+TURNS = 64
+"""How many roundings of its place an impact may be turned by: some for each operation that leads to the contact."""
 
 
 def impulses_among(events: Iterable[Sequence[Contact]], pairs: Sequence[Contact]) -> list[list[Contact]]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -12,7 +12,7 @@ from .divergence import Divergence, Kind
 from .impulse_order import impulses_among, merging_changes, order_reproduces
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact
+    from ...scenarios.event import Contact, Event
     from ...scenarios.trajectory import Trajectory
     from .walk import Walk
 
@@ -40,17 +40,33 @@ class Instant:
     Attributes:
         mine, theirs: the events, ascending.
         bodies: for each movable circle that takes part, its last event of each run.
+        pairs: which event of the one run shares a meeting with which of the other.
     """
 
     mine: tuple[int, ...]
     theirs: tuple[int, ...]
     bodies: tuple[tuple[str, int, int], ...]
+    pairs: frozenset[tuple[int, int]] = frozenset()
 
     def coupled(self, reference: Trajectory, candidate: Trajectory) -> bool:
         """Whether the order of its impulses could matter, in either run."""
         return any(reference.events[m].coupled for m in self.mine) or any(
             candidate.events[c].coupled for c in self.theirs
         )
+
+    def among(self, other: Instant) -> Instant:
+        """The same, of the circles of another alone."""
+        names = {name for name, _, _ in other.bodies}
+        return replace(self, bodies=tuple(body for body in self.bodies if body[0] in names))
+
+    def impulses(self, event: Event) -> list[Contact]:
+        """The impulses of one of its events that its circles take part in."""
+        names = {name for name, _, _ in self.bodies}
+        return [pair for pair in event.impulses if names & {*pair}]
+
+
+Place: TypeAlias = "tuple[int, int, str]"
+"""A run (0: the reference), one of its events, and what of that event is meant."""
 
 
 def instants(walks: dict[str, Walk]) -> list[Instant]:
@@ -60,29 +76,80 @@ def instants(walks: dict[str, Walk]) -> list[Instant]:
     >>> instants({"a": Walk(pairs=[(0, 0), (0, 1), (1, 2)])})[0].theirs
     (0, 1)
     """
-    root: dict[tuple[int, int], tuple[int, int]] = {}
+    return _grouped(walks, lambda run, event, body: "")
 
-    def find(node: tuple[int, int]) -> tuple[int, int]:
+
+def clusters(walks: dict[str, Walk], reference: Trajectory, candidate: Trajectory) -> list[Instant]:
+    """The same, where events are taken apart into what hangs together in them.
+
+    What else falls on the time of an event in one of the runs, far from it, then says nothing of it.
+    """
+    runs = reference, candidate
+    parts: dict[tuple[int, int], dict[str, str]] = {}
+
+    def part(run: int, event: int, body: str) -> str:
+        told = runs[run].events[event].impulses
+        if len(told) == 1:
+            return ""
+        if (run, event) not in parts:
+            parts[run, event] = hanging_together(told, walks)
+        return parts[run, event][body]
+
+    return _grouped(walks, part)
+
+
+def hanging_together(impulses: Sequence[Contact], movable: Collection[str]) -> dict[str, str]:
+    """For each movable circle of some impulses, the first of those with which it hangs together through impulses.
+
+    >>> hanging_together([("a", "wall"), ("b", "c"), ("c", "d"), ("e", "wall")], "abcde")
+    {'a': 'a', 'b': 'b', 'c': 'b', 'd': 'b', 'e': 'e'}
+    """
+    found: dict[str, str] = {}
+    for pair in impulses:
+        names = [name for name in pair if name in movable]
+        firsts = {found.get(name, name) for name in names}
+        first = next(iter(name for name in (*found, *names) if name in firsts))
+        found.update(dict.fromkeys(names, first))
+        found = {name: first if own in firsts else own for name, own in found.items()}
+    return found
+
+
+def _grouped(walks: dict[str, Walk], part: Callable[[int, int, str], str]) -> list[Instant]:
+    """What the meetings of all bodies join.
+
+    Args:
+        part: which part of an event of a run is meant, for a body.
+    """
+    root: dict[Place, Place] = {}
+
+    def find(node: Place) -> Place:
         while root.setdefault(node, node) != node:
             root[node] = root[root[node]]
             node = root[node]
         return node
 
-    for walked in walks.values():
-        for mine, theirs in walked.pairs:
-            a, b = find((0, mine)), find((1, theirs))
-            root[max(a, b)] = min(a, b)
-    groups: dict[tuple[int, int], tuple[set[int], set[int], dict[str, tuple[int, int]]]] = {}
-    for body, walked in walks.items():
-        for mine, theirs in walked.pairs:
-            group = groups.setdefault(find((0, mine)), (set(), set(), {}))
-            group[0].add(mine)
-            group[1].add(theirs)
-            last = group[2].get(body, (-1, -1))
-            group[2][body] = (max(last[0], mine), max(last[1], theirs))
+    joined = [
+        (body, m, c, (0, m, part(0, m, body)), (1, c, part(1, c, body)))
+        for body, walked in walks.items()
+        for m, c in walked.pairs
+    ]
+    for _, _, _, mine, theirs in joined:
+        a, b = find(mine), find(theirs)
+        root[max(a, b)] = min(a, b)
+    groups: dict[Place, tuple[set[tuple[int, int]], dict[str, tuple[int, int]]]] = {}
+    for body, m, c, mine, _ in joined:
+        pairs, bodies = groups.setdefault(find(mine), (set(), {}))
+        pairs.add((m, c))
+        last = bodies.get(body, (-1, -1))
+        bodies[body] = (max(last[0], m), max(last[1], c))
     found = [
-        Instant(tuple(sorted(m)), tuple(sorted(c)), tuple((name, *last) for name, last in bodies.items()))
-        for m, c, bodies in groups.values()
+        Instant(
+            tuple(sorted({m for m, _ in pairs})),
+            tuple(sorted({c for _, c in pairs})),
+            tuple((name, *last) for name, last in bodies.items()),
+            frozenset(pairs),
+        )
+        for pairs, bodies in groups.values()
     ]
     return sorted(found, key=lambda instant: instant.mine)
 
@@ -120,46 +187,77 @@ def first_changed_instant(
         finer: runs the series; without it, the error that the step explains is granted.
         same: the share of the largest speed up to which velocities are the same.
     """
-    apart = _taken_apart(walks, sequential=reference.scene.tie_policy.name == "sequential")
+    sequential = reference.scene.tie_policy.name == "sequential"
     for instant in groups:
-        first, start = reference.events[instant.mine[0]].time, candidate.events[instant.theirs[0]].time
-        if (min(float(first), float(start)), instant.mine[0]) > before or not instant.coupled(reference, candidate):
+        if (_start(reference, candidate, instant), instant.mine[0]) > before:
             continue
-        if step and len(instant.mine) > 1:
-            changed = _matters(reference, candidate, instant, same)
-        elif step:
-            changed = not _blurred(reference, candidate, instant, step, finer, same)
-        else:
-            changed = bool(apart & {*instant.mine}) and not _reproduced(reference, candidate, instant, same)
-            changed = changed or (len(instant.theirs) == 1 == len(instant.mine)
-                                  and not _explained(reference, candidate, instant, step, same))  # fmt: skip
-        if changed:
+        if not instant.coupled(reference, candidate):
+            continue
+        if step:
+            several = len(instant.mine) > 1
+            changed = (_matters(reference, candidate, instant, same) if several
+                       else not _blurred(reference, candidate, instant, step, finer, same))  # fmt: skip
+            if changed:
+                return _tie(reference, candidate, instant)
+            continue
+        if _taken_apart(walks, instant, sequential):
+            part = _not_reproduced(reference, candidate, walks, instant, same)
+            if part is not None:
+                return _tie(reference, candidate, part)
+        if len(instant.theirs) == 1 == len(instant.mine) and not _explained(reference, candidate, instant, step, same):
             return _tie(reference, candidate, instant)
     return None
 
 
-def _taken_apart(walks: dict[str, Walk], sequential: bool) -> set[int]:
-    """Reference events that the candidate has in several instants, in one with others, or in another order."""
-    found: set[int] = set()
-    for walked in walks.values():
-        found |= walked.split.keys()
-        found |= {m for events in walked.merged.values() for m in events}
-        if sequential:
-            found |= walked.reordered.keys()
-    return found
+def _taken_apart(walks: dict[str, Walk], instant: Instant, sequential: bool) -> bool:
+    """Whether the candidate has an instant in several, in one with others, or in another order."""
+    return len(instant.mine) + len(instant.theirs) > 2 or (sequential and bool(_reordered(walks, instant)))
 
 
-def _reproduced(reference: Trajectory, candidate: Trajectory, instant: Instant, same: float) -> bool:
-    """Whether the impulses of one run, in its order, lead through the other's instant to the same velocities."""
-    if len(instant.mine) == 1:
-        told = reference.events[instant.mine[0]]
-        groups = impulses_among((candidate.events[c].impulses for c in instant.theirs), told.impulses)
-        return not told.coupled or order_reproduces(reference, instant.mine[0], groups, same)
-    if len(instant.theirs) == 1:
-        told = candidate.events[instant.theirs[0]]
-        groups = impulses_among((reference.events[m].impulses for m in instant.mine), told.impulses)
-        return not told.coupled or order_reproduces(candidate, instant.theirs[0], groups, same)
-    return _explained(reference, candidate, instant, 0.0, same)
+def _reordered(walks: dict[str, Walk], instant: Instant) -> set[int]:
+    """The reference's events of an instant whose partners a circle meets in another order."""
+    return {m for name, _, _ in instant.bodies for m in walks[name].reordered} & {*instant.mine}
+
+
+def _not_reproduced(
+    reference: Trajectory, candidate: Trajectory, walks: dict[str, Walk], instant: Instant, same: float
+) -> Instant | None:
+    """The first part of an instant at which the impulses of one run, in its order, lead elsewhere than the other's.
+
+    Each event that the other run has in several, or in another order, is asked by itself: what comes later can then
+    not change the answer.
+    """
+    apart = _reordered(walks, instant)
+    parts: list[Instant] = []
+    for m in instant.mine:
+        others = sorted(c for mine, c in instant.pairs if mine == m)
+        if (len(others) > 1 or m in apart) and not _leads_to(reference, m, candidate, others, instant, same):
+            parts.append(replace(instant, mine=(m,), theirs=tuple(others)))
+    for c in instant.theirs:
+        others = sorted(m for m, theirs in instant.pairs if theirs == c)
+        if len(others) > 1 and not _leads_to(candidate, c, reference, others, instant, same):
+            parts.append(replace(instant, mine=tuple(others), theirs=(c,)))
+    return min(parts, key=lambda part: (_start(reference, candidate, part), part.mine), default=None)
+
+
+def _start(reference: Trajectory, candidate: Trajectory, instant: Instant) -> float:
+    """The earlier of the times at which the two runs begin an instant."""
+    return min(float(reference.events[instant.mine[0]].time), float(candidate.events[instant.theirs[0]].time))
+
+
+def _leads_to(
+    run: Trajectory, index: int, other: Trajectory, events: Sequence[int], instant: Instant, same: float
+) -> bool:
+    """Whether an event's impulses, as the other run has them in some events, lead to the velocities after it."""
+    event = run.events[index]
+    own = instant.impulses(event)
+    groups = impulses_among(_impulses(other, instant, events), own)
+    return not event.coupled or order_reproduces(run, index, own, groups, same)
+
+
+def _impulses(run: Trajectory, instant: Instant, events: Sequence[int]) -> list[list[Contact]]:
+    """The impulses of an instant in one of the two runs, event by event."""
+    return [instant.impulses(run.events[event]) for event in events]
 
 
 def _matters(reference: Trajectory, candidate: Trajectory, instant: Instant, same: float) -> bool:
@@ -168,7 +266,7 @@ def _matters(reference: Trajectory, candidate: Trajectory, instant: Instant, sam
     Both outcomes are computed from the reference's state: all impulses at once, and one instant after the other. They
     differ by law if by more than the way that the circles make between the instants turns the impacts.
     """
-    sequence = [reference.events[m].impulses for m in instant.mine]
+    sequence = _impulses(reference, instant, instant.mine)
     by_law = merging_changes(reference, instant.mine, sequence, same)
     return by_law > 0 and velocity_difference(reference, candidate, instant) >= by_law / 2
 
@@ -209,15 +307,14 @@ def _explained(reference: Trajectory, candidate: Trajectory, instant: Instant, s
     rows = [row for row, circle in enumerate(here.circles) if circle.id in names]
     apart = float(abs(mine[rows, :2] - theirs[rows, :2]).max()) + speed * (lag + step)
     reach = min((r for circle in reference.scene.circles if (r := float(circle.r)) > 0), default=1.0)
-    impulses = sum(len(reference.events[k].impulses) for k in instant.mine)
+    impulses = sum(map(len, _impulses(reference, instant, instant.mine)))
     room = same * speed + 4 * impulses * speed * apart / reach
     return velocity_difference(reference, candidate, instant) <= room
 
 
 def _tie(reference: Trajectory, candidate: Trajectory, instant: Instant) -> Divergence:
     """The divergence, told of the first body with the most partners: the one that the order matters to."""
-    mine = [reference.events[m].impulses for m in instant.mine]
-    theirs = [candidate.events[c].impulses for c in instant.theirs]
+    mine, theirs = _impulses(reference, instant, instant.mine), _impulses(candidate, instant, instant.theirs)
     if len(instant.mine) == 1 and len(instant.theirs) > 1:
         theirs = impulses_among(theirs, mine[0])
     elif len(instant.theirs) == 1 and len(instant.mine) > 1:

@@ -43,12 +43,14 @@ def bits_enough(lab: Laboratory) -> BitsEnough:
         OutOfTime: if the user's seconds are over.
     """
     study, decision = lab.study, lab.decision
+    if lab.tied:
+        return BitsEnough(told="no number of bits tells an exact zero")
     if decision is None or lab.margin is None:
         return BitsEnough(told="not searched: no contact can be named")
     motion = motion_of(lab.reference)
     if motion is None:
         return BitsEnough(told=f"not searched: {study.truth.name} keeps no log that balls could carry out")
-    if lab.tied or ball.sign_of(lab.margin) not in (-1, 1):
+    if ball.sign_of(lab.margin) not in (-1, 1):
         return BitsEnough(told="no number of bits tells an exact zero")
     most = min(MOST, MOST_WORK // max(len(motion.log.steps), 1))
     if most < STEP_BITS:

@@ -28,6 +28,8 @@ def margin_of(lab: Laboratory) -> Margin:
             gap = (0.0, 0.0) if lab.tied else ball.double_bounds(lab.margin)
             ulps = max(abs(gap[0] + gap[1]) / 2, 0.0) / math.ulp(max(abs(divergence.time), math.ulp(0.0)))
             distance = lab.tried(lambda: _second_gap(lab), None)
+    elif lab.decision is None and lab.tied:
+        gap = distance = (0.0, 0.0)
     error = lab.tried(lambda: _error(lab), None)
     growth = lab.tried(lambda: error_growth(lab.reference, divergence.event), None)
     enough = lab.tried(lambda: bits_enough(lab), BitsEnough(told=NO_TIME))

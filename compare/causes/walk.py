@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 def diagnosis_of(lab: Laboratory) -> Diagnosis:
     """The cause of a divergence, by what suffices at the contact in question.
 
-    Each experiment moves the number that decides: input rounding alone (the reference engine on the scene in doubles),
-    arithmetic alone (from there to the engine), both together; for an engine with a time step, the step, in a series,
-    passing through within a step, and the iterations of its solver; another resolution of an exact tie; and, where
-    none of these, the engine's law. One that moves it past zero suffices. What the user's seconds leave no time for is
-    not tried, and says so.
+    Each experiment moves the number that decides: input rounding alone (the reference engine on the scene in the
+    engine's numbers), arithmetic alone (from there to the engine), both together; for an engine with a time step, the
+    step, in a series, passing through within a step, and the iterations of its solver; another resolution of an exact
+    tie; and, where none of these, the engine's law. One that moves it past zero suffices. What the user's seconds leave
+    no time for is not tried, and says so.
     """
     found = SoFar()
     for cause in CAUSES.values():

@@ -1,17 +1,25 @@
-"""Runs engines that are not truebreak's own: what they raise is told in one line, and one that hangs is ended."""
+"""Asks engines that are not truebreak's own: what they raise is told in one line, and one that hangs is ended.
+
+What such an engine says is checked where it is asked: its run here for errors and elsewhere (`validation`) for what it
+holds, its motion at every reading, and the engines that it names as finer, wider and firmer.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError, TimeIsUp
-from ..validation import EngineError
+from ...scenarios.trajectory import Trajectory
+from ..validation import EngineError, check_engine
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import OnProgress, Trajectory
+    from ...scenarios.trajectory import OnProgress
 
 OWN = __name__.partition(".compare")[0]
 
@@ -54,15 +62,138 @@ def _run_of_another(
 ) -> Trajectory:
     """Somebody else's run. Apart from `run_guarded`, since a function that names `TimeIsUp` is one to be ended."""
     try:
-        return engine.run(scene, until=until, events=events, progress=progress)
+        told: Any = engine.run(scene, until=until, events=events, progress=progress)
     except TimeIsUp:
         raise
     except SceneError:
         raise
+    except (Exception, SystemExit) as error:
+        raise _raised(engine, "run", error) from error
+    if isinstance(told, Trajectory) and not _of_truebreak(type(told.motion)):
+        return replace(told, motion=GuardedMotion(engine, told.motion, scene.ids[: len(scene.circles)]))
+    return told
+
+
+def _of_truebreak(kind: type) -> bool:
+    return kind.__module__.startswith(f"{OWN}.") and not kind.__module__.startswith(ADAPTERS)
+
+
+READINGS = "; state(time) and sample(times) must answer from 0 to final_time"
+
+
+def _raised(engine: Engine, what: str, error: BaseException, remedy: str = "") -> EngineError:
+    """What an engine raised, in one line."""
+    line = error.__traceback__
+    while line is not None and line.tb_next is not None:
+        line = line.tb_next
+    place = "" if line is None else f" ({line.tb_frame.f_code.co_filename}:{line.tb_lineno})"
+    reason = " ".join(str(error).split())
+    return EngineError(f"engine {engine.name!r}: {what} raised {type(error).__name__}: {reason}{place}{remedy}")
+
+
+@dataclass(frozen=True)
+class GuardedMotion:
+    """Somebody else's motion, each reading of which is checked.
+
+    Attributes:
+        engine: whose it is.
+        motion: what it handed back.
+        circles: the ids of the circles of the scene.
+    """
+
+    engine: Engine
+    motion: Any
+    circles: Sequence[str]
+
+    def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
+        """As `Motion.state`.
+
+        Raises:
+            EngineError: for what it raises, and for a state that is not four finite numbers for each circle.
+        """
+        what = f"motion.state at t = {float(time):.9g}"
+        try:
+            rows = [tuple(row) for row in self.motion.state(time)]
+        except Exception as error:
+            raise _raised(self.engine, what, error, READINGS) from error
+        where = f"engine {self.engine.name!r}: {what}"
+        if len(rows) != len(self.circles) or any(len(row) != 4 for row in rows):
+            told = f"{where} gave rows of {[len(row) for row in rows]} numbers"
+            raise EngineError(f"{told}; must be (x, y, vx, vy) of each of the {len(self.circles)} circles")
+        for circle, row in zip(self.circles, rows, strict=True):
+            for key, value in zip(("x", "y", "vx", "vy"), row, strict=True):
+                if not hasattr(value, "__float__") or (isinstance(value, float) and not math.isfinite(value)):
+                    raise EngineError(f"{where}: circle {circle!r}: {key} = {str(value)[:60]}; must be a finite number")
+        return rows
+
+    def sample(self, times: Sequence[float]) -> Any:
+        """As `Motion.sample`.
+
+        Raises:
+            EngineError: for what it raises, and for an array of another shape, or of other than finite numbers.
+        """
+        import numpy as np  # here, since nothing else does at the start of a command
+
+        try:
+            told = np.asarray(self.motion.sample(times), dtype=float)
+        except Exception as error:
+            raise _raised(self.engine, "motion.sample", error, READINGS) from error
+        shape = (len(times), len(self.circles), 4)
+        where = f"engine {self.engine.name!r}: motion.sample"
+        if told.shape != shape:
+            raise EngineError(f"{where} gave an array of shape {told.shape}; must be {shape}: times, circles, 4")
+        if not np.isfinite(told).all():
+            k, circle, _ = np.argwhere(~np.isfinite(told))[0]
+            at = f"circle {self.circles[circle]!r} at t = {times[k]:.9g}"
+            raise EngineError(f"{where}: {at}: {told[k, circle].tolist()}; must be finite")
+        return told
+
+    def __getattr__(self, name: str) -> Any:
+        """What else the motion has."""
+        if name in ("engine", "motion", "circles") or name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.motion, name)
+
+
+def finer_of(engine: Engine) -> Engine | None:
+    """`engine.finer()`, checked.
+
+    Raises:
+        EngineError: for what it raises, for what is no engine, and for a step that is not shorter.
+    """
+    told = _further(engine, "finer")
+    if told is not None and not (engine.step and told.step and told.step < engine.step):
+        raise EngineError(f"engine {engine.name!r}: finer gave a step of {told.step!r}; must be below {engine.step!r}")
+    return told
+
+
+def wider_of(engine: Engine) -> Engine | None:
+    """`engine.wider()`, checked.
+
+    Raises:
+        EngineError: for what it raises, for what is no engine, and for numbers of no more bits.
+    """
+    told = _further(engine, "wider")
+    if told is not None and told.bits is not None and not (engine.bits and told.bits > engine.bits):
+        raise EngineError(f"engine {engine.name!r}: wider gave {told.bits!r} bits; must be above {engine.bits!r}")
+    return told
+
+
+def firmer_of(engine: Engine) -> Engine | None:
+    """`engine.firmer()`, checked.
+
+    Raises:
+        EngineError: for what it raises, and for what is no engine.
+    """
+    return _further(engine, "firmer")
+
+
+def _further(engine: Engine, what: str) -> Engine | None:
+    try:
+        told = getattr(engine, what)()
     except Exception as error:
-        line = error.__traceback__
-        while line is not None and line.tb_next is not None:
-            line = line.tb_next
-        place = "" if line is None else f" ({line.tb_frame.f_code.co_filename}:{line.tb_lineno})"
-        reason = " ".join(str(error).split())
-        raise EngineError(f"engine {engine.name!r}: run raised {type(error).__name__}: {reason}{place}") from error
+        raise _raised(engine, what, error) from error
+    try:
+        return None if told is None else check_engine(told)
+    except EngineError as error:
+        raise EngineError(f"engine {engine.name!r}: {what} gave what is no engine: {error}") from None

@@ -31,7 +31,7 @@ def matched_history(candidate: Trajectory, reference: Trajectory, alignment: Ali
         if index in matched:
             if matched[index] < span.events:
                 inside[index] = event
-        elif float(event.time) <= span.time:
+        elif span.holds(event.time):
             inside[index] = event
     for group in instants(alignment.walks):
         if not alignment.whole.issuperset(group.mine):

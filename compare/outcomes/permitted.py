@@ -105,7 +105,11 @@ class PermittedPatterns:
 
 
 def permitted_patterns(
-    study: Study, histories: Sequence[tuple[Trajectory, bool]] = (), progress: OnProgress | None = None
+    study: Study,
+    histories: Sequence[tuple[Trajectory, bool]] = (),
+    progress: OnProgress | None = None,
+    *,
+    wanted: Sequence[Pattern] = (),
 ) -> PermittedPatterns | None:
     """The patterns under each policy, of nearby scenes, and over all sequential orders, over the reference's span.
 
@@ -115,6 +119,7 @@ def permitted_patterns(
     Args:
         histories: runs, and whether each goes by time steps. Their own order of impulses is followed as far as the
             exact engine allows it, so that a pattern is found even where the orders are too many to enumerate.
+        wanted: the patterns whose class is asked; with none, those of the histories.
     """
     reference, scene, truth = study.reference, study.scene, _thrifty(study.truth)
     if not isinstance(truth, Runner):
@@ -127,7 +132,7 @@ def permitted_patterns(
     patterns: list[Pattern] = []
     witnesses: list[Witness] = []
     complete, followed, tried = False, 0, 0
-    wanted = [pattern_of(span.cut(history)) for history, _ in histories]
+    wanted = wanted or [pattern_of(span.cut(history)) for history, _ in histories]
     try:
         for policy in POLICIES:
             if policy not in by_policy:
@@ -152,10 +157,11 @@ def permitted_patterns(
                 break
             tried += 1
             try:
-                run = study.run(truth, nearby, span.past, progress)
+                run = study.run(truth, nearby, span.beyond, progress)
             except SceneError:
                 continue
-            pattern = span.pattern(run)
+            told = span.patterns_of_nearby(run)
+            pattern = next((p for p in told if p in wanted and p != exact), told[0] if told else None)
             if pattern is not None and run.certified and not any(w.pattern == pattern for w in witnesses):
                 witnesses.append(Witness(nearby, pattern, run))
     except OutOfTime:
@@ -182,13 +188,16 @@ class _ExactSpan:
 
     Attributes:
         past: a time to which other runs are made: the end itself if it is a set time, else a little past it.
+        beyond: a little past it, to which nearby scenes are run: what falls on the end falls beside it there.
     """
 
     def __init__(self, reference: Trajectory) -> None:
         self.end: Any = reference.final_time
         self.set = isinstance(self.end, Quantity)
         self.open = reference.stop.reason is StopReason.QUIET
-        self.past: Any = self.end if self.set else float(self.end) * (1 + PAST)
+        self.beyond: float = float(self.end) * (1 + PAST)
+        self.past: Any = self.end if self.set else self.beyond
+        self.event_at_end = bool(reference.events) and not self._before(reference.events[-1].time)
 
     def pattern(self, run: Trajectory) -> Pattern | None:
         """The pattern of a run that went to the end of the span."""
@@ -200,6 +209,20 @@ class _ExactSpan:
             return run
         events = tuple(event for event in run.events if not self._after(event.time))
         return replace(run, events=events, final_time=min(float(run.final_time), float(self.end)))
+
+    def patterns_of_nearby(self, run: Trajectory) -> Sequence[Pattern]:
+        """The patterns of a nearby scene's run up to the end, and to just past it, where that is another.
+
+        First the one that has as much as the span, if an event falls on its end.
+        """
+        if run.stop.reason not in DECIDED:
+            return []
+        told = [pattern_of(self.cut(run)), pattern_of(replace(run, final_time=min(float(run.final_time), self.beyond)))]
+        return told[::-1] if self.event_at_end else told
+
+    def _before(self, time: Any) -> bool:
+        """Whether a time is before the end by more than a nearby scene is late."""
+        return float(time) < float(self.end) * (1 - PAST)
 
     def _after(self, time: Any) -> bool:
         """Whether a time is after the end; one that agrees with it to `SAME_BITS` bits is on it.

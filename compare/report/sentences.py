@@ -48,7 +48,7 @@ def verdict_sentence(comparison: Comparison) -> str:
     same = f"{listed(agreeing)} {verb} with the {reference.engine} run in {all_of(len(reference.events))}{rest}."
     changed = sorted({name.replace("_", " ") for c in by_verdict["agree"] for name in c.changed})
     if changed:
-        return f"Floating point changed no collision, but an outcome ({', '.join(changed)}): {same}"
+        return f"No collision changed, but an outcome did ({', '.join(changed)}): {same}"
     return f"Floating point did not change what happened: {same}"
 
 
@@ -102,6 +102,8 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
             what = f"{body} does not meet {named(scene, divergence.expected)}"
         case Kind.EXTRA:
             what = f"{body} meets {named(scene, divergence.got)}, which it should not"
+        case Kind.TIE if divergence.got == divergence.expected:
+            what = f"{body} meets {tied(divergence.got)}, as it should, but the impulses lead to other velocities"
         case Kind.TIE:
             what = f"{body} meets {tied(divergence.got)} where it should meet {tied(divergence.expected)}"
     return f"{where}: {what}."

@@ -17,6 +17,7 @@ from ...deadline import NO_TIME
 from ..diagnosis import CauseName, Experiment
 from ..laboratory.alone import arithmetic_alone
 from ..laboratory.shown import SMALLER, shown, to_first_order, verb
+from .tie import resolved_otherwise
 
 if TYPE_CHECKING:
     from ..decision.reader import Reader
@@ -33,7 +34,8 @@ def arithmetic(lab: Laboratory, found: SoFar) -> list[Experiment]:
         cut = found.of(CauseName["INPUT"]).result == NO_TIME
         return [late if cut else lab.tried(lambda: _alone(lab, found), late)]
     if found.enough or lab.decision is None:
-        return [Experiment(CAUSE, "not tried: something else suffices")]
+        enough = found.enough or resolved_otherwise(lab).suffices
+        return [Experiment(CAUSE, f"not tried: {'something else suffices' if enough else 'no contact can be named'}")]
     return [late if found.cut else lab.tried(lambda: _rest(lab, found), late)]
 
 
@@ -43,7 +45,8 @@ def _alone(lab: Laboratory, found: SoFar) -> Experiment:
     if lab.engine.bits is None:
         return Experiment(CAUSE, "its numbers are exact", 0.0, False)
     if lab.decision is None or entered is None:
-        reason = "no contact can be named" if lab.decision is None else "there is no exact run of the scene in doubles"
+        no_run = f"there is no exact run of the scene in {lab.numbers}"
+        reason = "no contact can be named" if lab.decision is None else no_run
         return Experiment(CAUSE, f"not tried: {reason}")
     start = entered.value(lab.decision)
     if _other_law(lab, start):
@@ -51,7 +54,8 @@ def _alone(lab: Laboratory, found: SoFar) -> Experiment:
     by_itself = None if entered is lab.truth else _displaced(lab, entered)
     if by_itself is not None:
         return by_itself if by_itself.suffices or by_input.suffices else _neither(lab, found, start, by_itself)
-    what = f"{lab.name} against the exact run of {'the scene in doubles' if entered is not lab.truth else 'the scene'}"
+    given = "the scene" if entered is lab.truth else f"the scene in {lab.numbers}"
+    what = f"{lab.name} against the exact run of {given}"
     if start is None or lab.got is None:
         whole = lab.moved(lab.got, lab.margin)
         moved = None if whole is None or by_input.displacement is None else whole - by_input.displacement
@@ -116,5 +120,5 @@ def _rest(lab: Laboratory, found: SoFar) -> Experiment:
     if rest is None:
         return Experiment(CAUSE, "not tried: the finest step does not come to the contact")
     small = abs(rest) <= lab.by_rounding(start)
-    told = f"at the finest step, {lab.name} is {abs(rest):.3g} off the exact run of the scene in doubles"
+    told = f"at the finest step, {lab.name} is {abs(rest):.3g} off the exact run of the scene in {lab.numbers}"
     return Experiment(CAUSE, told, rest, small and lab.changes(found.finest))

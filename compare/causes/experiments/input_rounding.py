@@ -22,7 +22,7 @@ CAUSE = CauseName["INPUT"]
 
 
 def input_rounding(lab: Laboratory, found: SoFar) -> list[Experiment]:
-    """The reference engine on the scene in doubles."""
+    """The reference engine on the scene in the engine's numbers."""
     found.entered, row = lab.tried(lambda: _input(lab), (None, Experiment(CAUSE, NO_TIME)))
     return [row]
 
@@ -33,19 +33,19 @@ def _input(lab: Laboratory) -> tuple[Reader | None, Experiment]:
         return lab.truth, Experiment(CAUSE, "no input is rounded", 0.0, False)
     if lab.given is None:
         try:
-            rounded(lab.study.scene)
+            rounded(lab.study.scene, lab.bits)
         except SceneError as error:
             return None, Experiment(
-                CAUSE, f"rounded to doubles, the scene is no longer valid: {error}", None, True, 1.0
+                CAUSE, f"rounded to {lab.numbers}, the scene is no longer valid: {error}", None, True, 1.0
             )
     assert lab.given is not None
     if lab.given.digest == lab.study.scene.digest:
-        return lab.truth, Experiment(CAUSE, "the scene is exact in doubles, so no input was rounded", 0.0, False)
+        return lab.truth, Experiment(CAUSE, f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False)
     run = lab.run(lab.study.truth, lab.given, lab.until(None))
     reader = lab.reader(run, lab.given, None)
     if lab.decision is None:
         return reader, Experiment(CAUSE, "not tried: no contact can be named")
-    told = shown(lab, CAUSE, lab.decision, lab.truth, reader, "the reference engine on the scene in doubles")
+    told = shown(lab, CAUSE, lab.decision, lab.truth, reader, f"the reference engine on the scene in {lab.numbers}")
     return reader, told if told.displacement is not None else to_first_order(told, _linear(lab))
 
 
@@ -53,7 +53,7 @@ def _linear(lab: Laboratory) -> float | None:
     """What input rounding moves the decision by, to the first order: by the response to a 2**-`SMALLER` part of it."""
     assert lab.decision is not None
     try:
-        scene = shifted(lab.study.scene, Quantity.of(Fraction(1, 2**SMALLER)))
+        scene = shifted(lab.study.scene, Quantity.of(Fraction(1, 2**SMALLER)), lab.bits)
     except SceneError:
         return None
     run = lab.run(lab.study.truth, scene, lab.until(None))

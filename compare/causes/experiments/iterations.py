@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...alignment.walk import REPEATED
 from ...deadline import NO_TIME
+from ...foreign.guard import firmer_of
 from ...study import SERIES_STEPS
 from ..diagnosis import CauseName, Experiment
 from ..laboratory.variants import gone
@@ -27,17 +28,17 @@ def iterations(lab: Laboratory, found: SoFar) -> list[Experiment]:
 
 def _iterations(lab: Laboratory) -> Experiment:
     """The solver's iterations doubled, twice over."""
-    firmer = lab.engine.firmer()
-    if firmer is None:
+    more = firmer_of(lab.engine)
+    if more is None:
         return Experiment(CAUSE, "it iterates nothing", None, False)
     last = lab.divergence.time + REPEATED * (lab.engine.step or 0.0)
     earlier = [e for e in lab.candidate.trajectory.events if float(e.time) <= last]
     if not any(len(e.contacts) > 1 for e in earlier):
         return Experiment(CAUSE, "no step had several contacts", None, False)
-    firmer = firmer.firmer() or firmer
+    more = firmer_of(more) or more
     until = lab.until(lab.engine.step)
     if until > SERIES_STEPS * (lab.engine.step or math.inf):
         return Experiment(CAUSE, f"not tried: it takes more than {SERIES_STEPS:,} steps")
-    run = lab.run(firmer, lab.study.scene, until)
-    agrees = gone(lab, run, firmer.step)
+    run = lab.run(more, lab.study.scene, until)
+    agrees = gone(lab, run, more.step)
     return Experiment(CAUSE, f"with four times as many it {'agrees' if agrees else 'differs too'}", None, agrees)

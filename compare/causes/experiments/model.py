@@ -18,6 +18,11 @@ def model(lab: Laboratory, found: SoFar) -> list[Experiment]:
     needed = (CauseName["STEP"], CauseName["INPUT"])
     if found.enough:
         return [Experiment(CAUSE, "not tried: something else suffices")]
+    if lab.study.truth.rounds_input:
+        told = (
+            f"not tried: {lab.study.truth.name}, the reference, rounds too: what it has otherwise may be its own error"
+        )
+        return [Experiment(CAUSE, told)]
     if found.cut or any(row.suffices is None and row.cause in needed for row in found.rows):
         return [Experiment(CAUSE, "not tried: what else there could be was not all tried")]
     moved = lab.moved(lab.got, lab.margin)

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from flint import arb
+
+from ....exact.numbers import ball
 from ...alignment.divergence import Kind
 from ...deadline import NO_TIME
+from ...foreign.guard import finer_of
 from ...study import SERIES_STEPS, finer_by
 from ..diagnosis import CauseName, Experiment
 from ..laboratory.variants import gone
 from .tie import resolved_otherwise
 
 if TYPE_CHECKING:
-    from flint import arb
-
     from ..laboratory.laboratory import Laboratory
     from ..so_far import SoFar
 
@@ -49,13 +51,15 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
             last = reader.value(lab.decision) if all(reader.follows(p) for p in lab.pairings) else None
         if agrees[-2:] == [True, True]:
             break
-    if not agrees and lab.engine.finer() is None:
+    if not agrees and finer_of(lab.engine) is None:
         return Experiment(CAUSE, f"not tried: {lab.name} has no finer step to offer"), None
     if not agrees:
         return Experiment(CAUSE, f"not tried: a finer step takes more than {SERIES_STEPS:,} steps"), None
     moved = lab.moved(lab.got, last)
     within = _within_a_step(lab, lab.engine.step / 2 ** len(agrees))
     enough = (agrees[-1] or within) and not stays_tied
+    if enough and not _explains(lab, moved):
+        moved = None  # it is the series that tells
     runs = [f"{size} {'agrees' if flag else 'differs'}" for size, flag in zip(told, agrees, strict=True)]
     first = agrees.index(True) if True in agrees else len(agrees)
     if first > 1 and all(agrees[first:]):
@@ -63,6 +67,14 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
     if within:
         runs.append("and the two meetings are nearer than that")
     return Experiment(CAUSE, f"with a step of {', '.join(runs)}", moved, enough), last
+
+
+def _explains(lab: Laboratory, moved: float | None) -> bool:
+    """Whether flights that are displaced by so much decide otherwise: a step may do so without displacing them."""
+    if moved is None or lab.margin is None:
+        return False
+    with ball.precision(4096):
+        return lab.changes(lab.margin + arb(moved))
 
 
 def _within_a_step(lab: Laboratory, size: float) -> bool:

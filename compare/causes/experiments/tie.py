@@ -25,10 +25,10 @@ def tie(lab: Laboratory, found: SoFar) -> list[Experiment]:
 def resolved_otherwise(lab: Laboratory) -> Experiment:
     """Contacts of one exact instant, which the engine resolves otherwise."""
     divergence, events = lab.divergence, lab.reference.events
-    if lab.decision is not None and lab.decision.kind == "order":
-        names = {lab.decision.first.partner, lab.decision.second.partner} if lab.decision.second else set()
+    if lab.decision is not None and lab.decision.second is not None:
+        names = {lab.decision.first.partner, lab.decision.second.partner}
     else:
-        names = {divergence.got, divergence.expected} - {None}
+        names = {*divergence.partners} & {*lab.study.scene.ids}
     here = events[divergence.event] if divergence.event < len(events) else None
     cluster = _cluster(lab, [] if here is None or not here.coupled else here.contacts)
     together = {name for pair in cluster for name in pair}

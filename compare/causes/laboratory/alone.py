@@ -1,9 +1,10 @@
 """What an engine's arithmetic does by itself, beside the rounding of its input.
 
-At the contact in question the exact run of the scene in doubles may have left the history long before, or be so far off
-that what the engine adds to it says nothing of what it would add to the exact motion. But while all three runs still
-lie close together, displacements add up. The exact run is stopped at such a moment, displaced by the difference between
-the engine and the exact run of what it was given, and run on: exactly, whatever becomes of the displacement.
+At the contact in question the exact run of the scene in the engine's numbers may have left the history long before, or
+be so far off that what the engine adds to it says nothing of what it would add to the exact motion. But while all three
+runs still lie close together, displacements add up. The exact run is stopped at such a moment, displaced by the
+difference between the engine and the exact run of what it was given, and run on: exactly, whatever becomes of the
+displacement.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ def arithmetic_alone(lab: Laboratory, entered: Reader) -> Displaced | None:
     """The exact run with the displacement of the engine's arithmetic alone; None where there is no such moment.
 
     Args:
-        entered: reads the exact run of the scene in doubles.
+        entered: reads the exact run of the scene as the engine is given it.
     """
     scene, decision = lab.study.scene, lab.decision
     if decision is None or scene.capture or scene.reverse_at is not None or scene.reverse_after is not None:

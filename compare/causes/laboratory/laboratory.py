@@ -10,6 +10,8 @@ from flint import arb
 from ....exact.numbers import ball
 from ....scenarios.errors import SceneError
 from ...alignment.align import Span, align
+from ...alignment.divergence import Kind
+from ...alignment.impulse_order import DOUBLE_BITS
 from ...deadline import OutOfTime, time_to_read
 from ...engines import engine
 from ...study import SERIES_MORE
@@ -42,6 +44,8 @@ class Laboratory:
     """What every experiment on one divergence needs.
 
     Attributes:
+        bits: of the numbers to which the scene is rounded, where it is; `numbers` names them.
+        given: the scene as the engine is given it; None if rounding makes it invalid.
         decision: what was decided; None where no contact could be named.
         truth, own: the reference and the candidate at it.
     """
@@ -53,7 +57,8 @@ class Laboratory:
         self.divergence = divergence
         self.reference = study.longest or study.reference
         self.name = judged.name
-        self.given = rounded_or_none(study.scene) if judged.rounds_input else study.scene
+        self.bits = judged.bits or DOUBLE_BITS
+        self.given = rounded_or_none(study.scene, self.bits) if judged.rounds_input else study.scene
         turned = self.reference.reversal
         self.turned = None if turned is None or turned.after > divergence.event else turned.after
         self.truth = Reader(self.reference, turned_after=self.turned)
@@ -74,6 +79,11 @@ class Laboratory:
         return min(told, key=lambda pair: abs(float(pair[1].mid())), default=(None, None))[0]
 
     @property
+    def numbers(self) -> str:
+        """What the scene is rounded to, in words."""
+        return "doubles" if self.bits == DOUBLE_BITS else f"numbers of {self.bits} bits"
+
+    @property
     def pairings(self) -> list[Pairing]:
         """What the decision is between."""
         return [] if self.decision is None else self.decision.pairings
@@ -88,13 +98,17 @@ class Laboratory:
 
     @property
     def tied(self) -> bool:
-        """Whether the decision is an order of two meetings that the reference has at one instant."""
-        events, event = self.reference.events, self.divergence.event
-        if self.decision is None or self.decision.second is None or event >= len(events):
+        """Whether what is in question is an order of meetings that the reference has at one instant."""
+        events, event, divergence = self.reference.events, self.divergence.event, self.divergence
+        if event >= len(events):
             return False
         pairs = {frozenset(pair) for pair in events[event].contacts}
-        asked = {frozenset((p.body, p.partner)) for p in (self.decision.first, self.decision.second)}
-        return len(asked) == 2 and asked <= pairs
+        if self.decision is not None:
+            asked = {frozenset((p.body, p.partner)) for p in self.pairings}
+        else:
+            known = {*divergence.partners} & {*self.study.scene.ids}
+            asked = {frozenset((divergence.body, name)) for name in known if divergence.kind is Kind.TIE}
+        return len(asked) > 1 and asked <= pairs
 
     def tried(self, experiment: Callable[[], Told], otherwise: Told) -> Told:
         """What an experiment tells; something else once the user's seconds are over."""
@@ -137,7 +151,7 @@ class Laboratory:
         """How far doubles are off at the decision; None if they do not come to it.
 
         Args:
-            start: the decision in the exact run of the scene in doubles.
+            start: the decision in the exact run of the scene as the engine is given it.
         """
         assert self.decision is not None
         if self._doubles is None:
@@ -163,9 +177,9 @@ class Laboratory:
             return float((value - start).mid())
 
 
-def rounded_or_none(scene: Scene) -> Scene | None:
-    """The scene in doubles; None if it is no longer valid."""
+def rounded_or_none(scene: Scene, bits: int) -> Scene | None:
+    """The scene in numbers of so many bits; None if it is no longer valid."""
     try:
-        return rounded(scene)
+        return rounded(scene, bits)
     except SceneError:
         return None

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ....scenarios.trajectory import StopReason
+from ...foreign.guard import wider_of
 
 if TYPE_CHECKING:
     from ....scenarios.engine import Engine
@@ -36,7 +37,7 @@ class Stopped:
     @property
     def widens(self) -> bool:
         """Whether it is a decision that stopped it, and wider numbers can be tried."""
-        return self.undecided and self.engine.wider() is not None
+        return self.undecided and wider_of(self.engine) is not None
 
     @property
     def event(self) -> int:

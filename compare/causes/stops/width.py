@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ....scenarios.errors import SceneError
 from ....scenarios.trajectory import StopReason
+from ...foreign.guard import wider_of
 from ..diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
@@ -80,13 +81,13 @@ def _fewest(engine: Engine, does: Callable[[Engine], bool], work: int) -> Fewest
     """
     if engine.bits is None or does(engine):
         return Fewest(engine.bits, None, engine)
-    low, chosen = engine.bits, engine.wider()
+    low, chosen = engine.bits, wider_of(engine)
     while True:
         if chosen is None or chosen.bits is None or chosen.bits * work > MOST_WORK:
             return Fewest(None, low)
         if does(chosen):
             break
-        low, chosen = chosen.bits, chosen.wider()
+        low, chosen = chosen.bits, wider_of(chosen)
     high, enough = chosen.bits, chosen
     while high - low > 1:
         middle = (low + high) // 2

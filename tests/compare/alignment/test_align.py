@@ -201,8 +201,8 @@ def test_an_engine_s_own_order_leads_to_its_own_velocities(name: str, bits: int)
     run = engine(name).run(catalogue.build("rack:rows=2"), events=1)
     assert run.events[0].coupled
     impulses = run.events[0].impulses
-    assert order_reproduces(run, 0, [impulses], same_velocity(bits))
-    assert not order_reproduces(run, 0, [[pair] for pair in impulses], same_velocity(bits))
+    assert order_reproduces(run, 0, impulses, [impulses], same_velocity(bits))
+    assert not order_reproduces(run, 0, impulses, [[pair] for pair in impulses], same_velocity(bits))
 
 
 def test_an_engine_with_a_step_may_report_a_contact_twice_within_it() -> None:

@@ -145,6 +145,7 @@ def part(text: str, first: int) -> tuple[Scene, Trajectory, range]:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 @pytest.mark.usefixtures("no_distances")
 @pytest.mark.parametrize(("text", "first"), PARTS)
 def test_sweeping_the_number_of_events_far(text: str, first: int) -> None:
@@ -153,6 +154,7 @@ def test_sweeping_the_number_of_events_far(text: str, first: int) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 @pytest.mark.usefixtures("no_distances")
 @pytest.mark.parametrize(("text", "first"), PARTS)
 def test_sweeping_the_end_over_every_event(text: str, first: int) -> None:
@@ -161,6 +163,7 @@ def test_sweeping_the_end_over_every_event(text: str, first: int) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("text", LITERAL_SCENES)
 def test_sweeping_the_literal_engine_far(text: str) -> None:
     scene = endless(text)

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.causes.decision.rounding import rounded
+from truebreak.compare.causes.decision.rounding import nearest, rounded
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.comparison import Comparison
-from truebreak.scenarios import Circle, Scene, SceneError, catalogue
+from truebreak.floating.quad import QUADS
+from truebreak.floating.rounded import Rounding
+from truebreak.floating.single import SINGLES
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
 
 
 def cause(comparison: Comparison, engine: str) -> CauseName:
@@ -74,3 +79,45 @@ def test_causes_can_be_left_out() -> None:
     comparison = compare(catalogue.build("near-tie"), ["double"], causes=False)
     assert comparison["double"].diagnosis is None
     assert comparison["double"].verdict == "diverged"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "0",
+        "1/3",
+        "-sqrt(2)/7",
+        "5 + 10**-20",
+        "1 + 1/2**24",
+        "1 + 3/2**24",
+        "-1 - 1/2**24 - 10**-90",
+        "2**-149 / 2",
+        "2/3",
+    ],
+)
+def test_the_nearest_number_is_the_one_that_engines_are_given(text: str) -> None:
+    value = Quantity.of(text)
+    assert nearest(value, 24) == Quantity.of(Fraction(float(SINGLES.constant(value))))
+    assert nearest(value, 53) == Quantity.of(Fraction(float(value)))
+    pair = QUADS.constant(value)
+    assert nearest(value, 106) == Quantity.of(Fraction(pair.hi) + Fraction(pair.lo))
+    for bits in (5, 30, 52):
+        assert nearest(value, bits) == Quantity.of(Fraction(float(Rounding(bits).constant(value))))
+
+
+@pytest.mark.parametrize(("text", "engine"), [("near-tie:k=10", "single"), ("near-tie:k=12", "rounded:bits=30")])
+def test_input_is_rounded_to_the_engine_s_own_numbers(text: str, engine: str) -> None:
+    """Doubles hold such a scene apart; numbers of fewer bits do not, before anything is computed."""
+    found = compare(catalogue.build(text), [engine])[engine].diagnosis
+    assert found is not None
+    assert found.sufficient == (CauseName.INPUT,)
+    assert found.experiments[1].displacement == 0.0
+
+
+def test_a_scene_of_doubles_is_not_exact_in_fewer_bits() -> None:
+    scene = rounded(catalogue.build("gas:n=3"))
+    found = compare(scene, ["double", "single"], events=60)
+    assert found["single"].diagnosis is not None
+    by_input = found["single"].diagnosis.experiments[0]
+    assert by_input.cause is CauseName.INPUT and by_input.displacement != 0.0
+    assert "24 bits" in by_input.result

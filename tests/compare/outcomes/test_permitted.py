@@ -225,7 +225,12 @@ def test_the_span_is_exact_for_every_order() -> None:
         assert found is not None
         told = comparison["double"].pattern
         assert told is not None
-        assert found.relation(told) in (Relation.REALISABLE, Relation.SOME_ORDER)
+        assert found.relation(told) is Relation.REALISABLE, limits
+        witness = found.witness(told)
+        assert witness is not None
+        # On the end of the span falls an event, which a scene of smaller circles has a little later.
+        again = ExactEngine().run(witness.scene, until=str(comparison.span + 1e-9))
+        assert pattern(again) == told
 
 
 def test_a_nearby_scene_has_a_certificate_of_its_own() -> None:
