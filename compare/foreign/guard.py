@@ -59,7 +59,7 @@ def _run_of_another(
         raise
     except SceneError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         line = error.__traceback__
         while line is not None and line.tb_next is not None:
             line = line.tb_next

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import MISSING, fields
+from functools import partial
 from typing import Any
 
 from ...scenarios.errors import SceneError
+from .advised import Advised
 from .cell import Cell
 from .since import read_report
 from .survey import SCENES, SURVEYED, Entry, Survey
@@ -21,6 +23,7 @@ def read_survey(paths: Sequence[str]) -> Survey:
     versions: dict[str, str] = {}
     missing: set[str] = set()
     found: dict[tuple[str, str], list[Cell]] = {}
+    advice: dict[tuple[str, str], Advised] = {}
     seconds = None
     for path in paths:
         data = read_report(path)
@@ -32,8 +35,9 @@ def read_survey(paths: Sequence[str]) -> Survey:
         for row in data["cells"]:
             cell = _cell(path, row)
             found.setdefault((cell.scene, cell.engine.partition(":")[0]), []).append(cell)
+        advice |= {(row.scene, row.engine): row for row in map(partial(_advised, path), data.get("advice", ()))}
     entries = [
-        Entry(label, one.name, tuple(found[task.scene, one.name]))
+        Entry(label, one.name, tuple(found[task.scene, one.name]), advice.get((task.scene, one.name)))
         for label, task in SCENES.items()
         for one in SURVEYED
         if (task.scene, one.name) in found
@@ -43,7 +47,15 @@ def read_survey(paths: Sequence[str]) -> Survey:
 
 def _cell(path: str, row: dict[str, Any]) -> Cell:
     try:
-        values = {field.name: row[field.name] for field in fields(Cell)}
+        wanted = [field.name for field in fields(Cell) if field.name in row or field.default is MISSING]
+        values = {name: row[name] for name in wanted}
     except KeyError as error:
         raise SceneError(f"file {path!r}: a cell lacks {error}; write the report again") from None
     return Cell(**{**values, "changed": tuple(values["changed"])})
+
+
+def _advised(path: str, row: Any) -> Advised:
+    try:
+        return Advised(**row)
+    except TypeError:
+        raise SceneError(f"file {path!r}: its advice is not what it is to be; write the report again") from None
