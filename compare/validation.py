@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence, Set
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -36,22 +37,40 @@ def check_engine(engine: Any) -> Engine:
     53
     """
     name = getattr(engine, "name", type(engine).__name__)
+    if not isinstance(name, str) or not name.strip():
+        raise EngineError(f"engine {type(engine).__name__}: name = {_told(name)}; must be text")
     for key in DECLARATIONS:
         if not hasattr(engine, key):
             raise EngineError(
                 f"engine {name!r}: declares no {key}; derive it from scenarios.Declared (see scenarios.Engine)"
             )
     step, bits = engine.step, engine.bits
-    if step is not None and not (isinstance(step, int | float) and 0 < step < math.inf):
+    if step is not None and not (isinstance(step, int | float) and step is not True and 0 < step < math.inf):
         raise EngineError(f"engine {name!r}: step = {step!r}: must be a finite number above zero, or None")
-    if bits is not None and (not isinstance(bits, int) or bits < 1):
+    if bits is not None and (not isinstance(bits, int) or isinstance(bits, bool) or bits < 1):
         raise EngineError(f"engine {name!r}: bits = {bits!r}: must be a whole number from 1, or None")
-    strange = sorted(map(str, set(engine.scene_keys) - SCENE_KEYS))
+    if not isinstance(engine.scene_keys, Set):
+        raise EngineError(f"engine {name!r}: scene_keys = {_told(engine.scene_keys)}; must be a set of keys of a scene")
+    for key in ("finer", "wider", "firmer"):
+        _check_made(engine, name, key)
+    strange = sorted(map(str, engine.scene_keys - SCENE_KEYS))
     if strange:
         raise EngineError(
             f"engine {name!r}: scene_keys has {strange[0]!r}; choose from {', '.join(sorted(SCENE_KEYS))}"
         )
     return engine
+
+
+def _check_made(engine: Any, name: str, key: str) -> None:
+    """What an engine makes of itself is an engine, or None."""
+    try:
+        made = getattr(engine, key)()
+    except SceneError:  # it goes no further, and says so when it is asked to
+        return
+    except Exception as error:
+        raise EngineError(f"engine {name!r}: {key}() raised {type(error).__name__}: {error}") from error
+    if made is not None and not all(hasattr(made, declared) for declared in DECLARATIONS):
+        raise EngineError(f"engine {name!r}: {key}() gave {_told(made)}; it must give an engine, or None")
 
 
 def check_until(engine: Engine, scene: Scene, until: QuantityLike | None) -> None:
@@ -103,6 +122,8 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         )
     if not isinstance(getattr(trajectory.stop, "reason", None), StopReason):
         raise EngineError(f"{where}: stop = {_told(trajectory.stop)}; must be a Stop with a StopReason")
+    if not isinstance(trajectory.events, tuple):
+        raise EngineError(f"{where}: events = {_told(trajectory.events)}; must be a tuple of scenarios.Event")
     times = []
     for place, event in enumerate(trajectory.events):
         times.append(checked_event(f"{where}: event {place}", event, place, scene))
@@ -155,6 +176,9 @@ def checked_event(where: str, event: Any, place: int, scene: Scene) -> float:
     time = checked_number(f"{where}: time", event.time)
     if time < 0:
         raise EngineError(f"{where}: time = {time!r} is before the start; times are from 0")
+    for field, pairs in (("contacts", event.contacts), ("impulses", event.impulses)):
+        if not isinstance(pairs, Sequence):
+            raise EngineError(f"{where}: {field} = {_told(pairs)}; must be a tuple of pairs of ids")
     if not event.impulses:
         raise EngineError(f"{where}: impulses is empty; leave out an instant without an impulse")
     places = {name: number for number, name in enumerate(scene.ids)}

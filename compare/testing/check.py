@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -179,7 +179,7 @@ class _Case:
             if reach.whole:
                 limits = {"until": self._log_end} if self._log_end else {}
             comparison = self._compared(**limits)
-            self._same_history(comparison, reach)
+            self._same_history(comparison, reach, local)
             off = number_off(comparison, self.demand, reach, self._tells_places)
             if off is not None:
                 raise CheckFailed(self._failure(comparison, reach, off), comparison)
@@ -222,10 +222,11 @@ class _Case:
     def _compared(self, **limits: Any) -> Comparison:
         return compare(self.scene, [self.name if self.asked else self.engine], reference=self.truth, **limits)
 
-    def _same_history(self, comparison: Comparison, reach: Reach | None) -> None:
+    def _same_history(self, comparison: Comparison, reach: Reach | None, local: LocalError | None = None) -> None:
         (candidate,) = comparison.candidates
         if candidate.verdict == "diverged":
-            raise CheckFailed(self._failure(comparison, reach), comparison)
+            amiss = [] if local is None else self._amiss(comparison, reach, local)
+            raise CheckFailed(self._failure(comparison, reach, amiss=amiss), comparison)
         if comparison.verdict != "agree":
             told = [verdict_sentence(comparison), f"  {candidate.engine}: {candidate.trajectory.stop.message}"]
             raise NotDecided("\n".join([*told, f"  reproduce: {self._reproduced(comparison)}"]), comparison)
@@ -278,10 +279,19 @@ class _Case:
         broken = broken_invariant(run, local)
         if broken is not None:
             raise CheckFailed(f"{self.name} on {self.where}: {broken}", comparison)
-        return ["energy, momentum, no overlap, permitted impulses"]
+        return ["energy, momentum, straight flight, no overlap, permitted impulses"]
 
-    def _failure(self, comparison: Comparison, reach: Reach | None, off: str | None = None) -> str:
-        return failure(comparison, self._reproduced(comparison), reach, off, self.engine.bits)
+    def _amiss(self, comparison: Comparison, reach: Reach | None, local: LocalError) -> list[str]:
+        """The first number that is off before the histories part, and the first broken invariant: what a bug is."""
+        found = [number_off(comparison, self.demand, reach, self._tells_places)]
+        if self._tells_places:
+            found.append(broken_invariant(comparison.candidates[0].trajectory, local))
+        return [told for told in found if told is not None]
+
+    def _failure(
+        self, comparison: Comparison, reach: Reach | None, off: str | None = None, amiss: Sequence[str] = ()
+    ) -> str:
+        return failure(comparison, self._reproduced(comparison), reach, off, self.engine.bits, amiss)
 
     def _reproduced(self, comparison: Comparison) -> str:
         """The command, or the Python, that shows the same."""

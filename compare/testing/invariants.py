@@ -28,26 +28,33 @@ def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
     """The first invariant that a run breaks by more than its contacts may cost, in words; None if it keeps them.
 
     Momentum is that of the circles of an event in which no wall and no fixed circle takes part; circles that take no
-    part keep their velocities; what meets touches, and is pushed apart (`PermittedImpulses`). Events that a run has at
-    one time are looked at together. Where velocities are negated between two, or a circle leaves play, nothing is said
-    of what happens to velocities from the one to the other.
+    part keep their velocities; from one event to the next circles fly straight on; what meets touches, and is pushed
+    apart (`PermittedImpulses`). Events that a run has at one time are looked at together. Where velocities are negated
+    between two, or a circle leaves play, nothing is said of what happens from the one to the other but to energy.
     """
     scene = run.scene
     masses = np.array([1.0 / float(c.inverse_mass) if not c.fixed else 0.0 for c in scene.circles])
     places = {str(c.id): k for k, c in enumerate(scene.circles)}
-    before, then = run.at(0).array()[:, 2:], 0.0
+    last, then = run.at(0).array(), 0.0
     unit, laws = max(local.unit, TOLD), PermittedImpulses(scene, local)
-    start = _energy(masses, before)
+    start, askew = _energy(masses, last[:, 2:]), 0.0
     for group in _instants(run):
         event, time = group[-1], float(group[-1].time)
         where = f"event {event.index} (t = {time:.9g})"
         state = run.at(event.time).array()
-        after, share = state[:, 2:], unit * (event.index + 1)
-        energy = _energy(masses, after)
-        if abs(energy - start) > share * start:
-            return f"{where}: energy is {energy:.17g}, it was {start:.17g}: not kept within {share:.3g} of it"
-        room = _room(state, laws.radii, local, time)
+        before, after, share = last[:, 2:], state[:, 2:], unit * (event.index + 1)
+        energy, room = _energy(masses, after), _room(state, laws.radii, local, time)
+        askew += sum(laws.askew(pair, room) for e in group for pair in e.impulses)
+        if abs(energy - start) > (share + askew) * start:
+            return f"{where}: energy is {energy:.17g}, it was {start:.17g}: not kept within {share + askew:.3g} of it"
         if not _turned(run, then, time):
+            aside = np.hypot(*(state[:, :2] - last[:, :2] - (time - then) * before).T)
+            if aside.max() > sum(room):
+                k = int(np.argmax(aside))
+                return (
+                    f"{where}: {scene.ids[k]} is {aside[k]:.3g} from where it flew to since t = {then:.9g}; "
+                    f"{sum(room):.3g} may be"
+                )
             changed = np.hypot(*(after - before).T) > share * float(np.hypot(*before.T).max())
             part = {places[name] for e in group for pair in e.contacts for name in pair if name in places}
             others = [k for k in range(len(masses)) if k not in part and changed[k]]
@@ -65,7 +72,7 @@ def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
         deep = _overlap(run, state, masses, room)
         if deep is not None:
             return f"{where}: {deep}"
-        before, then = after, time
+        last, then = state, time
     return None
 
 

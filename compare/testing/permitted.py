@@ -112,6 +112,16 @@ class PermittedImpulses:
             return 1.0
         return 1.0 + max(abs(x) for x in rows[i][:2] + rows[j][:2]) / float(self.radii[i] + self.radii[j])
 
+    def askew(self, pair: Contact, room: Room) -> float:
+        """The share of all energy that a push of two circles may gain or lose, as their places are off by rounding.
+
+        With d for the line of centres, taken to be R long, a push is as (d.v) d / R**2: where d is longer by e, energy
+        is off by 4 e/R of the mass that they move, times their speed squared; that is 8 e/R of their energy at most.
+        """
+        i, j = self._link(pair)
+        reach = 0.0 if j >= self.impacts.count else float(self.radii[i] + self.radii[j])
+        return 8 * room.rounding / reach if reach else 0.0
+
     def _link(self, pair: Contact) -> Link:
         i, j = (self.places[name] for name in pair)
         return (i, j) if i < j else (j, i)

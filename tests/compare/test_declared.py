@@ -64,6 +64,12 @@ def timed(*times: float) -> Callable[[Trajectory], Trajectory]:
         (lambda run: replace(run, events=(replace(run.events[0], impulses=()),)), "event 0: impulses is empty"),
         (lambda run: replace(run, events=(None,)), "event 0: is None; must be a scenarios.Event"),
         (lambda run: replace(run, events=(replace(run.events[0], contacts=(3,)),)), "event 0: contacts has 3"),
+        (
+            lambda run: replace(run, events=(replace(run.events[0], contacts=None),)),
+            "event 0: contacts = None; must be",
+        ),
+        (lambda run: replace(run, events=None), "events = None; must be a tuple"),
+        (lambda run: replace(run, events=iter(run.events)), "must be a tuple of scenarios.Event"),
         (lambda run: replace(run, stop=None), "stop = None"),
         (lambda run: replace(run, scene=catalogue.build("lee")), "is of another scene"),
         (lambda run: replace(run, motion=None), "the final state is not to be had"),
@@ -121,7 +127,14 @@ class Declares(Altered):
         ("step", float("inf"), "step = inf"),
         ("bits", 0, "bits = 0"),
         ("bits", 5.5, "bits = 5.5"),
+        ("bits", True, "bits = True"),
+        ("step", True, "step = True"),
         ("scene_keys", frozenset({"wind"}), "scene_keys has 'wind'"),
+        ("scene_keys", None, "scene_keys = None; must be a set"),
+        ("name", 5, "name = 5; must be text"),
+        ("name", "", "name = ''; must be text"),
+        ("finer", lambda: 7, "finer() gave 7; it must give an engine, or None"),
+        ("wider", lambda: 1 / 0, "wider() raised ZeroDivisionError: division by zero"),
     ],
 )
 def test_declarations_are_checked(key: str, value: Any, told: str) -> None:

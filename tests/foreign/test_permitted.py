@@ -9,13 +9,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from foreign.bugs import BUGS, Planted
 
+from truebreak.compare import engine
 from truebreak.compare.foreign import Recording
 from truebreak.compare.testing.check import CheckFailed, check
-from truebreak.compare.testing.local_error import ROUNDINGS, LocalError
+from truebreak.compare.testing.local_error import ROUNDINGS, UNSEEN, LocalError, local_error
 from truebreak.compare.testing.permitted import PermittedImpulses, Room
-from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Declared, Scene, Trajectory, catalogue
+from truebreak.floating import DoubleEngine, PymunkEngine
+from truebreak.scenarios import Circle, Declared, Scene, Trajectory, Wall, catalogue
 
 HONEST = LocalError(ROUNDINGS * 2.0**-53, 2.0**-53)
 
@@ -144,3 +146,53 @@ def test_a_tie_out_of_reach_is_resolved_in_some_order() -> None:
     assert "its tie: the policy's own" in str(check(Retold(99, honest), "cradle:gap=0"))
     with pytest.raises(CheckFailed, match="permitted: no order of the impulses leads to it"):
         check(Retold(0, through), "cradle:gap=0")
+
+
+@pytest.mark.parametrize("name", ["double", "single", "quad"])
+def test_far_from_the_origin_energy_is_kept_as_well_as_places_are(name: str) -> None:
+    """A push along a line of centres that is askew by rounding gains or loses a share of the energy."""
+    far = 10**6 if name != "single" else 100
+    circles = [Circle(far, 0, vx=-1, vy="1/9"), Circle(far - 9, 1), Circle(far - 15, 0, 2, m=5)]
+    box = [Wall(far - 30, 0, far - 30, 1), Wall(far + 10, 0, far + 10, 1), Wall(0, -10, 1, -10), Wall(0, 10, 1, 10)]
+    assert check(name, Scene(circles, box, name="far", events=40)).asserted
+
+
+LATE = next(bug for bug in BUGS if bug.name == "late clock")
+
+
+@pytest.mark.parametrize(
+    ("scene", "told"), [("gas", "time = "), ("rack:rows=3,gap=1/40", "from where it flew to since t = ")]
+)
+@pytest.mark.parametrize("name", ["pymunk", "pymunk:dt=1/64"])
+def test_a_late_clock_of_an_engine_of_steps_is_no_matter_of_its_step(name: str, scene: str, told: str) -> None:
+    """Lateness that does not fall with the step is not granted, so that times are off; beyond reach flights are."""
+    assert check(name, scene).asserted
+    with pytest.raises(CheckFailed, match=told):
+        check(Planted(engine(name), LATE), scene)
+
+
+def test_where_the_step_cannot_be_halved_lateness_is_granted_up_to_some_steps() -> None:
+    run = DoubleEngine().run(catalogue.build("gas"), events=30)
+    local = local_error(Planted(NoFiner(), LATE), run, 53)
+    assert (local.order, local.lateness) == (1.0, UNSEEN / 256)
+
+
+@dataclass(frozen=True)
+class NoFiner(PymunkEngine):
+    """Pymunk, as if its step could not be halved."""
+
+    def finer(self) -> Any:
+        """None."""
+
+
+def test_what_a_bug_is_stands_beside_where_the_histories_part() -> None:
+    """A wrong mass changes whom a disc meets only after some hits; what each hit does to velocities is told as well."""
+    bug = next(bug for bug in BUGS if bug.name == "wrong mass")
+    with pytest.raises(CheckFailed) as caught:
+        check(Planted(engine("double"), bug), "gas:n=6")
+    first, *others = str(caught.value).splitlines()
+    assert "first differs at event" in first
+    amiss = [line for line in others if line.startswith("  amiss:    ")]
+    assert len(amiss) == 2
+    assert "the velocity of c2 after it is off by" in amiss[0]
+    assert any(word in amiss[1] for word in ("energy is", "momentum has changed"))
