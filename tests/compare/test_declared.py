@@ -131,8 +131,6 @@ class Declares(Altered):
         ("step", True, "step = True"),
         ("scene_keys", frozenset({"wind"}), "scene_keys has 'wind'"),
         ("scene_keys", None, "scene_keys = None; must be a set"),
-        ("name", 5, "name = 5; must be text"),
-        ("name", "", "name = ''; must be text"),
         ("finer", lambda: 7, "finer() gave 7; it must give an engine, or None"),
         ("wider", lambda: 1 / 0, "wider() raised ZeroDivisionError: division by zero"),
     ],
@@ -142,6 +140,12 @@ def test_declarations_are_checked(key: str, value: Any, told: str) -> None:
     with pytest.raises(EngineError) as caught:
         check_engine(kind(lambda run: run))
     assert told in str(caught.value)
+
+
+@pytest.mark.parametrize("name", [5, None, " "])
+def test_a_name_is_text(name: Any) -> None:
+    with pytest.raises(EngineError, match=rf"engine Altered: name = {name!r}; must be text"):
+        check_engine(replace(Altered(lambda run: run), name=name))
 
 
 @pytest.mark.parametrize("engine", [DoubleEngine(), IntervalEngine(), PymunkEngine()])
