@@ -220,8 +220,9 @@ def test_files_that_do_not_fit_are_refused_before_anything_runs(
         assert "is damaged" in refused(capsys, *ask, with_changes(tradeoffs=odd)), ratio
     assert "is damaged" in refused(capsys, *ask, with_changes(tradeoffs=2 * good["tradeoffs"]))
     assert "is damaged" in refused(capsys, *ask, with_changes(idle={**good["idle"], "wall": math.nan}))
-    path.write_text("{", "utf-8")
-    assert "is not JSON" in refused(capsys, *ask, str(path))
+    for text in ("{", "[" * 100_000):
+        path.write_text(text, "utf-8")
+        assert "is not JSON" in refused(capsys, *ask, str(path))
     assert "No such file" in refused(capsys, *ask, str(tmp_path / "none.json"))
     assert "did you mean 'near-tie'" in refused(capsys, "tradeoffs", "--scenes", "neartie")
     assert "name it too" in refused(capsys, "gas-double", "--svg", str(tmp_path / "a.svg"))

@@ -62,7 +62,7 @@ def load(path: str, option: str) -> dict[str, Any]:
         data = json.loads(Path(path).read_text("utf-8"))
     except OSError as error:
         raise SceneError(f"{where}: {error.strerror or error}; name a file that `bench --json` printed") from None
-    except ValueError:
+    except (ValueError, RecursionError):
         raise SceneError(f"{where}: is not JSON; name a file that `bench --json` printed") from None
     told = data.get("schema") if isinstance(data, dict) else None
     if told != SCHEMA:

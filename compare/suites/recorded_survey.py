@@ -15,7 +15,9 @@ from .survey import SCENES, SURVEYED, Entry, Survey
 
 
 def read_survey(paths: Sequence[str]) -> Survey:
-    """The survey of one or more files that `truebreak survey --json` has written, each of other scenes or engines.
+    """The survey of one or more files that `truebreak survey --json` has written.
+
+    Where several tell of an engine on a scene, the last of them is taken.
 
     Raises:
         SceneError: naming the file and the remedy.
@@ -32,9 +34,11 @@ def read_survey(paths: Sequence[str]) -> Survey:
         versions |= data["versions"]
         missing |= set(data.get("missing", ()))
         seconds = data["max_seconds"]
+        mine: dict[tuple[str, str], list[Cell]] = {}
         for row in data["cells"]:
             cell = _cell(path, row)
-            found.setdefault((cell.scene, cell.engine.partition(":")[0]), []).append(cell)
+            mine.setdefault((cell.scene, cell.engine.partition(":")[0]), []).append(cell)
+        found |= mine
         advice |= {(row.scene, row.engine): row for row in map(partial(_advised, path), data.get("advice", ()))}
     entries = [
         Entry(label, one.name, tuple(found[task.scene, one.name]), advice.get((task.scene, one.name)))

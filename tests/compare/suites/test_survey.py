@@ -100,6 +100,18 @@ def test_a_record_of_before_there_was_advice_is_read(found: Survey, tmp_path: Pa
         read_survey([str(path)])
 
 
+def test_a_survey_is_made_in_parts_and_the_later_of_two_is_taken(found: Survey, tmp_path: Path) -> None:
+    whole = json.loads(json.dumps(survey_json(found)))
+    again = {**whole, "cells": [{**c, "cause": "found later"} for c in whole["cells"] if c["scene"] == "lee"]}
+    paths = [tmp_path / "one.json", tmp_path / "two.json"]
+    for path, data in zip(paths, (whole, again), strict=True):
+        path.write_text(json.dumps(data), encoding="utf-8")
+    told = read_survey([str(path) for path in paths])
+    assert [(e.label, e.name) for e in told.entries] == [(e.label, e.name) for e in sorted_entries(found)]
+    for entry in told.entries:
+        assert all((cell.cause == "found later") == (entry.label == "lee") for cell in entry.tried)
+
+
 def test_what_is_written_is_read_again(found: Survey, tmp_path: Path) -> None:
     data = json.loads(json.dumps(survey_json(found)))
     jsonschema.Draft202012Validator(schema("suite-1")).validate(data)
