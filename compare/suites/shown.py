@@ -91,7 +91,7 @@ def parted(first: dict[str, object]) -> str:
     >>> parted({"event": 24, "body": "c4", "expected": "top", "got": "c9"})
     'event 24: c4 meets c9, not top'
     """
-    met = f"meets {first['got']}" if first["got"] is not None else "meets nothing"
+    met = f"meets {first['got']}" if first["got"] else "meets nothing"
     return f"event {first['event']:,}: {first['body']} {met}" + (
-        f", not {first['expected']}" if first["expected"] is not None else ""
+        f", not {first['expected']}" if first["expected"] else ""
     )

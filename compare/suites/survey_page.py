@@ -113,7 +113,7 @@ def _scene_part(label: str, entries: list[Entry]) -> str:
     for entry in entries:
         for cell in entry.shown:
             mark = ", advised" if entry.advice is not None and entry.advice.setting == cell.engine else ""
-            times = "" if cell.times is None else f"{cell.times:.2g}"
+            times = "" if cell.times is None else f"{cell.times:.2g}" if cell.times < 100 else f"{cell.times:,.0f}"
             told = [f"`{cell.engine}`{mark}", *columns(cell), times]
             table += f"| {' | '.join(part.replace('|', '/') for part in told)} |\n"
     return heading + table + "".join(f"\n{told}\n" for told in advice_sentence(entries))
