@@ -7,10 +7,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar
 
 from ...scenarios.errors import SceneError
-from ..foreign.recorded import RecordedEngine
+from ..foreign.recorded import Playing
 
 
-class Adapted(RecordedEngine):
+class Adapted(Playing):
     """An engine of others, adapted. `name` is that of its extra, too.
 
     Attributes:
@@ -20,6 +20,11 @@ class Adapted(RecordedEngine):
 
     distribution: ClassVar[str]
     pair_microseconds: ClassVar[float] = 0.0
+
+    @property
+    def step(self) -> float | None:
+        """No time step, but for a `SteppedAdapter`."""
+        return None
 
     @property
     def parameters(self) -> dict[str, Any]:

@@ -132,7 +132,7 @@ def ladder(text: str, size: Size, budget: int) -> tuple[Setting, ...]:
     ['double']
     """
     base = engine_named(text)
-    names = {f.name for f in dataclasses.fields(base)} if dataclasses.is_dataclass(base) else set[str]()  # type: ignore[arg-type]
+    names = {f.name for f in dataclasses.fields(base)} if dataclasses.is_dataclass(base) else set[str]()
     given = _taken_apart(text)[1]
     if base.step is not None and "dt" in names:
         found = list(_steps(text, base, names, given, size, budget))

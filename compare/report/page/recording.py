@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ....scenarios.trajectory import StopReason
-from ..picture import Disc, view_of, wall_line
+from ..pictures.picture import Disc, view_of, wall_line
 from ..sentences import headline
 
 if TYPE_CHECKING:
