@@ -122,7 +122,7 @@ def check_trajectory(trajectory: Any, scene: Scene, name: str, bits: int | None 
         )
     if not isinstance(getattr(trajectory.stop, "reason", None), StopReason):
         raise EngineError(f"{where}: stop = {_told(trajectory.stop)}; must be a Stop with a StopReason")
-    if not isinstance(trajectory.events, tuple):
+    if not isinstance(trajectory.events, Sequence):
         raise EngineError(f"{where}: events = {_told(trajectory.events)}; must be a tuple of scenarios.Event")
     times = []
     for place, event in enumerate(trajectory.events):
