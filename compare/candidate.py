@@ -30,6 +30,7 @@ class Candidate:
         margin: how close the competing events were, at a divergence.
         return_miss: after a reversal, the largest distance from the start at the return.
         seconds: wall time of the run.
+        processor: processor time of the run, in seconds.
         unable: whether the engine cannot take the scene at all.
         stepped: whether it declares a time step.
         pattern: whom each circle met, and on a table where it ended.
@@ -46,6 +47,7 @@ class Candidate:
     margin: Margin | None = None
     return_miss: float | None = None
     seconds: float = 0.0
+    processor: float = 0.0
     unable: bool = False
     stepped: bool = False
     pattern: Mapping[str, Any] | None = field(repr=False, default=None)

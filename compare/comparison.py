@@ -56,6 +56,7 @@ class Comparison:
         permitted: break patterns under several tie policies, for a scene that has one and in which an engine
             comes to another.
         seconds: wall time of the reference's run.
+        processor: processor time of it, in seconds.
         cut: what was left out as the user's seconds were over.
         certain: whether the reference counts in numbers that prove their decisions: exact ones, or enclosures.
         certificate: of the reference's run, checked, where it was asked for.
@@ -69,6 +70,7 @@ class Comparison:
     return_miss: float | None = None
     permitted: PermittedPatterns | None = None
     seconds: float = 0.0
+    processor: float = 0.0
     cut: tuple[str, ...] = ()
     certain: bool = True
     certificate: Certified | None = field(default=None, repr=False)
@@ -157,12 +159,12 @@ def compare(
     truth = check_engine(_engine(reference))
     for _, engine in [("", truth), *chosen]:
         check_until(engine, scene, until)
-    watch, began = Clock(checked_seconds(max_seconds)), clock.perf_counter()
+    watch, began, spent = Clock(checked_seconds(max_seconds)), clock.perf_counter(), clock.process_time()
     with time_limit(watch.left(REFERENCE_SHARE), max_seconds) as limit:
         noted = limit.watched(_noted(progress, truth.name))
         ran = run_guarded(truth, scene, until=until, events=events, progress=noted)
     told = uninterrupted(check_trajectory(ran, scene, truth.name, truth.bits))
-    seconds = clock.perf_counter() - began
+    seconds, processor = clock.perf_counter() - began, clock.process_time() - spent
     study = Study(scene, truth, told, watch)
     found = outcomes_of(told, outcomes)
     cut: list[str] = []
@@ -209,6 +211,7 @@ def compare(
         miss,
         permitted,
         seconds,
+        processor,
         tuple(cut),
         not truth.rounds_input,
     )
@@ -223,9 +226,9 @@ def candidate_of(
     progress: OnProgress | None,
 ) -> Candidate:
     """One engine held against the reference, without causes."""
-    began = clock.perf_counter()
+    began, spent = clock.perf_counter(), clock.process_time()
     run, alignment, unable = run_or_unable(study, engine, progress)
-    seconds = clock.perf_counter() - began
+    seconds, processor = clock.perf_counter() - began, clock.process_time() - spent
     reference = study.longest or study.reference
     matched = matched_history(run, reference, alignment, study.span)
     values = outcomes_of(matched, outcomes)
@@ -244,6 +247,7 @@ def candidate_of(
         changed=tuple(changed_outcomes(expected, values, agrees=_only_error(engine, run, alignment, study))),
         return_miss=return_miss(run, study.reference),
         seconds=seconds,
+        processor=processor,
         unable=unable,
         stepped=engine.step is not None,
         pattern=pattern_of(matched),

@@ -69,6 +69,8 @@ class Against:
         """What came out."""
         count = len(self.changes)
         lines = [f"{count - len(self.beyond)} of {count} ratios agree within {WITHIN:.0%}."]
+        if not count:
+            lines = ["No ratio was measured both times: there is nothing to compare."]
         lines += [str(change) for change in self.beyond]
         if not self.beyond and self.changes:
             lines.append(f"The largest difference: {self.changes[0]}")

@@ -261,6 +261,8 @@ def command(
     """
     _, held = run(full=full, as_json=as_json, only=names, scenes=scenes, engines=engines, processes=processes,
                   compared=compared, keep=keep, svg=svg)  # fmt: skip
+    if held is not None and not held.changes:
+        return ExitCode.UNDECIDED
     if held is None or not held.beyond:
         return DONE
     return ExitCode.DIVERGED if held.told else ExitCode.UNDECIDED

@@ -83,8 +83,11 @@ class Idleness:
         return self.wall <= SHARED and self.uneven <= UNEVEN and not self.unsteady
 
     def __str__(self) -> str:
+        counted = f"{len(self.unsteady):,} rows differ between processes, or were"
+        if len(self.unsteady) == 1:
+            counted = "1 row differs between processes, or was"
         verdict = "The machine was idle" if self.idle else "The machine was not idle"
-        rows = f"; {len(self.unsteady)} rows differ between processes, or were measured once" if self.unsteady else ""
+        rows = f"; {counted} measured once" if self.unsteady else ""
         return (
             f"{verdict}: {self.wall:.3f} s on the wall for each of the processor (at most {SHARED} where nothing else "
             f"runs), the loop's median {self.uneven:.3f} of its least (at most {UNEVEN:.2f}){rows}."

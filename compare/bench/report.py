@@ -62,7 +62,7 @@ def load(path: str, option: str) -> dict[str, Any]:
         data = json.loads(Path(path).read_text("utf-8"))
     except OSError as error:
         raise SceneError(f"{where}: {error.strerror or error}; name a file that `bench --json` printed") from None
-    except ValueError:
+    except (ValueError, RecursionError):
         raise SceneError(f"{where}: is not JSON; name a file that `bench --json` printed") from None
     told = data.get("schema") if isinstance(data, dict) else None
     if told != SCHEMA:
@@ -70,9 +70,11 @@ def load(path: str, option: str) -> dict[str, Any]:
     if data.get("version") != version("truebreak"):
         raise SceneError(f"{where}: is of version {str(data.get('version'))[:20]}; measure it again with this version")
     try:
-        rows_of(data)
-        assert all(isinstance(figure["ratio"], float) and figure["name"] for figure in data["figures"])
-        assert {"idle", "wall", "uneven", "unsteady"} <= data["idle"].keys() and isinstance(data["machine"], dict)
+        rows, told = rows_of(data), idleness_of(data)
+        ratios = [row.ratio for row in rows if row.refused is None] + [figure["ratio"] for figure in data["figures"]]
+        assert all(0 < value < math.inf for value in (*ratios, told.wall, told.uneven))
+        assert len({row.name for row in rows}) == len(rows)
+        assert all(figure["name"] for figure in data["figures"]) and isinstance(data["machine"], dict)
     except (KeyError, TypeError, ValueError, AttributeError, AssertionError):
         raise SceneError(f"{where}: is damaged; measure it again") from None
     return data
@@ -87,7 +89,6 @@ def rows_of(data: dict[str, Any]) -> tuple[Tradeoff, ...]:
         told["digits"] = math.inf if told["digits"] == "all" else told["digits"]
         told["error"] = math.inf if told["error"] is None else float(told["error"])
         told["changed"] = None if told["changed"] is None else tuple(told["changed"])
-        told["ratio"], told["loops"] = float(told["ratio"]), float(told["loops"])
         rows.append(Tradeoff(**told))
     return tuple(rows)
 

@@ -45,6 +45,7 @@ Examples:
   truebreak survey --engines box2d,billiards --scenes "cradle, apart;gas"
   truebreak survey --json > survey.json
   truebreak survey --from survey.json --page survey.md   the page of the docs
+  truebreak survey --from one.json --from two.json --json > survey.json     made in parts
 """
 
 
@@ -89,7 +90,8 @@ def suite(
 @click.option("--engines", default="", metavar="A,B,...", shell_complete=completion.engines, help="Only these.")
 @click.option("--scenes", default="", metavar="A;B;...", help="Only these, by the names that the report has.")
 @click.option("--no-causes", is_flag=True, help="Do not look for causes: a fraction of the work.")
-@click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run of one engine may take.")
+@click.option("--no-advice", is_flag=True, help="Do not look for the cheapest setting that is right.")
+@click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run may take, and why it diverged.")
 @click.option("--from", "recorded", multiple=True, metavar="FILE", help="Run nothing: show what --json has written.")
 @click.option("--page", metavar="FILE", help="Write the survey as a page in Markdown.")
 @JSON
@@ -97,6 +99,7 @@ def survey(
     engines: str,
     scenes: str,
     no_causes: bool,
+    no_advice: bool,
     max_seconds: float | None,
     recorded: tuple[str, ...],
     page: str | None,
@@ -104,8 +107,8 @@ def survey(
 ) -> int:
     """Run every installed engine over twelve scenes: which history each tells, and what suits what.
 
-    Each engine is run as it comes, and, where it diverges, at finer settings, the best of which is told. It exits with
-    0 whatever diverged: this is a survey, not a check.
+    Each engine is run as it comes, and, where it diverges, at finer settings, the best of which is told; then at the
+    cheapest setting that `truebreak advise` finds. It exits with 0 whatever diverged: this is a survey, not a check.
     """
     from ..report.text.listing import print_json
     from ..suites.document import survey_json
@@ -123,7 +126,14 @@ def survey(
         found = read_survey(recorded)
     else:
         with showing_cells("survey") as progress:
-            found = run_survey(names, labels, causes=not no_causes, max_seconds=max_seconds, progress=progress)
+            found = run_survey(
+                names,
+                labels,
+                causes=not no_causes,
+                advice=not no_advice,
+                max_seconds=max_seconds,
+                progress=progress,
+            )
     if page is not None:
         write_whole(page, page_text(found))
     if as_json:

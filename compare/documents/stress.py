@@ -87,9 +87,7 @@ def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
         levels = lanes[0].levels
         table = grid("engine", "scene", "wrong at", f"k = {levels[0]} to {levels[-1]}")
         for ladder in lanes:
-            wrong = "" if ladder.first_wrong is None else str(ladder.first_wrong)
-            if ladder.right_again:
-                wrong += ", not always"
+            wrong = "" if ladder.first_wrong is None else ladder.first_told
             tens = [ladder.signs[k : k + 10] for k in range(0, len(ladder.signs), 10)]
             table.add_row(escape(ladder.engine), escape(ladder.lane), wrong, " ".join(tens))
         out.print(table)

@@ -85,7 +85,7 @@ class Impacts:
             closing = [link for link, speed in opening.items() if speed < 0.0]
             if not closing:
                 return after if done else None
-            matrix = self._matrix([(link, normals[link]) for link in closing])
+            matrix = self.matrix([(link, normals[link]) for link in closing])
             strengths = least(matrix @ matrix.T, np.array([-2.0 * opening[link] for link in closing]))
             if not strengths.any():
                 return None
@@ -113,7 +113,7 @@ class Impacts:
         size = float(np.linalg.norm(wanted))
         if not near:
             return [], 1.0
-        matrix = self._matrix(near)
+        matrix = self.matrix(near)
         strengths = least(matrix @ matrix.T, matrix @ wanted)
         left = float(np.linalg.norm(wanted - matrix.T @ strengths)) / size
         reach = np.linalg.norm(matrix, axis=1) * strengths
@@ -124,7 +124,7 @@ class Impacts:
         found = {(min(i, j), max(i, j)) for i in moved for j in range(self.count) if i != j}
         return [*sorted(found), *((i, self.count + w) for i in moved for w in range(len(self._walls)))]
 
-    def _matrix(self, contacts: Sequence[tuple[Link, Normal]]) -> NDArray[np.float64]:
+    def matrix(self, contacts: Sequence[tuple[Link, Normal]]) -> NDArray[np.float64]:
         """Shape (contacts, 2 * circles): what each unit impulse does, in velocities times the root of the mass."""
         rows = np.zeros((len(contacts), self.count, 2))
         for k, ((i, j), normal) in enumerate(contacts):

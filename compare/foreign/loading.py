@@ -74,7 +74,7 @@ def load_class(path: ClassPath) -> Any:
         sys.path.append(here)
     try:
         found: Any = import_module(path.module)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         missing = isinstance(error, ModuleNotFoundError) and error.name and path.module.startswith(error.name)
         reason = " ".join(str(error).split())
         remedy = "; is it installed, or in this folder?" if missing else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -102,22 +103,21 @@ def _pair(pair: Any, where: str) -> tuple[str, str]:
 
 
 def _text_lines(path: Path, shown: str) -> Iterator[tuple[int, str]]:
-    """The lines of a file that are not empty, with their numbers."""
-    read = 0
+    """The lines of a file that are not empty, with their numbers; a mark of byte order at the start is none of it."""
+    read, long = 0, f"the log is longer than {MOST_BYTES:,} bytes; judge its beginning, or leave out states"
     try:
         with path.open("rb") as file:
+            if os.fstat(file.fileno()).st_size > MOST_BYTES:
+                raise EngineError(f"file {shown!r}: {long}")
             for number, raw in enumerate(iter(lambda: file.readline(MOST_LINE + 1), b""), 1):
                 read += len(raw)
                 if len(raw) > MOST_LINE:
                     raise EngineError(
                         f"file {shown!r}, line {number}: is longer than {MOST_LINE:,} bytes; is it a log?"
                     )
-                if read > MOST_BYTES:
-                    raise EngineError(
-                        f"file {shown!r}, line {number}: the log is longer than {MOST_BYTES:,} bytes; "
-                        "judge its beginning, or leave out states"
-                    )
-                text = raw.decode("utf-8").strip()
+                if read > MOST_BYTES:  # of a pipe, whose length is not known before
+                    raise EngineError(f"file {shown!r}, line {number}: {long}")
+                text = raw.decode("utf-8").removeprefix("\ufeff" if number == 1 else "").strip()
                 if text:
                     yield number, text
     except UnicodeDecodeError:
@@ -152,7 +152,10 @@ def _csv_lines(path: Path, shown: str) -> Iterator[Numbered]:
         )
     for number, text in rows:
         where = f"file {shown!r}, line {number}"
-        cells = [cell.strip() for cell in next(csv.reader([text]))]
+        try:
+            cells = [cell.strip() for cell in next(csv.reader([text]))]
+        except csv.Error as error:
+            raise EngineError(f"{where}: {text[:60]!r} is no row of CSV: {error}") from None
         if len(cells) != len(names):
             raise EngineError(f"{where}: has {len(cells)} cells, and {len(names)} columns; was the log cut off?")
         yield number, _csv_line(dict(zip(names, cells, strict=True)), where)

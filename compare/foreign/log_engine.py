@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ...scenarios.engine import SCENE_KEYS, Unchangeable, horizon
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason, Trajectory
+from ..validation import EngineError
 from .log import read_log
 from .recording import Recording
 
@@ -65,7 +66,11 @@ class LogEngine(Unchangeable):
             recording = Recording(scene, shown, bits=bits, step=step)
             for number, line in enumerate(log):
                 recording.where = f"{shown}, event {number}"
-                recording.hit(*line)
+                try:
+                    time, a, b = line
+                except (TypeError, ValueError):
+                    raise EngineError(f"{recording.where}: {str(line)[:60]}; must be (time, a, b)") from None
+                recording.hit(time, a, b)
             recording.end()
         else:
             shown = name or str(log)

@@ -47,6 +47,20 @@ class Ladder:
         return () if first is None else tuple(k for k, mark in told if k > first and mark is Mark.RIGHT)
 
     @property
+    def first_told(self) -> str:
+        """The first wrong k, and where after it the engine is right; "none" if it is wrong at none.
+
+        >>> R, W = Mark.RIGHT, Mark.WRONG
+        >>> Ladder("walls", "opening", 0, "double", (1, 2, 3, 4, 5, 6), (R, W, R, R, W, R)).first_told
+        '2, but right at 3 to 4, 6'
+        """
+        first = self.first_wrong
+        if first is None:
+            return "none"
+        again = [_ends(low, high) for mark, low, high in self.stretches if mark is Mark.RIGHT and low > first]
+        return f"{first}, but right at {', '.join(again)}" if again else str(first)
+
+    @property
     def signs(self) -> str:
         """One letter for each k."""
         return "".join(mark.sign for mark in self.marks)
@@ -73,10 +87,11 @@ class Ladder:
         >>> Ladder("near-ties", "left", 0, "double", (1, 2, 3, 4, 5), marks).told()
         'right 1; wrong 2; right 3; wrong 4 to 5'
         """
-        return "; ".join(
-            f"{mark.value} {low}" if low == high else f"{mark.value} {low} to {high}"
-            for mark, low, high in self.stretches
-        )
+        return "; ".join(f"{mark.value} {_ends(low, high)}" for mark, low, high in self.stretches)
+
+
+def _ends(low: int, high: int) -> str:
+    return str(low) if low == high else f"{low} to {high}"
 
 
 def ladders(rows: Iterable[Row], engines: Sequence[str]) -> list[Ladder]:

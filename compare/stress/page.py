@@ -62,7 +62,7 @@ def family_part(one: Family, told: Sequence[Ladder]) -> str:
     """One family's table."""
     levels = told[0].levels
     rows = [
-        f"| {ladder.engine} | {ladder.lane} | {_first(ladder)} | {ladder.told()} |"
+        f"| {ladder.engine} | {ladder.lane} | {ladder.first_told} | {ladder.told()} |"
         for ladder in sorted(told, key=lambda ladder: list(dict.fromkeys(x.engine for x in told)).index(ladder.engine))
     ]
     return "\n".join(
@@ -104,11 +104,3 @@ def _shown(words: str) -> str:
     'about pi * `10**(k/2)`, late by `10**-k`.'
     """
     return POWER.sub(r"`\g<0>`", words)
-
-
-def _first(ladder: Ladder) -> str:
-    """The first wrong k, and those after it that are right."""
-    if ladder.first_wrong is None:
-        return "none"
-    again = ", ".join(map(str, ladder.right_again))
-    return f"{ladder.first_wrong}{f', but right at {again}' if again else ''}"

@@ -31,6 +31,7 @@ class Cell:
         stop: how its run ended.
         unable: whether it cannot take the scene.
         seconds: wall time of its run.
+        times: processor time of its run over that of the certified run made beside it; None where there is none.
     """
 
     scene: str
@@ -47,6 +48,7 @@ class Cell:
     stop: str
     unable: bool
     seconds: float
+    times: float | None = None
 
     @property
     def key(self) -> tuple[str, str]:
@@ -87,6 +89,7 @@ def cell_of(comparison: Comparison, scene: str) -> Cell:
         stop=candidate.trajectory.stop.message,
         unable=candidate.unable,
         seconds=candidate.seconds,
+        times=None if candidate.unable else candidate.processor / comparison.processor,
     )
 
 

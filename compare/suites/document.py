@@ -37,5 +37,10 @@ def suite_json(report: SuiteReport, changes: Sequence[Told] | None = None) -> di
 
 
 def survey_json(found: Survey) -> dict[str, Any]:
-    """The object that `truebreak survey --json` prints: that of a suite, with the engines' versions."""
-    return {**suite_json(found.report), "versions": found.versions, "missing": list(found.missing)}
+    """The object that `truebreak survey --json` prints: that of a suite, with versions and advice."""
+    return {
+        **suite_json(found.report),
+        "versions": found.versions,
+        "missing": list(found.missing),
+        "advice": [entry.advice.data() for entry in found.entries if entry.advice is not None],
+    }

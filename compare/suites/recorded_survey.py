@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import MISSING, fields
+from functools import partial
 from typing import Any
 
 from ...scenarios.errors import SceneError
+from .advised import Advised
 from .cell import Cell
 from .since import read_report
 from .survey import SCENES, SURVEYED, Entry, Survey
 
 
 def read_survey(paths: Sequence[str]) -> Survey:
-    """The survey of one or more files that `truebreak survey --json` has written, each of other scenes or engines.
+    """The survey of one or more files that `truebreak survey --json` has written.
+
+    Where several tell of an engine on a scene, the last of them is taken.
 
     Raises:
         SceneError: naming the file and the remedy.
@@ -21,6 +25,7 @@ def read_survey(paths: Sequence[str]) -> Survey:
     versions: dict[str, str] = {}
     missing: set[str] = set()
     found: dict[tuple[str, str], list[Cell]] = {}
+    advice: dict[tuple[str, str], Advised] = {}
     seconds = None
     for path in paths:
         data = read_report(path)
@@ -29,11 +34,14 @@ def read_survey(paths: Sequence[str]) -> Survey:
         versions |= data["versions"]
         missing |= set(data.get("missing", ()))
         seconds = data["max_seconds"]
+        mine: dict[tuple[str, str], list[Cell]] = {}
         for row in data["cells"]:
             cell = _cell(path, row)
-            found.setdefault((cell.scene, cell.engine.partition(":")[0]), []).append(cell)
+            mine.setdefault((cell.scene, cell.engine.partition(":")[0]), []).append(cell)
+        found |= mine
+        advice |= {(row.scene, row.engine): row for row in map(partial(_advised, path), data.get("advice", ()))}
     entries = [
-        Entry(label, one.name, tuple(found[task.scene, one.name]))
+        Entry(label, one.name, tuple(found[task.scene, one.name]), advice.get((task.scene, one.name)))
         for label, task in SCENES.items()
         for one in SURVEYED
         if (task.scene, one.name) in found
@@ -43,7 +51,15 @@ def read_survey(paths: Sequence[str]) -> Survey:
 
 def _cell(path: str, row: dict[str, Any]) -> Cell:
     try:
-        values = {field.name: row[field.name] for field in fields(Cell)}
+        wanted = [field.name for field in fields(Cell) if field.name in row or field.default is MISSING]
+        values = {name: row[name] for name in wanted}
     except KeyError as error:
         raise SceneError(f"file {path!r}: a cell lacks {error}; write the report again") from None
     return Cell(**{**values, "changed": tuple(values["changed"])})
+
+
+def _advised(path: str, row: Any) -> Advised:
+    try:
+        return Advised(**row)
+    except TypeError:
+        raise SceneError(f"file {path!r}: its advice is not what it is to be; write the report again") from None

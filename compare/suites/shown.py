@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .cell import Cell
     from .running import SuiteReport
     from .since import Since
-    from .survey import Survey
+    from .survey import Entry, Survey
 
 WORDS = {"agree": "agrees", "diverged": "diverged", "unsettled": "not settled", "undecided": "undecided"}
 
@@ -37,16 +37,28 @@ def print_suite(report: SuiteReport, changes: Sequence[Since] | None) -> None:
 
 
 def print_survey(found: Survey) -> None:
-    """A table for each scene, each engine at the best of the settings tried."""
+    """A table for each scene: each engine at the best of the settings tried, as it comes, and as is advised."""
     out = console()
     for label in dict.fromkeys(entry.label for entry in found.entries):
         table = grid("engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", title=label)
         for entry in found.entries:
             if entry.label == label:
-                table.add_row(entry.best.engine, *columns(entry.best))
+                for cell in entry.shown:
+                    table.add_row(cell.engine, *columns(cell))
         out.print(table)
+        for told in advice_sentence([entry for entry in found.entries if entry.label == label]):
+            say(out, told)
     for name in found.missing:
         say(out, f"{name} is not installed: pip install 'truebreak[{name}]'")
+
+
+def advice_sentence(entries: Sequence[Entry]) -> list[str]:
+    """What is advised on one scene, and for which engines nothing is, in a sentence each."""
+    asked = [entry.advice for entry in entries if entry.advice is not None]
+    named = [f"`{one.setting}` ({one.told})" for one in asked if one.setting is not None]
+    without = [f"`{one.engine}` ({one.told})" for one in asked if one.setting is None]
+    told = [f"Advised: {'; '.join(named)}."] if named else []
+    return [*told, f"No setting to advise: {'; '.join(without)}."] if without else told
 
 
 def columns(cell: Cell) -> list[str]:
@@ -79,7 +91,7 @@ def parted(first: dict[str, object]) -> str:
     >>> parted({"event": 24, "body": "c4", "expected": "top", "got": "c9"})
     'event 24: c4 meets c9, not top'
     """
-    met = f"meets {first['got']}" if first["got"] is not None else "meets nothing"
+    met = f"meets {first['got']}" if first["got"] else "meets nothing"
     return f"event {first['event']:,}: {first['body']} {met}" + (
-        f", not {first['expected']}" if first["expected"] is not None else ""
+        f", not {first['expected']}" if first["expected"] else ""
     )

@@ -15,6 +15,19 @@ if TYPE_CHECKING:
     from .running import SuiteReport
 
 
+KINDS: dict[str, tuple[type, ...]] = {
+    "scene": (str,),
+    "engine": (str,),
+    "digest": (str,),
+    "verdict": (str,),
+    "agreed": (int,),
+    "events": (int,),
+    "divergence": (dict, type(None)),
+    "changed": (list,),
+}
+"""What a cell of a report has that is read again, and of which types."""
+
+
 @dataclass(frozen=True)
 class Since:
     """What became of one cell.
@@ -46,14 +59,23 @@ def read_report(path: str) -> dict[str, Any]:
         data: Any = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
         raise SceneError(f"{where}: {error.strerror}; name a report of `truebreak suite --json`") from None
-    except ValueError:
+    except (ValueError, RecursionError):
         raise SceneError(f"{where}: is not JSON; name a report of `truebreak suite --json`") from None
     if not isinstance(data, dict) or data.get("schema") != SUITE_SCHEMA or not isinstance(data.get("cells"), list):
         raise SceneError(f"{where}: is no {SUITE_SCHEMA}; write one with `truebreak suite FILE.toml --json`")
     for number, cell in enumerate(data["cells"]):
-        for key in ("scene", "engine", "digest", "verdict", "agreed", "events", "divergence", "changed"):
-            if not isinstance(cell, dict) or key not in cell:
+        if not isinstance(cell, dict):
+            raise SceneError(f"{where}: cell {number} is no object; write the report again")
+        for key, kinds in KINDS.items():
+            if key not in cell:
                 raise SceneError(f"{where}: cell {number} lacks {key!r}; write the report again")
+            if type(cell[key]) not in kinds:
+                raise SceneError(f"{where}: cell {number}: {key} = {str(cell[key])[:40]}; write the report again")
+        first = cell["divergence"]
+        if first is not None and type(first.get("event")) is not int:
+            raise SceneError(f"{where}: cell {number}: divergence has no event; write the report again")
+        if not all(isinstance(name, str) for name in cell["changed"]):
+            raise SceneError(f"{where}: cell {number}: changed is no list of names; write the report again")
     return data
 
 

@@ -71,7 +71,7 @@ def parsed_suite(text: str, path: str) -> Suite:
     where = f"file {path!r}"
     try:
         data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
         raise SceneError(f"{where}: is not TOML: {error}") from None
     _known(where, data, SUITE_KEYS)
     scenes = data.get("scene", [])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
@@ -11,6 +12,7 @@ from ...scenarios.errors import SceneError
 from ..adapters.adapted import version_of
 from ..engines import ENGINES, engine, suggestion
 from ..scene_argument import scene_from
+from .advised import Advised, adjustable, advised
 from .running import SuiteReport, run_cell
 from .suite import Task
 
@@ -86,6 +88,9 @@ SURVEYED = (
 )  # fmt: skip
 """Every engine that is held against `exact`; `sympy` is left out, as it asks the same questions of SymPy, slowly."""
 
+FIRST = Task("cradle:n=1", (), events=1)
+"""What each engine plays before anything is measured: it is then loaded, and what it compiles is compiled."""
+
 MOST_STEPS = 100_000
 """Time steps of the longest run that a setting is tried for."""
 
@@ -96,12 +101,14 @@ class Entry:
 
     Attributes:
         label: of the scene.
-        tried: a cell for each setting tried, the first as the engine comes.
+        tried: a cell for each setting tried, the first as the engine comes, an advised one last.
+        advice: which setting is advised; None if the engine has none to choose from, or advice was not asked for.
     """
 
     label: str
     name: str
     tried: tuple[Cell, ...]
+    advice: Advised | None = None
 
     @property
     def first(self) -> Cell:
@@ -110,8 +117,15 @@ class Entry:
 
     @property
     def best(self) -> Cell:
-        """The setting that agrees the farthest; of those that agree as far, the first tried, which is the cheapest."""
+        """The setting that agrees the farthest; of those that agree as far, the first tried."""
         return max(self.tried, key=lambda cell: (cell.verdict == "agree", cell.agreed))
+
+    @property
+    def shown(self) -> tuple[Cell, ...]:
+        """The best, how it comes, and what is advised, each once."""
+        setting = None if self.advice is None else self.advice.setting
+        told = [cell for cell in self.tried if cell.engine == setting]
+        return tuple({cell.engine: cell for cell in (self.best, self.first, *told)}.values())
 
 
 @dataclass(frozen=True)
@@ -164,6 +178,7 @@ def survey(
     scenes: Sequence[str] = (),
     *,
     causes: bool = True,
+    advice: bool = True,
     max_seconds: float | None = None,
     progress: OnCell | None = None,
 ) -> Survey:
@@ -172,7 +187,9 @@ def survey(
     Args:
         engines: names; all by default. Those that are not installed are left out, and named.
         scenes: labels, as in `SCENES`; all by default.
-        max_seconds: what one run may take, the causes included.
+        causes: whether to find out why an engine diverged, of the settings that are shown.
+        advice: whether to look for the cheapest setting that is right, as `truebreak advise` does.
+        max_seconds: what one run may take, and as much again the search for its causes.
 
     Raises:
         SceneError: for an unknown name or label.
@@ -180,22 +197,13 @@ def survey(
     names = chosen(engines, [one.name for one in SURVEYED], "engine")
     labels = chosen(scenes, SCENES, "scene")
     there = tuple(one for one in installed() if one.name in names)
+    for one in there:
+        run_cell(FIRST, one.name, causes=False, max_seconds=None)
     todo = [(label, one) for label in labels for one in there]
     entries: list[Entry] = []
     for label, one in todo:
-        cells: list[Cell] = []
-        for text in texts(one, label):
-            if cells and cells[-1].verdict == "agree":
-                break
-            if progress is not None:
-                progress(len(entries), len(todo), f"{label}: {text}")
-            cells.append(run_cell(SCENES[label], text, causes=False, max_seconds=max_seconds))
-        entry = Entry(label, one.name, tuple(cells))
-        if causes and entry.best.verdict in ("diverged", "undecided"):
-            place = cells.index(entry.best)
-            text = texts(one, label)[place]
-            cells[place] = run_cell(SCENES[label], text, causes=True, max_seconds=max_seconds)
-        entries.append(Entry(label, one.name, tuple(cells)))
+        told = partial(_tell, progress, len(entries), len(todo), label)
+        entries.append(_entry(label, one, causes, advice, max_seconds, told))
     missing = tuple(name for name in names if name not in {one.name for one in there})
     return Survey(
         {one.name: version_of(one.distribution) if one.distribution else "" for one in there},
@@ -203,6 +211,40 @@ def survey(
         missing,
         max_seconds,
     )
+
+
+def _tell(progress: OnCell | None, done: int, total: int, label: str, what: str) -> None:
+    if progress is not None:
+        progress(done, total, f"{label}: {what}")
+
+
+def _entry(
+    label: str, one: Surveyed, causes: bool, advice: bool, max_seconds: float | None, told: Callable[[str], None]
+) -> Entry:
+    """One engine on one scene: its ladder up to what agrees, what is advised, and why what is shown diverged."""
+    task = SCENES[label]
+    cells: list[Cell] = []
+    for text in texts(one, label):
+        if cells and cells[-1].verdict == "agree":
+            break
+        told(text)
+        cells.append(run_cell(task, text, causes=False, max_seconds=max_seconds))
+    found = None
+    if advice and adjustable(one.name) and not cells[0].unable:
+        told(f"{one.name}, advice")
+        found = advised(task, one.name)
+        if found.setting is not None:
+            cells.append(run_cell(task, found.setting, causes=False, max_seconds=max_seconds))
+    entry = Entry(label, one.name, tuple(cells), found)
+    if not causes:
+        return entry
+    for cell in entry.shown:
+        if cell.verdict in ("diverged", "undecided") and not cell.unable and cell.events:
+            told(f"why {cell.engine}")
+            why = run_cell(task, cell.engine, causes=True, max_seconds=max_seconds).cause
+            cut = None if max_seconds is None else f"not found within {max_seconds:g} s"
+            cells[cells.index(cell)] = replace(cell, cause=why or cut)
+    return replace(entry, tried=tuple(cells))
 
 
 def texts(one: Surveyed, label: str) -> list[str]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..scene_argument import scene_from
-from .shown import columns
+from .advised import BUDGET, PERTURBED
+from .shown import advice_sentence, columns
 from .survey import MOST_STEPS, SCENES
 
 if TYPE_CHECKING:
@@ -30,7 +31,12 @@ differentiated. What each is made for stands beside it.
 How each was brought to restitution 1 without friction, sleep or a cap of speeds, and what it cannot do, is told in
 [Other people's engines](other-engines.md). Every engine is run as it comes (with the defaults of its adapter), and,
 where it diverges, at finer settings too, as far as {steps:,} time steps. The tables have the setting that agreed the
-farthest, of several the cheapest, and below it how it comes, where that is another.
+farthest, of several the first tried, and below it how it comes, where that is another.
+
+**Advised** is what [`truebreak advise`](advice.md) names, with `--perturbed {perturbed} --budget {budget}`: the
+cheapest of a ladder of settings that tells the whole history of the scene and of {perturbed} beside it, so that it is
+not right by luck, as one that is tried on the scene alone may be. Where it names none, there may be one for a greater
+budget.
 
 **Authors of an engine**: better settings are one line (`SURVEYED` in `compare/suites/survey.py`), a better adapter is
 one file (`compare/adapters/`). Send them, and the page is made again.
@@ -43,7 +49,10 @@ one file (`compare/adapters/`). Send them, and the page is made again.
 | cause | why, by experiment: see [Comparison](comparison.md) |
 | outcome | whether counts of collisions, who met whom, final velocities and such are right, over what was compared |
 | energy | what it gained by the end of its run, as a share |
-| seconds | wall time of its run, on the machine that made this page: a hint |
+| time | processor time of its run, as a multiple of the certified run's, made just before it in the same process |
+
+Times are ratios, and a hint, since other programs ran on the machine that made this page. Each engine has played a
+scene of two discs before, so that loading and compiling it do not count. Where there is no time, none was measured.
 """
 
 OWN = "truebreak's own"
@@ -52,11 +61,13 @@ OWN = "truebreak's own"
 def page_text(found: Survey) -> str:
     """The page in Markdown."""
     labels = list(dict.fromkeys(entry.label for entry in found.entries))
-    text = INTRODUCTION.format(engines=len(found.engines), scenes=len(labels), steps=MOST_STEPS)
+    text = INTRODUCTION.format(
+        engines=len(found.engines), scenes=len(labels), steps=MOST_STEPS, perturbed=PERTURBED, budget=BUDGET
+    )
     if found.max_seconds is not None:
         text += (
-            f"\nEach run had {found.max_seconds:g} seconds, the search for causes included; what was cut short by that "
-            "says so.\n"
+            f"\nEach run had {found.max_seconds:g} seconds, and so had the search for its causes; what was cut short "
+            "by that says so.\n"
         )
     text += "\n## The engines\n\n| engine | version | made for |\n|---|---|---|\n"
     text += "".join(_engine_row(one, found.versions[one.name]) for one in found.engines)
@@ -98,10 +109,11 @@ def _scene_part(label: str, entries: list[Entry]) -> str:
     task = SCENES[label]
     limit = f", {task.events} events" if task.events is not None else ""
     heading = f"\n## {label[0].upper()}{label[1:]}\n\n{scene_from(task.scene).description}\n(`{task.scene}`{limit})\n\n"
-    table = "| engine | verdict | agreed | differs at | cause | outcome | energy | seconds |\n|" + "---|" * 8 + "\n"
+    table = "| engine | verdict | agreed | differs at | cause | outcome | energy | time |\n|" + "---|" * 8 + "\n"
     for entry in entries:
-        for cell in dict.fromkeys((entry.best.key, entry.first.key)):
-            shown = next(one for one in entry.tried if one.key == cell)
-            told = [f"`{shown.engine}`", *columns(shown), f"{shown.seconds:.2g}"]
+        for cell in entry.shown:
+            mark = ", advised" if entry.advice is not None and entry.advice.setting == cell.engine else ""
+            times = "" if cell.times is None else f"{cell.times:.2g}" if cell.times < 100 else f"{cell.times:,.0f}"
+            told = [f"`{cell.engine}`{mark}", *columns(cell), times]
             table += f"| {' | '.join(part.replace('|', '/') for part in told)} |\n"
-    return heading + table
+    return heading + table + "".join(f"\n{told}\n" for told in advice_sentence(entries))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,16 +18,17 @@ from ..comparison import Comparison, compare
 from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
-from ..outcomes.permitted import Relation
+from ..outcomes.permitted import Relation, permitted_patterns
 from ..report.sentences import verdict_sentence
 from ..saved.cache import cached
 from ..scene_argument import scene_from
+from ..study import Study
 from ..validation import check_engine, check_trajectory
 from .invariants import broken_invariant
 from .local_error import LocalError, local_error
 from .message import failure
 from .numbers import Demand, number_off
-from .reach import Reach, reach_of
+from .reach import OutOfReach, Reach, reach_of
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -178,7 +179,7 @@ class _Case:
             if reach.whole:
                 limits = {"until": self._log_end} if self._log_end else {}
             comparison = self._compared(**limits)
-            self._same_history(comparison, reach)
+            self._same_history(comparison, reach, local)
             off = number_off(comparison, self.demand, reach, self._tells_places)
             if off is not None:
                 raise CheckFailed(self._failure(comparison, reach, off), comparison)
@@ -187,6 +188,7 @@ class _Case:
             asserted += [f"{places} of {reach.linear} within honest errors ({local.told})"] if reach.linear else []
         if reach.limit is not None:
             asserted.append(f"beyond reach: {reach.limit}")
+            asserted += self._tie_resolved(reach.limit)
         asserted += [*self._invariants(reference, local, comparison), *self.demand.told]
         return self._done(asserted, reach, comparison)
 
@@ -220,10 +222,11 @@ class _Case:
     def _compared(self, **limits: Any) -> Comparison:
         return compare(self.scene, [self.name if self.asked else self.engine], reference=self.truth, **limits)
 
-    def _same_history(self, comparison: Comparison, reach: Reach | None) -> None:
+    def _same_history(self, comparison: Comparison, reach: Reach | None, local: LocalError | None = None) -> None:
         (candidate,) = comparison.candidates
         if candidate.verdict == "diverged":
-            raise CheckFailed(self._failure(comparison, reach), comparison)
+            amiss = [] if local is None else self._amiss(comparison, reach, local)
+            raise CheckFailed(self._failure(comparison, reach, amiss=amiss), comparison)
         if comparison.verdict != "agree":
             told = [verdict_sentence(comparison), f"  {candidate.engine}: {candidate.trajectory.stop.message}"]
             raise NotDecided("\n".join([*told, f"  reproduce: {self._reproduced(comparison)}"]), comparison)
@@ -245,6 +248,24 @@ class _Case:
             raise NotDecided(f"{text}\n  permitted: {relation.value}", comparison)
         raise CheckFailed(f"{text}\n  permitted: {relation.value}", comparison)
 
+    def _tie_resolved(self, limit: OutOfReach) -> list[str]:
+        """Whom each circle meets in an exact tie out of reach is what some order of its impulses, or a nearby scene,
+        leads to: told where a complete enumeration of the orders tells."""
+        if not limit.tie:
+            return []
+        comparison = self._compared(events=limit.event + 1, causes=False)
+        (candidate,) = comparison.candidates
+        if candidate.verdict == "agree":
+            return [f"its tie: {Relation.OWN.value}"]
+        if candidate.verdict != "diverged" or candidate.pattern is None:
+            return []
+        study = Study(self.scene, self.truth, comparison.reference)
+        found = permitted_patterns(study, [(candidate.trajectory, candidate.stepped)])
+        relation = None if found is None else found.relation(candidate.pattern)
+        if relation is Relation.NO_ORDER:
+            raise CheckFailed(f"{self._failure(comparison, None)}\n  permitted: {relation.value}", comparison)
+        return [] if relation is None else [f"its tie: {relation.value}"]
+
     def _invariants(self, reference: Trajectory, local: LocalError, comparison: Comparison | None) -> list[str]:
         """Energy, momentum and no overlap over all of the engine's run; of a log without states nothing is known."""
         if not self._tells_places:
@@ -258,10 +279,19 @@ class _Case:
         broken = broken_invariant(run, local)
         if broken is not None:
             raise CheckFailed(f"{self.name} on {self.where}: {broken}", comparison)
-        return ["energy, momentum, no overlap"]
+        return ["energy, momentum, straight flight, no overlap, permitted impulses"]
 
-    def _failure(self, comparison: Comparison, reach: Reach | None, off: str | None = None) -> str:
-        return failure(comparison, self._reproduced(comparison), reach, off, self.engine.bits)
+    def _amiss(self, comparison: Comparison, reach: Reach | None, local: LocalError) -> list[str]:
+        """The first number that is off before the histories part, and the first broken invariant: what a bug is."""
+        found = [number_off(comparison, self.demand, reach, self._tells_places)]
+        if self._tells_places:
+            found.append(broken_invariant(comparison.candidates[0].trajectory, local))
+        return [told for told in found if told is not None]
+
+    def _failure(
+        self, comparison: Comparison, reach: Reach | None, off: str | None = None, amiss: Sequence[str] = ()
+    ) -> str:
+        return failure(comparison, self._reproduced(comparison), reach, off, self.engine.bits, amiss)
 
     def _reproduced(self, comparison: Comparison) -> str:
         """The command, or the Python, that shows the same."""

@@ -62,7 +62,7 @@ class Golden:
         try:
             stored = json.loads(self.path.read_text(encoding="utf-8"))
             version = stored["schema"]
-        except (OSError, ValueError, KeyError, TypeError) as error:
+        except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
             return [f"{self.path} is damaged ({type(error).__name__}: {error}); write it anew: --truebreak-regen"]
         if version != GOLDEN_SCHEMA:
             return [f"{self.path} is {version!r}, this version has {GOLDEN_SCHEMA!r}; write it anew: --truebreak-regen"]

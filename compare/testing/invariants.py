@@ -1,4 +1,4 @@
-"""What holds however far a history has left the true one: energy, momentum, and that nothing overlaps."""
+"""What holds however far a history has left the true one: energy, momentum, no overlap, impulses that laws permit."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .permitted import PermittedImpulses, Room
 
 if TYPE_CHECKING:
     from ...scenarios.event import Event
@@ -26,39 +28,59 @@ def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
     """The first invariant that a run breaks by more than its contacts may cost, in words; None if it keeps them.
 
     Momentum is that of the circles of an event in which no wall and no fixed circle takes part; circles that take no
-    part keep their velocities. Events that a run has at one time are looked at together.
+    part keep their velocities; from one event to the next circles fly straight on; what meets touches, and is pushed
+    apart (`PermittedImpulses`). Events that a run has at one time are looked at together. Where velocities are negated
+    between two, or a circle leaves play, nothing is said of what happens from the one to the other but to energy.
     """
     scene = run.scene
     masses = np.array([1.0 / float(c.inverse_mass) if not c.fixed else 0.0 for c in scene.circles])
     places = {str(c.id): k for k, c in enumerate(scene.circles)}
-    before = run.at(0).array()[:, 2:]
-    unit = max(local.unit, TOLD)
-    start = _energy(masses, before)
-    turns = run.reversal is not None
+    last, then = run.at(0).array(), 0.0
+    unit, laws = max(local.unit, TOLD), PermittedImpulses(scene, local)
+    start, askew = _energy(masses, last[:, 2:]), 0.0
     for group in _instants(run):
-        event = group[-1]
-        where = f"event {event.index} (t = {float(event.time):.9g})"
+        event, time = group[-1], float(group[-1].time)
+        where = f"event {event.index} (t = {time:.9g})"
         state = run.at(event.time).array()
-        after, room = state[:, 2:], unit * (event.index + 1)
-        energy = _energy(masses, after)
-        if abs(energy - start) > room * start:
-            return f"{where}: energy is {energy:.17g}, it was {start:.17g}: not kept within {room:.3g} of it"
-        part = {places[name] for e in group for pair in e.contacts for name in pair if name in places}
-        changed = np.hypot(*(after - before).T) > room * float(np.hypot(*before.T).max())
-        others = [k for k in range(len(masses)) if k not in part and changed[k]]
-        if others and not turns:
-            return f"{where}: {scene.ids[others[0]]} takes no part, and its velocity has changed"
-        closed = all(masses[places[n]] if n in places else False for e in group for pair in e.contacts for n in pair)
-        if closed and not turns:
-            change = float(np.hypot(*(masses[:, None] * (after - before)).sum(axis=0)))
-            size = float((masses * np.hypot(*before.T)).sum())
-            if change > room * size:
-                return f"{where}: momentum has changed by {change:.3g}, of {size:.3g} in all"
-        deep = _overlap(run, state, masses, local, float(event.time))
+        before, after, share = last[:, 2:], state[:, 2:], unit * (event.index + 1)
+        energy, room = _energy(masses, after), _room(state, laws.radii, local, time)
+        askew += sum(laws.askew(pair, room) for e in group for pair in e.impulses)
+        if abs(energy - start) > (share + askew) * start:
+            return f"{where}: energy is {energy:.17g}, it was {start:.17g}: not kept within {share + askew:.3g} of it"
+        if not _turned(run, then, time):
+            aside = np.hypot(*(state[:, :2] - last[:, :2] - (time - then) * before).T)
+            if aside.max() > sum(room):
+                k = int(np.argmax(aside))
+                return (
+                    f"{where}: {scene.ids[k]} is {aside[k]:.3g} from where it flew to since t = {then:.9g}; "
+                    f"{sum(room):.3g} may be"
+                )
+            changed = np.hypot(*(after - before).T) > share * float(np.hypot(*before.T).max())
+            part = {places[name] for e in group for pair in e.contacts for name in pair if name in places}
+            others = [k for k in range(len(masses)) if k not in part and changed[k]]
+            if others:
+                return f"{where}: {scene.ids[others[0]]} takes no part, and its velocity has changed"
+            every = [name for e in group for pair in e.contacts for name in pair]
+            if all(name in places and masses[places[name]] for name in every):
+                change = float(np.hypot(*(masses[:, None] * (after - before)).sum(axis=0)))
+                size = float((masses * np.hypot(*before.T)).sum())
+                if change > share * size:
+                    return f"{where}: momentum has changed by {change:.3g}, of {size:.3g} in all"
+            broken = laws.broken(group, before, state, room, share)
+            if broken is not None:
+                return f"{where}: {broken}"
+        deep = _overlap(run, state, masses, room)
         if deep is not None:
             return f"{where}: {deep}"
-        before = after
+        last, then = state, time
     return None
+
+
+def _turned(run: Trajectory, then: float, time: float) -> bool:
+    """Whether velocities were negated, or a circle left play, between two times, the ends included."""
+    turns = [] if run.reversal is None else [float(run.reversal.time)]
+    turns += [float(entry.time) for entry in run.pocketings] if run.scene.capture else []
+    return any(then <= turn <= time for turn in turns)
 
 
 def _instants(run: Trajectory) -> Iterator[list[Event]]:
@@ -77,16 +99,17 @@ def _energy(masses: NDArray[np.float64], velocities: NDArray[np.float64]) -> flo
     return float((masses * (velocities**2).sum(axis=1)).sum()) / 2
 
 
-def _overlap(
-    run: Trajectory, state: NDArray[np.float64], masses: NDArray[np.float64], local: LocalError, time: float
-) -> str | None:
+def _room(state: NDArray[np.float64], radii: NDArray[np.float64], local: LocalError, time: float) -> Room:
+    """How far off places may be at a time."""
+    fastest = float(np.hypot(*state[:, 2:].T).max(initial=0.0))
+    size = float(np.abs(state[:, :2]).max()) + float(radii.max()) + fastest * time
+    return Room(max(local.unit, TOLD) * size, OVERLAPS * 2 * fastest * local.lateness)
+
+
+def _overlap(run: Trajectory, state: NDArray[np.float64], masses: NDArray[np.float64], most: Room) -> str | None:
     """Two circles that overlap, or a circle across a wall, by more than errors of one contact."""
-    scene = run.scene
-    place, speeds = state[:, :2], np.hypot(*state[:, 2:].T)
+    scene, place, room = run.scene, state[:, :2], sum(most)
     radii = np.array([float(c.r) for c in scene.circles])
-    fastest = float(speeds.max(initial=0.0))
-    room = max(local.unit, TOLD) * (float(np.abs(place).max()) + float(radii.max()) + fastest * time)
-    room += OVERLAPS * 2 * fastest * local.lateness
     between = np.hypot(*(place[:, None] - place[None]).transpose(2, 0, 1)) - radii[:, None] - radii[None]
     np.fill_diagonal(between, math.inf)
     fixed = masses == 0

@@ -22,6 +22,14 @@ engines write them in other ways, with a few more."""
 HALVINGS = (0, 1, 2, 3)
 """How often a time step is halved to see with which order an engine's lateness falls."""
 
+FALLING = 0.5
+"""The slope of lateness over the step below which it does not fall, if at the finest step it is still longer than the
+coarsest: a first order has slope 1, and rounding, which does not fall, is shorter."""
+
+UNSEEN = 4.0
+"""Steps of lateness that are granted at most where the step cannot be halved: an engine that finds an overlap at the
+end of one step, and pushes in the next, is late by two, and twice what is seen is granted."""
+
 FIRST_EVENTS = 24
 """Events of the true run among which each circle's first meeting is looked for: before it, nothing has grown."""
 
@@ -58,7 +66,9 @@ def local_error(engine: Engine, reference: Trajectory, bits: int | None) -> Loca
     meeting is then compared with the true one, when nothing has grown yet: how far off it is after that, divided by
     the change of its velocity, is how late the meeting was. q is the slope of the latest over the step, rounded to
     whole numbers from 1; c is twice the largest lateness / h**q, and at least 1 for q = 1, since a contact that is
-    found at the end of a step may be late by a whole one. Where no step can be halved, q = 1 and c = 1.
+    found at the end of a step may be late by a whole one. Lateness that does not fall as h is halved is no matter of
+    the step: then, and where nothing is seen, q = 1 and c = 1. Where no step can be halved, q = 1 and c is at most
+    `UNSEEN`.
     """
     unit = 0.0 if bits is None else 2.0**-bits
     rounding = LocalError(ROUNDINGS * unit, unit if engine.rounds_input else 0.0)
@@ -68,8 +78,13 @@ def local_error(engine: Engine, reference: Trajectory, bits: int | None) -> Loca
     order = 1.0
     if len(seen) > 1:
         (first, one), (last, other) = seen[0], seen[-1]
-        order = max(1.0, float(round(math.log(one / other) / math.log(first / last))))
+        slope = math.log(one / other) / math.log(first / last)
+        if slope < FALLING and other > first:
+            seen = []
+        order = max(1.0, float(round(slope)))
     factor = max((2 * late / step**order for step, late in seen), default=0.0)
+    if len(seen) == 1:
+        factor = min(factor, UNSEEN)
     factor = max(factor, 1.0) if order == 1.0 else factor
     return LocalError(rounding.unit, rounding.input_unit, factor * engine.step**order, order)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isfinite, log10
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,12 @@ DIGITS = 15
 
 
 def failure(
-    comparison: Comparison, reproduce: str, reach: Reach | None, off: str | None = None, bits: int | None = None
+    comparison: Comparison,
+    reproduce: str,
+    reach: Reach | None,
+    off: str | None = None,
+    bits: int | None = None,
+    amiss: Sequence[str] = (),
 ) -> str:
     """The message of a check that failed.
 
@@ -25,6 +31,7 @@ def failure(
         reach: how far the history was required; None where the span was given.
         off: which number is off, where the history is the same.
         bits: of the engine's numbers; None where they are not known.
+        amiss: what else is wrong, such as a number before the divergence.
     """
     (candidate,) = comparison.candidates
     lines = [off if off is not None else divergence_phrase(comparison, candidate)]
@@ -36,6 +43,7 @@ def failure(
             lines.append(f"  expected: {divergence.body} meets {divergence.expected} at t = {told}")
         if divergence.got is not None:
             lines.append(f"  got:      {divergence.body} meets {divergence.got} at t = {divergence.got_time!r}")
+    lines += [f"  amiss:    {told}" for told in amiss]
     if candidate.margin is not None:
         exact = candidate.margin.gap or candidate.margin.distance
         beside = "" if exact is None else f"margin {short(abs(middle(exact)))} beside an error of "

@@ -40,8 +40,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Makes the marker known."""
+    """Makes the marker known, and refuses a place for reports that is none."""
     config.addinivalue_line("markers", MARKER)
+    folder = config.getoption("truebreak_report")
+    if folder is not None and Path(folder).exists() and not Path(folder).is_dir():
+        raise pytest.UsageError(f"--truebreak-report {folder}: is a file; name a folder")
 
 
 class Truebreak:
@@ -94,14 +97,19 @@ class Truebreak:
         folder = self._request.config.getoption("truebreak_report")
         if folder is None or comparison is None:
             return
+        from ...scenarios.errors import SceneError
         from ..cli.writing import write_whole
         from ..report.html import html_report
 
-        Path(folder).mkdir(parents=True, exist_ok=True)
         plain = re.sub(r"[^\w.=,-]+", "-", self._request.node.nodeid)
         number = sum(name == REPORT for name, _ in self._request.node.user_properties)
         path = Path(folder) / f"{plain[-200:]}{'' if not number else f'-{number + 1}'}.html"
-        write_whole(path, html_report(comparison))
+        try:
+            Path(folder).mkdir(parents=True, exist_ok=True)
+            write_whole(path, html_report(comparison))
+        except (OSError, SceneError) as error:  # the failure itself is what is to be told
+            self._request.node.warn(pytest.PytestWarning(f"truebreak: no report: {error}"))
+            return
         self._request.node.user_properties.append((REPORT, str(path)))
 
 

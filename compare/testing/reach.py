@@ -39,6 +39,7 @@ class OutOfReach:
         told: the decision in words.
         margin: exact, in units of time or length; None where the instant has no tangent map.
         tolerance: what honest errors can move it by.
+        tie: whether it is an exact tie of one circle's contacts, whose order is a choice.
     """
 
     event: int
@@ -46,6 +47,7 @@ class OutOfReach:
     told: str
     margin: float | None = None
     tolerance: float | None = None
+    tie: bool = False
 
     def __str__(self) -> str:
         if self.margin is None:
@@ -126,7 +128,7 @@ class _Walk:
         movers = [k for contact in run.events[index].contacts for k in self.grown.movers(contact)]
         if len(movers) != len(set(movers)):
             told = "several contacts of one circle fall on exactly one instant, and nearby runs part there"
-            return OutOfReach(index, time, told)
+            return OutOfReach(index, time, told, tie=True)
         if run.reversal is not None and run.reversal.after <= index:
             return OutOfReach(index, time, "the velocities are reversed before it, and errors are carried no farther")
         if run.scene.capture and any(float(entry.time) <= time for entry in run.pocketings):
@@ -249,7 +251,7 @@ class _Walk:
         first: Pairing | None = None,
     ) -> OutOfReach | None:
         """The decision, if its margin does not exceed what errors can move it by; `first` is what comes before."""
-        if abs(margin) < TIGHT * self.near.scale and room < abs(margin) + TIGHT * self.near.scale:
+        if abs(margin) < TIGHT * self.near.scale:
             own = self._pairing(i, j)
             value = self.reader.value(Decision("hit", own) if first is None else Decision("order", first, own))
             if value is not None:

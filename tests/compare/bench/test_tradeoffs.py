@@ -215,8 +215,14 @@ def test_files_that_do_not_fit_are_refused_before_anything_runs(
     assert "is another one" in refused(capsys, *ask, with_changes(tradeoffs=strange))
     assert "is damaged" in refused(capsys, *ask, with_changes(tradeoffs=[{"scene": "near-tie"}]))
     assert "is damaged" in refused(capsys, *ask, with_changes(idle=None))
-    path.write_text("{", "utf-8")
-    assert "is not JSON" in refused(capsys, *ask, str(path))
+    for ratio in (0.0, -1.0, math.nan, math.inf, None, "1"):
+        odd = [{**one, "ratio": ratio} for one in good["tradeoffs"]]
+        assert "is damaged" in refused(capsys, *ask, with_changes(tradeoffs=odd)), ratio
+    assert "is damaged" in refused(capsys, *ask, with_changes(tradeoffs=2 * good["tradeoffs"]))
+    assert "is damaged" in refused(capsys, *ask, with_changes(idle={**good["idle"], "wall": math.nan}))
+    for text in ("{", "[" * 100_000):
+        path.write_text(text, "utf-8")
+        assert "is not JSON" in refused(capsys, *ask, str(path))
     assert "No such file" in refused(capsys, *ask, str(tmp_path / "none.json"))
     assert "did you mean 'near-tie'" in refused(capsys, "tradeoffs", "--scenes", "neartie")
     assert "name it too" in refused(capsys, "gas-double", "--svg", str(tmp_path / "a.svg"))
@@ -245,6 +251,18 @@ def test_the_exit_code_says_what_came_out(
     assert "Pareto's front" in shown
     assert f"{2 if change == 1.0 else 1} of 2 ratios agree within 15%" in shown
     assert plot.read_text("utf-8") == tradeoff_plot(now.tradeoffs)
+
+
+def test_nothing_in_common_is_no_agreement(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    then = report(row("near-tie", "exact", 2.0), row("near-tie", "double", 1.0))
+    now = replace(then, tradeoffs=tuple(replace(one, refused="its process ended") for one in then.tradeoffs))
+    monkeypatch.setattr("truebreak.compare.bench.command.measure", lambda *_, **__: now)
+    with pytest.raises(SystemExit) as stop:
+        main(["bench", "tradeoffs", "--scenes", "near-tie", "--against", written(tmp_path / "a.json", then)])
+    assert stop.value.code == 4
+    assert "No ratio was measured both times" in capsys.readouterr().out
 
 
 def test_scenes_of_an_earlier_file_are_kept_as_they_are(tmp_path: Path) -> None:

@@ -197,13 +197,13 @@ def test_a_log_too_long_or_missing_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "log.jsonl"
+    path.write_text("x" * (log_module.MOST_LINE + 1), "utf-8")
+    assert "is longer than 1,048,576 bytes" in shell(capsys, "judge", "gas", str(path))[2]
     path.write_text('{"time": 0.5, "contact": ["c1", "c2"]}\n' * 100, "utf-8")
     monkeypatch.setattr(log_module, "MOST_BYTES", 1000)
     code, _, err = shell(capsys, "judge", "gas", str(path))
     assert code == 2
-    assert "line 26: the log is longer than 1,000 bytes; judge its beginning" in err
-    path.write_text("x" * (log_module.MOST_LINE + 1), "utf-8")
-    assert "is longer than 1,048,576 bytes" in shell(capsys, "judge", "gas", str(path))[2]
+    assert "log.jsonl': the log is longer than 1,000 bytes; judge its beginning" in err
     assert "No such file" in shell(capsys, "judge", "gas", str(tmp_path / "none.jsonl"))[2]
     assert "--lacks: 'wnd' is no key" in shell(capsys, "judge", "gas", str(path), "--lacks", "wnd")[2]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from truebreak.compare.documents.schemas import schema
 from truebreak.compare.suites.cell import Cell
 from truebreak.compare.suites.document import suite_json
 from truebreak.compare.suites.running import SuiteReport, run_suite
-from truebreak.compare.suites.since import since
+from truebreak.compare.suites.since import read_report, since
 from truebreak.compare.suites.suite import parsed_suite, read_suite
 from truebreak.scenarios import SceneError
 
@@ -117,6 +118,7 @@ def test_what_is_gone_is_told(report: SuiteReport) -> None:
     ("text", "told"),
     [
         ("engines = [", "is not TOML"),
+        ("engines = " + "[" * 10_000, "is not TOML"),
         ('engines = ["double"]', "has no scene"),
         ('engine = ["double"]\n[[scene]]\nname = "lee"', "'engine' is no key of it; did you mean 'engines'?"),
         ('[[scene]]\nname = "lee"', "engines = []; must be a list"),
@@ -178,7 +180,7 @@ def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
 
 
 @pytest.mark.parametrize(
-    "text", ["", "[]", '{"schema": "truebreak/suite-0", "cells": []}', '{"schema": "truebreak/suite-1"}']
+    "text", ["", "[]", "[" * 100_000, '{"schema": "truebreak/suite-0", "cells": []}', '{"schema": "truebreak/suite-1"}']
 )
 def test_bad_earlier_reports_are_one_line(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, before = tmp_path / "mine.toml", tmp_path / "before.json"
@@ -216,3 +218,29 @@ def test_only_changes_needs_an_earlier_report(tmp_path: Path) -> None:
         from truebreak.compare.cli.suite import suite
 
         suite.main([str(tmp_path / "mine.toml"), "--only-changes"], standalone_mode=False)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("divergence", 5, "cell 0: divergence = 5"),
+        ("divergence", {}, "cell 0: divergence has no event"),
+        ("agreed", "many", "cell 0: agreed = many"),
+        ("agreed", True, "cell 0: agreed = True"),
+        ("changed", None, "cell 0: changed = None"),
+        ("changed", [1], "cell 0: changed is no list of names"),
+        ("engine", ["double"], "cell 0: engine = ['double']"),
+    ],
+)
+def test_cells_of_something_else_are_one_line(
+    report: SuiteReport, key: str, value: object, told: str, tmp_path: Path
+) -> None:
+    data = json.loads(json.dumps(suite_json(report)))
+    data["cells"][0][key] = value
+    path = tmp_path / "earlier.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(SceneError, match=re.escape(told)):
+        read_report(str(path))
+    path.write_text(json.dumps({**data, "cells": [5]}), encoding="utf-8")
+    with pytest.raises(SceneError, match="cell 0 is no object"):
+        read_report(str(path))

@@ -47,11 +47,69 @@ def test_the_best_setting_is_the_one_that_agrees_the_farthest(found: Survey) -> 
     by_key = {(entry.label, entry.name): entry for entry in found.entries}
     assert len(by_key) == 6
     wide = by_key["near-tie", "interval"]
-    assert [cell.engine for cell in wide.tried] == ["interval", "interval:bits=512"]
+    assert [cell.engine for cell in wide.tried] == ["interval", "interval:bits=512", "interval:bits=96"]
     assert (wide.first.verdict, wide.best.engine, wide.best.verdict) == ("undecided", "interval:bits=512", "agree")
     assert by_key["near-tie", "double"].best.cause == "input rounding"
     same = by_key["near-tie", "pymunk"]
     assert same.best is same.first, "of those that agree as far, the cheapest"
+
+
+def test_what_is_advised_is_run_and_right(found: Survey) -> None:
+    by_key = {(entry.label, entry.name): entry for entry in found.entries}
+    wide = by_key["near-tie", "interval"]
+    assert wide.advice is not None
+    assert wide.advice.setting == "interval:bits=96"
+    assert [(cell.engine, cell.verdict) for cell in wide.shown] == [
+        ("interval:bits=512", "agree"),
+        ("interval", "undecided"),
+        ("interval:bits=96", "agree"),
+    ]
+    none = by_key["near-tie", "pymunk"].advice
+    assert none is not None
+    assert none.setting is None
+    assert none.told.endswith("within 200,000 units of work")
+    assert by_key["near-tie", "double"].advice is None, "which has no settings"
+    text = page_text(found)
+    assert "| `interval:bits=96`, advised | agrees | 4 of 4 |" in text
+    assert "No setting to advise: `pymunk` (none of" in text
+
+
+def test_every_time_is_a_ratio_to_the_certified_run(found: Survey) -> None:
+    for entry in found.entries:
+        for cell in entry.tried:
+            assert cell.times is not None
+            assert cell.times > 0
+
+
+def test_why_is_told_of_every_setting_that_is_shown(found: Survey) -> None:
+    for entry in found.entries:
+        for cell in entry.shown:
+            assert (cell.cause is None) == (cell.verdict == "agree"), (entry.label, cell.engine)
+
+
+def test_a_record_of_before_there_was_advice_is_read(found: Survey, tmp_path: Path) -> None:
+    data = json.loads(json.dumps(survey_json(found)))
+    del data["advice"]
+    for cell in data["cells"]:
+        del cell["times"]
+    path = tmp_path / "earlier.json"
+    path.write_text(json.dumps(data), encoding="utf-8")
+    assert {entry.advice for entry in read_survey([str(path)]).entries} == {None}
+    path.write_text(json.dumps({**data, "advice": [{"scene": "lee"}]}), encoding="utf-8")
+    with pytest.raises(SceneError, match="its advice is not what it is to be; write the report again"):
+        read_survey([str(path)])
+
+
+def test_a_survey_is_made_in_parts_and_the_later_of_two_is_taken(found: Survey, tmp_path: Path) -> None:
+    whole = json.loads(json.dumps(survey_json(found)))
+    again = {**whole, "cells": [{**c, "cause": "found later"} for c in whole["cells"] if c["scene"] == "lee"]}
+    paths = [tmp_path / "one.json", tmp_path / "two.json"]
+    for path, data in zip(paths, (whole, again), strict=True):
+        path.write_text(json.dumps(data), encoding="utf-8")
+    told = read_survey([str(path) for path in paths])
+    assert [(e.label, e.name) for e in told.entries] == [(e.label, e.name) for e in sorted_entries(found)]
+    for entry in told.entries:
+        assert all((cell.cause == "found later") == (entry.label == "lee") for cell in entry.tried)
 
 
 def test_what_is_written_is_read_again(found: Survey, tmp_path: Path) -> None:
@@ -98,7 +156,7 @@ def test_unknown_names_are_refused() -> None:
 def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = tmp_path / "page.md"
     with pytest.raises(SystemExit) as stop:
-        main(["survey", "--engines", "double", "--scenes", "lee", "--page", str(page), "--no-causes"])
+        main(["survey", "--engines", "double", "--scenes", "lee", "--page", str(page), "--no-causes", "--no-advice"])
     said = capsys.readouterr()
     assert not stop.value.code
     assert "agrees" in said.out

@@ -98,6 +98,17 @@ def test_a_failure_tells_the_divergence_first(pytester: pytest.Pytester) -> None
     assert told["truebreak-report"] == str(Path("reports", report.name))
 
 
+def test_a_report_that_cannot_be_written_hides_no_failure(pytester: pytest.Pytester) -> None:
+    pytester.makepyfile(FAILING)
+    Path(pytester.path, "taken").write_text("", "utf-8")
+    done = pytester.runpytest("--truebreak-report=taken")
+    assert done.ret == pytest.ExitCode.USAGE_ERROR
+    done.stderr.fnmatch_lines(["ERROR: --truebreak-report taken: is a file; name a folder"])
+    done = pytester.runpytest("--truebreak-report=taken/reports")
+    done.assert_outcomes(failed=1, warnings=1)
+    done.stdout.fnmatch_lines(["E *CheckFailed: double first differs at event 0*", "*truebreak: no report: *"])
+
+
 def test_undecided_fails_unless_it_is_to_skip(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(OPEN)
     done = pytester.runpytest()
