@@ -26,7 +26,7 @@ STYLE = """
 .other { fill: none; stroke: var(--engine); stroke-dasharray: var(--dash); } .marked { stroke-width: 3; }
 .velocity { stroke: #2b6cb0; } .othervelocity { stroke: var(--engine); }
 text { font: 11px system-ui, sans-serif; fill: #222; text-anchor: middle; dominant-baseline: central; }
-@media (prefers-color-scheme: dark) {
+@media screen and (prefers-color-scheme: dark) {
   .frame { fill: #1b1d21; } .wall { stroke: #aaa; } .pocket { fill: #3a3d44; } text { fill: #eee; }
   .circle { fill: #63b3ed33; stroke: #63b3ed; } .fixed { fill: #aaa5; stroke: #aaa; } .velocity { stroke: #63b3ed; }
 }
