@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from ..chaos.foreseen import foreseen
 from .foreseen import foreseen_phrase
-from .page.outcome_tables import changed, kept
+from .page.outcome_tables import changed, kept, settled
 from .page.patterns import gallery
 from .page.provenance import minimise_command, provenance
 from .page.recording import recording
@@ -75,6 +75,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         gallery=gallery(comparison),
         changed=changed(comparison),
         kept=kept(comparison),
+        went_to_the_end=any(settled(c) for c in comparison.candidates),
         provenance=provenance(comparison, command),
         player=COMPARED,
         footnote="Solid and blue: the reference.",
@@ -116,6 +117,7 @@ def _row(number: int, candidate: Candidate) -> dict[str, Any]:
         "engine": candidate.engine,
         "verdict": candidate.verdict,
         "agreed": f"{candidate.alignment.agreed:,}",
+        "event": f"{divergence.event:,}" if divergence else "",
         "differs": f"event {divergence.event:,}, t = {divergence.time:.9g}" if divergence else "",
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
         "evidence": candidate.diagnosis.evidence if candidate.diagnosis else "",
@@ -135,8 +137,8 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
         "evidence": sentence_case(candidate.diagnosis.evidence) if candidate.diagnosis else "",
         "pattern": pattern_phrase(comparison, candidate),
-        "consequence": consequence_phrase(comparison, candidate),
-        "margin": margin_phrase(candidate),
+        "consequence": sentence_case(consequence_phrase(comparison, candidate) or ""),
+        "margin": sentence_case(margin_phrase(candidate) or ""),
         "amounts": amounts(candidate),
         "enough": enough(candidate),
         "experiments": experiment_rows(candidate),

@@ -132,6 +132,55 @@ def test_the_page_opens_at_the_first_divergence_and_the_jump_finds_it_again(
     assert "The first divergence" in browser.ask("document.getElementById('told').textContent")
 
 
+def test_events_that_no_double_tells_apart_are_gone_through_one_by_one(browser: Browser, files: Path) -> None:
+    """Four in the exact run, all at t = 1 as a double, with how much later each is than the last; one in doubles."""
+    browser.open(files / "near-tie.html")
+    rows = browser.ask("[...document.querySelectorAll('#list-truth li')].map((row) => row.textContent)")
+    assert [row.split("  ")[1] for row in rows] == ["t = 1", "5.00e-41 later", "2.27e-41 later", "2.27e-40 later"]
+    assert browser.ask(CURRENT % "truth").startswith("0 ")
+    browser.ask("document.getElementById('scrubber').focus()")
+    for key, place in (("ArrowRight", "1"), ("ArrowRight", "2"), ("ArrowLeft", "1"), ("ArrowLeft", "0")):
+        browser.press(key)
+        assert browser.ask(CLOCK) == 1
+        assert browser.ask(CURRENT % "truth").startswith(f"{place} ")
+    browser.click("#truth-2")
+    assert browser.ask(CURRENT % "truth").startswith("2 ")
+    assert "exact: event 2," in browser.ask("document.getElementById('told').textContent")
+    browser.press("Home")
+    browser.press("ArrowRight")
+    assert browser.ask(CURRENT % "truth").startswith("0 ")
+
+
+@pytest.mark.parametrize("kind", ["undecided", "unsettled"])
+def test_a_page_without_an_answer_opens_where_the_run_stopped(browser: Browser, files: Path, kind: str) -> None:
+    browser.open(files / f"{kind}.html")
+    stopped = float(comparison(kind).candidates[0].trajectory.final_time)
+    assert browser.ask(CLOCK) == pytest.approx(stopped, rel=1e-12)
+    assert "its run ends at" in browser.ask("document.getElementById('told').textContent")
+    browser.ask("document.getElementById('scrubber').focus()")
+    browser.press("Home")
+    assert browser.ask("document.getElementById('jump').textContent") == "To where it stopped"
+    browser.click("#jump")
+    assert browser.ask(CLOCK) == pytest.approx(stopped, rel=1e-12)
+    assert "No engine went to the end" in browser.ask("document.querySelector('main').textContent")
+
+
+def test_small_bodies_are_shown_close_up_and_all_of_them_when_asked(browser: Browser, files: Path) -> None:
+    browser.open(files / "orders.html")
+    pressed = "document.getElementById('close').getAttribute('aria-pressed')"
+    assert browser.ask(pressed) == "true"
+    close = browser.ask(PIXELS)
+    browser.click("#close")
+    assert browser.ask(pressed) == "false"
+    assert browser.ask(PIXELS) != close
+    browser.click("#close")
+    assert browser.ask(PIXELS) == close
+    browser.open(files / "gas.html")
+    assert browser.ask(pressed) == "false"
+    browser.open(files / "undecided.html")
+    assert browser.ask("document.getElementById('close').hidden")
+
+
 @pytest.mark.parametrize("kind", ["thousand", "long-galperin", "chaos", "orders"])
 def test_the_scrubber_moves_in_every_kind_of_page(browser: Browser, files: Path, kind: str) -> None:
     browser.open(files / f"{kind}.html")
