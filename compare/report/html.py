@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from ...scenarios.picture import PICTURED_CIRCLES, scene_picture
 from ..chaos.foreseen import foreseen
 from .foreseen import foreseen_phrase
 from .page.outcome_tables import changed, kept, settled
@@ -14,7 +15,7 @@ from .page.provenance import minimise_command, provenance
 from .page.recording import recording
 from .page.rendering import COMPARED, rendered
 from .page.why import amounts, enough
-from .picture import divergence_picture, scene_picture
+from .picture import divergence_picture
 from .plot import NARROW, WIDE, horizon_bands, separation_plot
 from .sentences import (
     consequence_phrase,
@@ -33,9 +34,6 @@ from .side_by_side import side_by_side
 if TYPE_CHECKING:
     from ..candidate import Candidate
     from ..comparison import Comparison
-
-PICTURED_CIRCLES = 500
-"""A scene of more circles is not drawn at a divergence: the picture would say nothing."""
 
 
 def html_report(comparison: Comparison, *, command: str = "") -> str:
@@ -144,7 +142,7 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "experiments": experiment_rows(candidate),
         "minimise": minimise_command(comparison, candidate),
         "rows": side_by_side(comparison, candidate),
-        "picture": Markup(divergence_picture(comparison, candidate, number)) if _drawn(comparison) else "",
+        "picture": Markup(divergence_picture(comparison.reference, candidate, number)) if _drawn(comparison) else "",
     }
 
 

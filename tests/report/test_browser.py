@@ -28,13 +28,22 @@ CLIPPED = """[...document.querySelectorAll('main *')].filter((e) => {
 """Elements that stick out of the page, or whose contents stick out of them."""
 
 
+class Files:
+    """Every page as a file, `files / "gas.html"`, which is made when it is first asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __truediv__(self, name: str) -> Path:
+        path = self.folder / name
+        if not path.exists():
+            path.write_text(page(path.stem), encoding="utf-8")
+        return path
+
+
 @pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Every page as a file."""
-    folder = tmp_path_factory.mktemp("pages")
-    for kind in PAGES:
-        (folder / f"{kind}.html").write_text(page(kind), encoding="utf-8")
-    return folder
+def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
+    return Files(tmp_path_factory.mktemp("pages"))
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +62,7 @@ def browser(running: Browser) -> Browser:
 
 
 @pytest.mark.parametrize("kind", PAGES)
-def test_nothing_is_wider_than_the_page_and_nothing_goes_wrong(browser: Browser, files: Path, kind: str) -> None:
+def test_nothing_is_wider_than_the_page_and_nothing_goes_wrong(browser: Browser, files: Files, kind: str) -> None:
     for width in WIDTHS:
         browser.size(width)
         browser.open(files / f"{kind}.html")
@@ -65,7 +74,7 @@ def test_nothing_is_wider_than_the_page_and_nothing_goes_wrong(browser: Browser,
 
 
 @pytest.mark.parametrize("kind", ["gas", "rack", "hostile", "many-engines", "chaos", "orders"])
-def test_nothing_is_cut_on_paper(browser: Browser, files: Path, kind: str) -> None:
+def test_nothing_is_cut_on_paper(browser: Browser, files: Files, kind: str) -> None:
     browser.size(PAPER)
     browser.open(files / f"{kind}.html")
     browser.media("print")
@@ -77,7 +86,7 @@ def test_nothing_is_cut_on_paper(browser: Browser, files: Path, kind: str) -> No
     assert browser.paper().startswith(b"%PDF")
 
 
-def test_the_scrubber_moves_the_clock(browser: Browser, files: Path) -> None:
+def test_the_scrubber_moves_the_clock(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     before = browser.ask(PIXELS)
     browser.ask(MOVE % 3.5)
@@ -93,7 +102,7 @@ CURRENT = "document.querySelector('#list-%s [aria-selected=true]')?.textContent 
 CLOCK = "Number(document.getElementById('scrubber').value)"
 
 
-def test_the_jump_lands_on_the_first_divergence(browser: Browser, files: Path) -> None:
+def test_the_jump_lands_on_the_first_divergence(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     divergence = comparison("gas")["pymunk"].alignment.divergence
     assert divergence is not None
@@ -112,7 +121,7 @@ def test_the_jump_lands_on_the_first_divergence(browser: Browser, files: Path) -
 
 @pytest.mark.parametrize("kind", ["break", "pinball", "thirty"])
 def test_the_page_opens_at_the_first_divergence_and_the_jump_finds_it_again(
-    browser: Browser, files: Path, kind: str
+    browser: Browser, files: Files, kind: str
 ) -> None:
     browser.open(files / f"{kind}.html")
     opened = browser.ask(CLOCK)
@@ -132,7 +141,7 @@ def test_the_page_opens_at_the_first_divergence_and_the_jump_finds_it_again(
     assert "The first divergence" in browser.ask("document.getElementById('told').textContent")
 
 
-def test_events_that_no_double_tells_apart_are_gone_through_one_by_one(browser: Browser, files: Path) -> None:
+def test_events_that_no_double_tells_apart_are_gone_through_one_by_one(browser: Browser, files: Files) -> None:
     """Four in the exact run, all at t = 1 as a double, with how much later each is than the last; one in doubles."""
     browser.open(files / "near-tie.html")
     rows = browser.ask("[...document.querySelectorAll('#list-truth li')].map((row) => row.textContent)")
@@ -152,7 +161,7 @@ def test_events_that_no_double_tells_apart_are_gone_through_one_by_one(browser: 
 
 
 @pytest.mark.parametrize("kind", ["undecided", "unsettled"])
-def test_a_page_without_an_answer_opens_where_the_run_stopped(browser: Browser, files: Path, kind: str) -> None:
+def test_a_page_without_an_answer_opens_where_the_run_stopped(browser: Browser, files: Files, kind: str) -> None:
     browser.open(files / f"{kind}.html")
     stopped = float(comparison(kind).candidates[0].trajectory.final_time)
     assert browser.ask(CLOCK) == pytest.approx(stopped, rel=1e-12)
@@ -165,7 +174,7 @@ def test_a_page_without_an_answer_opens_where_the_run_stopped(browser: Browser, 
     assert "No engine went to the end" in browser.ask("document.querySelector('main').textContent")
 
 
-def test_small_bodies_are_shown_close_up_and_all_of_them_when_asked(browser: Browser, files: Path) -> None:
+def test_small_bodies_are_shown_close_up_and_all_of_them_when_asked(browser: Browser, files: Files) -> None:
     browser.open(files / "orders.html")
     pressed = "document.getElementById('close').getAttribute('aria-pressed')"
     assert browser.ask(pressed) == "true"
@@ -182,7 +191,7 @@ def test_small_bodies_are_shown_close_up_and_all_of_them_when_asked(browser: Bro
 
 
 @pytest.mark.parametrize("kind", ["thousand", "long-galperin", "chaos", "orders"])
-def test_the_scrubber_moves_in_every_kind_of_page(browser: Browser, files: Path, kind: str) -> None:
+def test_the_scrubber_moves_in_every_kind_of_page(browser: Browser, files: Files, kind: str) -> None:
     browser.open(files / f"{kind}.html")
     browser.ask("document.getElementById('scrubber').focus()")
     browser.press("Home")
@@ -194,7 +203,7 @@ def test_the_scrubber_moves_in_every_kind_of_page(browser: Browser, files: Path,
     assert any(browser.ask(CURRENT % side).startswith("0 ") for side in sides)
 
 
-def test_a_run_alone_has_one_pane_and_moves_the_line_in_the_plot(browser: Browser, files: Path) -> None:
+def test_a_run_alone_has_one_pane_and_moves_the_line_in_the_plot(browser: Browser, files: Files) -> None:
     browser.open(files / "chaos.html")
     shown = "[...document.querySelectorAll('#player figure')].filter((e) => e.offsetWidth > 0).length"
     assert browser.ask(shown) == 1
@@ -206,7 +215,7 @@ def test_a_run_alone_has_one_pane_and_moves_the_line_in_the_plot(browser: Browse
     assert browser.ask(where) > before + 400
 
 
-def test_two_outcomes_part_where_they_are_said_to(browser: Browser, files: Path) -> None:
+def test_two_outcomes_part_where_they_are_said_to(browser: Browser, files: Files) -> None:
     browser.open(files / "orders.html")
     assert browser.ask("document.getElementById('name-engine').textContent") == "outcome 1"
     marks = "[...document.querySelectorAll('#player li.first')].map((row) => row.textContent)"
@@ -219,7 +228,7 @@ def test_two_outcomes_part_where_they_are_said_to(browser: Browser, files: Path)
     assert browser.messages == []
 
 
-def test_digits_are_not_all_there_once_an_error_may_have_come(browser: Browser, files: Path) -> None:
+def test_digits_are_not_all_there_once_an_error_may_have_come(browser: Browser, files: Files) -> None:
     """Between an error of nothing and the next that is known, the counter tells of the latter."""
     browser.open(files / "break.html")
     errors = json.loads(browser.ask("document.getElementById('recording').textContent"))["runs"][2]["errors"]
@@ -231,7 +240,7 @@ def test_digits_are_not_all_there_once_an_error_may_have_come(browser: Browser, 
     assert float(browser.ask("document.getElementById('digits').textContent")) < 16
 
 
-def test_the_two_bodies_are_ringed_at_the_divergence_and_not_long_before(browser: Browser, files: Path) -> None:
+def test_the_two_bodies_are_ringed_at_the_divergence_and_not_long_before(browser: Browser, files: Files) -> None:
     """The ring is drawn in the colour of text, which nothing else without a label has: pixels of it come and go."""
     browser.open(files / "gas.html")
     data = json.loads(browser.ask("document.getElementById('recording').textContent"))
@@ -249,7 +258,7 @@ DARK = """(() => { const c = document.getElementById('pane-truth');
   for (let k = 0; k < d.length; k += 4) n += d[k] < 60 && d[k + 1] < 60 && d[k + 2] < 70; return n; })()"""
 
 
-def test_keys_go_from_event_to_event(browser: Browser, files: Path) -> None:
+def test_keys_go_from_event_to_event(browser: Browser, files: Files) -> None:
     browser.open(files / "undecided.html")
     times = sorted(
         {float(e.time) for e in comparison("undecided").reference.events}
@@ -272,7 +281,7 @@ def test_keys_go_from_event_to_event(browser: Browser, files: Path) -> None:
     assert browser.ask("document.getElementById('play').textContent") == "Play"
 
 
-def test_playing_moves_the_clock_until_it_is_stopped(browser: Browser, files: Path) -> None:
+def test_playing_moves_the_clock_until_it_is_stopped(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     browser.ask("document.getElementById('scrubber').focus()")
     browser.press("Home")
@@ -287,7 +296,7 @@ def test_playing_moves_the_clock_until_it_is_stopped(browser: Browser, files: Pa
     assert browser.ask(CLOCK) == stopped
 
 
-def test_an_event_in_the_list_and_a_place_in_the_plot_can_be_clicked(browser: Browser, files: Path) -> None:
+def test_an_event_in_the_list_and_a_place_in_the_plot_can_be_clicked(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     event = comparison("gas").reference.events[12]
     browser.ask("document.getElementById('truth-12').scrollIntoView()")
@@ -298,7 +307,7 @@ def test_an_event_in_the_list_and_a_place_in_the_plot_can_be_clicked(browser: Br
     assert x == pytest.approx(450, abs=1)
 
 
-def test_digits_run_down(browser: Browser, files: Path) -> None:
+def test_digits_run_down(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     browser.ask("document.getElementById('scrubber').focus()")
     browser.press("Home")
@@ -311,7 +320,7 @@ def test_digits_run_down(browser: Browser, files: Path) -> None:
     assert digits[-1] < digits[0] < 16
 
 
-def test_another_engine_can_be_chosen(browser: Browser, files: Path) -> None:
+def test_another_engine_can_be_chosen(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     assert browser.ask("document.getElementById('name-engine').textContent") == "pymunk"
     browser.ask(
@@ -322,7 +331,7 @@ def test_another_engine_can_be_chosen(browser: Browser, files: Path) -> None:
     assert browser.ask("document.getElementById('engine-figure').className") == "e0"
 
 
-def test_sound_is_off_at_first(browser: Browser, files: Path) -> None:
+def test_sound_is_off_at_first(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     assert browser.ask("document.getElementById('sound').getAttribute('aria-pressed')") == "false"
     browser.click("#sound")
@@ -330,7 +339,7 @@ def test_sound_is_off_at_first(browser: Browser, files: Path) -> None:
     assert browser.messages == []
 
 
-def test_less_motion_leaves_the_steps_and_the_still_pictures(browser: Browser, files: Path) -> None:
+def test_less_motion_leaves_the_steps_and_the_still_pictures(browser: Browser, files: Files) -> None:
     browser.media(prefers_reduced_motion="reduce")
     browser.open(files / "gas.html")
     assert browser.ask("document.getElementById('play').hidden")
@@ -343,7 +352,7 @@ def test_less_motion_leaves_the_steps_and_the_still_pictures(browser: Browser, f
     )
 
 
-def test_without_scripts_the_pictures_the_tables_and_the_files_are_there(browser: Browser, files: Path) -> None:
+def test_without_scripts_the_pictures_the_tables_and_the_files_are_there(browser: Browser, files: Files) -> None:
     browser.script(False)
     browser.open(files / "gas.html")
     assert browser.ask("getComputedStyle(document.getElementById('player')).display") == "none"
@@ -352,7 +361,7 @@ def test_without_scripts_the_pictures_the_tables_and_the_files_are_there(browser
     assert browser.ask("document.querySelector('[data-copy]').hidden")
 
 
-def test_tables_sort(browser: Browser, files: Path) -> None:
+def test_tables_sort(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     column = (
         "[...document.querySelector('table.sortable').tBodies[0].rows].map((row) => row.cells[2].textContent.trim())"
@@ -367,7 +376,7 @@ def test_tables_sort(browser: Browser, files: Path) -> None:
 @pytest.mark.skipif(not AXE.is_file(), reason="no axe-core here: npm install --prefix tests/report")
 @pytest.mark.parametrize("kind", ["gas", "near-tie", "undecided", "unsettled", "hostile", "pinball", "chaos", "orders"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_finds_nothing_serious(browser: Browser, files: Path, kind: str, scheme: str) -> None:
+def test_axe_finds_nothing_serious(browser: Browser, files: Files, kind: str, scheme: str) -> None:
     browser.media(prefers_color_scheme=scheme)
     for width in (1200, 360):
         browser.size(width)

@@ -96,7 +96,13 @@ function follow(side) {
   if (!now) { list.removeAttribute("aria-activedescendant"); list.scrollTop = 0; return; }
   now.setAttribute("aria-selected", "true");
   list.setAttribute("aria-activedescendant", now.id);
-  list.scrollTop = now.offsetTop - list.clientHeight / 2;
+  reveal(side);
+}
+
+function reveal(side) {
+  const list = part(`list-${side}`);
+  const now = list.querySelector("[aria-selected=true]");
+  if (now) list.scrollTop = now.offsetTop - list.clientHeight / 2;
 }
 
 // Says where the clock stands, for the eye and for a screen reader; not while it runs.
@@ -305,6 +311,7 @@ function quiet() {
 
 function resize() {
   fitAll();
+  sides.forEach(reveal); // a page that is laid out late, as in a notebook, had nothing to scroll before
   draw();
 }
 

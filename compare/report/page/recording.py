@@ -7,9 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ....scenarios.picture import Disc, view_of, wall_line
 from ....scenarios.trajectory import StopReason
 from ..instants import later
-from ..picture import Disc, view_of, wall_line
 from ..sentences import headline
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from ....scenarios.picture import STYLE
 from ..engine_style import engine_css
-from ..picture import STYLE
 
 
 @cache
