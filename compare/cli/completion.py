@@ -5,7 +5,14 @@ from __future__ import annotations
 import dataclasses
 
 import click
-from click.shell_completion import CompletionItem
+from click.shell_completion import CompletionItem, FishComplete, add_completion_class
+
+
+@add_completion_class
+class Fish(FishComplete):
+    """Fish's script, which would cut a list of engines, or of settings, at its first comma."""
+
+    source_template = FishComplete.source_template.replace('string split ","', 'string split --max 1 ","')
 
 
 def scenes(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
