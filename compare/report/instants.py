@@ -21,7 +21,7 @@ def later(before: Event, event: Event) -> str:
     >>> from truebreak.scenarios import catalogue
     >>> events = ExactEngine().run(catalogue.build("near-tie:k=40")).events
     >>> later(events[0], events[1])
-    '1.00e-40'
+    '5.00e-41'
     """
     for bits in BITS:
         with ball.precision(bits):
