@@ -47,9 +47,10 @@ lowest:
 	$(PYTHON) tests/lowest.py > build/lowest.txt
 	$(PYTHON) -m venv build/lowest
 	build/lowest/bin/pip install -q -c build/lowest.txt -e . pytest pytest-timeout pytest-xdist hypothesis jsonschema setuptools
-	build/lowest/bin/python -m pytest -n auto tests/test_cli.py tests/report/test_command_line.py \
-	    tests/report/test_terminal.py tests/report/test_page.py tests/test_exact_values.py tests/test_laws.py \
-	    tests/test_pymunk_engine.py tests/test_ball_machine.py tests/compare/test_chaos.py tests/test_symbolic.py
+	build/lowest/bin/python -m pytest -n auto tests/exact/laws/test_laws.py tests/exact/literal/test_symbolic.py \
+	    tests/exact/replay/test_ball_state.py tests/exact/results/test_exact_values.py tests/floating/test_pymunk_engine.py \
+	    tests/compare/chaos/test_chaos.py tests/compare/cli/test_cli.py tests/compare/cli/test_command_line.py \
+	    tests/compare/report/test_page.py tests/compare/report/test_terminal.py
 
 # The distribution of sources, unpacked: its tests pass there, against the wheel that is built from it.
 sdist:
@@ -58,7 +59,7 @@ sdist:
 # Writes docs/report.png, the README's picture, from a report made now; needs chromium.
 picture: .venv/ready
 	$(BIN)/truebreak compare gas --html report.html --exit-zero
-	$(BIN)/python tests/report/browser.py report.html docs/report.png 1000 980
+	$(BIN)/python tests/compare/report/browser.py report.html docs/report.png 1000 980
 
 # Runs all stress families, and writes the map into docs/stress.md and docs/stress.svg; a test checks some of its places.
 stress-map: .venv/ready
@@ -66,7 +67,7 @@ stress-map: .venv/ready
 
 # Writes docs/reference-set-1.zip; a test proves that it is current.
 reference-set: .venv/ready
-	$(BIN)/python tests/certificate/reference_set.py
+	$(BIN)/python tests/exact/certificate/reference_set.py
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

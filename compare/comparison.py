@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -94,7 +94,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """One row an engine, and a picture of where the first of them parts, or of the scene, for a notebook."""
-        from .report.picture import notebook_picture
+        from .report.pictures.picture import notebook_picture
 
         rows: list[tuple[object, ...]] = [(self.reference.engine, "reference", len(self.reference.events), "", "")]
         for candidate in self.candidates:
@@ -152,7 +152,7 @@ def compare(
     'agree'
     """
     scene = _checked_scene(scene)
-    listed: list[Any] = [engines] if isinstance(engines, str) or hasattr(engines, "run") else list(engines)  # type: ignore[arg-type]
+    listed = [engines] if isinstance(engines, str) or not isinstance(engines, Iterable) else [*engines]
     if not listed:
         raise SceneError("no engine to compare; name at least one, such as double")
     chosen: list[tuple[str, Engine]] = [(_label(e), check_engine(_engine(e))) for e in listed]
@@ -254,10 +254,10 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
     Raises:
         OutOfTime: if the user's seconds are over before anything was tried.
     """
-    from .causes.experiments import diagnosis_of
-    from .causes.laboratory import Laboratory
+    from .causes.laboratory.laboratory import Laboratory
     from .causes.measure import margin_of
-    from .causes.stops import diagnosis_of_stop
+    from .causes.stops.stopped import Stopped
+    from .causes.walk import diagnosis_of, diagnosis_of_stop
 
     if candidate.alignment.divergence is not None:
         with time_to_read(study.watch):
@@ -265,7 +265,7 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
         return replace(candidate, diagnosis=diagnosis_of(lab), margin=margin_of(lab))
     if candidate.alignment.undecided:
         with time_to_read(study.watch):
-            return replace(candidate, diagnosis=diagnosis_of_stop(study, candidate, engine, progress))
+            return replace(candidate, diagnosis=diagnosis_of_stop(Stopped(study, candidate, engine, progress)))
     return candidate
 
 

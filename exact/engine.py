@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.event import Event, Pocketing, Reversal
+from ..scenarios.late import Late
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
@@ -24,7 +25,7 @@ from .results.motion import ExactMotion
 from .results.resumed import NOT_ITS_LOG, farther, restore, tape_of, within
 from .results.run_log import RunLog
 from .results.times import time_of, time_of_return, time_zero
-from .simulation.history import History
+from .simulation.history import History, Record
 from .simulation.limits import Limits, run_limits
 from .simulation.loop import Loop, stopped
 from .simulation.tape import Tape
@@ -32,8 +33,8 @@ from .simulation.tape import Tape
 DEFAULT_WORK = 3_000_000
 """Units of work that one question, or all of one instant, may cost; a unit is about a microsecond.
 
-200,000 suffice to tell two rows of 16 discs apart that are flawed by 10**-9000 (`tests/test_log_symmetry.py`), and a
-proof in six nested roots takes about as many: fifteen times that leaves room, and ends what has no end in seconds."""
+200,000 suffice to tell two rows of 16 discs apart that are flawed by 10**-9000 (`test_log_symmetry.py`), and a proof in
+six nested roots takes about as many: fifteen times that leaves room, and ends what has no end in seconds."""
 
 
 @dataclass(frozen=True)
@@ -179,18 +180,7 @@ class ExactEngine(Declared):
         history = decider.history
         state = decider.state
         log = RunLog(scene, history.steps, state.bits - min(state.lowest, state.bits), state.centred)
-        ids, named = scene.ids, Named(scene)
-        events = tuple(
-            Event(
-                index,
-                time_of(log, record.mark),
-                named(record.links),
-                named(record.impulses),
-                record.ties,
-                record.coupled,
-            )
-            for index, record in enumerate(history.records)
-        )
+        ids, records = scene.ids, history.records
         notes: tuple[str, ...] = ()
         home = False
         end = _end(log, history, limits, stop)
@@ -207,7 +197,7 @@ class ExactEngine(Declared):
             scene=scene,
             engine=self.name,
             parameters={"max_bits": self.max_bits, "ties": self.ties, "work": self.work},
-            events=events,
+            events=Late(len(records), lambda: _events(log, records)),
             stop=stop,
             final_time=end,
             motion=motion,
@@ -220,6 +210,13 @@ class ExactEngine(Declared):
             plan={**dict(sorted(history.plan.items())), "bits": decider.state.bits},
             notes=notes,
         )
+
+
+def _events(log: RunLog, records: Sequence[Record[Known]]) -> Iterator[Event]:
+    """The events that a history keeps."""
+    named = Named(log.scene)
+    for index, (mark, links, impulses, ties, coupled) in enumerate(records):
+        yield Event(index, time_of(log, mark), named(links), named(impulses), ties, coupled)
 
 
 def _end(log: RunLog, history: History[Known], limits: Limits, stop: Stop) -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 from ..exact.numbers.system import NumberSystem
 from ..exact.policies import Policy
 from ..exact.replay.state import State
-from ..scenarios.engine import Declared
+from ..scenarios.engine import EventDriven
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
@@ -18,7 +18,7 @@ from .plain_decider import PlainDecider
 from .plain_run import run_plain
 
 
-class EventEngine(Declared, ABC):
+class EventEngine(EventDriven, ABC):
     """The event loop of the exact engine in one number system.
 
     Inputs are rounded to the system's nearest numbers; every sign is taken at its word; equal event times are a tie;

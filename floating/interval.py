@@ -11,15 +11,15 @@ from dataclasses import dataclass
 from math import inf, nextafter
 from typing import Any, ClassVar
 
-import mpmath  # type: ignore[import-untyped]
+import mpmath
 import numpy as np
 from flint import arb
-from mpmath.libmp import to_float  # type: ignore[import-untyped]
+from mpmath.libmp import to_float
 from numpy.typing import NDArray
 
 from ..exact.numbers.undecided import Undecided
 from ..exact.replay.state import State
-from ..scenarios.engine import Declared
+from ..scenarios.engine import EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.doubles import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -250,7 +250,7 @@ def _interval(time: Any) -> Any:
 
 
 @dataclass(frozen=True)
-class IntervalEngine(Declared):
+class IntervalEngine(EventDriven):
     """The event loop of the exact engine, fed `mpmath.iv` intervals of a fixed precision.
 
     Attributes:

@@ -187,6 +187,7 @@ class PlainDecider(Generic[M]):
         self.queue = ArrivalQueue(self.bodies)
         self.meetings = PlainMeetings(scene, state, self.queue, self.history.plan, numbers, self.ask)
         self.reading = PlainReading(state, numbers)
+        self.stride = None
         self._sign = numbers.sign
         self.refresh([*state.bodies.values(), *state.pockets])
 

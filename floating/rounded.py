@@ -173,5 +173,5 @@ class RoundedEngine(EventEngine):
 
     def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
         """See `EventEngine.motion`."""
-        rows = [[tuple(map(float, knot[:5])) for knot in row] for row in knots]
-        return DoubleMotion(rows, float(end))  # type: ignore[arg-type]
+        rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, *_ in row] for row in knots]
+        return DoubleMotion(rows, float(end))

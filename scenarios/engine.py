@@ -77,21 +77,28 @@ class Engine(Protocol):
         ...
 
 
-class Declared:
-    """The declarations of an event-driven engine of exact numbers, for engines to derive from.
+class Unchangeable:
+    """What an engine says that cannot be made finer, wider or firmer."""
 
-    >>> Declared().step, Declared().rounds_input, Declared().finer()
-    (None, False, None)
-    """
+    def finer(self) -> Engine | None:
+        """None: there is no step to halve."""
+        return None
+
+    def wider(self) -> Engine | None:
+        """None: no wider numbers are to be had."""
+        return None
+
+    def firmer(self) -> Engine | None:
+        """None: nothing is iterated."""
+        return None
+
+
+class EventDriven(Unchangeable):
+    """The declarations of an event-driven engine, but for its `bits`."""
 
     @property
     def step(self) -> float | None:
         """No time step: event-driven (see `Engine.step`)."""
-        return None
-
-    @property
-    def bits(self) -> int | None:
-        """As many as it takes (see `Engine.bits`)."""
         return None
 
     @property
@@ -104,16 +111,17 @@ class Declared:
         """Follows every key (see `Engine.scene_keys`)."""
         return SCENE_KEYS
 
-    def finer(self) -> Engine | None:
-        """None: there is no step to halve."""
-        return None
 
-    def wider(self) -> Engine | None:
-        """None: no wider numbers are to be had."""
-        return None
+class Declared(EventDriven):
+    """The declarations of an event-driven engine of exact numbers, for engines to derive from.
 
-    def firmer(self) -> Engine | None:
-        """None: nothing is iterated."""
+    >>> Declared().step, Declared().rounds_input, Declared().finer()
+    (None, False, None)
+    """
+
+    @property
+    def bits(self) -> int | None:
+        """As many as it takes (see `Engine.bits`)."""
         return None
 
 

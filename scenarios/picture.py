@@ -105,9 +105,9 @@ def view_of(discs: Sequence[Disc], scene: Pictured) -> View:
     return View(middle_x - width / 2, middle_y - height / 2, width, height)
 
 
-def wall_line(wall: object) -> tuple[float, float, float, float]:
+def wall_line(wall: Wall) -> tuple[float, float, float, float]:
     """A wall's two points as doubles."""
-    return tuple(float(getattr(wall, key)) for key in ("x0", "y0", "x1", "y1"))  # type: ignore[return-value]
+    return float(wall.x0), float(wall.y0), float(wall.x1), float(wall.y1)
 
 
 def _nearest(

@@ -116,7 +116,7 @@ class Trajectory:
     scene: Scene
     engine: str
     parameters: Mapping[str, Any]
-    events: tuple[Event, ...]
+    events: Sequence[Event]
     stop: Stop
     final_time: Real
     motion: Motion = field(repr=False)

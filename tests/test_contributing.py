@@ -78,6 +78,7 @@ def test_there_are_recipes() -> None:
         "A tie policy",
         "A rung of the cascade",
         "A predicate",
+        "A cause",
         "A stress family",
     ]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,14 +9,14 @@ import mpmath
 import pytest
 import referee
 from mpmath import mpf
-from referee import AGREED_BITS, SCENES, History, Instant, Table, compare_to_referee, load, play, texts
+from referee import History, compare_to_referee, load
+from referee_play import Table, play
 
 from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall
 
 BITS = 1000
 SHARP = mpf(2) ** -900
 """What rounding may leave of an identity at BITS after a few events."""
-SMALLEST = sorted(SCENES, key=lambda name: (referee.DATA / f"{name}.scene.json").stat().st_size)[:2]
 
 
 @pytest.fixture(autouse=True)
@@ -164,13 +163,13 @@ def test_replay_by_impulses_in_mpmath_finds_every_contact_touching(name):
             line = lines[second]
             nx, ny = ruler(line.nx), ruler(line.ny)
             height = (p[1] - ruler(line.x)) * nx + (p[2] - ruler(line.y)) * ny
-            assert abs(abs(height) - radius[first]) < mpf(2) ** -AGREED_BITS
+            assert abs(abs(height) - radius[first]) < mpf(2) ** -referee.AGREED_BITS
             impulse = 2 * (p[3] * nx + p[4] * ny)
             p[3], p[4] = p[3] - impulse * nx, p[4] - impulse * ny
             continue
         q = body[second]
         reach, dx, dy = radius[first] + radius[second], q[1] - p[1], q[2] - p[2]
-        assert abs(dx * dx + dy * dy - reach * reach) < mpf(2) ** -AGREED_BITS
+        assert abs(dx * dx + dy * dy - reach * reach) < mpf(2) ** -referee.AGREED_BITS
         approach = (q[3] - p[3]) * dx + (q[4] - p[4]) * dy
         assert approach < 0
         impulse = 2 * approach / ((inverse[first] + inverse[second]) * reach * reach)
@@ -318,33 +317,3 @@ def test_judge_rejects_another_final_state(parrot):
     wrong = replace(history, final={**history.final, "c3": (x, y, vx + mpf("1e-10"), vy)})
     with pytest.raises(AssertionError, match=r"c3\.vx is"):
         compare_to_referee(trajectory, wrong)
-
-
-# -- the committed data
-
-
-def test_every_scene_is_committed_and_small():
-    assert referee.names() == sorted(SCENES)
-    assert all(path.stat().st_size < 60_000 for path in referee.DATA.iterdir())
-
-
-@pytest.mark.parametrize("name", sorted(SCENES))
-def test_committed_history_is_whole(name):
-    scene, history = load(name)
-    assert scene == referee.make(name)
-    assert len(history.events) == scene.events == SCENES[name][1]
-    assert history.stop == "events"
-    assert history.agreed_bits >= AGREED_BITS
-    assert all(isinstance(event, Instant) for event in history.events)
-    times = [event.time for event in history.events]
-    assert times == sorted(times)
-
-
-@pytest.mark.parametrize(
-    "name", [name if name in SMALLEST else pytest.param(name, marks=pytest.mark.slow) for name in SCENES]
-)
-def test_committed_data_are_current(name):
-    scene, events = texts(name)
-    assert (referee.DATA / f"{name}.scene.json").read_text() == scene
-    assert (referee.DATA / f"{name}.events.json").read_text() == events
-    assert json.loads(events)["stop"] == "events"

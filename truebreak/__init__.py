@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .compare.comparison import compare as comparison
-    from .compare.going_on import resume
+    from .compare.documents.tables import table
     from .compare.run import run
-    from .compare.saved_comparisons import load_comparison, save_comparison
-    from .compare.saved_runs import save_run
+    from .compare.saved.comparisons import load_comparison, save_comparison
+    from .compare.saved.going_on import resume
+    from .compare.saved.runs import save_run
     from .compare.scene_argument import scene_from as scene
-    from .compare.tables import table
     from .exact.results.saved import load_run
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
@@ -53,14 +53,14 @@ _HOMES = {
     "Wall": ("scenarios.things", "Wall"),
     "comparison": ("compare.comparison", "compare"),
     "load": ("scenarios.files", "load_scene"),
-    "load_comparison": ("compare.saved_comparisons", "load_comparison"),
+    "load_comparison": ("compare.saved.comparisons", "load_comparison"),
     "load_run": ("exact.results.saved", "load_run"),
-    "resume": ("compare.going_on", "resume"),
+    "resume": ("compare.saved.going_on", "resume"),
     "run": ("compare.run", "run"),
-    "save_comparison": ("compare.saved_comparisons", "save_comparison"),
-    "save_run": ("compare.saved_runs", "save_run"),
+    "save_comparison": ("compare.saved.comparisons", "save_comparison"),
+    "save_run": ("compare.saved.runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),
-    "table": ("compare.tables", "table"),
+    "table": ("compare.documents.tables", "table"),
 }
 """The module of each name, and what it is called there: imported when it is asked for."""
 

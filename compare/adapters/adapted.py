@@ -7,17 +7,24 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar
 
 from ...scenarios.errors import SceneError
-from ..foreign.recorded import RecordedEngine
+from ..foreign.recorded import Playing
 
 
-class Adapted(RecordedEngine):
+class Adapted(Playing):
     """An engine of others, adapted. `name` is that of its extra, too.
 
     Attributes:
         distribution: what the package index calls its package.
+        pair_microseconds: what an event costs it for each pair of circles, where it looks at all of them; measured.
     """
 
     distribution: ClassVar[str]
+    pair_microseconds: ClassVar[float] = 0.0
+
+    @property
+    def step(self) -> float | None:
+        """No time step, but for a `SteppedAdapter`."""
+        return None
 
     @property
     def parameters(self) -> dict[str, Any]:

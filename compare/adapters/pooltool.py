@@ -50,6 +50,7 @@ class PooltoolEngine(Adapted):
     distribution = "pooltool-billiards"
     name = "pooltool"
     bits = 53
+    pair_microseconds = 6.0
     friction: float = 1e-9
     metres: float = 1.0
     max_events: int = 1_000_000

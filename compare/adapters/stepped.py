@@ -65,7 +65,7 @@ class SteppedAdapter(Adapted):
         self.check_count("max_steps")
 
     @property
-    def step(self) -> float:  # type: ignore[override]
+    def step(self) -> float:
         """`dt`."""
         return self.dt
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.errors import SceneError
-from ..accuracy import end_error
 from ..alignment.divergence import Kind
+from ..chaos.accuracy import end_error
 from ..chaos.following import follow
 from ..comparison import candidate_of
 from ..documents.amounts import plain

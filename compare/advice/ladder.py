@@ -90,13 +90,17 @@ class Size:
         nanoseconds = steps * (STEP_NANOSECONDS + CIRCLE_NANOSECONDS * self.circles)
         return steps, -(-(nanoseconds + ROUND_NANOSECONDS * iterations * self.impulses) // 1000)
 
-    def driven(self, bits: int) -> int:
-        """Units of work of a run from event to event in numbers of so many bits.
+    def driven(self, bits: int, pair: float = 0.0) -> int:
+        """Units of work of a run from event to event in numbers of so many bits, each event `pair` more for each pair.
 
         >>> Size(10.0, 20, 20, 10, 4).driven(64)
         18816
+        >>> Size(10.0, 20, 20, 10, 4).driven(64, 6.0) - Size(10.0, 20, 20, 10, 4).driven(64)
+        5670
         """
-        return (self.events + 1) * (self.circles + self.walls) * (EVENT_MICROSECONDS + bits // BITS_A_MICROSECOND)
+        pairs = self.circles * (self.circles - 1) // 2
+        one = (self.circles + self.walls) * (EVENT_MICROSECONDS + bits // BITS_A_MICROSECOND)
+        return (self.events + 1) * (one + math.ceil(pair * pairs))
 
 
 def cost(engine: Engine, size: Size) -> tuple[int | None, int]:
@@ -106,7 +110,7 @@ def cost(engine: Engine, size: Size) -> tuple[int | None, int]:
     (640, 940)
     """
     if engine.step is None:
-        return None, size.driven(engine.bits or 0)
+        return None, size.driven(engine.bits or 0, getattr(engine, "pair_microseconds", 0.0))
     return size.stepped(engine.step, getattr(engine, "iterations", 1))
 
 
@@ -128,7 +132,7 @@ def ladder(text: str, size: Size, budget: int) -> tuple[Setting, ...]:
     ['double']
     """
     base = engine_named(text)
-    names = {f.name for f in dataclasses.fields(base)} if dataclasses.is_dataclass(base) else set[str]()  # type: ignore[arg-type]
+    names = {f.name for f in dataclasses.fields(base)} if dataclasses.is_dataclass(base) else set[str]()
     given = _taken_apart(text)[1]
     if base.step is not None and "dt" in names:
         found = list(_steps(text, base, names, given, size, budget))

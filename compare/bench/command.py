@@ -131,7 +131,7 @@ def run(
     asked = {s.name: digest_of(s) for s in subjects(scenes)} if TRADEOFFS in chosen(only) else {}
     _check_files(asked, then, compared, kept, keep)
     if svg is not None:
-        from ..report.picture import svg_path
+        from ..report.pictures.picture import svg_path
 
         if not asked:
             raise SceneError(f"--svg {svg!r}: the plot is that of {TRADEOFFS!r}; name it too")
@@ -141,8 +141,8 @@ def run(
                          processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1),
                          kept=kept, progress=show)  # fmt: skip
     if svg is not None:
-        from ..report.picture import svg_path
-        from ..report.tradeoff_plot import tradeoff_plot
+        from ..report.pictures.picture import svg_path
+        from ..report.pictures.tradeoff_plot import tradeoff_plot
 
         write_whole(svg_path(svg), tradeoff_plot(report.tradeoffs))
     held = None if then is None else against(report, then)
@@ -176,7 +176,7 @@ def _check_files(
 
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
-    from ..report.listing import console, say
+    from ..report.text.listing import console, say
     from .tables import tables
 
     out = console()

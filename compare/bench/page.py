@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ...scenarios.errors import SceneError
-from ..report.tradeoff_plot import tradeoff_plot
+from ..report.pictures.tradeoff_plot import tradeoff_plot
 from .report import idleness_of, load, rows_of
 from .subjects import SUBJECTS
 from .tradeoff import Tradeoff, told_digits

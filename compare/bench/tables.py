@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rich.markup import escape
 
-from ..report.listing import grid
+from ..report.text.listing import grid
 from .subjects import SUBJECTS
 from .tradeoff import told_digits
 

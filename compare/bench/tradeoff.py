@@ -12,8 +12,8 @@ from ...exact.engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
-from ..accuracy import end_error
 from ..advice.ladder import Size, cost
+from ..chaos.accuracy import end_error
 from ..comparison import candidate_of
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named

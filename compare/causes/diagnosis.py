@@ -5,27 +5,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
+from .table import CAUSES, Cause
+
 
 class CauseName(Enum):
-    """The classes of causes; the value is what a person reads."""
+    """The classes of causes: one for each entry of `CAUSES`. The value is what a person reads.
 
-    INPUT = "input rounding"
-    ARITHMETIC = "arithmetic rounding"
-    TOGETHER = "input and arithmetic rounding together"
-    STEP = "time step"
-    TUNNELLING = "tunnelling"
-    ITERATIONS = "solver iterations"
-    TIE = "tie"
-    WIDTH = "enclosure width"
-    ZERO = "exact zero"
-    BUDGET = "budget"
-    UNABLE = "scene not possible in this engine"
-    MODEL = "model"
-    UNKNOWN = "not determined"
+    >>> CauseName["INPUT"].value, CauseName("time step").name
+    ('input rounding', 'STEP')
+    """
 
+    _ignore_ = "names key entry_of"
+    names = vars()
+    for key, entry_of in CAUSES.items():
+        names[key] = entry_of.text
 
-ROUNDING = (CauseName.INPUT, CauseName.ARITHMETIC, CauseName.TOGETHER)
-"""What is floating-point error. A time step, a tie policy or another model is not."""
+    @property
+    def entry(self) -> Cause:
+        """What the table says of it."""
+        return CAUSES[self.name]
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,7 @@ class Diagnosis:
 def diagnosed(experiments: list[Experiment]) -> Diagnosis:
     """The diagnosis that a table of experiments gives. Shares are told where all that suffices was measured.
 
-    >>> diagnosed([Experiment(CauseName.INPUT, "moves it by 3", 3.0, True, 0.75)]).name.value
+    >>> diagnosed([Experiment(CauseName["INPUT"], "moves it by 3", 3.0, True, 0.75)]).name.value
     'input rounding'
     """
     measured = all(e.displacement is not None for e in experiments if e.suffices)
@@ -87,6 +85,6 @@ def diagnosed(experiments: list[Experiment]) -> Diagnosis:
     )
     enough = [e for e in rows if e.suffices]
     if not enough:
-        return Diagnosis(CauseName.UNKNOWN, rows, "nothing that was tried changes the decision by itself")
+        return Diagnosis(CauseName["UNKNOWN"], rows, "nothing that was tried changes the decision by itself")
     first = max(enough, key=lambda e: e.share or 0.0)
     return Diagnosis(first.cause, rows, first.result)

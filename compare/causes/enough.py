@@ -6,14 +6,15 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
+from ...exact.results.motion import motion_of
 from ...scenarios.trajectory import StopReason
 from ..deadline import OutOfTime, time_limit
-from .balls import BallRun, Replay, steps_of
+from .decision.balls import BallRun, Replay
 from .margin import BitsEnough
 
 if TYPE_CHECKING:
-    from .decision import Decision
-    from .laboratory import Laboratory
+    from .decision.decision import Decision
+    from .laboratory.laboratory import Laboratory
 
 FEWEST, MOST = 24, 1 << 17
 """The bits that are tried: from those of a single on."""
@@ -44,11 +45,12 @@ def bits_enough(lab: Laboratory) -> BitsEnough:
     study, decision = lab.study, lab.decision
     if decision is None or lab.margin is None:
         return BitsEnough(told="not searched: no contact can be named")
-    if not hasattr(lab.reference.motion, "log"):
+    motion = motion_of(lab.reference)
+    if motion is None:
         return BitsEnough(told=f"not searched: {study.truth.name} keeps no log that balls could carry out")
     if lab.tied or ball.sign_of(lab.margin) not in (-1, 1):
         return BitsEnough(told="no number of bits tells an exact zero")
-    most = min(MOST, MOST_WORK // max(len(steps_of(lab.reference)), 1))
+    most = min(MOST, MOST_WORK // max(len(motion.log.steps), 1))
     if most < STEP_BITS:
         return BitsEnough(told=f"not searched: the run has more than {MOST_WORK // STEP_BITS:,} steps")
     replayed = fewest(lambda bits: _replays(lab, decision, bits), FEWEST, most)

@@ -11,7 +11,7 @@ from .enough import bits_enough
 from .margin import BitsEnough, Bounds, Margin
 
 if TYPE_CHECKING:
-    from .laboratory import Laboratory
+    from .laboratory.laboratory import Laboratory
 
 
 def margin_of(lab: Laboratory) -> Margin:

@@ -18,6 +18,7 @@ from ...exact.numbers import ball
 from ...exact.replay.state import State
 from ...exact.results.growth import Displacements
 from ...exact.results.impacts import LEAST_BITS, moving
+from ...exact.results.motion import motion_of, steps_through
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -167,7 +168,9 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
     Interval arithmetic forgets how errors depend on each other, so its widths grow faster than any displacement. They
     are measured: the run's log is replayed by the plain formulas in balls, with bits to spare.
     """
-    log = trajectory.motion.log  # type: ignore[attr-defined]
+    motion = motion_of(trajectory)
+    assert motion is not None, "foreseen of an exact run only"
+    log = motion.log
     reach, circles = _usual_reach(trajectory.scene), trajectory.scene.circles
     bits = 2 * (log.lost + LEAST_BITS)
     while True:
@@ -176,7 +179,7 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
             shares: list[float] = []
             done = 0
             for event, impacts in zip(trajectory.events, struck, strict=False):
-                upto: int = event.time.upto  # type: ignore[attr-defined]
+                upto = steps_through(event)
                 for step in log.steps[done:upto]:
                     state.do(step)
                 done = upto

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...exact.results.impacts import NoTangentMap, impacts
-from ...exact.results.motion import ExactMotion
+from ...exact.results.motion import motion_of
 from .horizon import Forecaster, Horizon
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def foreseen(comparison: Comparison) -> Foreseen | None:
     (100, True)
     """
     reference = comparison.reference
-    if not isinstance(reference.motion, ExactMotion) or not reference.events:
+    if motion_of(reference) is None or not reference.events:
         return None
     most = min(len(reference.events), MOST_WORK // len(comparison.scene.circles))
     reason = "" if most == len(reference.events) else f"no more than {most:,} events are looked at"

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import time as clock
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -17,7 +13,7 @@ from .options import JSON, SCENE, SCENE_HELP, UNTIL
 
 if TYPE_CHECKING:
     from ..advice.goal import Goal
-    from ..advice.search import OnSearch, Searching
+    from ..advice.search import Searching
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -124,8 +120,9 @@ def advise(
     from ..advice.search import DEFAULT_BUDGET
     from ..advice.search import advise as search
     from ..documents.advice import advice_json, print_advice
-    from ..report.listing import print_json
+    from ..report.text.listing import print_json
     from ..scene_argument import scene_from
+    from .progress import showing_search
     from .writing import check_folder, write_whole
 
     if sum(given is not None for given in (outcome, digits, events)) > 1:
@@ -135,7 +132,7 @@ def advise(
     loaded = scene_from(scene)
     if folder is not None:
         check_folder(folder)
-    with showing_search(loaded.name) as progress:
+    with showing_search(loaded.name, searched) as progress:
         found = search(
             loaded,
             _goal(outcome, digits, events),
@@ -167,20 +164,6 @@ def _goal(outcome: str | None, digits: int | None, events: int | None) -> Goal:
     if outcome is not None:
         return OutcomeGoal(outcome)
     return Digits(digits) if digits is not None else History(events)
-
-
-@contextmanager
-def showing_search(title: str) -> Iterator[OnSearch | None]:
-    """A line on stderr with the work done, its rate and the most that is left; None where stderr is no terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.markup import escape
-
-    began = clock.monotonic()
-    with Console(stderr=True).status(escape(title)) as status:
-        yield lambda state: status.update(escape(f"{title}: {searched(state, clock.monotonic() - began)}"))
 
 
 def searched(state: Searching, seconds: float) -> str:

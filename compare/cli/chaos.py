@@ -71,8 +71,8 @@ def chaos(
     from ..chaos.chaos import chaos as measured
     from ..documents.chaos import chaos_json
     from ..engines import split_engines
-    from ..report.chaos_text import print_chaos
-    from ..report.listing import print_json
+    from ..report.text.chaos import print_chaos
+    from ..report.text.listing import print_json
     from ..scene_argument import changed
     from .progress import showing_progress
     from .writing import check_writable, write_whole

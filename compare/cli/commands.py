@@ -58,7 +58,7 @@ def cli(debug: bool) -> None:
 @JSON
 def scenes(as_json: bool) -> int:
     """List the catalogue: names, parameters, sources."""
-    from ..report.listing import print_catalogue
+    from ..report.text.listing import print_catalogue
 
     print_catalogue(as_json)
     return DONE
@@ -70,13 +70,13 @@ def scenes(as_json: bool) -> int:
 @JSON
 def show(scene: str, plot: str | None, as_json: bool) -> int:
     """Show a scene, exactly, and where it comes from."""
-    from ..report.listing import print_scene
+    from ..report.text.listing import print_scene
     from ..scene_argument import scene_from
 
     loaded = scene_from(scene)
     if plot is not None:
         from ...scenarios.picture import scene_picture
-        from ..report.picture import svg_path
+        from ..report.pictures.picture import svg_path
         from .writing import write_whole
 
         write_whole(svg_path(plot), scene_picture(loaded, standalone=True))
@@ -165,12 +165,12 @@ def compare(
     """
     from ..attached import with_certificates
     from ..certificates import check_engine
-    from ..certified_cache import reference_named
     from ..comparison import compare as compare_engines
     from ..documents.comparison import comparison_json
     from ..engines import split_engines
-    from ..report.listing import print_json
-    from ..report.terminal import print_comparison
+    from ..report.text.listing import print_json
+    from ..report.text.terminal import print_comparison
+    from ..saved.cache import reference_named
     from ..scene_argument import changed, with_settings
     from .progress import goal_of, showing_progress
     from .writing import check_writable, write_whole
@@ -199,7 +199,7 @@ def compare(
 
         write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
     if save is not None:
-        from ..saved_comparisons import save_comparison
+        from ..saved.comparisons import save_comparison
 
         save_comparison(comparison, save)
     if as_json:

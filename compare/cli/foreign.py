@@ -110,12 +110,12 @@ def judge(
     run on: where it ends too early to tell, the verdict is "not settled", and the report says how far to record.
     With several logs, it says from each to the next whether the verdict changed.
     """
-    from ..certified_cache import reference_named
     from ..comparison import compare
     from ..documents.comparison import comparison_json
     from ..foreign.change import changes_of
-    from ..report.listing import console, print_json, say
-    from ..report.terminal import print_comparison
+    from ..report.text.listing import console, print_json, say
+    from ..report.text.terminal import print_comparison
+    from ..saved.cache import reference_named
     from ..scene_argument import changed, with_settings
     from .progress import showing_progress
     from .writing import check_writable, write_whole
@@ -208,7 +208,7 @@ def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
     from ...scenarios.errors import SceneError
     from ...scenarios.files import dump_json
     from ..foreign.floats import floats_csv, floats_json
-    from ..report.listing import laid_out
+    from ..report.text.listing import laid_out
     from ..scene_argument import scene_from
     from .writing import write_whole
 

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-import time as clock
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import click
@@ -16,7 +12,7 @@ from .numbers import Seconds, Whole
 from .options import EVENTS, SCENE, SCENE_HELP, UNTIL
 
 if TYPE_CHECKING:
-    from ..reduction.minimise import OnSearch, Searching
+    from ..reduction.minimise import Searching
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -93,14 +89,15 @@ def minimise(
     from ..reduction.minimise import DEFAULT_RUNS
     from ..reduction.minimise import minimise as search
     from ..reduction.smallest import End
-    from ..report.smallest import print_smallest
+    from ..report.text.smallest import print_smallest
     from ..scene_argument import scene_from
+    from .progress import showing_search
     from .writing import check_writable, write_whole
 
     loaded = scene_from(scene)
     if out is not None:
         check_writable(out)
-    with showing_search(loaded.name) as progress:
+    with showing_search(loaded.name, searched) as progress:
         found = search(
             loaded,
             engine_text,
@@ -120,20 +117,6 @@ def minimise(
     return codes.get(found.end, ExitCode.UNDECIDED)
 
 
-@contextmanager
-def showing_search(title: str) -> Iterator[OnSearch | None]:
-    """A line on stderr with comparisons made, their rate, and the size so far; None where stderr is no terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.markup import escape
-
-    began = clock.monotonic()
-    with Console(stderr=True).status(escape(title)) as status:
-        yield lambda state: status.update(escape(f"{title}: {searched(state, clock.monotonic() - began)}"))
-
-
 def searched(state: Searching, seconds: float) -> str:
     """How far a search is.
 
@@ -142,7 +125,7 @@ def searched(state: Searching, seconds: float) -> str:
     >>> searched(Searching(30, 1000, Size(2, 4, 0, 75, 39)), 3.0)
     '30 of at most 1,000 comparisons, 10 a second; left: 2 circles, 4 walls, 75 events, 39 characters'
     """
-    from ..report.smallest import size_phrase
+    from ..report.text.smallest import size_phrase
 
     rate = f", {state.runs / seconds:.3g} a second" if state.runs and seconds else ""
     return f"{state.runs:,} of at most {state.limit:,} comparisons{rate}; left: {size_phrase(state.size)}"

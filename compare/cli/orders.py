@@ -52,12 +52,12 @@ def orders(
     swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
     With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
-    from ...exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES
+    from ...exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner
     from ...scenarios.errors import SceneError
     from ..documents.orders import orders_json, print_orders
     from ..engines import engine
     from ..outcomes.order_search import search_orders
-    from ..report.listing import print_json
+    from ..report.text.listing import print_json
     from ..scene_argument import scene_from, with_settings
     from ..validation import check_until
     from .progress import showing_progress
@@ -67,11 +67,11 @@ def orders(
     if html is not None:
         check_writable(html)
     check_until(chosen, loaded, until)
-    if not hasattr(chosen, "run_with"):
+    if not isinstance(chosen, Runner):
         raise SceneError(f"engine {engine_text!r} takes no tie policy from its caller; choose exact or double")
     with showing_progress(f"{loaded.name}: all orders") as progress:
         search = search_orders(
-            chosen,  # type: ignore[arg-type]
+            chosen,
             loaded,
             until=until,
             events=events,

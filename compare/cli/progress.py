@@ -7,11 +7,13 @@ import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Progress
+
+S = TypeVar("S")
 
 UNTOTALLED = ("why", "orders")
 """First words of notes on work that has limits of its own."""
@@ -120,3 +122,21 @@ def showing_progress(title: str, goal: Goal | None = None) -> Iterator[OnProgres
     pace = Pace(title, goal or Goal())
     with console.status(escape(title)) as status:
         yield lambda progress: status.update(escape(pace.told(progress)))
+
+
+@contextmanager
+def showing_search(title: str, told: Callable[[S, float], str]) -> Iterator[Callable[[S], None] | None]:
+    """A line on stderr that tells how far a search is; None where stderr is no terminal.
+
+    Args:
+        told: the line, from what the search says of itself and the seconds since it began.
+    """
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+
+    began = clock.monotonic()
+    with Console(stderr=True).status(escape(title)) as status:
+        yield lambda state: status.update(escape(f"{title}: {told(state, clock.monotonic() - began)}"))

@@ -87,12 +87,12 @@ def run(
 
     What comes of --resume is what one run from the beginning would have given, but for the counts of its plan.
     """
-    from ..certified_cache import reference_named
     from ..deadline import time_limit
     from ..documents.trajectory import trajectory_json
     from ..foreign.guard import is_own, run_guarded
-    from ..report.listing import print_json, print_trajectory
-    from ..saved_runs import check_savable, save_run
+    from ..report.text.listing import print_json, print_trajectory
+    from ..saved.cache import reference_named
+    from ..saved.runs import check_savable, save_run
     from ..scene_argument import changed, with_settings
     from ..validation import check_trajectory, check_until
     from .progress import goal_of, showing_progress
@@ -103,7 +103,7 @@ def run(
         goal = goal_of(loaded, until, events)
     else:
         refuse_beside("--resume", ("scene", "engine_text", "reverse_after", "tie_policy", "symmetric"))
-        from ..going_on import GoingOn, load_run
+        from ..saved.going_on import GoingOn, load_run
 
         chosen = GoingOn.after(load_run(resume), ties=ties, work=work)
         loaded = chosen.earlier.scene

@@ -54,8 +54,8 @@ def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out:
     """
     from ...scenarios.files import dump_toml
     from ..documents.shadow import shadow_json
-    from ..report.listing import print_json
-    from ..report.shadow_text import print_shadow
+    from ..report.text.listing import print_json
+    from ..report.text.shadow import print_shadow
     from ..scene_argument import scene_from
     from ..shadowing.shadow import longest as sought
     from ..shadowing.shadow import shadow as whole

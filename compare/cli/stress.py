@@ -90,7 +90,7 @@ def stress(
     """
     from ..documents.stress import print_stress, stress_json
     from ..engines import split_engines
-    from ..report.listing import print_json
+    from ..report.text.listing import print_json
     from ..stress.ladder import ladders
     from ..stress.plan import DEFAULT_ENGINES, carry_out, plan
     from ..stress.store import Store
@@ -114,7 +114,7 @@ def stress(
         rows = carry_out(asked, kept, jobs=jobs, progress=progress)
     told = ladders(rows, asked.engines)
     if svg is not None:
-        from ..report.heat_map import heat_map
+        from ..report.pictures.heat_map import heat_map
 
         write_whole(svg, heat_map(asked.families, told, "Where each engine's answer turns wrong"))
     if as_json:
@@ -134,7 +134,7 @@ def code_of(rows: Sequence[Row]) -> ExitCode:
 
 def _list() -> None:
     """The families, what happens in each, and what k is."""
-    from ..report.listing import console, grid
+    from ..report.text.listing import console, grid
     from ..stress.table import FAMILIES, family
 
     table = grid("family", "what happens", "k", "scenes", whole=("family",))

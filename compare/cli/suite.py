@@ -70,7 +70,7 @@ def suite(
     With --against, it tells too what changed since an earlier one.
     """
     from ...scenarios.errors import SceneError
-    from ..report.listing import print_json
+    from ..report.text.listing import print_json
     from ..suites.document import suite_json
     from ..suites.running import run_suite
     from ..suites.shown import print_suite
@@ -124,7 +124,7 @@ def survey(
     Each engine is run as it comes, and, where it diverges, at finer settings, the best of which is told. It exits with
     0 whatever diverged: this is a survey, not a check.
     """
-    from ..report.listing import print_json
+    from ..report.text.listing import print_json
     from ..suites.document import survey_json
     from ..suites.recorded_survey import read_survey
     from ..suites.shown import print_survey

@@ -125,8 +125,8 @@ def sweep(
     from ..ensemble.sweep import plan, run
     from ..ensemble.table import csv_text
     from ..ensemble.uncertainty import uncertainty
-    from ..report.listing import print_json
-    from ..report.sweep_plots import survival_svg
+    from ..report.pictures.sweep_plots import survival_svg
+    from ..report.text.listing import print_json
     from .writing import check_writable, write_whole
 
     for file in (csv_file, svg):

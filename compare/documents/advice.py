@@ -165,7 +165,7 @@ def print_advice(advice: Advice) -> None:
     """The sentences, and one row for each of the last settings."""
     from rich.markup import escape
 
-    from ..report.listing import console, grid, say
+    from ..report.text.listing import console, grid, say
 
     out = console()
     first, *others = sentences(advice)

@@ -13,7 +13,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
-from flint import arb, fmpq  # type: ignore[attr-defined]
+from flint import arb, fmpq
 from mpmath.ctx_iv import ivmpf
 from mpmath.libmp import MPZ
 

@@ -59,7 +59,7 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> Non
     """The outcomes, one a row, with the choices that lead to each and the velocities at the end."""
     from rich.markup import escape
 
-    from ..report.listing import console, grid, say
+    from ..report.text.listing import console, grid, say
 
     out = console()
     say(out, orders_sentence(scene, tree, stop), "bold")

@@ -75,7 +75,7 @@ def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
     """One table a family, a row for each engine and lane, a letter for each k, in tens."""
     from rich.markup import escape
 
-    from ..report.listing import console, grid, say
+    from ..report.text.listing import console, grid, say
     from ..stress.family import Place
     from ..stress.marks import Mark
     from ..stress.table import family

@@ -65,8 +65,8 @@ def print_sweep(
     """One row an engine, and a line for each outcome that displacements of several sizes change."""
     from rich.markup import escape
 
-    from ..report.listing import console, grid, say
     from ..report.sentences import counted
+    from ..report.text.listing import console, grid, say
 
     out = console()
     asked = " ".join([settings["scene"], *settings["vary"]])

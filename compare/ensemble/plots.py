@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from ..report.sweep_plots import law_points
+from ..report.pictures.sweep_plots import law_points
 from .survival import summaries
 
 if TYPE_CHECKING:

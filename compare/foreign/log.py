@@ -28,7 +28,7 @@ COLUMNS = ("time", "a", "b")
 STATE_COLUMNS = ("xa", "ya", "vxa", "vya", "xb", "yb", "vxb", "vyb")
 """Columns that it may have: where the event leaves the two. A wall's are empty."""
 
-Line: TypeAlias = tuple[int, dict[str, Any]]
+Numbered: TypeAlias = tuple[int, dict[str, Any]]
 """The number of a line, and what it says, as a line of JSON does."""
 
 
@@ -126,7 +126,7 @@ def _text_lines(path: Path, shown: str) -> Iterator[tuple[int, str]]:
         raise EngineError(f"file {shown!r}: {error.strerror or error}; name a log that can be read") from None
 
 
-def _json_lines(path: Path, shown: str) -> Iterator[Line]:
+def _json_lines(path: Path, shown: str) -> Iterator[Numbered]:
     for number, text in _text_lines(path, shown):
         try:
             line = json.loads(text)
@@ -139,7 +139,7 @@ def _json_lines(path: Path, shown: str) -> Iterator[Line]:
         yield number, line
 
 
-def _csv_lines(path: Path, shown: str) -> Iterator[Line]:
+def _csv_lines(path: Path, shown: str) -> Iterator[Numbered]:
     rows = _text_lines(path, shown)
     number, head = next(rows, (0, ""))
     if number == 0:

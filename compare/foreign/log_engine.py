@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...scenarios.engine import SCENE_KEYS, Declared, horizon
+from ...scenarios.engine import SCENE_KEYS, Unchangeable, horizon
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason, Trajectory
 from .log import read_log
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class LogEngine(Declared):
+class LogEngine(Unchangeable):
     """An engine of which there is a log, and no more: it cannot be run on, nor made finer.
 
     Attributes:
@@ -38,9 +38,9 @@ class LogEngine(Declared):
 
     recording: Recording = field(repr=False, compare=False)
     name: str = "log"
-    bits: int | None = 53  # type: ignore[assignment]
-    step: float | None = None  # type: ignore[assignment]
-    rounds_input: bool = True  # type: ignore[assignment]
+    bits: int | None = 53
+    step: float | None = None
+    rounds_input: bool = True
     lacks: frozenset[str] = frozenset({"capture"})
 
     @classmethod

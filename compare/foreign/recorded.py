@@ -4,51 +4,46 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
-from ...scenarios.engine import Declared, horizon
+from ...scenarios.engine import SCENE_KEYS, Engine, Unchangeable, horizon
 from ...scenarios.errors import TimeIsUp
 from .recording import Recording
 
 if TYPE_CHECKING:
-    from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Trajectory
 
 
-class RecordedEngine(Declared, ABC):
-    """An engine that plays a scene into a `Recording`; all that an engine owes besides is done here.
+class Player(Engine, Protocol):
+    """An engine that plays into a recording."""
 
-    A subclass writes `play`, and sets what it is as class attributes: `name`, `bits`, `step`, `rounds_input`,
-    `scene_keys` (see `scenarios.Engine`). One whose parameters are fields of a frozen dataclass takes them on the
-    command line; where `step` is such a field, it is made finer by itself.
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """What reports say of its settings."""
+        ...
 
-    >>> from truebreak.scenarios import Circle, Scene
-    >>> class Once(RecordedEngine):
-    ...     name = "once"
-    ...
-    ...     def play(self, scene, recording):
-    ...         recording.hit(2.0, "a", "b")
-    >>> Once().run(Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")])).stop.reason.name
-    'QUIET'
-    """
+    def play(self, scene: Scene, recording: Recording) -> None:
+        """See `Playing.play`."""
+        ...
+
+
+class Playing(Unchangeable, ABC):
+    """What plays a scene into a `Recording`, in the place of `Engine.run`."""
 
     name: str = "mine"
-    bits: int | None = 53  # type: ignore[assignment]
-    step: float | None = None  # type: ignore[assignment]
-    rounds_input: bool = True  # type: ignore[assignment]
+    bits: int | None = 53
+    rounds_input: bool = True
+
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """Follows every key (see `Engine.scene_keys`)."""
+        return SCENE_KEYS
 
     @abstractmethod
     def play(self, scene: Scene, recording: Recording) -> None:
         """Plays a scene while `recording.open`. To return before that is to say that nothing is left to happen."""
-
-    def finer(self) -> Engine | None:
-        """The same with half the time step, where `step` is a field of a dataclass; else None."""
-        if self.step is None or not is_dataclass(self) or "step" not in {f.name for f in fields(self)}:
-            return None
-        finer: Any = replace(self, step=self.step / 2)
-        return finer
 
     @property
     def parameters(self) -> dict[str, Any]:
@@ -56,7 +51,7 @@ class RecordedEngine(Declared, ABC):
         return {key: value for key, value in vars(self).items() if not key.startswith("_")}
 
     def run(
-        self,
+        self: Player,
         scene: Scene,
         *,
         until: QuantityLike | None = None,
@@ -89,3 +84,30 @@ class RecordedEngine(Declared, ABC):
         if recording.open:
             recording.end(quiet=True)
         return recording.trajectory()
+
+
+class RecordedEngine(Playing):
+    """An engine that plays a scene into a `Recording`; all that an engine owes besides is done here.
+
+    A subclass writes `play`, and sets what it is as class attributes: `name`, `bits`, `step`, `rounds_input`,
+    `scene_keys` (see `scenarios.Engine`). One whose parameters are fields of a frozen dataclass takes them on the
+    command line; where `step` is such a field, it is made finer by itself.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> class Once(RecordedEngine):
+    ...     name = "once"
+    ...
+    ...     def play(self, scene, recording):
+    ...         recording.hit(2.0, "a", "b")
+    >>> Once().run(Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")])).stop.reason.name
+    'QUIET'
+    """
+
+    step: float | None = None
+
+    def finer(self) -> Engine | None:
+        """The same with half the time step, where `step` is a field of a dataclass; else None."""
+        if self.step is None or not is_dataclass(self) or "step" not in {f.name for f in fields(self)}:
+            return None
+        finer: Any = replace(self, step=self.step / 2)
+        return finer

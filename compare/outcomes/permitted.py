@@ -14,7 +14,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...exact.numbers import ball
-from ...exact.policies.all_orders import all_orders
+from ...exact.policies.all_orders import Runner, all_orders
 from ...exact.policies.guided import Guided
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
@@ -117,7 +117,7 @@ def permitted_patterns(
             exact engine allows it, so that a pattern is found even where the orders are too many to enumerate.
     """
     reference, scene, truth = study.reference, study.scene, _thrifty(study.truth)
-    if not hasattr(truth, "run_with"):
+    if not isinstance(truth, Runner):
         return None
     exact = pattern_of(reference)
     by_policy: dict[str, Pattern] = {str(scene.tie_policy): exact}
@@ -136,11 +136,11 @@ def permitted_patterns(
                     by_policy[policy] = pattern
         for history, stepped in histories:
             guide = Guided(scene, history, stepped)
-            run = truth.run_with(scene, guide, until=span.past, progress=study.watch.watched(progress))  # type: ignore[attr-defined]
+            run = truth.run_with(scene, guide, until=span.past, progress=study.watch.watched(progress))
             _add(patterns, span.pattern(run))
         work = max(1, len(reference.events) * len(scene.circles))
         cap = max(LEAST_CAP, min(GREATEST_CAP, ORDER_WORK // work))
-        attended = Attended(truth, study.watch, max(LEAST_RUNS, ORDER_WORK // work))  # type: ignore[arg-type]
+        attended = Attended(truth, study.watch, max(LEAST_RUNS, ORDER_WORK // work))
         tree = all_orders(attended, scene, until=span.past, cap=cap, samples=cap // SAMPLE_SHARE, progress=progress)
         found = [span.pattern(outcome.trajectory) for outcome in tree.outcomes]
         complete = tree.complete and None not in found and not attended.cut
@@ -168,7 +168,8 @@ def _thrifty(truth: Engine) -> Engine:
     work = getattr(truth, "work", None)
     if not dataclasses.is_dataclass(truth) or not isinstance(work, int):
         return truth
-    return dataclasses.replace(truth, work=min(work, QUESTION_WORK))  # type: ignore[type-var]
+    thrifty: Any = dataclasses.replace(truth, work=min(work, QUESTION_WORK))
+    return thrifty
 
 
 def _add(patterns: list[Pattern], pattern: Pattern | None) -> None:

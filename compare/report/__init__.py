@@ -1,0 +1,1 @@
+"""What is shown of runs and comparisons: on the terminal, in HTML, in pictures."""

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ..documents.chaos import chaos_json
-from .chaos_text import HORIZON_HEADINGS, horizon_rows, sentences
-from .curves import Band, Curve, plot
-from .listing import laid_out
 from .page.provenance import Download, download, limits_of, provenance_of, scene_file, stem_of
 from .page.recording import played
 from .page.rendering import rendered
-from .plot import NARROW, WIDE
+from .pictures.curves import Band, Curve, plot
+from .pictures.plot import NARROW, WIDE
+from .text.chaos import HORIZON_HEADINGS, horizon_rows, sentences
+from .text.listing import laid_out
 
 if TYPE_CHECKING:
     from ..chaos.chaos import Chaos

@@ -15,8 +15,8 @@ from .page.provenance import minimise_command, provenance
 from .page.recording import recording
 from .page.rendering import COMPARED, rendered
 from .page.why import amounts, enough
-from .picture import divergence_picture
-from .plot import NARROW, WIDE, horizon_bands, separation_plot
+from .pictures.picture import divergence_picture
+from .pictures.plot import NARROW, WIDE, horizon_bands, separation_plot
 from .sentences import (
     consequence_phrase,
     counted,
@@ -29,7 +29,7 @@ from .sentences import (
     span_phrase,
     verdict_sentence,
 )
-from .side_by_side import side_by_side
+from .text.side_by_side import side_by_side
 
 if TYPE_CHECKING:
     from ..candidate import Candidate

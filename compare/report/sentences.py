@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..alignment.align import VERDICTS
 from ..alignment.divergence import Kind
-from ..causes.diagnosis import ROUNDING, CauseName
+from ..causes.table import NO_CAUSE
 from ..outcomes.permitted import Relation
 
 if TYPE_CHECKING:
@@ -71,27 +71,14 @@ def further_phrase(candidate: Candidate) -> str | None:
 def _is_rounding(candidate: Candidate) -> bool:
     """Whether rounding is to blame, as far as is known: not a time step, not a difference of model."""
     found = candidate.diagnosis
-    if found is None:
-        return not candidate.stepped
-    if found.name in (CauseName.TIE, CauseName.UNKNOWN):
-        return not candidate.stepped
-    return found.name in ROUNDING
-
-
-HEADS = {
-    CauseName.STEP: "The time step changed what happened",
-    CauseName.TUNNELLING: "The time step let circles pass through each other",
-    CauseName.ITERATIONS: "The solver's iterations changed what happened",
-    CauseName.TIE: "A tie was resolved differently",
-    CauseName.MODEL: "The engine follows another law",
-}
+    known = None if found is None else found.name.entry.rounding
+    return not candidate.stepped if known is None else known
 
 
 def _head(candidate: Candidate) -> str:
     if _is_rounding(candidate):
         return "Floating point changed what happened"
-    name = candidate.diagnosis.name if candidate.diagnosis else None
-    return HEADS.get(name, "The histories differ") if name else "The histories differ"
+    return candidate.diagnosis.name.entry.head if candidate.diagnosis else NO_CAUSE
 
 
 def _place(candidate: Candidate) -> tuple[float, int]:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from flint import arb
 
 from ...exact.numbers import ball
+from ...exact.numbers.field import known_ball
+from ...exact.results.motion import motion_of
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -122,7 +124,9 @@ def start_distance(one: Scene, other: Scene) -> StartDistance:
 
 def _flights(certified: Trajectory, record: Record) -> dict[int, list[Flight]] | None:
     """The flights of a certified run, from its knots; None unless there is one for each contact."""
-    knots: Any = certified.motion.knots  # type: ignore[attr-defined]
+    motion = motion_of(certified)
+    assert motion is not None
+    knots = motion.knots
     place = {name: k for k, name in enumerate(certified.scene.ids)}
     instants: dict[int, list[arb]] = {i: [arb(0)] for i in record.flights}
     for event in certified.events:
@@ -137,13 +141,9 @@ def _flights(certified: Trajectory, record: Record) -> dict[int, list[Flight]] |
         for i, times in instants.items():
             if len(times) != len(knots[i]):
                 return None
-            told[i] = [Flight(when, *(_ball(number) for number in knot[:5]))
+            told[i] = [Flight(when, *(known_ball(number, BITS) for number in knot[:5]))
                        for when, knot in zip(times, knots[i], strict=True)]  # fmt: skip
     return told
-
-
-def _ball(number: Any) -> arb:
-    return number if isinstance(number, arb) else number.ball(BITS) if hasattr(number, "ball") else arb(number)
 
 
 def _upper(value: arb) -> float:

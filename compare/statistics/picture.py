@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 from ...scenarios import catalogue
 from ..cli.writing import write_whole
 from ..engines import engine as engine_named
-from ..report.curves import Curve, plot
-from ..report.sweep_plots import standalone
+from ..report.pictures.curves import Curve, plot
+from ..report.pictures.sweep_plots import standalone
 from .boltzmann import h_curve, h_returned
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from pathlib import Path
 from ...scenarios.errors import SceneError
 from ..cli.stress import how_far
 from ..cli.writing import check_writable, write_whole
-from ..report.heat_map import heat_map
+from ..report.pictures.heat_map import heat_map
 from .ladder import ladders
 from .page import map_part, rewritten
 from .plan import carry_out, plan

@@ -14,13 +14,13 @@ from ...scenarios.errors import SceneError
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
-from ..certified_cache import cached
 from ..comparison import Comparison, compare
 from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..outcomes.permitted import Relation
 from ..report.sentences import verdict_sentence
+from ..saved.cache import cached
 from ..scene_argument import scene_from
 from ..validation import check_engine, check_trajectory
 from .invariants import broken_invariant

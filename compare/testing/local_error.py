@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 ROUNDINGS = 64
 """k: roundings of one contact. To predict it, fly to it and bounce takes 57 operations of two circles in the plain
-formulas, 25 of a circle and a wall, each off by half a unit in the last place (`tests/foreign/test_tolerance.py` counts
-them); engines write them in other ways, with a few more."""
+formulas, 25 of a circle and a wall, each off by half a unit in the last place (`test_tolerance.py` counts them);
+engines write them in other ways, with a few more."""
 
 HALVINGS = (0, 1, 2, 3)
 """How often a time step is halved to see with which order an engine's lateness falls."""

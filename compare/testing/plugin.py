@@ -150,7 +150,8 @@ def pytest_runtest_makereport(
         from importlib import import_module
 
         extras = import_module("pytest_html").extras
-        report.extras = [*getattr(report, "extras", []), *(extras.url(path, name="truebreak") for path in paths)]  # type: ignore[attr-defined]
+        shown: Any = report
+        shown.extras = [*getattr(report, "extras", []), *(extras.url(path, name="truebreak") for path in paths)]
     return report
 
 

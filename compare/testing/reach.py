@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ...exact.numbers.ball import double_bounds
 from ...scenarios.trajectory import StopReason
-from ..causes.decision import Decision, Pairing
-from ..causes.reader import Reader
+from ..causes.decision.decision import Decision, Pairing
+from ..causes.decision.reader import Reader
 from .errors_grown import GrownErrors
 from .nearby import Nearby
 

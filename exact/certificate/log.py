@@ -33,7 +33,7 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
     for entry in trajectory.pocketings:
         when: Any = entry.time
         entries.setdefault(when.instant, []).append([place[entry.circle], pockets[entry.pocket]])
-    steps = _steps(trajectory, times)
+    steps = _steps(times)
     found: list[dict[str, Any]] = []
     met: list[frozenset[Contact]] = []
     done = 0
@@ -53,6 +53,6 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
     return found, met
 
 
-def _steps(trajectory: Trajectory, times: list[Any]) -> Any:
+def _steps(times: list[Any]) -> Any:
     """The log; empty where nothing happened."""
     return times[0].log.steps if times else ()

@@ -31,6 +31,7 @@ from ..simulation.queue import ArrivalQueue
 from .meetings import CertifiedMeetings
 from .precision import FIRST_BITS, Precision
 from .reading import CertifiedReading
+from .stride import Stride
 
 STEP_UNITS = 60
 """Work of one step of the log in short balls: about 60 microseconds."""
@@ -52,6 +53,7 @@ class CertifiedDecider:
     Attributes:
         state: the state.
         retrace: what the way back knows of the way out.
+        stride: carries ordinary instants out; None where too little work is allowed for them.
         grazes: by the number of the instant before: the pairs proved to graze on their flights then.
     """
 
@@ -78,6 +80,11 @@ class CertifiedDecider:
             scene, self.state, self.queue, plan, self._precision, InBalls(grounds), self, self._note_graze
         )
         self.reading = CertifiedReading(self.state, self.meetings)
+        self.stride: Stride | None = None
+        if work >= 2 * STEP_UNITS:
+            self.stride = Stride(
+                self.state, self.history, self.queue, self.meetings, self.reading, self._precision, self.begin, self.do
+            )
         self._held = Held(scene, log)
         if self._held:
             self.state.held = self._projection

@@ -12,7 +12,7 @@ from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import Body
-from ..replay.contact import AtWall, Entry, Link
+from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
 from ..simulation.cells import Spot
 from ..simulation.prediction import Predictor, link_of
@@ -96,20 +96,23 @@ class FilteredPredictor(Predictor[arb]):
         refinable = self.refinable
         refinable.sync_for(bodies)
         ball.use_bits(QUICK_BITS)
-        clocks: dict[int, arb] = {}
+        admit, last, t = self.filter.admit, None, None
         for body in bodies:
             x, y, vx, vy, clock, *_ = body.flight
-            t = clocks.setdefault(id(clock), +clock)
+            if t is None or clock is not last:
+                last, t = clock, +clock
             body.q = (+x, +y, +vx, +vy, t)
-            self.filter.admit(body)
+            admit(body)
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`."""
         found, unclear = self.filter.pairs(a, others, self._float_reaches[a.kind])
-        until = a.until
-        for low, high, b in found:
-            if low <= until and (link := link_of(a, b)) not in standing:
-                self.queue.push(low, high, None, link)
+        if self.state.pockets:
+            for low, high, b in found:
+                if low <= a.until and (link := link_of(a, b)) not in standing:
+                    self.queue.push(low, high, None, link)
+        else:
+            self.queue.push_pairs(a, found, standing)
         for b in unclear:
             self.plan["unclear in doubles"] += 1
             self.pair(a, b, standing)
@@ -117,9 +120,7 @@ class FilteredPredictor(Predictor[arb]):
     def walls(self, a: Body[arb], standing: Collection[Link]) -> None:
         """See `Predictor.walls`."""
         found, unclear = self.filter.walls(a, self._float_lines.get(a.index) or self._as_seen_from(a))
-        for low, high, k in sorted(found):
-            if low <= a.until and (link := AtWall(a.index, k)) not in standing:
-                self.queue.push(low, high, None, link)
+        self.queue.push_walls(a, found, standing)
         for k in unclear:
             self.plan["unclear in doubles"] += 1
             self.wall(a, k, standing)

@@ -117,9 +117,9 @@ def pair_displacement() -> tuple[Expr, Expr, Expr, Expr]:
     delays = solve(grown, tau)
     if len(delays) != 1:
         raise LawError(f"the displaced pair touches later by {delays}")
-    shifts = tuple(-delays[0] * part for part in impulse)
-    turns = tuple(diff(part.subs(moved, simultaneous=True), e).subs(e, 0).subs(tau, delays[0]) for part in impulse)
-    return tuple(together(part) for part in (*shifts, *turns))  # type: ignore[return-value]
+    shift_x, shift_y = (-delays[0] * part for part in impulse)
+    turn_x, turn_y = (diff(part.subs(moved, simultaneous=True), e).subs(e, 0).subs(tau, delays[0]) for part in impulse)
+    return together(shift_x), together(shift_y), together(turn_x), together(turn_y)
 
 
 @cache
@@ -134,9 +134,9 @@ def wall_displacement() -> tuple[Expr, Expr, Expr, Expr]:
     after = wall_velocities()
     nx, ny = w_y0 - w_y1, w_x1 - w_x0
     delay = -(nx * px + ny * py) / (nx * a_vx + ny * a_vy)
-    shifts = (px + delay * (a_vx - after[0]), py + delay * (a_vy - after[1]))
-    turns = tuple(diff(part, a_vx) * qx + diff(part, a_vy) * qy for part in after)
-    return tuple(together(part) for part in (*shifts, *turns))  # type: ignore[return-value]
+    shift_x, shift_y = px + delay * (a_vx - after[0]), py + delay * (a_vy - after[1])
+    turn_x, turn_y = (diff(part, a_vx) * qx + diff(part, a_vy) * qy for part in after)
+    return together(shift_x), together(shift_y), together(turn_x), together(turn_y)
 
 
 def prove(formulas: Mapping[str, Callable[..., Any]], bounce: Callable[..., Any]) -> None:

@@ -113,6 +113,14 @@ def field_ball(value: FieldNumber, bits: int) -> arb:
     return arb(value) if isinstance(value, fmpq) else value.ball(bits)
 
 
+def known_ball(value: Known, bits: int) -> arb:
+    """A ball around a number of a certified run, in at least so many bits where it is known exactly."""
+    if isinstance(value, arb):
+        return value
+    with ball.precision(bits):
+        return field_ball(value, bits)
+
+
 def height(value: FieldNumber) -> int:
     """Bits of the longest whole number in it."""
     return value.height_bits()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from ...scenarios.errors import SceneError
 from ...scenarios.event import Contact
@@ -23,6 +23,7 @@ DEFAULT_SAMPLES = 64
 """Orders drawn at random once the cap is hit."""
 
 
+@runtime_checkable
 class Runner(Protocol):
     """An event-driven engine that takes a policy from its caller."""
 

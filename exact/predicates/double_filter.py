@@ -19,7 +19,8 @@ speed component that the run has seen, and T the present:
 
 A flight begins at its instant, which its clock may miss by `late`; d.v there differs by at most |v|^2 times that, so a
 pair surely parts only beyond that, and a hit counts only if it comes later than `late` after the clock. Most pairs that
-part do so beyond one bound for all, with W <= 4 V, D <= 4 S + 2 V T and |v|^2 <= 8 V^2.
+part do so beyond one bound for all, with W <= 4 V, D <= 4 S + 2 V T and |v|^2 <= 8 V^2; most that miss each other do
+so beyond such bounds of d x v and |v|^2.
 
 All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
 themselves.
@@ -130,7 +131,9 @@ class DoubleFilter:
         near = 4.0 * 64 * UNIT * (self.largest + fastest * at)
         slack = 8 * UNIT * fastest
         largest = 4.0 * self.largest + 2.0 * fastest * at
-        most = 8.0 * near * fastest + 20.0 * slack * largest + (32.0 * fastest + 96.0 * slack) * fastest * late
+        any_off = 8.0 * near * fastest + 20.0 * slack * largest
+        any_loose = 48.0 * slack * fastest
+        most = any_off + (32.0 * fastest + 96.0 * slack) * fastest * late
         for b in others:
             fb = b.f
             if fb is None:
@@ -145,9 +148,16 @@ class DoubleFilter:
             approach = dx * vx + dy * vy
             if approach > most:
                 continue
+            cross = dx * vy - dy * vx
+            if cross < 0.0:
+                cross = -cross
+            square = vx * vx + vy * vy
+            reach = reaches[b.kind]
+            clear = cross - any_off
+            if clear > 0.0 and clear * clear > (square + any_loose) * (reach * reach) * ROUND_UP:
+                continue
             wide = abs(vx) + abs(vy)
             off = near * wide + 10.0 * slack * (abs(dx) + abs(dy))
-            square = vx * vx + vy * vy
             loose = 6.0 * slack * wide
             early = off + 2.0 * (square + loose) * late
             if approach > early:
@@ -155,8 +165,6 @@ class DoubleFilter:
             if not (approach < -early and square > 100.0 * loose):
                 unclear.append(b)
                 continue
-            cross = abs(dx * vy - dy * vx)
-            reach = reaches[b.kind]
             if cross > off and (cross - off) * (cross - off) > (square + loose) * (reach * reach) * ROUND_UP:
                 continue
             room = (square - loose) * (reach * reach) * ROUND_DOWN

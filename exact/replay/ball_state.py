@@ -99,6 +99,11 @@ class BallState(State[arb]):
         """After an instant reached in another system: clocks are the instant itself, and no d is known beforehand."""
         self.late, self.met, self._told = None, None, None
 
+    def stand(self, instant: arb, late: arb, steps_done: int) -> None:
+        """At an instant, after steps carried out elsewhere (see `LoneContacts`)."""
+        self.instant, self.late, self.steps_done = instant, late, steps_done
+        self.met = self._told = self._root = None
+
     def become(self, other: BallState) -> None:
         """Takes over the numbers of the same state, computed again; the bodies stay the same objects."""
         for mine, new in zip(self.bodies.values(), other.bodies.values(), strict=True):

@@ -18,6 +18,8 @@ from ..numbers import ball
 from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
 from .body import Body, Flight
 from .centred_state import CentredState
+from .contact import AtWall, Pair, Touch
+from .lone import SPARE_BITS, LoneContacts
 from .state import State
 from .steps import Flip, Go, Kick, Step, Take
 
@@ -27,9 +29,6 @@ bits a collision, would soon cost far more."""
 
 Projection: TypeAlias = tuple[tuple[FieldNumber, ...], tuple[FieldNumber, FieldNumber]]
 """A linear part (a, b, c, d), which is its own square, about a centre: in exact numbers."""
-
-SPARE_BITS = 64
-"""Bits of working precision kept beyond the accuracy of the numbers at hand."""
 
 
 class RefinableState:
@@ -56,6 +55,7 @@ class RefinableState:
         ball.use_bits(bits)
         self.balls = CentredState(scene, centred=False)
         self.bodies = self.balls.bodies
+        self._lone = LoneContacts(self.balls)
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
@@ -142,6 +142,37 @@ class RefinableState:
         self._in_field.append(in_field)
         if self.held is not None and not in_field and isinstance(step, Kick):
             self._hold(taking_part)
+
+    def strike(self, link: Touch, steps: tuple[Go, Kick]) -> bool:
+        """Carries out the two steps of a contact alone in one go, and logs them, if that can be done.
+
+        Args:
+            link: the contact.
+            steps: to it, and its impulse.
+        """
+        if self.balls.centred:
+            return False
+        if self._in_play and not self._all_leave(link.circles):
+            return False
+        accuracy = self._lone.strike(link, self.bits, len(self.steps))
+        if accuracy is None:
+            return False
+        self.lowest = min(self.lowest, accuracy)
+        self.steps += steps
+        self._in_field += (False, False)
+        if self.held is not None:
+            self._hold(link.circles)
+        return True
+
+    def _all_leave(self, bodies: tuple[int, ...]) -> bool:
+        """Ends the exact lives of those of some bodies that have one; False, and nothing done, if all have."""
+        exact = [i for i in bodies if self.exact[i]]
+        if len(exact) == len(bodies):
+            return False
+        ball.use_bits(self.bits)
+        for i in exact:
+            self._leave(i)
+        return True
 
     def _hold(self, bodies: tuple[int, ...]) -> None:
         """Puts circles that something is known to hold to a line or a point there."""
@@ -254,18 +285,24 @@ class RefinableState:
             body.acc = bits
         if self.field is not None:
             state.outside.update(range(self.n))
-        for k, step in enumerate(self.steps):
+        lone = LoneContacts(state)
+        k, count = 0, len(self.steps)
+        while k < count:
             if k in self._left:
                 self._arrive(state, k)
-            if not self._in_field[k]:
-                state.steps_done = k
-                accuracy = self._step_in_balls(state, step, self._taking_part(step), bits)
+            link = None if centred else self._alone(k)
+            accuracy = None if link is None else lone.strike(link, bits, k)
+            if accuracy is not None:
                 self.lowest = min(self.lowest, accuracy)
-                ball.use_bits(bits)
-            elif isinstance(step, Go):
-                state.forget_contact()
-            elif isinstance(step, Flip):
-                state.flip_time = self.balls.flip_time
+                k += 2
+                if k in self._projected:
+                    ball.use_bits(bits)
+                    self._project_all(state, self._projected[k])
+                continue
+            ball.use_bits(bits)
+            self._again(state, k, bits)
+            k += 1
+        ball.use_bits(bits)
         if len(self.steps) in self._left:
             self._arrive(state, len(self.steps))
         if self.field is not None and any(isinstance(step, Flip) for step in self.steps):
@@ -275,6 +312,27 @@ class RefinableState:
         self.balls.become(state)
         self._stale = {i for i in range(self.n) if self.exact[i]}
         self.sync(tuple(self._stale))
+
+    def _alone(self, k: int) -> Touch | None:
+        """The contact that stands alone in steps k and k + 1, where both were carried out in balls; else None."""
+        step = self.steps[k]
+        if self._in_field[k] or k + 1 in self._left or not isinstance(step, Go) or k + 1 == len(self.steps):
+            return None
+        link, after = step.source, self.steps[k + 1]
+        if not isinstance(link, (Pair, AtWall)) or step.bodies != link.circles or not isinstance(after, Kick):
+            return None
+        return link if after.links == (link,) else None
+
+    def _again(self, state: CentredState, k: int, bits: int) -> None:
+        """Step k of a replay."""
+        step = self.steps[k]
+        if not self._in_field[k]:
+            state.steps_done = k
+            self.lowest = min(self.lowest, self._step_in_balls(state, step, self._taking_part(step), bits))
+        elif isinstance(step, Go):
+            state.forget_contact()
+        elif isinstance(step, Flip):
+            state.flip_time = self.balls.flip_time
 
     def _arrive(self, state: CentredState, k: int) -> None:
         """Bodies whose exact life ended before step k enter the balls of a replay."""

@@ -14,6 +14,7 @@ from ..laws.formulas import wall_bounce
 from ..laws.tangent_formulas import pair_tangent
 from ..numbers import ball
 from .impacts import LEAST_BITS, Impact, NoTangentMap, Real, impacts, moving
+from .motion import motion_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -172,12 +173,12 @@ def certified_growth(trajectory: Trajectory, events: int) -> CertifiedGrowth:
     """
     if not 0 < events <= len(trajectory.events):
         raise NoTangentMap(f"events = {events}: the run has {len(trajectory.events)}")
-    log = getattr(trajectory.motion, "log", None)
-    if log is None or not trajectory.certified:
+    motion = motion_of(trajectory)
+    if motion is None or not trajectory.certified:
         raise NoTangentMap("growth is certified along a certified run only; run the exact engine")
     start = unit_displacements(trajectory.scene)
     direction = _most_grown(trajectory, events)
-    bits = log.lost + LEAST_BITS
+    bits = motion.log.lost + LEAST_BITS
     while True:
         with ball.precision(bits):
             carried = Displacements(trajectory.scene, np.vectorize(arb, otypes=[object])(start))

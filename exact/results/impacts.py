@@ -14,7 +14,7 @@ from ..replay.ball_state import BallState
 from ..replay.centred_state import CentredState
 from ..replay.contact import AtWall, Touch
 from ..replay.steps import Go, Kick
-from .motion import ExactMotion
+from .motion import ExactMotion, steps_through
 
 if TYPE_CHECKING:
     from ...scenarios.event import Event
@@ -180,7 +180,7 @@ def _replayed(trajectory: Trajectory, motion: ExactMotion, events: int, bits: in
         state = CentredState(trajectory.scene, log.centred)
         done = 0
         for event in trajectory.events[:events]:
-            upto: int = event.time.upto  # type: ignore[attr-defined]
+            upto = steps_through(event)
             mine: list[Impact] = []
             for step in log.steps[done:upto]:
                 if isinstance(step, Kick):

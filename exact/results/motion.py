@@ -5,19 +5,21 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
 
 from ...scenarios.numbers.doubles import certain_double
-from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.tower import Tower
 from ..laws.formulas import advance
 from ..numbers import ball
+from ..numbers.field import Known, known_ball
 from ..numbers.system import N
 from ..replay.state import State
-from ..simulation.history import Mark
+from ..simulation.history import Knot, Mark
 from ..simulation.tape import Tape
 from .run_log import RunLog
 from .times import time_of
@@ -26,6 +28,15 @@ from .value import ExactValue
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from ...scenarios.event import Event
+    from ...scenarios.trajectory import Trajectory
+
+RunTime: TypeAlias = ExactValue | Quantity
+"""A time of an exact run, or a number."""
+
+Row: TypeAlias = tuple[ExactValue, ExactValue, ExactValue, ExactValue]
+"""x, y, vx, vy of one circle."""
 
 READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
@@ -88,7 +99,7 @@ class ExactMotion:
     def __init__(
         self,
         log: RunLog,
-        knots: Sequence[Sequence[tuple[Any, ...]]],
+        knots: Sequence[Sequence[Knot[Known]]],
         end: ExactValue | Quantity,
         set_times: Mapping[Quantity, int],
     ) -> None:
@@ -98,9 +109,13 @@ class ExactMotion:
         self.end = end
         self.returned = False
         self.tape: Tape | None = None
-        self._rough = [[float(_ball(knot[0])) for knot in row] for row in knots]
 
-    def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
+    @cached_property
+    def _rough(self) -> list[list[float]]:
+        """About when each knot is."""
+        return [[float(_ball(knot[0])) for knot in row] for row in self.knots]
+
+    def state(self, time: ExactValue | QuantityLike) -> list[Row]:
         """(x, y, vx, vy) of every circle; at an instant, after all that happens at it.
 
         Args:
@@ -111,33 +126,30 @@ class ExactMotion:
         """
         if self.returned and time is self.end:
             return self._start_reversed()
-        if not isinstance(time, ExactValue):
-            time = Quantity.of(time)
-            if time.sign() < 0:
-                raise ValueError(f"time {time} is before the start; ask for 0 or later")
-        if time is not self.end and not self._own(time) and self._after(time, self.end):
-            raise ValueError(f"time {_shown(time)} is after the end of the run; run it for longer")
-        return [self._of_circle(i, time) for i in range(len(self.knots))]
+        at = time if isinstance(time, ExactValue) else Quantity.of(time)
+        if isinstance(at, Quantity) and at.sign() < 0:
+            raise ValueError(f"time {at} is before the start; ask for 0 or later")
+        if at is not self.end and self._own(at) is None and self._after(at, self.end):
+            raise ValueError(f"time {_shown(at)} is after the end of the run; run it for longer")
+        return [self._of_circle(i, at) for i in range(len(self.knots))]
 
-    def _start_reversed(self) -> list[tuple[Any, Any, Any, Any]]:
-        rows = []
-        for circle in self.log.scene.circles:
-            values = (circle.x, circle.y, -circle.vx, -circle.vy)
-            rows.append(tuple(_known(self.log, value) for value in values))
-        return rows
+    def _start_reversed(self) -> list[Row]:
+        log = self.log
+        return [(_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in log.scene.circles]
 
-    def _own(self, time: Any) -> bool:
-        """Whether a time is that of an instant of this run."""
-        return isinstance(time, ExactValue) and time.log is self.log and time.instant is not None
+    def _own(self, time: RunTime) -> int | None:
+        """The number of the instant of this run that a time is; None for any other time."""
+        return time.instant if isinstance(time, ExactValue) and time.log is self.log else None
 
-    def _after(self, time: Any, other: Any) -> bool:
+    def _after(self, time: RunTime, other: RunTime) -> bool:
         """Whether a time is later than another; equal times are not.
 
         Raises:
             ValueError: if that is not to be had.
         """
-        if self._own(time) and self._own(other):
-            return time.instant > other.instant
+        mine, theirs = self._own(time), self._own(other)
+        if mine is not None and theirs is not None:
+            return mine > theirs
         if isinstance(time, Quantity) and isinstance(other, Quantity):
             return time > other
         near, far = (_exact_near(value) for value in (time, other))
@@ -153,11 +165,12 @@ class ExactMotion:
                 return self._exactly_after(time, other)
             bits *= 2
 
-    def _knot(self, i: int, time: Any) -> int:
+    def _knot(self, i: int, time: RunTime) -> int:
         """The last knot of a circle that is not later than a time."""
         knots = self.knots[i]
-        if self._own(time):
-            return max(bisect_right(knots, time.instant, key=_instant) - 1, 0)
+        own = self._own(time)
+        if own is not None:
+            return max(bisect_right(knots, own, key=_instant) - 1, 0)
         if isinstance(time, Quantity) and time in self.set_times:
             return max(bisect_right(knots, self.set_times[time], key=_instant) - 1, 0)
         if time is self.end:
@@ -170,7 +183,7 @@ class ExactMotion:
             k -= 1
         return max(k, 0)
 
-    def _exactly_after(self, time: Any, other: Any) -> bool:
+    def _exactly_after(self, time: RunTime, other: RunTime) -> bool:
         exact = [value.exact() if isinstance(value, ExactValue) else value for value in (time, other)]
         tower = next((value.tower for value in exact if isinstance(value, Element)), Tower())
         left, right = (value.in_tower(tower) if isinstance(value, Quantity) else value for value in exact)
@@ -184,7 +197,7 @@ class ExactMotion:
         near = arb.nan() if isinstance(t, arb) else t
         return time_of(self.log, Mark(instant, near, upto, i))
 
-    def _of_circle(self, i: int, time: Any) -> tuple[Any, Any, Any, Any]:
+    def _of_circle(self, i: int, time: RunTime) -> Row:
         k = self._knot(i, time)
         t, x, y, vx, vy, upto, _ = self.knots[i][k]
         if isinstance(time, ExactValue):
@@ -210,15 +223,10 @@ class ExactMotion:
 
         result = np.empty((len(times), len(self.knots), 4))
         for row, time in enumerate(times):
-            exact = Quantity.of(float(time))
+            exact, at = Quantity.of(float(time)), fmpq(*float(time).as_integer_ratio())
             for i in range(len(self.knots)):
                 t, x, y, vx, vy, *_ = self.knots[i][self._knot(i, exact)]
-                values = (
-                    _near(x, vx, exact.rational, t),
-                    _near(y, vy, exact.rational, t),
-                    vx,
-                    vy,
-                )
+                values = (_near(x, vx, at, t), _near(y, vy, at, t), vx, vy)
                 result[row, i] = [_double(value) for value in values]
         return result
 
@@ -227,48 +235,59 @@ EQUAL_BITS = 1024
 """Accuracy at which a time that still cannot be told from an event's is asked to be proved equal."""
 
 
-def _instant(knot: tuple[Any, ...]) -> int:
+def _instant(knot: Knot[Known]) -> int:
     return knot[-1]
 
 
-def _exact_near(time: Any) -> fmpq | None:
+def _exact_near(time: RunTime) -> fmpq | None:
     """A time as a rational number, where it is at hand as one."""
     if isinstance(time, Quantity):
         return time.rational
     return time.near if isinstance(time.near, fmpq) else None
 
 
-def _exact_kind(*numbers: Any) -> bool:
+def _exact_kind(*numbers: Known) -> bool:
     return not any(isinstance(number, arb) for number in numbers)
 
 
-def _near(x: Any, v: Any, time: Any, t: Any) -> Any:
+def _near(x: Known, v: Known, time: Known, t: Known) -> Known:
     """x + v (time - t) in the numbers at hand: exact if they all are and share a field, else a ball."""
     if _exact_kind(x, v, time, t):
         towers = {id(n.tower) for n in (x, v, time, t) if isinstance(n, Element)}
         if len(towers) <= 1:
-            return advance(x, v, time - t)
+            return _advanced(x, v, time, t)
     with ball.precision(READ_BITS):
         return advance(_ball(x), _ball(v), _ball(time) - _ball(t))
 
 
-def _ball(number: Any) -> arb:
-    if isinstance(number, arb):
-        return number
-    if isinstance(number, fmpq):
-        with ball.precision(READ_BITS):
-            return arb(number)
-    return number.ball(READ_BITS)
+def _advanced(x: Any, v: Any, time: Any, t: Any) -> Any:
+    """x + v (time - t) in one field, whose numbers mix with rational ones."""
+    return advance(x, v, time - t)
 
 
-def _double(number: Any) -> float:
+def _ball(number: Known) -> arb:
+    return known_ball(number, READ_BITS)
+
+
+def _double(number: Known) -> float:
     """The nearest double where that is certain at the accuracy at hand, else the double nearest the midpoint."""
     value = _ball(number)
     double = certain_double(value)
     return float(value) if double is None else double
 
 
-def _shown(time: Any) -> str:
+def motion_of(run: Trajectory) -> ExactMotion | None:
+    """The motion of an exact run, which has its log; None for a run of any other engine."""
+    return run.motion if isinstance(run.motion, ExactMotion) else None
+
+
+def steps_through(event: Event) -> int:
+    """How many steps of its log lead through an event of an exact run."""
+    assert isinstance(event.time, ExactValue)
+    return event.time.upto
+
+
+def _shown(time: RunTime) -> str:
     return f"{float(time):.17g}"
 
 

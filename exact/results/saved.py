@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.event import Assumption, Event, Pocketing, Reversal, TieProof
 from ...scenarios.files import dump_json, loads_json
+from ...scenarios.files.sealed import Seal
 from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.showing import cut
 from ...scenarios.trajectory import Stop, StopReason, Trajectory
 from ..simulation.history import Mark
 from .motion import ExactMotion
@@ -32,7 +30,7 @@ from .saved_tape import contacts_of, tape_data, tape_of_data, tie_data, tie_of
 from .times import TimeFormula, time_of
 from .value import ExactValue
 
-SCHEMA = "truebreak/run-1"
+SEAL = Seal("truebreak/run-1", "run", "truebreak run SCENE --save FILE")
 
 
 def saved_run(trajectory: Trajectory) -> str:
@@ -50,8 +48,7 @@ def saved_run(trajectory: Trajectory) -> str:
     motion = trajectory.motion
     if trajectory.engine != "exact" or not isinstance(motion, ExactMotion):
         raise SceneError(f"only runs of the exact engine are saved with their log, not those of {trajectory.engine}")
-    data = {"schema": SCHEMA, "version": version("truebreak"), **_data(trajectory, motion)}
-    return _text({**data, "digest": _digest(data)})
+    return _text(SEAL.sealed(_data(trajectory, motion)))
 
 
 def load_run(path: str | os.PathLike[str]) -> Trajectory:
@@ -86,30 +83,11 @@ def run_of(text: str, where: str = "the text") -> Trajectory:
     Raises:
         SceneError: as `load_run`.
     """
-    try:
-        data: Any = json.loads(text)
-    except (ValueError, RecursionError):
-        data = None
-        if text.startswith(f'{{"schema":"{SCHEMA}"'):
-            raise SceneError(f"{where}: is damaged; save the run again") from None
-    if not isinstance(data, dict) or data.get("schema") != SCHEMA:  # type: ignore[reportUnknownMemberType]
-        raise SceneError(f"{where}: is not a saved run; write one with `truebreak run SCENE --save FILE`")
-    known: dict[str, Any] = data
-    if known.get("version") != version("truebreak"):
-        raise SceneError(
-            f"{where}: was saved by truebreak {cut(known.get('version'))}, and this is {version('truebreak')}; "
-            "save the run again, or install that version"
-        )
-    if known.pop("digest", None) != _digest(known):
-        raise SceneError(f"{where}: is damaged; save the run again")
+    known = SEAL.opened(text, where)
     try:
         return _trajectory(known, where)
     except (ArithmeticError, AssertionError, AttributeError, LookupError, TypeError, ValueError):
-        raise SceneError(f"{where}: is damaged; save the run again") from None
-
-
-def _digest(data: dict[str, Any]) -> str:
-    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
+        raise SEAL.damaged(where) from None
 
 
 def _text(data: dict[str, Any]) -> str:
@@ -180,7 +158,10 @@ def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
         return time_of(log, Mark(instant, number(near), upto, source_of(source)))
 
     end = time(data["end"])
-    knots = [[(*map(number, knot[:5]), *knot[5:]) for knot in row] for row in data["knots"]]
+    knots = [
+        [(number(t), number(x), number(y), number(vx), number(vy), upto, last) for t, x, y, vx, vy, upto, last in row]
+        for row in data["knots"]
+    ]
     motion = ExactMotion(log, knots, end, {Quantity.of(text): part for text, part in data["set_times"]})
     motion.returned, motion.tape = data["returned"], tape_of_data(data["tape"])
     reason, message = data["stop"]

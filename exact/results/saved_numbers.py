@@ -9,7 +9,7 @@ from flint import arb, fmpq, fmpz
 
 from ...scenarios.numbers.parsing import MAX_LENGTH
 from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.tower.element import AnyTower, Element
+from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.tower import Tower
 from ..numbers.field import Known
 from ..replay.contact import AtWall, Entry, Link, Pair, Touch
@@ -32,7 +32,7 @@ class NumberWriter:
     """
 
     def __init__(self) -> None:
-        self._tower: AnyTower | None = None
+        self._tower: Tower | None = None
 
     def __call__(self, number: Known) -> Written:
         """One number."""
@@ -44,12 +44,13 @@ class NumberWriter:
         if len(text) > MAX_LENGTH:
             return _ball_data(number.ball(ELEMENT_BITS))
         assert self._tower in (None, number.tower), "the exact numbers of a run lie in one field"
+        assert isinstance(number.tower, Tower)
         self._tower = number.tower
         return [text]
 
     @property
     def roots(self) -> list[str]:
-        return [] if self._tower is None else [root.text() for root in self._tower.generators]  # type: ignore[attr-defined]
+        return [] if self._tower is None else [root.text() for root in self._tower.generators]
 
 
 class NumberReader:
@@ -129,7 +130,9 @@ def step_of(data: Written) -> Step:
         case ["go", str(text), bodies]:
             return Go(Quantity.of(text), tuple(bodies))
         case ["go", source, bodies]:
-            return Go(source_of(source), tuple(bodies))  # type: ignore[arg-type]
+            clock = source_of(source)
+            assert not isinstance(clock, str)
+            return Go(clock, tuple(bodies))
         case ["kick", links, among]:
             return Kick(links_of(links), links_of(among))
         case ["take", int(body)]:

@@ -44,7 +44,8 @@ class Crowd(Generic[N]):
         self._prepare = prepare
         self._pairs = pairs
         self._spot = spot
-        self._known: dict[tuple[int, int], tuple[int, int]] = {}
+        self._count = len(bodies)
+        self._known: dict[int, int] = {}
 
     def predict(self, moved: Sequence[Body[N]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of circles whose flights are new (see `Predictor.predict`)."""
@@ -55,7 +56,7 @@ class Crowd(Generic[N]):
             cells.enter(a.index, self._spot(a))
         for a in moved:
             done.add(a.index)
-            met = self._to_meet(a, (k for k in cells.around(a.index) if k not in done))
+            met = self._to_meet(a, [k for k in cells.around(a.index) if k not in done])
             self._plan["pairs predicted"] += len(met)
             self._pairs(a, met if a.flight.rest else [*met, *self._pockets], standing)
 
@@ -70,34 +71,36 @@ class Crowd(Generic[N]):
         for i, near in self._cells.crossed(since, until):
             self._plan["cells crossed"] += 1
             a = self._bodies[i]
-            new = [k for k in near if self._known.get(self._key(i, k)) != self._serials(i, k)]
-            for b in self._to_meet(a, new):
-                self._plan["pairs predicted"] += 1
-                first, second = (a, b) if i < b.index else (b, a)
-                if first.flight.last < second.flight.last:
-                    first, second = second, first
-                self._pairs(first, [second], ())
+            known, count, bodies, serial = self._known, self._count, self._bodies, a.serial
+            new = [k for k in near if known.get(i * count + k if i < k else k * count + i) != serial + bodies[k].serial]
+            if not new:
+                continue
+            met = self._to_meet(a, new)
+            self._plan["pairs predicted"] += len(met)
+            last = a.flight.last
+            earlier = [b for b in met if b.flight.last <= last]
+            if earlier:
+                self._pairs(a, earlier, ())
+            for b in met:
+                if b.flight.last > last:
+                    self._pairs(b, [a], ())
 
     def _to_meet(self, a: Body[N], others: Iterable[int]) -> list[Body[N]]:
-        """Those of some circles that a may meet, in scene order; they are known from now on."""
+        """Those of some circles that a may meet, in scene order; they are known from now on.
+
+        What is known of two is the sum of their serial numbers, which changes whenever a flight of one does.
+        """
         met: list[Body[N]] = []
+        known, count, bodies = self._known, self._count, self._bodies
+        i, serial, rest = a.index, a.serial, a.flight.rest
         for k in sorted(others):
-            self._known[self._key(a.index, k)] = self._serials(a.index, k)
-            b = self._bodies[k]
-            if a.flight.rest and b.flight.rest:
+            b = bodies[k]
+            known[i * count + k if i < k else k * count + i] = serial + b.serial
+            if rest and b.flight.rest:
                 self._plan["pairs at rest skipped"] += 1
             else:
                 met.append(b)
         return met
-
-    @staticmethod
-    def _key(i: int, k: int) -> tuple[int, int]:
-        return (i, k) if i < k else (k, i)
-
-    def _serials(self, i: int, k: int) -> tuple[int, int]:
-        """The serial numbers of two flights, in scene order."""
-        one, other = self._bodies[i].serial, self._bodies[k].serial
-        return (one, other) if i < k else (other, one)
 
 
 def cells_for(spots: Mapping[int, Spot | None], radii: Sequence[float]) -> Cells | None:

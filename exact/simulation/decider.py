@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterable, Mapping, Sequence
 from typing import Protocol
 
 from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import N
 from ..predicates.question import Decision, Question
 from ..replay.body import Body
-from ..replay.contact import Entry, Link
+from ..replay.contact import Entry, Link, Touch
 from ..replay.steps import Step
 from .history import History, K
 from .queue import Arrival, ArrivalQueue
@@ -93,6 +93,24 @@ class Reading(Protocol[N, K]):
         ...
 
 
+class Ordinary(Protocol):
+    """Carries out, in one go, instants of one contact that nothing comes near, with all that follows from them."""
+
+    def __call__(
+        self, last: int, most: float, before: float, look: Callable[[], None], note: Callable[[Touch], None]
+    ) -> int:
+        """Carries out instants as long as they are of that kind; gives the number of the last.
+
+        Args:
+            last: the number of the instant before.
+            most: how many at most.
+            before: a time that all come before.
+            look: called before each look for an instant.
+            note: told of each contact.
+        """
+        ...
+
+
 class Decider(Protocol[N, K]):
     """Keeps the state of one scene in some numbers, and decides what the loop asks.
 
@@ -112,6 +130,11 @@ class Decider(Protocol[N, K]):
     @property
     def queue(self) -> ArrivalQueue[N]:
         """Where predictions go."""
+        ...
+
+    @property
+    def stride(self) -> Ordinary | None:
+        """Carries out ordinary instants by itself; None: the loop does."""
         ...
 
     @property

@@ -52,6 +52,11 @@ class Gatherer(Generic[N, K]):
         self.queue.clear()
         self._passed.clear()
 
+    def clear_until(self) -> float:
+        """A double before which no limit in time lies: infinite where there is none."""
+        limit = self._time_limit()
+        return inf if limit is None else self._bounds(limit[0])[0]
+
     def gather(self, last: int) -> Instant | Stop | None:
         """All that falls on the next instant; a reason to stop; or None after a graze that touched nothing else.
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable, Collection, Iterable, Sequence
+from math import inf
 from typing import Generic
 
 from ...scenarios.errors import TimeIsUp
@@ -23,7 +24,7 @@ from ..numbers.undecided import BudgetSpent, Undecided
 from ..policies import Policy, policy_for
 from ..predicates.hits import Closing
 from ..replay.body import Body
-from ..replay.contact import Link
+from ..replay.contact import Link, Touch
 from .decider import Decider
 from .gathering import Gatherer
 from .history import K
@@ -34,6 +35,9 @@ from .tape import Found, Tape, instant_of
 
 PROGRESS_EVERY = 0.2
 """Seconds between progress reports."""
+
+EVENTS_A_LOOK = 64
+"""Events between looks at the clock, at most."""
 
 
 class Loop(Generic[N, K]):
@@ -79,10 +83,11 @@ class Loop(Generic[N, K]):
             if not taken_up:
                 self._predict(list(self.decider.bodies.values()), self._open())
             while True:
+                self._stride()
                 stop = self._limit_on_events()
                 if stop is not None:
                     return stop
-                self.tape.mark(self.history)
+                self._look()
                 found = self.gatherer.gather(self._instants)
                 if isinstance(found, Stop):
                     return found
@@ -98,6 +103,35 @@ class Loop(Generic[N, K]):
             return self._stopped(StopReason.BUDGET, str(outcome))
         except KeyboardInterrupt:
             return self._stopped(StopReason.INTERRUPTED, "")
+
+    def _stride(self) -> None:
+        """Instants of one contact that nothing comes near, as far as the decider carries them out by itself."""
+        stride = self.decider.stride
+        if stride is None or self.scene.pockets or self.resolver.touching:
+            return
+        before = self._instants
+        most, until = self._most(), self.gatherer.clear_until()
+        self._instants = stride(before, most, until, self._look, self._note_alone)
+        if self._instants != before:
+            self._split = False
+            self._report()
+
+    def _look(self) -> None:
+        self.tape.mark(self.history)
+
+    def _note_alone(self, link: Touch) -> None:
+        self.tape.found.append(link)
+        self.resolver.policy.note(link)
+
+    def _most(self) -> float:
+        """How many events may come before a limit on them, the reversal, or the next look at the clock."""
+        records, due = len(self.history.records), self.scene.reverse_after
+        most = inf if self.progress is None else EVENTS_A_LOOK
+        if self.limits.events is not None:
+            most = min(most, self.limits.events - records)
+        if due is not None and self.history.reversal is None:
+            most = min(most, due - records - 1)
+        return most
 
     def take_up(self, instants: Iterable[Found], after: Callable[[int], None]) -> None:
         """Carries out again what a run gathered before it ended; then `run` goes on from there.

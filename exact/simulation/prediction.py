@@ -111,14 +111,17 @@ class Predictor(Generic[M]):
             [b for b in self.state.bodies.values() if b.index not in gone] if gone else [*self.state.bodies.values()]
         )
         pockets = self.state.pockets
+        predicted = 0
         for done, a in enumerate(moved, start=1):
             others.remove(a)
             met = others
             if a.flight.rest:
                 met = [b for b in others if not b.flight.rest]
                 plan["pairs at rest skipped"] += len(others) - len(met)
-            plan["pairs predicted"] += count - done - len(others) + len(met)
+            predicted += count - done - len(others) + len(met)
             self.pairs(a, [*met, *pockets] if pockets and not a.flight.rest else met, standing)
+        if moved:
+            plan["pairs predicted"] += predicted
 
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
@@ -147,11 +150,14 @@ class Predictor(Generic[M]):
         return Spot(*numbers)
 
     def _walls_of(self, moved: Sequence[Body[M]], standing: Collection[Link]) -> None:
+        flying = 0
         for a in moved:
             a.until = inf
             if not a.flight.rest:
-                self.plan["walls predicted"] += self.wall_count
+                flying += 1
                 self.walls(a, standing)
+        if flying:
+            self.plan["walls predicted"] += flying * self.wall_count
 
     def pairs(self, a: Body[M], others: list[Body[M]], standing: Collection[Link]) -> None:
         """Queues the next meetings of a, which has a new flight, with circles and pockets."""

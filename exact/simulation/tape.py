@@ -30,6 +30,10 @@ class Reached(NamedTuple):
     assumed: int
 
 
+_new = tuple.__new__
+"""Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""
+
+
 @dataclass
 class Tape:
     """The instants of a run, in order, without that at time 0.
@@ -50,8 +54,9 @@ class Tape:
 
     def mark(self, history: History[K]) -> None:
         """Called before each look for an instant."""
-        if self.reached is None or self.reached.instants != len(self.found):
-            self.reached = Reached(len(self.found), dict(history.plan), len(history.rises), len(history.assumptions))
+        done = len(self.found)
+        if self.reached is None or self.reached.instants != done:
+            self.reached = _new(Reached, (done, dict(history.plan), len(history.rises), len(history.assumptions)))
 
     def add(self, instant: Instant) -> None:
         """An instant that was gathered."""

@@ -10,13 +10,16 @@ from flint import arb, ctx  # type: ignore[attr-defined]
 
 from truebreak.compare import comparison, comparison_json, engine
 from truebreak.compare.candidate import Candidate
-from truebreak.compare.causes import enough, experiments, laboratory, measure, stepped
+from truebreak.compare.causes import enough, measure
 from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.compare.causes.laboratory.laboratory import Laboratory
 from truebreak.compare.comparison import Comparison, compare
 from truebreak.compare.deadline import NO_TIME, Clock, OutOfTime, time_to_read
 from truebreak.compare.report.sentences import margin_phrase
 from truebreak.compare.study import Study
 from truebreak.scenarios import catalogue
+
+EXPERIMENTS = "truebreak.compare.causes.experiments"
 
 
 def over(*args: Any, **kwargs: Any) -> Any:
@@ -65,15 +68,15 @@ def test_a_run_cut_short_is_no_evidence(monkeypatch: pytest.MonkeyPatch) -> None
         study.whole_run(engine("double"), scene, 1e7)
 
 
-@pytest.mark.parametrize("where", ["_input", "_arithmetic"])
+@pytest.mark.parametrize("where", ["input_rounding._input", "arithmetic._alone"])
 def test_an_experiment_without_time_is_not_tried(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(experiments, where, over)
+    monkeypatch.setattr(f"{EXPERIMENTS}.{where}", over)
     found, candidate = told()
     assert candidate.diagnosis is not None
-    cause = CauseName.INPUT if where == "_input" else CauseName.ARITHMETIC
+    cause = CauseName.INPUT if where == "input_rounding._input" else CauseName.ARITHMETIC
     assert results(candidate)[cause] == NO_TIME
     assert results(candidate)[CauseName.ARITHMETIC] == NO_TIME
-    assert candidate.diagnosis.name is (CauseName.UNKNOWN if where == "_input" else CauseName.INPUT)
+    assert candidate.diagnosis.name is (CauseName.UNKNOWN if where == "input_rounding._input" else CauseName.INPUT)
     assert results(candidate)[CauseName.MODEL].startswith("not tried")
     assert found.cut == ("part of why double",)
     assert candidate.margin is not None
@@ -82,16 +85,20 @@ def test_an_experiment_without_time_is_not_tried(where: str, monkeypatch: pytest
 
 @pytest.mark.parametrize(
     ("where", "cause"),
-    [("_series", CauseName.STEP), ("_tunnelling", CauseName.TUNNELLING), ("_iterations", CauseName.ITERATIONS)],
+    [
+        ("step._series", CauseName.STEP),
+        ("tunnelling._tunnelling", CauseName.TUNNELLING),
+        ("iterations._iterations", CauseName.ITERATIONS),
+    ],
 )
 def test_a_step_that_was_not_halved_is_not_called_model(
     where: str, cause: CauseName, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stepped, where, over)
+    monkeypatch.setattr(f"{EXPERIMENTS}.{where}", over)
     found, candidate = told("pymunk")
     assert candidate.diagnosis is not None
     assert results(candidate)[cause] == NO_TIME
-    assert candidate.diagnosis.name is (CauseName.UNKNOWN if where == "_series" else CauseName.STEP)
+    assert candidate.diagnosis.name is (CauseName.UNKNOWN if where == "step._series" else CauseName.STEP)
     assert found.cut == ("part of why pymunk",)
 
 
@@ -110,7 +117,7 @@ def test_a_margin_is_measured_as_far_as_there_is_time(where: str, monkeypatch: p
 
 
 def test_a_comparison_without_time_for_causes_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(laboratory.Laboratory, "_decision", over)
+    monkeypatch.setattr(Laboratory, "_decision", over)
     found, candidate = told()
     assert (candidate.diagnosis, found.cut) == (None, ("why double",))
 

@@ -20,7 +20,7 @@ from ....scenarios.files import dump_json, dump_toml
 from ....scenarios.trajectory import StopReason
 from ...documents.comparison import comparison_json
 from ...engines import ENGINES
-from ..listing import laid_out
+from ..text.listing import laid_out
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene

@@ -11,7 +11,7 @@ import jinja2
 from markupsafe import Markup
 
 from ....scenarios.picture import STYLE
-from ..engine_style import engine_css
+from ..pictures.engine_style import engine_css
 
 
 @cache

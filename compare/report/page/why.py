@@ -6,14 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...causes.diagnosis import CauseName
 from ..sentences import about, checked, middle, off
 
 if TYPE_CHECKING:
     from ...candidate import Candidate
-
-STEPPED = (CauseName.STEP, CauseName.ITERATIONS)
-"""Experiments that try a series of settings, and say which of them was enough."""
 
 LINEAR, LEAST_SHARE, DECADES = 100.0, 0.02, 20
 """Ratio up to which bars are to scale, and go by powers of ten beyond; length of the shortest, as a share of the
@@ -87,7 +83,7 @@ def enough(candidate: Candidate) -> list[tuple[str, str]]:
             told = f"about {foreseen:,}: {margin.growth:.3g} bits an event over {divergence.event:,} events"
             rows.append(("bits, foreseen", told))
     if candidate.diagnosis is not None:
-        rows += [(e.cause.value, e.result) for e in candidate.diagnosis.experiments if e.cause in STEPPED]
+        rows += [(e.cause.value, e.result) for e in candidate.diagnosis.experiments if e.cause.entry.settings]
     return rows
 
 

@@ -1,0 +1,1 @@
+"""The decision at which two histories part, and how a run has it."""

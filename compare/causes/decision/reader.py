@@ -1,0 +1,207 @@
+"""Reads flights, and the number that decides, off one run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from flint import arb
+
+from ....exact.laws import formulas as law
+from ....exact.numbers import ball
+from ....scenarios.numbers.real import real
+from .decision import FIRST_BITS, MOST_BITS, Decision, Flight, Pairing
+from .zeros import grazes_exactly
+
+if TYPE_CHECKING:
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import Trajectory
+    from ...alignment.walk import Walk
+
+
+Numbers: TypeAlias = tuple[arb, arb, arb, arb, arb]
+"""t, x, y, vx, vy of a flight, in balls."""
+
+
+class Reader:
+    """Reads flights and decisions off one run.
+
+    Args:
+        run: the run.
+        walks: how its meetings were matched with the reference's; None for the reference itself.
+        scene: whose walls and radii it reckons with, if not those of the scene that it says.
+        turned_after: number of the reference's events before its reversal, if that lies before the decision.
+    """
+
+    def __init__(
+        self,
+        run: Trajectory,
+        walks: Mapping[str, Walk] | None = None,
+        scene: Scene | None = None,
+        turned_after: int | None = None,
+    ) -> None:
+        self.run = run
+        self.scene = run.scene if scene is None else scene
+        self.turned_after = turned_after
+        self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
+        self._states: dict[int, Any] = {}
+
+    def follows(self, pairing: Pairing) -> bool:
+        """Whether the run has every meeting that leads to a pairing."""
+        return all(anchor is None or self._event(name, anchor) is not None for name, anchor in pairing.anchors.items())
+
+    def _event(self, name: str, anchor: int) -> int | None:
+        return anchor if self._events is None else self._events.get(name, {}).get(anchor)
+
+    def flight(self, name: str, anchor: int | None, *, turned: bool) -> Flight | None:
+        """A circle as its last meeting left it; None if the run does not have that meeting.
+
+        Args:
+            turned: whether the velocities were negated since.
+        """
+        index = None if anchor is None else self._event(name, anchor)
+        if anchor is not None and index is None:
+            return None
+        reversal = self.run.reversal
+        if turned and reversal is not None:
+            time, key = reversal.time, -2
+        else:
+            time, key = (0, -1) if index is None else (self.run.events[index].time, index)
+        if key not in self._states:
+            self._states[key] = self.run.at(time)
+        state = self._states[key][name]
+        if key == -1:
+            return Flight(0, state.x, state.y, state.vx, state.vy)
+        return Flight(time, state.x, state.y, state.vx, state.vy)
+
+    def value(self, decision: Decision, bits: int = FIRST_BITS) -> arb | None:
+        """The number that decides, as a ball of a sign that is known if it can be; None if the run does not come to it.
+
+        A hit that the other meeting's pair does not have at all leaves an order without a value.
+        """
+        while True:
+            with ball.precision(2 * bits):
+                found = self._value(decision, bits)
+            if found is None or ball.sign_of(found) is not None or bits >= MOST_BITS:
+                return found
+            bits *= 4
+
+    def _value(self, decision: Decision, bits: int) -> arb | None:
+        if decision.kind == "hit":
+            return self.least_gap(decision.first, bits)
+        assert decision.second is not None
+        one, other = self.hit_time(decision.first, bits), self.hit_time(decision.second, bits)
+        return None if one is None or other is None else other - one
+
+    # -- one pairing
+
+    def numbers(self, pairing: Pairing, name: str, bits: int) -> Numbers | None:
+        """t, x, y, vx, vy of one of the two as its flight has them; None if the run does not have that flight."""
+        flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
+        if flight is None:
+            return None
+        t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
+        return t, x, y, vx, vy
+
+    def _relative(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb, arb, arb] | None:
+        """t, d, v and R of two circles at the later of their flights' times."""
+        one, other = self.numbers(pairing, pairing.body, bits), self.numbers(pairing, pairing.partner, bits)
+        if one is None or other is None:
+            return None
+        (at, ax, ay, avx, avy), (bt, bx, by, bvx, bvy) = one, other
+        later = at if ball.sign_of(at - bt) in (0, 1) else bt
+        ax, ay = law.advance(ax, avx, later - at), law.advance(ay, avy, later - at)
+        bx, by = law.advance(bx, bvx, later - bt), law.advance(by, bvy, later - bt)
+        radii = [c.r.ball(bits) for c in self.scene.circles if c.id in (pairing.body, pairing.partner)]
+        return later, bx - ax, by - ay, bvx - avx, bvy - avy, radii[0] + radii[1]
+
+    def _turned(self, pairing: Pairing) -> bool:
+        """Whether the reversal lies between the last meetings and the decision."""
+        reversal = self.run.reversal
+        if reversal is None or self.turned_after is None:
+            return False
+        return all(anchor is None or anchor < self.turned_after for anchor in pairing.anchors.values())
+
+    def _wall(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb] | None:
+        """t, the gap to a wall, the approach to it, and the length of its normal."""
+        wall = next(w for w in self.scene.walls if w.id == pairing.partner)
+        flight = self.numbers(pairing, pairing.body, bits)
+        if flight is None:
+            return None
+        circle = next(c for c in self.scene.circles if c.id == pairing.body)
+        nx, ny = wall.normal
+        if wall.height(circle.x, circle.y).sign() < 0:
+            nx, ny = -nx, -ny
+        t, x, y, vx, vy = flight
+        x0, y0, mx, my = (q.ball(bits) for q in (wall.x0, wall.y0, nx, ny))
+        length = ball.root(mx * mx + my * my)
+        gap = law.wall_gap(x, y, x0, y0, mx, my, circle.r.ball(bits) * length)
+        return t, gap, law.wall_approach(vx, vy, mx, my), length
+
+    def is_wall(self, pairing: Pairing) -> bool:
+        """Whether the partner is a wall."""
+        return any(w.id == pairing.partner for w in self.scene.walls)
+
+    def hit_time(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
+        """When the two touch in free flight; None if they do not, or if it is not known."""
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            if told is None or ball.sign_of(told[2]) != -1:
+                return None
+            return told[0] + law.wall_hit_time(told[1], told[2])
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        t, dx, dy, vx, vy, reach = relative
+        approach, discriminant = law.pair_approach(dx, dy, vx, vy), law.pair_discriminant(dx, dy, vx, vy, reach)
+        if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
+            return None
+        return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))
+
+    def stay(self, pairing: Pairing) -> tuple[float, float] | None:
+        """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""
+        enter = self.hit_time(pairing)
+        if enter is None or self.is_wall(pairing):
+            return None if enter is None else (float(enter), math.inf)
+        relative = self._relative(pairing, FIRST_BITS)
+        assert relative is not None
+        _, dx, dy, vx, vy, reach = relative
+        root = ball.root(law.pair_discriminant(dx, dy, vx, vy, reach))
+        return float(enter), float(enter + (root + root) / (vx * vx + vy * vy))
+
+    def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
+        """The least distance between two surfaces in free flight; negative: how deep they would sink in.
+
+        For a wall, which every approaching circle hits, the speed at which the circle leaves it.
+        """
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            return None if told is None else told[2] / told[3]
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        _, dx, dy, vx, vy, reach = relative
+        if ball.sign_of(law.pair_approach(dx, dy, vx, vy)) in (0, 1):
+            return ball.root(dx * dx + dy * dy) - reach
+        least = abs(dx * vy - dy * vx) / ball.root(vx * vx + vy * vy) - reach
+        return arb(0) if ball.sign_of(least) is None and self._exactly_grazing(pairing) else least
+
+    def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
+        """The distance between two surfaces at a time of their free flight."""
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            return None if told is None else (told[1] + told[2] * (time - told[0])) / told[3]
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        t, dx, dy, vx, vy, reach = relative
+        x, y = law.advance(dx, vx, time - t), law.advance(dy, vy, time - t)
+        return ball.root(x * x + y * y) - reach
+
+    def _exactly_grazing(self, pairing: Pairing) -> bool:
+        """Whether the discriminant is proved to be zero, where the flights' exact values are short."""
+        names = pairing.body, pairing.partner
+        one, other = (self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names)
+        radii = [c.r for c in self.scene.circles if c.id in names]
+        return one is not None and other is not None and grazes_exactly(one, other, radii[0] + radii[1])

@@ -1,0 +1,1 @@
+"""What may stop an engine that follows the reference: each cause a module, with one function that tries it."""

@@ -1,0 +1,1 @@
+"""Pictures as SVG: scenes, curves, plots, the heat map."""

@@ -1,0 +1,140 @@
+"""Run time against digits as one SVG: a panel for each scene, a point for each engine and setting."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from .engine_style import engine_style
+
+if TYPE_CHECKING:
+    from ...bench.tradeoff import Tradeoff
+
+COLUMNS, WIDTH, HEIGHT = 2, 430, 250
+"""Panels in a row, and the size of one, in pixels."""
+
+LEFT, RIGHT, TOP, BOTTOM = 46, 14, 34, 38
+HEAD, LEGEND = 16, 22
+"""Room around a panel, above all, and for the line that tells the engines apart."""
+
+MOST_DIGITS = 20
+"""Digits of the upper edge: what has more is drawn there."""
+
+STYLE = """
+svg { font: 12px system-ui, sans-serif; }
+.grid { stroke: #ddd; } .front { stroke: #555; fill: none; stroke-dasharray: 4 3; }
+text { fill: #333; } .title { font-weight: 600; } .end { text-anchor: end; } .mid { text-anchor: middle; }
+"""
+
+
+@dataclass(frozen=True)
+class _Panel:
+    """Where a panel is, and from times to pixels: powers of ten of the exact engine's time."""
+
+    x0: int
+    y0: int
+    low: int
+    high: int
+
+    def x(self, ratio: float) -> float:
+        share = (math.log10(ratio) - self.low) / (self.high - self.low)
+        return self.x0 + LEFT + (WIDTH - LEFT - RIGHT) * share
+
+    def y(self, digits: float) -> float:
+        share = min(max(digits, 0.0), MOST_DIGITS) / MOST_DIGITS
+        return self.y0 + HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * share
+
+
+def tradeoff_plot(rows: Sequence[Tradeoff]) -> str:
+    """The plot; empty panels are left out. Rows that did not get to the end have no digits, and no point.
+
+    >>> from truebreak.compare.bench.tradeoff import Tradeoff
+    >>> tradeoff_plot([Tradeoff("gas", "", "double", ratio=0.3, digits=14.0)]).count("<circle")
+    2
+    """
+    scenes = [(name, list(mine)) for name, mine in groupby(rows, key=lambda row: row.scene)]
+    drawn = [(name, [row for row in mine if _has_point(row)]) for name, mine in scenes]
+    drawn = [(name, mine) for name, mine in drawn if mine]
+    families = list(dict.fromkeys(_family(row) for _, mine in drawn for row in mine))
+    tall = HEAD + LEGEND + HEIGHT * -(-len(drawn) // COLUMNS)
+    wide = WIDTH * min(COLUMNS, max(len(drawn), 1))
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {tall}" width="{wide}" height="{tall}" '
+        'role="img">',
+        "<title>Digits that are right at the end, over run time as a multiple of the exact engine's</title>",
+        f"<style>{STYLE}</style>",
+        f'<rect width="{wide}" height="{tall}" fill="#fff"/>',
+        *_legend(families, wide),
+    ]
+    for place, (name, mine) in enumerate(drawn):
+        ratios = [math.log10(row.ratio) for row in mine]
+        low = math.floor(min(ratios))
+        panel = _Panel(
+            WIDTH * (place % COLUMNS),
+            HEAD + LEGEND + HEIGHT * (place // COLUMNS),
+            low,
+            max(math.ceil(max(ratios)), low + 1),
+        )
+        parts += [*_axes(panel, name), *_points(panel, mine, families)]
+    return "\n".join([*parts, "</svg>\n"])
+
+
+def _has_point(row: Tradeoff) -> bool:
+    return row.refused is None and row.digits is not None and row.ratio > 0
+
+
+def _family(row: Tradeoff) -> str:
+    return row.engine.partition(":")[0]
+
+
+def _colour(family: str, families: Sequence[str]) -> str:
+    return engine_style(families.index(family)).light
+
+
+def _legend(families: Sequence[str], wide: int) -> list[str]:
+    parts, x, stride = [], LEFT, min(90, (wide - LEFT) // max(len(families), 1))
+    for family in families:
+        parts.append(f'<circle cx="{x}" cy="{HEAD}" r="4.5" fill="{_colour(family, families)}"/>')
+        parts.append(f'<text x="{x + 9}" y="{HEAD + 4}">{escape(family)}</text>')
+        x += stride
+    return parts
+
+
+def _axes(panel: _Panel, name: str) -> list[str]:
+    left, right = panel.x0 + LEFT, panel.x0 + WIDTH - RIGHT
+    top, bottom = panel.y0 + TOP, panel.y0 + HEIGHT - BOTTOM
+    parts = [f'<text class="title" x="{left}" y="{panel.y0 + 20}">{escape(name)}</text>']
+    for digits in range(0, MOST_DIGITS + 1, 5):
+        y = panel.y(digits)
+        label = f"{digits}+" if digits == MOST_DIGITS else str(digits)
+        parts.append(f'<line class="grid" x1="{left}" x2="{right}" y1="{y:.1f}" y2="{y:.1f}"/>')
+        parts.append(f'<text class="end" x="{left - 6}" y="{y + 4:.1f}">{label}</text>')
+    for power in range(panel.low, panel.high + 1):
+        x = panel.x(10.0**power)
+        parts.append(f'<line class="grid" x1="{x:.1f}" x2="{x:.1f}" y1="{top}" y2="{bottom}"/>')
+        parts.append(f'<text class="mid" x="{x:.1f}" y="{bottom + 16}">{10.0**power:g}</text>')
+    told = "time / exact; upwards: digits right at the end"
+    parts.append(f'<text class="mid" x="{(left + right) // 2}" y="{bottom + 31}">{told}</text>')
+    return parts
+
+
+def _points(panel: _Panel, rows: Sequence[Tradeoff], families: Sequence[str]) -> list[str]:
+    places = {row: (panel.x(row.ratio), panel.y(row.digits or 0.0)) for row in rows}
+    front = sorted(places[row] for row in rows if row.front)
+    parts = []
+    if len(front) > 1:
+        line = " ".join(f"{x:.1f},{y:.1f}" for x, y in front)
+        parts.append(f'<polyline class="front" points="{line}"/>')
+    for row in rows:
+        x, y = places[row]
+        colour, told = _colour(_family(row), families), escape(row.engine)
+        fill = colour if row.front else "#fff"
+        parts.append(
+            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4.5" stroke="{colour}" stroke-width="1.5" fill="{fill}">'
+            f"<title>{told}: {row.ratio:.3g} of exact</title></circle>"
+        )
+    return parts

@@ -1,0 +1,260 @@
+"""The catalogue, a scene and a single run, printed on stdout."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from typing import TYPE_CHECKING, Any, SupportsFloat
+
+from ....scenarios.numbers.real import real
+from ...documents.amounts import bounds, double
+from ..sentences import counted
+
+if TYPE_CHECKING:
+    from rich.console import Console
+    from rich.table import Table
+
+    from ....scenarios.catalogue import Entry
+    from ....scenarios.event import Event
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import Trajectory
+    from ...deadline import Clock
+
+PLAIN_WIDTH = 110
+"""Columns of a table where the output is not a terminal."""
+
+SHOWN_EVENTS = 40
+"""Rows of events printed for people: three quarters of them from the start, the rest from the end."""
+
+SHOWN_DIGITS = 60
+"""Longest exact text in a table; of longer ones, which are in the JSON, the value and how long they are."""
+
+
+LEAST_WIDTH = 40
+"""Fewest columns that COLUMNS may ask for: a table of fewer is a heap of letters."""
+
+
+def columns() -> int | None:
+    """The columns that the variable COLUMNS asks for; None without one that makes sense."""
+    asked = os.environ.get("COLUMNS", "")
+    return max(int(asked), LEAST_WIDTH) if asked.isdecimal() and len(asked) < 6 and int(asked) > 0 else None
+
+
+def console() -> Console:
+    """Standard output: colours on a terminal, plain text elsewhere; as wide as COLUMNS says, if it says anything."""
+    from rich.console import Console
+
+    class Output(Console):
+        """A console that leaves a closed pipe to the caller, where rich would exit with code 1: diverged."""
+
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
+    width = columns() or (None if sys.stdout.isatty() else PLAIN_WIDTH)
+    return Output(width=width, highlight=False, soft_wrap=False)
+
+
+def say(out: Console, text: str, style: str | None = None) -> None:
+    """A line of text; where the output is not a terminal it stays one line, however long, unless COLUMNS is set."""
+    from rich.text import Text
+
+    out.print(Text(text, style=style or ""), soft_wrap=not out.is_terminal and columns() is None)
+
+
+def grid(*headings: str, title: str | None = None, whole: tuple[str, ...] = ()) -> Table:
+    """An empty table in the one style of all reports. Nothing in it is ever cut.
+
+    Args:
+        whole: headings of the columns whose cells stay on one line; others go on in the next.
+    """
+    from rich.box import SIMPLE
+    from rich.table import Table
+
+    table = Table(box=SIMPLE, title=title, title_justify="left", pad_edge=False)
+    for heading in headings:
+        table.add_column(heading, overflow="fold", no_wrap=heading in whole)
+    return table
+
+
+def print_json(data: dict[str, Any]) -> None:
+    """One object on stdout: a line for each key, and for each thing in a list of things."""
+    sys.stdout.write(laid_out(data) + "\n")
+
+
+def laid_out(data: dict[str, Any]) -> str:
+    """JSON text with a line for each key of an object, and for each object in a list.
+
+    >>> print(laid_out({"a": [1, 2], "b": [{"c": 1}, {"c": 2}]}))
+    {
+     "a": [1, 2],
+     "b": [
+      {"c": 1},
+      {"c": 2}
+     ]
+    }
+    """
+    lines = []
+    for key, value in data.items():
+        if isinstance(value, list) and value and all(isinstance(item, dict) for item in value):
+            rows = ",\n".join(f"  {_flat(item)}" for item in value)
+            lines.append(f" {_flat(key)}: [\n{rows}\n ]")
+        else:
+            lines.append(f" {_flat(key)}: {_flat(value)}")
+    return "{\n" + ",\n".join(lines) + "\n}"
+
+
+def _flat(value: Any) -> str:
+    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+
+
+def print_catalogue(as_json: bool) -> None:
+    """Every scene of the catalogue, with parameters and source."""
+    from ....scenarios import catalogue
+
+    entries = [catalogue.entry(name) for name in catalogue.names()]
+    if as_json:
+        from ...documents.amounts import plain
+
+        print_json({"scenes": [plain(catalogue_row(entry)) for entry in entries]})
+        return
+
+    out = console()
+    for entry in entries:
+        row = catalogue_row(entry)
+        say(out, f"{row['name']}  {row['summary']}", "bold")
+        for parameter in row["parameters"]:
+            setting = f"{parameter['name']}={parameter['default']}"
+            say(out, f"    {setting:<14} {parameter['help']}")
+        for key in ("known", "source"):
+            if row.get(key):
+                say(out, f"    {key}: {row[key]}")
+    say(out, "\nRun one with: truebreak compare NAME, or NAME:key=value,key=value")
+
+
+def catalogue_row(entry: Entry) -> dict[str, Any]:
+    """What the catalogue tells of one scene."""
+    return {
+        "name": entry.name,
+        "parameters": [{"name": p.name, "default": p.default, "help": p.help} for p in entry.parameters],
+        "summary": entry.summary,
+        "source": entry.source,
+        "known": entry.known,
+    }
+
+
+def print_scene(scene: Scene, as_json: bool) -> None:
+    """A scene's circles and walls, exactly."""
+    if as_json:
+        print_json(scene.data())
+        return
+    from rich.markup import escape
+
+    out = console()
+    say(out, f"{scene.name}  {scene.description}", "bold")
+    if scene.source:
+        say(out, f"source: {scene.source}")
+    facts = {"tie policy": str(scene.tie_policy), "digest": scene.digest[:16]}
+    for key in ("reverse_after", "reverse_at", "until", "events"):
+        value = getattr(scene, key)
+        if value is not None:
+            facts[key.replace("_", " ")] = str(value)
+    say(out, ", ".join(f"{key}: {value}" for key, value in facts.items()))
+    data = scene.data()
+    for kind, keys in (
+        ("circle", ("id", "x", "y", "r", "vx", "vy", "m")),
+        ("wall", ("id", "x0", "y0", "x1", "y1")),
+        ("pocket", ("id", "x", "y", "r")),
+    ):
+        rows = data.get(kind)
+        if not rows:
+            continue
+        table = grid(*keys, title=counted(len(rows), kind))
+        for row in rows:
+            table.add_row(*(escape(cut(str(row[key]))) for key in keys))
+        out.print(table)
+
+
+def cut(text: str) -> str:
+    """A text of at most `SHOWN_DIGITS` characters, the missing ones counted."""
+    return text if len(text) <= SHOWN_DIGITS else f"{text[:SHOWN_DIGITS]}... ({len(text):,} characters)"
+
+
+def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> None:
+    """A run: why it stopped, its events, its final state.
+
+    Args:
+        exact: whether numbers are told as exact text, as long as the user's seconds last.
+    """
+    from rich.markup import escape
+
+    out = console()
+    name, scene = trajectory.engine, trajectory.scene
+    say(
+        out,
+        f"{scene.name} in {name}: {counted(len(trajectory.events), 'event')}, "
+        f"{counted(trajectory.collisions, 'collision')}, to time {number(trajectory.final_time, exact)}",
+        "bold",
+    )
+    say(out, f"stopped: {trajectory.stop.message}")
+    if trajectory.reversal is not None:
+        when = number(trajectory.reversal.time, exact)
+        say(out, f"reversed: after {counted(trajectory.reversal.after, 'event')}, at time {when}")
+    for note in trajectory.notes:
+        say(out, note)
+    if trajectory.assumptions:
+        for assumption in trajectory.assumptions[:1]:
+            say(out, str(assumption), "bold yellow")
+    out.print(events_table(trajectory, exact, watch))
+    table = grid("circle", "x", "y", "vx", "vy", title="at the end")
+    for circle in trajectory.final.circles:
+        cells = [number(getattr(circle, key), exact and not watch.over) for key in ("x", "y", "vx", "vy")]
+        table.add_row(escape(circle.id), *map(escape, cells))
+    out.print(table)
+    if trajectory.plan:
+        told = ", ".join(f"{key}: {value}" for key, value in trajectory.plan.items())
+        say(out, f"plan: {told}")
+
+
+def events_table(trajectory: Trajectory, exact: bool, watch: Clock) -> Table:
+    """The first and last events of a run."""
+    from rich.markup import escape
+
+    table = grid("event", "time", "contacts", "impulses", whole=("event", *(() if exact else ("time",))))
+    events = trajectory.events
+    head = SHOWN_EVENTS * 3 // 4
+    shown: list[Event | None] = list(events)
+    if len(events) > SHOWN_EVENTS:
+        shown = [*events[:head], None, *events[head - SHOWN_EVENTS :]]
+    for event in shown:
+        if event is None:
+            table.add_row("...", f"{len(events) - SHOWN_EVENTS:,} more", "", "")
+            continue
+        contacts = " ".join(f"{a}-{b}" for a, b in event.contacts)
+        impulses = " ".join(f"{a}-{b}" for a, b in event.impulses) if event.impulses != event.contacts else ""
+        table.add_row(
+            str(event.index), escape(number(event.time, exact and not watch.over)), escape(contacts), escape(impulses)
+        )
+    return table
+
+
+def number(value: SupportsFloat, exact: bool) -> str:
+    """A number for people: exact text if asked for, bounds of an interval, else the nearest double.
+
+    >>> number(0.5, True), number(0.1, False)
+    ('1/2', '0.1')
+    >>> from truebreak.scenarios.numbers.quantity import Quantity
+    >>> number(Quantity.of(f"sqrt(2)/{10**30} + sqrt(3)/{10**30}"), True)
+    '3.1462643699419723e-30 (81 characters)'
+    """
+    ends = bounds(real(value))
+    if ends is not None and ends[0] != ends[1]:
+        return f"[{ends[0]:.17g}, {ends[1]:.17g}]"
+    if exact:
+        text = real(value).text()
+        if text is not None and len(text) <= SHOWN_DIGITS:
+            return text
+        if text is not None:
+            return f"{real(value).digits(17)} ({len(text):,} characters)"
+    nearest = double(value)
+    return "beyond the doubles" if nearest is None else f"{nearest:.17g}" if exact else f"{nearest:.12g}"

@@ -1,0 +1,41 @@
+"""The smallest scene on which an engine diverges, on the terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...reduction.smallest import Size
+from ..sentences import counted, divergence_phrase
+from .listing import console, grid, say
+from .terminal import print_comparison
+
+if TYPE_CHECKING:
+    from ...reduction.smallest import Smallest
+
+
+def print_smallest(found: Smallest) -> None:
+    """Prints what was left out, step by step with the verdict on what was left, and the comparison of the last."""
+    from rich.markup import escape
+
+    out = console()
+    say(out, f"{found.original.name}: {size_phrase(Size.of(found.original))}")
+    say(out, f"still shown by: {size_phrase(Size.of(found.scene))}", "bold")
+    say(out, f"{counted(found.runs, 'comparison')}; {found.end.value}.", None if found.minimal else "yellow")
+    if found.steps:
+        table = grid("comparison", "left out", "on what is left", whole=("comparison",))
+        for step in found.steps:
+            phrase = divergence_phrase(step.comparison, step.comparison.candidates[0])
+            table.add_row(f"{step.runs:,}", escape(step.told), escape(phrase))
+        out.print(table)
+    print_comparison(found.comparison)
+
+
+def size_phrase(size: Size) -> str:
+    """A size in words; the characters are those of the numbers.
+
+    >>> size_phrase(Size(2, 4, 0, None, 39))
+    '2 circles, 4 walls, 39 characters'
+    """
+    things = [(size.circles, "circle"), (size.walls, "wall"), (size.pockets, "pocket"), (size.events, "event")]
+    told = [counted(number, noun) for number, noun in things if number]
+    return ", ".join([*told, counted(size.characters, "character")])

@@ -1,0 +1,142 @@
+"""A comparison on the terminal: one sentence, a table, the first divergence side by side."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..sentences import (
+    consequence_phrase,
+    counted,
+    divergence_phrase,
+    experiment_rows,
+    listed,
+    margin_phrase,
+    pattern_phrase,
+    proof_phrase,
+    short,
+    span_phrase,
+    verdict_sentence,
+)
+from .listing import console, grid, say
+from .side_by_side import side_by_side
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from ...candidate import Candidate
+    from ...comparison import Comparison
+
+COLOURS = {"agree": "green", "diverged": "red", "unsettled": "yellow", "undecided": "yellow"}
+
+
+def print_comparison(comparison: Comparison) -> None:
+    """Prints the report of a comparison on stdout."""
+
+    out = console()
+    colour = COLOURS[comparison.verdict]
+    say(out, verdict_sentence(comparison), f"bold {colour}")
+    reference = comparison.reference
+    say(
+        out,
+        f"{comparison.scene.name}: {counted(len(reference.events), 'event')}, "
+        f"{counted(reference.collisions, 'collision')} in the {reference.engine} run, "
+        f"{span_phrase(comparison)} ({reference.stop.message}). {proof_phrase(comparison)}",
+    )
+    if comparison.certificate is not None:
+        say(out, comparison.certificate.told)
+    if reference.assumptions:
+        say(out, str(reference.assumptions[0]), "bold yellow")
+    for note in reference.notes:
+        say(out, note)
+    out.print(engines_table(comparison))
+    for told in filter(None, map(changed_text, comparison.candidates)):
+        say(out, told)
+    if comparison.cut:
+        say(out, f"Left out, as the time was up: {listed([*comparison.cut])}.", "yellow")
+    for candidate in comparison.candidates:
+        if candidate.alignment.divergence is not None:
+            _print_divergence(comparison, candidate)
+        elif candidate.verdict == "undecided":
+            say(out, f"{candidate.engine}: {candidate.trajectory.stop.message}")
+            if candidate.diagnosis is not None:
+                say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.evidence}")
+
+
+def engines_table(comparison: Comparison) -> Table:
+    """One row an engine; a column for the return only after a reversal."""
+    from rich.markup import escape
+
+    returns = comparison.return_miss is not None or any(c.return_miss is not None for c in comparison.candidates)
+    headings = [
+        "engine",
+        "verdict",
+        "agreed",
+        "differs at",
+        "cause",
+        "swaps",
+        "position\nerror",
+        *(["misses\nstart by"] if returns else []),
+    ]
+    table = grid(*headings, whole=tuple({*headings} - {"engine", "cause"}))
+    total = len(comparison.reference.events)
+    reference = [comparison.reference.engine, "reference", f"{total:,}", "", "", "", ""]
+    table.add_row(*map(escape, reference), *([short(comparison.return_miss)] if returns else []))
+    for candidate in comparison.candidates:
+        colour = COLOURS[candidate.verdict]
+        divergence = candidate.alignment.divergence
+        cells = [
+            escape(candidate.engine),
+            f"[{colour}]{candidate.verdict}[/]",
+            f"{candidate.alignment.agreed:,}",
+            f"event {divergence.event:,}" if divergence else "",
+            escape(str(candidate.diagnosis)) if candidate.diagnosis else "",
+            str(candidate.alignment.harmless_swaps),
+            short(candidate.separation.maximum),
+        ]
+        table.add_row(*cells, *([short(candidate.return_miss)] if returns else []))
+    return table
+
+
+def changed_text(candidate: Candidate) -> str:
+    """The outcomes that an engine changed, in a sentence; nothing of a run that stopped early."""
+    if candidate.verdict in ("undecided", "unsettled") or not candidate.changed:
+        return ""
+    return f"{candidate.engine} changed: {listed([name.replace('_', ' ') for name in candidate.changed])}"
+
+
+def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
+    from rich.markup import escape
+
+    out = console()
+    divergence = candidate.alignment.divergence
+    assert divergence is not None
+    say(out, divergence_phrase(comparison, candidate), "bold")
+    if candidate.diagnosis is not None:
+        say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.evidence}")
+        also = [cause.value for cause in candidate.diagnosis.sufficient if cause is not candidate.diagnosis.name]
+        if also:
+            say(out, f"  suffices by itself too: {listed(also)}")
+    pattern = pattern_phrase(comparison, candidate)
+    if pattern is not None:
+        say(out, f"  whom each circle meets, and where it ends: {pattern}")
+    consequence = consequence_phrase(comparison, candidate)
+    if consequence is not None:
+        say(out, f"  consequence: {consequence}")
+    close = margin_phrase(candidate)
+    if close is not None:
+        say(out, f"  margin: {close}")
+    rows = experiment_rows(candidate)
+    if rows:
+        experiments = grid("tried", "alone", "moves it by", "share", "result", whole=("alone", "moves it by", "share"))
+        for cells in rows:
+            experiments.add_row(*map(escape, cells))
+        out.print(experiments)
+    names = comparison.reference.engine, candidate.engine
+    table = grid(
+        "", *(f"{name}{what}" for name in names for what in (" time", f": {divergence.body} meets")), whole=("",)
+    )
+    for row in side_by_side(comparison, candidate):
+        style = "bold red" if row.differs else None
+        cells = ("->" if row.differs else "", row.expected_time, row.expected, row.got_time, row.got)
+        table.add_row(*map(escape, cells), style=style)
+    out.print(table)

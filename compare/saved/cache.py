@@ -1,0 +1,206 @@
+"""Certified runs kept between calls: each in a file of its own, found by all that decides it."""
+
+from __future__ import annotations
+
+import contextlib
+import gzip
+import hashlib
+import json
+import os
+import tempfile
+import time as clock
+import warnings
+import zlib
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ...exact.engine import ExactEngine
+from ...exact.results.motion import ExactMotion
+from ...exact.results.saved import run_of, saved_run
+from ...exact.simulation.limits import run_limits
+from ...scenarios.errors import SceneError
+from ...scenarios.trajectory import StopReason
+from ..engines import engine as engine_named
+
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress, Trajectory
+
+FOLDER = "TRUEBREAK_CACHE"
+"""The environment variable that names another folder, or, empty, none."""
+
+LEAST_SECONDS = 1.0
+"""Processor time of a run from which on it is kept: below, keeping costs a user's patience nothing."""
+
+LOAD_SECONDS = 1e-4
+"""Processor time in which an event of a kept run is read: 80 to 90 microseconds, measured on gases of 3 to 40 discs."""
+
+SHARE = 4
+"""How many times what reading takes a run must have taken to be kept."""
+
+MOST_BYTES = 256 << 20
+"""Size of all kept runs; the longest unused go first."""
+
+LARGEST_SHARE = 8
+"""A run that takes more than this part of it is not kept."""
+
+DAMAGE = (OSError, EOFError, UnicodeDecodeError, zlib.error)
+
+
+class CacheWarning(UserWarning):
+    """A kept run was damaged, or could not be kept; the run is made all the same.
+
+    Attributes:
+        in_one_line: tells the command line to show it as such.
+    """
+
+    in_one_line = True
+
+
+def cache_folder() -> Path | None:
+    """Where runs are kept; None: nowhere."""
+    named = os.environ.get(FOLDER)
+    if named is not None:
+        return Path(named) if named else None
+    from platformdirs import user_cache_path
+
+    return user_cache_path("truebreak", appauthor=False)
+
+
+def cached(engine: Engine) -> Engine:
+    """An engine that looks for kept runs first, if it is the exact one; else the engine itself."""
+    if type(engine) is not ExactEngine or cache_folder() is None:
+        return engine
+    return CachedEngine(engine.max_bits, engine.ties, engine.work)
+
+
+def reference_named(text: str, *, cache: bool) -> Engine:
+    """The engine that a text names, which looks for kept runs first if that is wanted."""
+    return cached(engine_named(text)) if cache else engine_named(text)
+
+
+@dataclass(frozen=True)
+class CachedEngine(ExactEngine):
+    """The exact engine, which keeps runs that cost something, and gives them again.
+
+    A kept run is the run itself: events, proofs, log. One that Ctrl-C or the user's seconds ended is not kept.
+    """
+
+    def run(
+        self,
+        scene: Scene,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """As `ExactEngine.run`."""
+        folder = cache_folder()
+        if folder is None:
+            return super().run(scene, until=until, events=events, progress=progress)
+        path = folder / f"{self.key(scene, until, events)}.json.gz"
+        kept = _kept(path, scene)
+        if kept is not None:
+            return kept
+        began = clock.process_time()
+        run = super().run(scene, until=until, events=events, progress=progress)
+        cost = clock.process_time() - began
+        ended = run.stop.reason not in (StopReason.INTERRUPTED, StopReason.BUDGET)
+        if ended and cost >= max(LEAST_SECONDS, SHARE * LOAD_SECONDS * len(run.events)):
+            _keep(path, run)
+        return run
+
+    def key(self, scene: Scene, until: QuantityLike | None = None, events: int | None = None) -> str:
+        """What tells a run from every other: scene, policy, limits, settings and version.
+
+        >>> from truebreak.scenarios import catalogue
+        >>> lee = catalogue.build("lee")
+        >>> CachedEngine().key(lee, events=2) == CachedEngine().key(lee.with_changes(name="other"), events=2)
+        True
+        >>> CachedEngine().key(lee, events=2) == CachedEngine().key(lee, events=3)
+        False
+        """
+        limits = run_limits(scene, until, events)
+        told = [
+            version("truebreak"),
+            scene.digest,
+            str(scene.tie_policy),
+            None if limits.until is None else limits.until.text(),
+            limits.events,
+            limits.to_return,
+            [self.max_bits, self.ties, self.work],
+        ]
+        return hashlib.sha256(json.dumps(told).encode()).hexdigest()
+
+
+def _kept(path: Path, scene: Scene) -> Trajectory | None:
+    """A kept run, for a scene that may bear another name; None if there is none, or none that is whole."""
+    try:
+        text = gzip.decompress(path.read_bytes()).decode()
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except DAMAGE as error:
+        return _damaged(path, str(error))
+    try:
+        run = run_of(text, str(path))
+    except SceneError:
+        return _damaged(path, "its digest is not that of what it holds")
+    if run.scene.digest != scene.digest:
+        return _damaged(path, "it is of another scene")
+    with contextlib.suppress(OSError):
+        os.utime(path)
+    assert isinstance(run.motion, ExactMotion)
+    run.motion.log.scene = scene
+    return replace(run, scene=scene)
+
+
+def _damaged(path: Path, why: str) -> None:
+    warnings.warn(f"{path}: a kept run is damaged ({why}); it is made again", CacheWarning, stacklevel=2)
+    with contextlib.suppress(OSError):
+        path.unlink()
+
+
+def _keep(path: Path, run: Trajectory) -> None:
+    """Writes a run beside its place and moves it there; makes room first."""
+    try:
+        data = gzip.compress(saved_run(run).encode(), compresslevel=1, mtime=0)
+    except SceneError:  # a scene that no file can hold
+        return
+    if len(data) > MOST_BYTES // LARGEST_SHARE:
+        return
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _make_room(path.parent, len(data))
+        descriptor, name = tempfile.mkstemp(prefix=".", suffix=".part", dir=path.parent)
+        try:
+            with os.fdopen(descriptor, "wb") as file:
+                file.write(data)
+            Path(name).replace(path)
+        finally:
+            with contextlib.suppress(OSError):
+                Path(name).unlink()
+    except OSError as error:
+        warnings.warn(f"{path.parent}: a run cannot be kept: {error.strerror or error}", CacheWarning, stacklevel=2)
+
+
+def _make_room(folder: Path, size: int) -> None:
+    """Removes the longest unused runs, and what a process left half-written a day ago, until a new one fits."""
+    found: list[tuple[float, int, Path]] = []
+    for path in folder.iterdir():
+        with contextlib.suppress(OSError):
+            told = path.stat()
+            if path.name.endswith(".json.gz"):
+                found.append((told.st_mtime, told.st_size, path))
+            elif path.name.endswith(".part") and told.st_mtime < clock.time() - 86_400:
+                path.unlink()
+    taken = size + sum(each for _, each, _ in found)
+    for _, each, path in sorted(found):
+        if taken <= MOST_BYTES:
+            return
+        with contextlib.suppress(OSError):
+            path.unlink()
+        taken -= each

@@ -1,0 +1,118 @@
+"""Many instants in one go: each of one contact alone, which nothing comes near.
+
+Nearly all instants of a run are like that. Nothing is to be gathered or ordered for them, there is one impulse, and
+what the loop would do step by step (see `Loop`) is done here in a row, to the same end: the same log, the same history,
+the same queue. Whatever is otherwise is left to the loop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from flint import arb
+
+from ..numbers.field import Known
+from ..replay.contact import Entry, Touch
+from ..replay.refinable import RefinableState
+from ..replay.steps import Go, Kick
+from ..simulation.history import History, Mark, Record
+from ..simulation.queue import ArrivalQueue
+from .meetings import CertifiedMeetings
+from .precision import SAFE_BITS, Precision
+from .reading import CertifiedReading
+
+
+class Stride:
+    """Carries out the ordinary instants of one run.
+
+    Args:
+        state: its state.
+        history: what it has gathered.
+        queue: its arrivals.
+        meetings: predicts.
+        reading: reads the state off.
+        precision: its bits.
+        begin: called before the steps of an instant, with its number.
+        do: carries out a step that is not ordinary, and logs it.
+    """
+
+    def __init__(
+        self,
+        state: RefinableState,
+        history: History[Known],
+        queue: ArrivalQueue[arb],
+        meetings: CertifiedMeetings,
+        reading: CertifiedReading,
+        precision: Precision,
+        begin: Callable[[int], None],
+        do: Callable[[Go | Kick], None],
+    ) -> None:
+        self._state = state
+        self._history = history
+        self._queue = queue
+        self._meetings = meetings
+        self._reading = reading
+        self._precision = precision
+        self._begin = begin
+        self._do = do
+        self._steps: dict[Touch, tuple[Go, Kick]] = {}
+
+    def __call__(
+        self, last: int, most: float, before: float, look: Callable[[], None], note: Callable[[Touch], None]
+    ) -> int:
+        """Carries out instants while they are ordinary; gives the number of the last.
+
+        Args:
+            last: the number of the instant before.
+            most: how many at most.
+            before: a time that all come before.
+            look: called before each look for an instant.
+            note: told of each contact.
+        """
+        history, queue, state, reading = self._history, self._queue, self._state, self._reading
+        records, knots, steps, bodies = history.records, history.knots, state.steps, state.bodies
+        predictor, begin, known = self._meetings.predictor, self._begin, self._steps
+        while most > 0:
+            look()
+            arrival = queue.alone(before)
+            if arrival is None:
+                break
+            link = arrival.link
+            assert not isinstance(link, Entry)  # there are no pockets
+            most -= 1
+            last += 2
+            begin(last)
+            both = known.get(link) or self._steps_of(link)
+            in_balls = state.strike(link, both)
+            if not in_balls:
+                for step in both:
+                    self._do(step)
+            note(link)
+            if state.lowest < SAFE_BITS:
+                self._precision.secure()
+            circles = link.circles
+            moved = [bodies[i] for i in circles]
+            predictor.refresh(moved)
+            done, alone = len(steps), both[1].links
+            first = moved[0]
+            time = +first.flight.instant if in_balls else reading.now(first)  # short, as `refresh` has left it
+            mark = _new(Mark, (last, time, done, circles[0]))
+            records.append(_new(Record, (mark, alone, alone, (), False)))
+            for body in moved:
+                body.serial += 1
+                if in_balls:
+                    x, y, vx, vy, t = body.q
+                    knots[body.index].append((t, x, y, vx, vy, done, last))
+                else:
+                    knots[body.index].append((*reading.knot(body), done, last))
+            history.last = mark
+            predictor.predict(moved, alone, ())
+        return last
+
+    def _steps_of(self, link: Touch) -> tuple[Go, Kick]:
+        found = self._steps[link] = Go(link, link.circles), Kick((link,), (link,))
+        return found
+
+
+_new = tuple.__new__
+"""Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""

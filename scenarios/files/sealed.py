@@ -1,0 +1,70 @@
+"""Files with a digest of their contents, by which damage is told: what saved runs and comparisons have in common."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any, cast
+
+from ..errors import SceneError
+from ..showing import cut
+
+
+@dataclass(frozen=True)
+class Seal:
+    """One kind of saved file: a JSON object with its schema, the version that wrote it, and a digest of the rest.
+
+    Attributes:
+        schema: its name and number.
+        kind: what is saved, in one word.
+        command: what writes such a file.
+
+    >>> seal = Seal("truebreak/run-1", "run", "truebreak run SCENE --save FILE")
+    >>> data = seal.sealed({"roots": []})
+    >>> seal.opened(json.dumps(data), "here")["roots"]
+    []
+    """
+
+    schema: str
+    kind: str
+    command: str
+
+    def sealed(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Contents with schema, version and digest."""
+        whole = {"schema": self.schema, "version": version("truebreak"), **data}
+        return {**whole, "digest": digest(whole)}
+
+    def opened(self, text: str, where: str) -> dict[str, Any]:
+        """The contents of a file, checked; `where` names it in errors.
+
+        Raises:
+            SceneError: for what is none of these, is damaged or is of another version.
+        """
+        try:
+            told: Any = json.loads(text)
+        except (ValueError, RecursionError):
+            told = None
+            if text[:99].replace(" ", "").startswith(f'{{"schema":"{self.schema}"'):
+                raise self.damaged(where) from None
+        contents = cast("dict[str, Any]", told) if isinstance(told, dict) else {}
+        if contents.get("schema") != self.schema:
+            raise SceneError(f"{where}: is not a saved {self.kind}; write one with `{self.command}`")
+        if contents.get("version") != version("truebreak"):
+            raise SceneError(
+                f"{where}: was saved by truebreak {cut(contents.get('version'))}, and this is {version('truebreak')}; "
+                f"save the {self.kind} again, or install that version"
+            )
+        if contents.pop("digest", None) != digest(contents):
+            raise self.damaged(where)
+        return contents
+
+    def damaged(self, where: str) -> SceneError:
+        """What is said of a file whose contents are not what was written."""
+        return SceneError(f"{where}: is damaged; save the {self.kind} again")
+
+
+def digest(data: dict[str, Any]) -> str:
+    """SHA-256 of contents, in hexadecimal."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()

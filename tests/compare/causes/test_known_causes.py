@@ -1,0 +1,249 @@
+"""Scenes whose cause is known by how they are made: at least five for each cause."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, NamedTuple
+
+import pytest
+
+from truebreak.compare import compare
+from truebreak.compare.causes.decision.rounding import rounded
+from truebreak.compare.causes.diagnosis import CauseName, Diagnosis, Experiment, diagnosed
+from truebreak.exact import ExactEngine
+from truebreak.floating import DoubleEngine, PymunkEngine
+from truebreak.scenarios import Circle, Declared, Quantity, Scene, Wall, catalogue
+
+LEAST = 5
+"""How many scenes there are for each cause."""
+
+
+@dataclass(frozen=True)
+class Coarse(Declared):
+    """The exact engine on a scene rounded by one amount, and then moved by another: both roundings by hand.
+
+    Attributes:
+        arithmetic: by how much the mover's height is off beyond the rounding of the scene.
+    """
+
+    arithmetic: str
+    name: str = "coarse"
+
+    @property
+    def bits(self) -> int:
+        return 53
+
+    @property
+    def rounds_input(self) -> bool:
+        return True
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        given = rounded(scene)
+        first, *others = given.circles
+        moved = replace_circle(first, y=first.y + Quantity.of(self.arithmetic))
+        run = ExactEngine().run(given.with_changes(circles=[moved, *others]), **limits)
+        return replace(run, scene=scene, engine=self.name)
+
+
+def replace_circle(circle: Circle, **changes: Any) -> Circle:
+    values = {key: getattr(circle, key) for key in ("x", "y", "r", "vx", "vy", "m", "id", "point")}
+    return Circle(**{**values, **changes})
+
+
+class Reordered(DoubleEngine):
+    """Doubles that take a tie one contact after the other, the last one first."""
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        run = super().run(scene.with_changes(tie_policy="sequential:order=scene"), **limits)
+        return replace(run, scene=scene)
+
+
+@dataclass(frozen=True)
+class Heavy(Declared):
+    """Doubles that take the first circle for three times as heavy: another law."""
+
+    name: str = "heavy"
+
+    @property
+    def bits(self) -> int:
+        return 53
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        circles = [replace_circle(c, m=c.m * 3) if k == 0 else c for k, c in enumerate(scene.circles)]
+        return replace(DoubleEngine().run(scene.with_changes(circles=circles), **limits), scene=scene)
+
+
+@dataclass(frozen=True)
+class Blind(Heavy):
+    """Doubles that report nothing."""
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        return replace(DoubleEngine().run(scene, **limits), events=())
+
+
+def graze(miss: str, x: str = "-5") -> Scene:
+    """A circle that passes another by a distance, and then meets a wall."""
+    return Scene(
+        [Circle(x, f"0.3 + {miss}", vx=1, id="mover"), Circle(0, "2.3", id="target")],
+        [Wall(20, 0, 20, 1, id="wall")],
+        until=40,
+    )
+
+
+def narrow(share: str) -> Scene:
+    """A pass of 2**-51 + e: rounding takes e of it, for the nearest double to 1/2 - e is 1/2.
+
+    An engine that then takes 2**-51 + 2**-57 takes less than the whole, and more than what rounding leaves.
+    """
+    circles = [Circle(-5, f"1/2 - {share} * 2**-56", vx=1, id="mover"), Circle(0, "5/2 + 2**-51", id="target")]
+    return Scene(circles, [Wall(20, 0, 20, 1, id="wall")], until=40)
+
+
+def bullet(place: str) -> Scene:
+    """A small fast circle on its way to another."""
+    return Scene([Circle(0, 0, "1/1000", vx=10, id="bullet"), Circle(place, 0, "1/1000", id="target")])
+
+
+def onto_two(mass: str, other: str) -> Scene:
+    """One circle onto two that touch: their impulses hang together."""
+    return Scene([Circle(-4, 0, vx=1, m=mass), Circle("sqrt(3)", 1, m=other), Circle("sqrt(3)", -1, m=other)])
+
+
+def tied(shift: str) -> Scene:
+    """Three balls on a line, of which the outer two arrive at once."""
+    return Scene([Circle(f"-3 - {shift}", 0, vx=1), Circle(0, 0), Circle(f"4 + {shift}", 0, 2, vx=-1, m=4)])
+
+
+def captured(text: str) -> Scene:
+    """A scene of the catalogue in which pockets capture circles."""
+    return catalogue.build(text).with_changes(capture=True, events=3)
+
+
+class Known(NamedTuple):
+    """A scene, an engine and limits, of which the cause is known."""
+
+    cause: CauseName
+    label: str
+    scene: Callable[[], Scene]
+    engine: Any
+    limits: dict[str, int]
+
+
+def known(cause: CauseName, engine: Any, scenes: dict[str, Callable[[], Scene]], **limits: int) -> list[Known]:
+    """Several scenes of one cause and engine."""
+    return [Known(cause, label, scene, engine, limits) for label, scene in scenes.items()]
+
+
+def named(*texts: str) -> dict[str, Callable[[], Scene]]:
+    """Scenes of the catalogue."""
+    return {text: partial(catalogue.build, text) for text in texts}
+
+
+def doubles(text: str) -> Scene:
+    """A scene of the catalogue in doubles, so that no input is rounded."""
+    return rounded(catalogue.build(text))
+
+
+SEEDS, PLACES = range(1, 6), ("-5", "-6", "-7", "-9", "-11")
+FAR = ("10.0625", "20.0625", "30.0625", "50.0625", "100.0625")
+
+KNOWN = [
+    # Nearer than the rounding of the scene; a graze that doubles turn into a hit.
+    *known(CauseName.INPUT, "double", named(*(f"near-tie:k={k}" for k in (20, 25, 30, 35, 40)))),
+    *known(CauseName.INPUT, "double", {f"graze {x}": partial(graze, "0", x) for x in PLACES}),
+    # Chaos in a scene that doubles hold exactly.
+    *known(
+        CauseName.ARITHMETIC, "double", {f"gas {k}": partial(doubles, f"gas:n=6,seed={k}") for k in SEEDS}, events=500
+    ),
+    *known(
+        CauseName.TOGETHER,
+        Coarse("2**-51 + 2**-57"),
+        {f"narrow {e}": partial(narrow, e) for e in ("0.6", "1", "1.2", "1.5", "1.9")},
+    ),
+    *known(CauseName.STEP, "pymunk:dt=1/64", named(*(f"gas:n=5,seed={k}" for k in SEEDS)), events=40),
+    *(
+        case
+        for k in range(2, 7)
+        for case in known(CauseName.STEP, f"pymunk:dt=1/{4 * 8 ** (k - 1)}", named(f"near-tie:k={k}"))
+    ),
+    # Overlap for 0.0004 time units, between two steps of 1/64.
+    *known(CauseName.TUNNELLING, "pymunk:dt=1/64", {f"bullet {x}": partial(bullet, x) for x in FAR}, until=20),
+    *known(
+        CauseName.ITERATIONS,
+        "pymunk:iterations=1",
+        {
+            f"onto two, {m} on {o}": partial(onto_two, m, o)
+            for m, o in (("1", "1"), ("3", "1"), ("1/2", "1"), ("1", "2"), ("1", "1/2"))
+        },
+        until=5,
+    ),
+    *known(CauseName.TIE, "double", named("rack:rows=3"), events=6),
+    *known(CauseName.TIE, "pymunk", named("lee:tie=sequential:order=scene"), events=6),
+    *known(CauseName.TIE, Reordered(), {f"tied {x}": partial(tied, x) for x in ("0.3", "0.5", "0.7")}),
+    # An engine that stops: too narrow, at a zero, at its budget, or before it begins.
+    *known(
+        CauseName.WIDTH, "interval", named("cradle", "gas", "gas:seed=2", "near-tie:k=20", "near-tie:k=40"), events=60
+    ),
+    *known(
+        CauseName.WIDTH,
+        "interval",
+        {f"a miss by {miss}": partial(graze, miss) for miss in ("10**-30", "10**-300", "10**-3000", "10**-9000")},
+    ),
+    *known(CauseName.ZERO, "interval", {f"graze {x}": partial(graze, "0", x) for x in PLACES}),
+    *known(
+        CauseName.BUDGET,
+        PymunkEngine(max_steps=20),
+        named("cradle", "gas", "lee", "near-tie:k=4", "galperin:n=1"),
+        events=10,
+    ),
+    *known(
+        CauseName.UNABLE,
+        "pymunk",
+        {
+            text: partial(captured, text)
+            for text in ("rack:rows=1", "rack:rows=2", "rack:rows=3", "rack:rows=2,speed=10", "rack:rows=2,gap=1/9")
+        },
+    ),
+    *known(CauseName.MODEL, Heavy(), named(*(f"gas:n=5,seed={k}" for k in SEEDS)), events=40),
+    *known(CauseName.MODEL, Blind("blind"), named(*(f"gas:n=4,seed={k}" for k in SEEDS)), events=5),
+]
+
+
+def test_every_cause_has_scenes() -> None:
+    for cause in CauseName:
+        scenes = {case.label for case in KNOWN if case.cause is cause}
+        assert cause is CauseName.UNKNOWN or len(scenes) >= LEAST, cause
+
+
+def right(found: Diagnosis | None, cause: CauseName) -> bool:
+    """Whether a diagnosis names a cause that was tried and suffices; "not determined" is no such cause."""
+    return found is not None and cause is not CauseName.UNKNOWN and found.name is cause and cause in found.sufficient
+
+
+@pytest.mark.parametrize("cause", CauseName)
+def test_not_determined_is_never_right(cause: CauseName) -> None:
+    untried = tuple(Experiment(each, "not tried") for each in CauseName)
+    nothing = tuple(Experiment(each, "does not change it", 1.0, False) for each in CauseName)
+    for rows in ((), untried, nothing):
+        found = diagnosed([*rows])
+        assert found.name is CauseName.UNKNOWN
+        assert not right(found, cause)
+    assert not right(None, cause)
+    assert not right(Diagnosis(CauseName.UNKNOWN, (Experiment(CauseName.UNKNOWN, "", 1.0, True),), ""), cause)
+    assert all(case.cause is not CauseName.UNKNOWN for case in KNOWN)
+
+
+@pytest.mark.parametrize("case", KNOWN, ids=lambda case: f"{case.cause.name}-{case.label}-{case.engine!s:.12}")
+def test_the_cause_is_found(case: Known) -> None:
+    candidate = compare(case.scene(), [case.engine], **case.limits).candidates[0]
+    assert candidate.verdict != "agree", candidate
+    assert candidate.diagnosis is not None
+    assert all(e.result for e in candidate.diagnosis.experiments)
+    assert right(candidate.diagnosis, case.cause), candidate.diagnosis.experiments
+
+
+@pytest.mark.parametrize("case", [c for c in KNOWN if c.cause is CauseName.ITERATIONS], ids=lambda case: case.label)
+def test_a_solver_that_is_not_stopped_early_agrees(case: Known) -> None:
+    assert compare(case.scene(), ["pymunk"], **case.limits).verdict == "agree"

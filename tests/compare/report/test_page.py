@@ -1,0 +1,297 @@
+"""The page as text: one file without resources, its data, its downloads, its tables."""
+
+from __future__ import annotations
+
+import base64
+import csv
+import io
+import json
+import re
+import struct
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+
+import jsonschema
+import pytest
+from pages import COMMAND, PAGES, comparison, page
+
+from truebreak.compare import compare, html_report
+from truebreak.compare.chaos.chaos import chaos
+from truebreak.compare.chaos.foreseen import foreseen
+from truebreak.compare.documents.comparison import comparison_json
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.report.page.outcome_tables import SAME, UNTOLD, changed, kept, value_text
+from truebreak.compare.report.page.provenance import events_csv, provenance, whole_name
+from truebreak.compare.report.page.recording import JUMP, MOST_EVENTS, recording
+from truebreak.compare.report.pictures.engine_style import engine_style
+from truebreak.scenarios import Circle, Scene, catalogue
+from truebreak.scenarios.files import loads_toml
+
+VOID = ("meta", "link", "img", "br", "input", "hr")
+
+
+class Tags(HTMLParser):
+    """Collects tags, the addresses in them, links within the page, the files to save, and the text of scripts."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.resources: list[str] = []
+        self.files: dict[str, str] = {}
+        self.scripts: dict[str, str] = {}
+        self.places: set[str] = set()
+        self.within: set[str] = set()
+        self._script: str | None = None
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = dict(attrs)
+        self.places.add(given.get("id") or "")
+        if tag not in VOID:
+            self.open.append(tag)
+        if tag == "a" and "download" in given:
+            self.files[str(given["download"])] = str(given["href"])
+            return
+        if tag == "a" and str(given["href"]).startswith("#"):
+            self.within.add(str(given["href"])[1:])
+            return
+        self.resources += [value or "" for key, value in attrs if key in ("src", "href", "srcset", "action")]
+        if tag == "script":
+            self._script = given.get("id") or given.get("type") or ""
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+        self._script = None
+
+    def handle_data(self, data: str) -> None:
+        if self._script is not None:
+            self.scripts[self._script] = self.scripts.get(self._script, "") + data
+
+
+def tags(text: str) -> Tags:
+    """The tags of a page."""
+    found = Tags()
+    found.feed(text)
+    return found
+
+
+def saved(text: str, ending: str) -> str:
+    """The contents of the file that a page offers under a name with this ending."""
+    (address,) = [a for name, a in tags(text).files.items() if name.endswith(ending)]
+    return base64.b64decode(address.partition("base64,")[2]).decode()
+
+
+@pytest.mark.parametrize("kind", PAGES)
+def test_a_page_is_one_file_without_resources(kind: str) -> None:
+    text = page(kind)
+    found = tags(text)
+    assert found.open == []
+    assert found.resources == []
+    assert found.within <= found.places
+    assert not re.search(r"@import|url\(|https?://(?!www\.w3\.org/2000/svg)", text)
+    assert len(text.encode()) < 1_000_000
+
+
+def test_a_break_of_sixteen_balls_with_three_hundred_events_stays_under_a_megabyte() -> None:
+    found = comparison("break")
+    assert (len(found.scene.circles), len(found.reference.events)) == (16, 300)
+    assert len(page("break").encode()) < 1_000_000
+
+
+@pytest.mark.slow
+def test_so_it_does_with_causes_and_all_permitted_patterns() -> None:
+    found = compare(catalogue.build("rack:rows=5"), ["double", "pymunk"], events=300)
+    text = html_report(found)
+    assert "What the physics permits" in text
+    assert len(text.encode()) < 1_000_000
+
+
+def test_the_horizon_stands_in_the_plot_as_a_band_and_beside_it_in_words() -> None:
+    """The band is that of `truebreak chaos`, which knows nothing of the comparison."""
+    found = compare(catalogue.build("gas"), ["double", "exact"], events=200, causes=False)
+    (alone,) = chaos(catalogue.build("gas"), ["double"], events=200, run=False).horizons
+    told = foreseen(found)
+    assert told is not None
+    assert told.horizons[1] is None
+    assert told.horizons[0] is not None
+    assert (told.horizons[0].low, told.horizons[0].high) == (alone.low, alone.high)
+    text = html_report(found)
+    assert text.count('<rect class="horizon e0"') == 2
+    assert f"foreseen to leave between event {alone.low.event} and event {alone.high.event}" in text
+
+
+def test_nothing_is_foreseen_beyond_a_tie_or_without_an_exact_reference() -> None:
+    assert foreseen(comparison("rack")) is None
+    assert 'class="horizon' not in page("rack")
+    assert foreseen(compare(catalogue.build("gas"), ["single"], events=20, reference="double")) is None
+
+
+def test_pages_of_chaos_and_of_orders_carry_their_results() -> None:
+    for kind, name in (("chaos", "chaos-1"), ("orders", "orders-1"), ("some-orders", "orders-1")):
+        data = json.loads(saved(page(kind), f"{name.partition('-')[0]}.json"))
+        jsonschema.validate(data, schema(name))
+        assert loads_toml(saved(page(kind), ".toml")).digest == data["scene"]["digest"]
+    rows = list(csv.reader(io.StringIO(saved(page("two-orders"), "events.csv"))))
+    assert {row[0] for row in rows[1:]} == {"0", "1"}
+    told = json.loads(saved(page("two-orders"), "orders.json"))
+    for number, outcome in enumerate(told["outcomes"]):
+        listed = [row[3:] for row in rows if row[0] == str(number)]
+        assert listed == [pair for event in outcome["impulses"] for pair in event]
+
+
+def test_outcomes_part_where_their_impulses_first_differ() -> None:
+    data = json.loads(tags(page("two-orders")).scripts["recording"])
+    (other,) = data["runs"][1:]
+    assert other["divergence"] == {"time": 1.0, "expected": 0, "got": 0, "bodies": [0, 1, 2], "walls": []}
+    assert "There are more" in page("some-orders")
+    assert "recording" not in tags(page("one-order")).scripts
+
+
+def test_names_in_a_scene_end_no_script_and_make_no_tags() -> None:
+    found = tags(page("hostile"))
+    data = json.loads(found.scripts["recording"])
+    assert data["bodies"][0][0] == "<b>&</script>"
+    assert "alert(1)" not in "".join(found.scripts.values())
+    assert "i" not in found.open
+
+
+def test_the_scene_is_saved_whole() -> None:
+    for kind in ("gas", "rack", "hostile"):
+        text = saved(page(kind), "comparison.json")
+        assert json.loads(text) == json.loads(json.dumps(comparison_json(comparison(kind))))
+        jsonschema.validate(json.loads(text), schema("comparison-2"))
+        again = loads_toml(saved(page(kind), ".toml"))
+        assert again.digest == comparison(kind).scene.digest
+
+
+def test_events_are_saved_one_line_an_impulse() -> None:
+    found = comparison("gas")
+    rows = list(csv.reader(io.StringIO(saved(page("gas"), "events.csv"))))
+    assert rows[0] == ["engine", "event", "time", "first", "second"]
+    exact = [row for row in rows if row[0] == "exact"]
+    assert len(exact) == found.reference.collisions
+    assert [float(row[2]) for row in exact] == [float(event.time) for event in found.reference.events]
+    assert {row[0] for row in rows[1:]} == {"exact", "double", "pymunk", "interval:bits=30"}
+    assert events_csv(found) == saved(page("gas"), "events.csv")
+
+
+def test_the_provenance_names_what_counted() -> None:
+    told = provenance(comparison("gas"), COMMAND)
+    assert told.command == COMMAND
+    assert COMMAND in page("gas")
+    assert told.scene.startswith("gas:n=10,seed=1")
+    assert {"truebreak", "Python", "python-flint", "pymunk", "machine"} <= dict(told.versions).keys()
+    assert "iterations" in dict(told.engines)["pymunk"]
+    assert told.digest == catalogue.build(told.scene).digest
+
+
+def test_the_day_can_be_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "86400")
+    assert provenance(comparison("quiet")).written == "1970-01-02"
+
+
+def test_a_comparison_from_python_has_a_command_too() -> None:
+    assert provenance(comparison("gas")).command == (
+        "truebreak compare gas.toml --engines double,pymunk,interval:bits=30 --reference exact --events 40"
+    )
+
+
+def test_a_changed_scene_is_not_told_as_the_catalogue_has_it() -> None:
+    assert whole_name(catalogue.build("gas").with_changes(tie_policy="sequential:order=scene")) == "gas"
+
+
+def test_only_changed_values_are_shown() -> None:
+    found = changed(comparison("gas"))
+    assert "final velocities" in [outcome.name for outcome in found]
+    for outcome in found:
+        for row in outcome.rows:
+            assert any(cell not in (SAME, UNTOLD) for cell in row.got)
+            assert row.expected not in row.got
+            assert row.got[2] == UNTOLD
+    names = {name for name, _ in kept(comparison("gas"))}
+    assert names.isdisjoint(outcome.name for outcome in found)
+
+
+def test_values_are_told_in_words() -> None:
+    assert value_text({"line": "y = 0", "kept": True, "lost_at": None}) == "line y = 0; kept yes; lost at none"
+
+
+def test_every_engine_has_its_own_colour_and_dash_and_none_is_solid() -> None:
+    styles = [engine_style(k) for k in range(60)]
+    assert len({(s.light, s.dash) for s in styles}) == 60
+    assert all(s.dash for s in styles)
+    text = page("many-engines")
+    for k, candidate in enumerate(comparison("many-engines").candidates):
+        assert f".e{k} {{" in text
+        assert text.count(f'series e{k}"') == 2
+        assert candidate.engine in text
+
+
+@pytest.mark.parametrize("kind", ["gas", "rack", "near-tie", "reversal", "galperin"])
+def test_a_recording_is_the_motion(kind: str) -> None:
+    """Straight flight from the knots is where the run has each circle, between any two events.
+
+    Not so where the instant of an event is an interval: within it, the engine's own state holds both flights.
+    """
+    found = comparison(kind)
+    data = recording(found)
+    assert data is not None
+    runs = [found.reference, *(c.trajectory for c in found.candidates)]
+    for told, run in zip(data["runs"], runs, strict=True):
+        if run.engine == "interval":
+            continue
+        times = [*told["times"], told["end"]]
+        for a, b in pairwise(times):
+            middle = a + 0.625 * (b - a)
+            if not a < middle < min(b, float(run.final_time)):
+                continue
+            state = run.sample([middle])[0]
+            for body, row in enumerate(state):
+                k, _, x, y, vx, vy = [
+                    knot for knot in told["knots"] if knot[1] == body and told["times"][knot[0]] <= middle
+                ][-1]
+                flown = middle - told["times"][k]
+                assert abs(x + vx * flown - row[0]) <= 2 * JUMP * data["view"][2]
+                assert abs(y + vy * flown - row[1]) <= 2 * JUMP * data["view"][3]
+        assert [event[0] for event in told["events"]] == list(range(len(told["events"])))
+
+
+def test_a_recording_of_a_long_run_is_about_the_divergence() -> None:
+    found = compare(catalogue.build("galperin:n=3"), ["double", "pymunk"], causes=False)
+    data = recording(found)
+    assert data is not None
+    assert len(found.reference.events) > MOST_EVENTS
+    assert sum(len(run["events"]) for run in data["runs"]) <= MOST_EVENTS
+    times = [c.alignment.divergence.time for c in found.candidates if c.alignment.divergence]
+    assert data["begin"] < min(times) < data["end"]
+
+
+def test_where_nothing_is_left_to_happen_circles_fly_on() -> None:
+    found = comparison("galperin")
+    data = recording(found)
+    assert data is not None
+    final = float(found.reference.final_time)
+    assert data["end"] > 1.2 * final
+    for told, run in zip(data["runs"], (found.reference, found["double"].trajectory), strict=False):
+        assert told["end"] == data["end"]
+        last = {knot[1]: knot for knot in told["knots"]}
+        for body, circle in enumerate(run.final.circles):
+            assert last[body][4] == pytest.approx(float(circle.vx), rel=1e-12)
+
+
+def test_where_nothing_can_be_played_there_is_no_player() -> None:
+    text = html_report(compare(Scene([Circle(0, 0)]), ["double"]))
+    assert ('id="player"' in text) == ('id="recording"' in text)
+
+
+def test_the_picture_of_the_readme_is_made_by_a_command(root: Path) -> None:
+    """`make picture` says how large it is, and so it is."""
+    recipe = (root / "Makefile").read_text("utf-8").partition("\npicture:")[2].partition("\n\n")[0]
+    found = re.search(r"tests/compare/report/browser\.py report\.html docs/report\.png (\d+) (\d+)", recipe)
+    assert found is not None
+    assert (root / "tests" / "compare" / "report" / "browser.py").is_file()
+    picture = (root / "docs" / "report.png").read_bytes()
+    assert picture.startswith(b"\x89PNG")
+    assert struct.unpack(">II", picture[16:24]) == tuple(map(int, found.groups()))
+    assert "docs/report.png" in (root / "README.md").read_text("utf-8")
+    assert "make picture" in (root / "docs" / "index.md").read_text("utf-8")

@@ -1,0 +1,148 @@
+"""The terminal: nothing cut at 80 columns, numbers refused with what to write, long values not repeated whole."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+from pages import comparison, page
+
+from truebreak.compare.cli import main
+from truebreak.compare.report.sentences import about, margin_phrase
+from truebreak.compare.report.text.listing import PLAIN_WIDTH, columns, console
+from truebreak.compare.report.text.terminal import print_comparison
+from truebreak.scenarios.errors import SceneError
+from truebreak.scenarios.files import loads_json, loads_toml
+
+
+def printed(kind: str, capsys: pytest.CaptureFixture[str]) -> str:
+    """What the terminal says of a comparison."""
+    print_comparison(comparison(kind))
+    return capsys.readouterr().out
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
+    """The one line of error that a command line gives."""
+    with pytest.raises(SystemExit) as stop:
+        main(list(words))
+    told = capsys.readouterr()
+    assert (stop.value.code, told.out) == (2, "")
+    assert len(told.err.splitlines()) == 1
+    return told.err
+
+
+@pytest.mark.parametrize("kind", ["gas", "near-tie", "rack", "reversal", "hostile", "many-engines"])
+def test_nothing_is_cut_at_80_columns(
+    kind: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    told = printed(kind, capsys)
+    assert max(map(len, told.splitlines())) <= 80
+    assert "…" not in told
+    joined = "".join(told.split())
+    for candidate in comparison(kind).candidates:
+        assert candidate.verdict in told.split()
+        assert "".join(candidate.engine.split()) in joined
+
+
+def test_piped_output_is_as_wide_as_columns_says_and_plain(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    assert console().width == PLAIN_WIDTH
+    wide = printed("gas", capsys)
+    assert max(map(len, wide.splitlines())) > 120
+    for asked, width in (("100", 100), ("7", 40), ("zero", PLAIN_WIDTH), ("0", PLAIN_WIDTH), ("9" * 50, PLAIN_WIDTH)):
+        monkeypatch.setenv("COLUMNS", asked)
+        assert console().width == width
+    monkeypatch.setenv("COLUMNS", "100")
+    assert columns() == 100
+    told = printed("gas", capsys)
+    assert max(map(len, told.splitlines())) <= 100
+    assert "\x1b" not in told + wide
+
+
+def test_changed_outcomes_stand_below_the_table(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    candidate = comparison("gas")["pymunk"]
+    (line,) = [line for line in printed("gas", capsys).splitlines() if line.startswith("pymunk changed: ")]
+    assert all(name.replace("_", " ") in line for name in candidate.changed)
+
+
+@pytest.mark.parametrize(
+    ("words", "remedy"),
+    [
+        (["compare", "gas", "--events", "1e3"], "'1e3' is not a whole number; write digits alone: 1000"),
+        (["compare", "gas", "--events", "0"], "'0' is too small; write a whole number from 1"),
+        (["run", "gas", "--work", "2.5"], "'2.5' is not a whole number; write digits alone, such as 1000"),
+        (["run", "gas", "--max-seconds", "soon"], "'soon' is not a number of seconds above 0; write one such as 2.5"),
+        (["run", "gas", "--max-seconds", "nan"], "'nan' is not a number of seconds above 0"),
+        (["orders", "lee", "--cap", "many"], "'many' is not a whole number"),
+    ],
+)
+def test_a_wrong_number_is_told_what_to_write(
+    words: list[str], remedy: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert remedy in said(capsys, *words)
+
+
+LONG = "x" * 5000
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["show", "lee", "--plot", LONG],
+        ["show", "lee", "--plot", "y z " * 1250],
+        ["compare", LONG],
+        ["compare", "gas", "--engines", LONG],
+        ["compare", "gas", "--events", LONG],
+        ["compare", "gas", "--until", LONG],
+        ["compare", "gas", "--tie-policy", LONG],
+        ["compare", "gas", "--html", f"no/{LONG}"],
+        [LONG],
+    ],
+    ids=lambda words: " ".join(word[:12] for word in words),
+)
+def test_a_long_value_is_not_repeated_whole(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    told = said(capsys, *words)
+    assert told.startswith("truebreak: error: ")
+    assert len(told) < 1_100
+
+
+def test_help_of_bench_is_asked_for_like_any_other(capsys: pytest.CaptureFixture[str]) -> None:
+    for word in ("-h", "--help"):
+        with pytest.raises(SystemExit) as stop:
+            main(["bench", word])
+        assert stop.value.code == 0
+        assert "gas-long" in capsys.readouterr().out
+
+
+def test_each_kind_of_file_is_told_its_own_remedy() -> None:
+    for kind in ("circle", "wall", "pocket"):
+        rows: dict[str, Any] = {"circle": [{"id": "a", "x": 0, "y": 0, "r": 1}], kind: 3}
+        with pytest.raises(SceneError, match=f'write "{kind}": ') as refused:
+            loads_json(json.dumps(rows))
+        assert "[[" not in str(refused.value)
+    with pytest.raises(SceneError, match=r"write \[\[circle\]\] above each of them"):
+        loads_toml("circle = 3")
+    for load, text in ((loads_json, '{"name": "x"}'), (loads_toml, 'name = "x"')):
+        with pytest.raises(SceneError, match="add at least one circle"):
+            load(text)
+
+
+def test_a_margin_too_small_for_a_double_is_not_called_zero() -> None:
+    assert about((0.0, 5e-324)) == "less than 4.94e-324"
+    told = margin_phrase(comparison("far-near-tie").candidates[0])
+    assert told is not None
+    assert "less than 4.94e-324 apart" in told
+    assert "0 apart" not in told
+    assert "(0 spacings" not in told
+
+
+def test_a_page_of_outcomes_says_nothing_in_the_words_of_python() -> None:
+    for kind in ("rack", "near-tie", "gas"):
+        assert not any(word in page(kind) for word in ("kept: True", "lost_at", ">None<", ">True<"))

@@ -1,0 +1,269 @@
+"""Shadows of engines' runs: proved by certified runs, refused where there is none, and the distances checked."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+from flint import arb
+
+from truebreak.compare.cli import main
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.engines import engine
+from truebreak.compare.report.text.shadow import at_most
+from truebreak.compare.shadowing.distance import distance
+from truebreak.compare.shadowing.obstacle import Obstacle, margin
+from truebreak.compare.shadowing.order import FixedOrder, segments
+from truebreak.compare.shadowing.record import recorded
+from truebreak.compare.shadowing.refine import refined, shortest
+from truebreak.compare.shadowing.shadow import longest, shadow
+from truebreak.exact import ExactEngine
+from truebreak.exact.numbers import ball
+from truebreak.exact.results.impacts import NoTangentMap
+from truebreak.floating.knots import DoubleMotion
+from truebreak.scenarios import Circle, Contact, Event, Scene, SceneError, Wall, catalogue
+from truebreak.scenarios.engine import Declared
+from truebreak.scenarios.trajectory import Stop, StopReason, Trajectory
+
+
+def call(arguments: list[str]) -> int:
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    return int(stop.value.code or 0)
+
+
+SHADOWED = [
+    ("gas", "double", 260, 1e-11),
+    ("gas:n=5", "single", 100, 1e-3),
+    ("gas:n=3,mixed=yes,seed=2", "double", 150, 1e-10),
+    ("gas:n=3", "pymunk:dt=1/1024", 30, 1e-2),
+    ("pinball:r=0", "double", 40, 1e-12),
+    ("hexagon", "double", 120, 1e-12),
+    ("two-in-a-box", "double", 150, 1e-11),
+]
+
+
+@pytest.mark.parametrize(("spec", "name", "events", "near"), SHADOWED)
+def test_a_run_past_its_divergence_is_the_true_history_of_a_start_nearby(
+    spec: str, name: str, events: int, near: float
+) -> None:
+    scene = catalogue.build(spec)
+    told = shadow(scene, name, events=events)
+    assert told.divergence is not None and told.divergence.event < events
+    assert told.proof is not None and told.blocked is None
+    proof = told.proof
+    assert proof.run.certified
+    assert 0 < proof.start.position <= proof.run_distance.position < near
+
+    # By other means: the start runs as the engine's run does, contact for contact, and stays by it at sampled times.
+    again = ExactEngine().run(proof.scene, events=told.events)
+    theirs = engine(name).run(scene, events=told.events)
+    assert [e.impulses for e in again.events] == [e.impulses for e in theirs.events]
+    end = min(float(again.events[-1].time), float(theirs.events[-1].time))
+    times = [end * k / 701 for k in range(701)]
+    apart = again.sample(times)[:, :, :2] - theirs.sample(times)[:, :, :2]
+    seen = float(np.sqrt((apart**2).sum(axis=2)).max())
+    assert seen <= proof.run_distance.position * 1.01 + 1e-13
+    assert seen > proof.run_distance.position / 100
+    gaps = [abs(float(a.time) - float(b.time)) for a, b in zip(again.events, theirs.events, strict=False)]
+    assert max(gaps) <= proof.run_distance.time * 1.01 + 1e-13
+
+
+def test_the_exact_engine_shadows_itself() -> None:
+    told = shadow(catalogue.build("gas:n=3"), "exact", events=60)
+    assert told.divergence is None
+    assert told.proof is not None and told.proof.run_distance.position < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("spec", "events", "obstacle"),
+    [
+        ("lee", 1, Obstacle.SIMULTANEOUS),
+        ("rack:rows=2,gap=1/50", 8, Obstacle.SIMULTANEOUS),
+        ("tennis", 1, Obstacle.SIMULTANEOUS),
+        ("cradle:n=3", 4, Obstacle.TOUCHING),
+        ("reversal:n=3,after=5", 8, Obstacle.SIMULTANEOUS),
+    ],
+)
+def test_where_there_is_no_smooth_map_nothing_is_claimed(spec: str, events: int, obstacle: Obstacle) -> None:
+    told = shadow(catalogue.build(spec), "double", events=events)
+    assert told.proof is None
+    assert told.blocked is not None and told.blocked.obstacle is obstacle
+
+
+def test_a_coarse_step_is_carried_as_far_as_it_can_be_and_no_farther() -> None:
+    scene = catalogue.build("gas:n=2")
+    whole, best = longest(scene, "pymunk:dt=1/16", events=60)
+    assert whole.proof is None and whole.blocked is not None
+    assert best is not None and best.proof is not None
+    assert 0 < best.events < whole.events
+    assert shadow(scene, "pymunk:dt=1/16", events=best.events + 1).proof is None
+
+
+class Damped(Declared):
+    """A disc between two walls that leaves each with four fifths of its speed: no true orbit does that."""
+
+    name = "damped"
+
+    def run(
+        self, scene: Scene, *, until: object = None, events: int | None = None, progress: object = None
+    ) -> Trajectory:
+        knots, told = [(0.0, 0.0, 0.0, 1.0, 0.0)], []
+        for k in range(events or 0):
+            t, x, y, vx, vy = knots[-1]
+            place = 9.0 if vx > 0 else -9.0
+            knots.append((t + (place - x) / vx, place, y, -0.8 * vx, vy))
+            wall = Contact("c1", "right" if vx > 0 else "left")
+            told.append(Event(k, knots[-1][0], (wall,), (wall,)))
+        stop = Stop(StopReason.EVENTS, "reached the limit on instants")
+        end = knots[-1][0]
+        return Trajectory(scene, self.name, {}, tuple(told), stop, end, DoubleMotion([knots], end))
+
+
+def test_an_engine_that_loses_energy_is_not_shadowed_and_the_drift_is_named() -> None:
+    scene = Scene([Circle(0, 0, vx=1)], [Wall(10, 0, 10, 1, id="right"), Wall(-10, 0, -10, 1, id="left")])
+    told = shadow(scene, Damped(), events=12)
+    assert told.proof is None and told.blocked is not None
+    assert told.drift == pytest.approx(1 - 0.64**12)
+    assert told.blocked.obstacle is Obstacle.DRIFT, told.blocked
+
+
+def test_a_proof_is_not_given_for_another_order() -> None:
+    """A start whose true history is another one is refused, whatever the search made of it."""
+    from truebreak.compare.shadowing.obstacle import other_history
+
+    scene = catalogue.build("gas:n=3")
+    left = engine("single").run(scene, events=90)
+    truth = ExactEngine().run(scene, events=90)
+    wrong = other_history(scene, recorded(left, 90), truth, recorded(truth, 90))
+    assert wrong is not None and wrong.event is not None and wrong.event > 10
+    assert other_history(scene, recorded(truth, 90), truth, recorded(truth, 90)) is None
+
+
+def test_the_shortest_correction_closes_the_misfits_and_is_the_shortest() -> None:
+    draw = np.random.default_rng(3)
+    maps = [draw.standard_normal((4, 4)) for _ in range(5)]
+    residuals = draw.standard_normal((5, 4))
+    steps, exponent = shortest(maps, [[arb(float(v)) for v in row] for row in residuals])
+    found = np.concatenate(steps) * 2.0**exponent
+    matrix = np.zeros((20, 24))
+    for k, block in enumerate(maps):
+        matrix[4 * k : 4 * k + 4, 4 * k : 4 * k + 4] = block
+        matrix[4 * k : 4 * k + 4, 4 * k + 4 : 4 * k + 8] = -np.eye(4)
+    wanted = np.linalg.lstsq(matrix, -residuals.ravel(), rcond=None)[0]
+    assert found == pytest.approx(wanted, rel=1e-9, abs=1e-12)
+
+
+def test_the_map_of_a_fixed_order_has_the_tangent_of_its_differences() -> None:
+    scene = catalogue.build("gas:n=3,mixed=yes")
+    record = recorded(engine("double").run(scene, events=12), 12)
+    chain = segments(record)
+    assert [s.begin for s in chain[1:]] == [s.end for s in chain[:-1]]
+    with ball.precision(300):
+        order = FixedOrder(scene, chain)
+        node = [arb(v) for i in order.free for v in record.flights[i][0][1:]]
+        for k in range(4):
+            image, struck = order.image(k, node)
+            tangent = order.tangent(k, struck)
+            step = arb(2) ** -100
+            for column in range(len(node)):
+                near = [v + step if c == column else v for c, v in enumerate(node)]
+                slope = [float((a - b) / step) for a, b in zip(order.image(k, near)[0], image, strict=True)]
+                assert tangent[:, column] == pytest.approx(slope, rel=1e-9, abs=1e-9)
+            node = [value.mid() for value in image]
+
+
+def test_nodes_that_are_an_orbit_stay() -> None:
+    scene = Scene([Circle(0, 0, vx=1), Circle(4, "1/2")], [Wall(9, 0, 9, 1)])
+    run = engine("double").run(scene, events=2)
+    chain = segments(recorded(run, 2))
+    with ball.precision(256):
+        order = FixedOrder(scene, chain)
+        nodes = [[0.0, 0.0, 1.0, 0.0, 4.0, 0.5, 0.0, 0.0]]
+        for k in range(len(chain)):
+            image = order.image(k, [arb(v) for v in nodes[-1]])[0]
+            nodes.append([float(v) for v in image])
+    found = refined(order, nodes, [1.0] * 8)
+    assert found.closed
+    assert max(found.corrections) < -50
+
+
+def test_a_distance_is_nothing_between_equal_runs_and_a_displacement_between_displaced_ones() -> None:
+    scene = Scene([Circle(0, 0, vx=1)], [Wall(10, 0, 10, 1, id="a"), Wall(-10, 0, -10, 1, id="b")])
+    run = ExactEngine().run(scene, events=6)
+    told = distance(recorded(run, 6), run)
+    assert told is not None and (told.position, told.velocity, told.time) == (0.0, 0.0, 0.0)
+    moved = ExactEngine().run(Scene([Circle("1/8", "1/16", vx=1)], scene.walls), events=6)
+    apart = distance(recorded(moved, 6), run)
+    assert apart is not None
+    assert apart.position == pytest.approx((1 / 64 + 1 / 256) ** 0.5)
+    assert apart.time == pytest.approx(1 / 8)
+
+
+def test_contacts_closer_to_each_other_than_the_runs_are_refused() -> None:
+    walls = [Wall(1, 0, 1, 1, id="a"), Wall(-1, 0, -1, 1, id="b")]
+    run = ExactEngine().run(Scene([Circle(0, 0, r="9/10", vx=1)], walls), events=4)
+    late = ExactEngine().run(Scene([Circle("-1/10", 0, r="9/10", vx="1/4")], walls), events=4)
+    assert distance(recorded(late, 4), run) is None
+
+
+def test_the_margin_of_a_contact_is_what_is_left_to_a_miss() -> None:
+    run = engine("double").run(Scene([Circle(0, 0, vx=1), Circle(4, "3/2")]), events=1)
+    assert margin(run.scene, recorded(run, 1), 0) == pytest.approx(0.25)
+
+
+def test_a_record_refuses_several_contacts_of_one_circle() -> None:
+    run = engine("double").run(catalogue.build("lee"), events=1)
+    with pytest.raises(NoTangentMap, match="middle has several contacts at one instant"):
+        recorded(run, 1)
+
+
+@pytest.mark.parametrize("value", [3.7643e-13, 0.0, 1.0, 9.999e-7, 123456.0])
+def test_a_bound_is_never_told_too_small(value: float) -> None:
+    assert value <= float(at_most(value)) <= value * 1.01
+
+
+def test_a_scene_without_collisions_is_refused() -> None:
+    with pytest.raises(SceneError, match="nothing collides"):
+        shadow(Scene([Circle(0, 0, vx=1)]))
+
+
+# -- the command
+
+
+def test_the_command_proves_and_writes_the_start(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    near = tmp_path / "near.toml"
+    assert call(["shadow", "gas:n=3", "--events", "120", "--write", str(near)]) == 0
+    out = capsys.readouterr().out
+    assert "Proved: a start within" in out and "leaves the certified history" in out
+    assert call(["run", str(near), "--events", "120", "--json"]) == 0
+    history = [e["impulses"] for e in json.loads(capsys.readouterr().out)["events"]]
+    assert call(["run", "gas:n=3", "--engine", "double", "--events", "120", "--json"]) == 0
+    assert history == [e["impulses"] for e in json.loads(capsys.readouterr().out)["events"]]
+
+
+@pytest.mark.parametrize("line", ["gas:n=3 --events 90", "lee", "cradle:n=3",
+                                  "gas:n=2 --engine pymunk:dt=1/16 --events 60 --longest"])  # fmt: skip
+def test_json_is_what_its_schema_says(line: str, capsys: pytest.CaptureFixture[str]) -> None:
+    code = call(["shadow", *line.split(), "--json"])
+    told = json.loads(capsys.readouterr().out)
+    jsonschema.Draft202012Validator(schema("shadow-1")).validate(told)
+    assert (told["proof"] is None) == (told["obstacle"] is not None) == (code == 4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["gas", "--engine", "duoble"], "did you mean 'double'?"),
+        (["gaz"], "did you mean 'gas'?"),
+        (["gas", "--events", "0"], "too small"),
+        (["gas", "--write", "/nowhere/near.toml"], "there is no folder"),
+    ],
+)
+def test_bad_input_is_one_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(["shadow", *arguments]) == 2
+    told = capsys.readouterr().err
+    assert message in told and len(told.splitlines()) == 1
