@@ -117,7 +117,7 @@ def _nearest(
     x0, y0, x1, y1 = line
     dx, dy = x1 - x0, y1 - y0
     length2 = dx * dx + dy * dy
-    feet = []
+    feet: list[tuple[float, float]] = []
     for x, y in points:
         share = ((x - x0) * dx + (y - y0) * dy) / length2
         feet.append((x0 + share * dx, y0 + share * dy))
