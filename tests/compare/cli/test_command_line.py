@@ -86,7 +86,7 @@ def completed(shell: str, words: str, word: str) -> str:
     """What a shell is offered for the last of some words."""
     told = {"COMP_WORDS": words, "COMP_CWORD": word, "_TRUEBREAK_COMPLETE": f"{shell}_complete"}
     done = subprocess.run(
-        [sys.executable, "-c", COMMAND], env={**os.environ, **told}, capture_output=True, text=True, check=False
+        [sys.executable, "-P", "-c", COMMAND], env={**os.environ, **told}, capture_output=True, text=True, check=False
     )
     assert done.stderr == ""
     return done.stdout.replace("\\:", ":")  # zsh has a colon escaped
@@ -150,7 +150,7 @@ printf '%s\\n' "${COMPREPLY[@]}"
 def path(tmp_path: Path) -> dict[str, str]:
     """An environment in which `truebreak` is this one."""
     command = tmp_path / "truebreak"
-    command.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -c {shlex.quote(COMMAND)} "$@"\n', "utf-8")
+    command.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -P -c {shlex.quote(COMMAND)} "$@"\n', "utf-8")
     command.chmod(0o755)
     return {**os.environ, "PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}"}
 
@@ -184,7 +184,7 @@ def test_fish_itself_completes(words: tuple[str, ...], expected: str, path: dict
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 def test_shells_are_given_a_script(shell: str) -> None:
     told = {**os.environ, "_TRUEBREAK_COMPLETE": f"{shell}_source"}
-    done = subprocess.run([sys.executable, "-c", COMMAND], env=told, capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-P", "-c", COMMAND], env=told, capture_output=True, text=True, check=False)
     assert "_truebreak_completion" in done.stdout.replace("truebreak_completion", "_truebreak_completion")
     assert done.stdout.count("complet") > 3
 
