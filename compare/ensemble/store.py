@@ -10,9 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from ...scenarios.errors import SceneError
-from .row import Row, text_of
+from .row import COLUMNS, Row, text_of
 
 FORMAT = "truebreak/sweep-1"
+
+SETTINGS = ("scene", "vary", "engines", "events", "outcomes", "causes", "work", "shard")
+"""What a sweep asks for, as a store keeps it: see `Sweep.settings`."""
 
 TABLES = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -28,7 +31,7 @@ class Store:
     Args:
         path: the file.
         settings: what the sweep asks for. A new file takes them up; one that has others is refused. None: the file
-            must be there, and is only read.
+            must be there, and is only read; what a kill left half written is taken back, which is SQLite's own doing.
 
     Raises:
         SceneError: if the file is no store, of another version, damaged, not to be written, or of another sweep.
@@ -40,8 +43,10 @@ class Store:
         if fresh and settings is None:
             raise SceneError(f"--store {path!r}: there is no such file; give a scene to make one")
         with self._told():
-            self.base = sqlite3.connect(path if settings is not None else f"{Path(path).absolute().as_uri()}?mode=ro",
+            self.base = sqlite3.connect(path if settings is not None else f"{Path(path).absolute().as_uri()}?mode=rw",
                                         uri=settings is None)  # fmt: skip
+            if settings is None:
+                self.base.execute("PRAGMA query_only = ON")
             if fresh and settings is not None:
                 with self.base:
                     self.base.executescript("BEGIN;" + TABLES)
@@ -58,7 +63,7 @@ class Store:
         if meta.get("format") != FORMAT:
             told = meta.get("format", "of no version")
             raise SceneError(f"--store {self.path!r}: is {told}, and this is {FORMAT}; choose another file")
-        mine: dict[str, Any] = json.loads(meta["settings"])
+        mine = self._kept(meta.get("settings", ""), SETTINGS)
         for key, value in json.loads(_text(settings or mine)).items():
             if mine.get(key) != value:
                 raise SceneError(
@@ -73,11 +78,25 @@ class Store:
         try:
             yield
         except sqlite3.OperationalError as error:
+            if "no such" in str(error):
+                raise SceneError(
+                    f"--store {self.path!r}: is no store of a sweep ({error}); choose another file"
+                ) from None
             remedy = "make room, and call again: what is in it stays" if "full" in str(error) else "see that it is free"
             raise SceneError(f"--store {self.path!r}: {error}; {remedy}") from None
         except sqlite3.DatabaseError as error:
             raise SceneError(f"--store {self.path!r}: is no store of a sweep, or damaged ({error}); "
                              "choose another file") from None  # fmt: skip
+
+    def _kept(self, text: str, keys: Iterable[str]) -> dict[str, Any]:
+        """What was written as JSON, which others may have changed since."""
+        try:
+            told = json.loads(text)
+        except ValueError:
+            told = None
+        if not isinstance(told, dict) or not set(keys) <= set(told):
+            raise SceneError(f"--store {self.path!r}: is damaged: it holds {_short(text)}; choose another file")
+        return told
 
     def done(self) -> set[int]:
         """The scenes that are there."""
@@ -101,7 +120,7 @@ class Store:
         """Every row, in the order of the scenes and of the engines."""
         with self._told():
             for (text,) in self.base.execute("SELECT row FROM rows ORDER BY scene, engine"):
-                yield json.loads(text)
+                yield self._kept(text, COLUMNS)
 
     def failures(self) -> list[tuple[int, int, str]]:
         """Scene, attempt and what went wrong."""

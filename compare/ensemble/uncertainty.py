@@ -18,6 +18,11 @@ FEWEST = 3
 """Sizes for a line and the scatter about it."""
 
 
+SMALL = 0.5
+"""The largest share that the line is drawn through: the law is one of small displacements, and where most scenes change
+already, the share has no room to grow."""
+
+
 @dataclass(frozen=True)
 class Share:
     """Of `total` scenes, `count` have another outcome when displaced by up to `size`; Wilson's 95 % interval."""
@@ -39,7 +44,7 @@ class Uncertainty:
     Attributes:
         shares: for each size.
         exponent, low, high: of the line of ln(share) over ln(size), weighted by how well each share is known, with a
-            95 % interval; None for fewer than three sizes with a share between none and all.
+            95 % interval; None for fewer than three sizes with a share above none and up to `SMALL`.
     """
 
     shares: tuple[Share, ...]
@@ -74,7 +79,7 @@ def slope(shares: Sequence[Share]) -> tuple[float | None, float | None, float | 
     (0.5, True)
     """
     points = [(math.log(s.size), math.log(s.count / s.total), 1 / (1 / s.count - 1 / s.total))
-              for s in shares if 0 < s.count < s.total]  # fmt: skip
+              for s in shares if 0 < s.count <= SMALL * s.total]  # fmt: skip
     if len(points) < FEWEST:
         return None, None, None
     weight = sum(w for *_, w in points)

@@ -10,7 +10,11 @@ from .boltzmann import CELLS
 from .ladder import approximate, bias, certified, power
 from .quantities import QUANTITIES
 
-LADDER = (*(f"rounded:bits={bits}" for bits in (8, 10, 12, 16, 20)), "single", "double", "pymunk:dt=1/256")
+LADDER = (
+    *(f"rounded:bits={bits}" for bits in (8, 10, 12, 16, 20)), "single",
+    *(f"rounded:bits={bits}" for bits in (28, 32, 40, 48)), "double", "pymunk:dt=1/256",
+)  # fmt: skip
+"""The rungs, from 8 bits to 53, and a time-stepped engine."""
 
 
 def main(arguments: list[str] | None = None) -> int:

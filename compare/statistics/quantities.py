@@ -14,7 +14,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import StopReason
 from ..chaos.spectrum import spectrum
-from ..truths.statistically import directions, hits
+from ..truths.ensembles import directions, met
 from .boltzmann import h_returned
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class Measured:
 
 def _rate(run: Trajectory) -> float | None:
     time = float(run.final_time)
-    return hits(run) / time if time > 0 else None
+    return len(met(run)) / time if time > 0 else None
 
 
 def _exponent(run: Trajectory) -> float | None:
@@ -58,7 +58,7 @@ def _exponent(run: Trajectory) -> float | None:
 
 
 def _bounces(run: Trajectory) -> float | None:
-    return float(hits(run)) if run.stop.reason is StopReason.QUIET else None
+    return float(len(met(run))) if run.stop.reason is StopReason.QUIET else None
 
 
 def _points(count: int) -> list[Scene]:

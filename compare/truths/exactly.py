@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
+from functools import cache
 from itertools import takewhile
 
 from ...exact.engine import ExactEngine
@@ -12,12 +14,29 @@ from ...exact.results.growth import certified_growth
 from ...scenarios import catalogue
 from ...scenarios.catalogue.scenes.billiards import CHALLENGE, PINBALL
 from ...scenarios.catalogue.scenes.impacts import EE_AND_LEE, MURPHY
-from .truth import OURS, Measured, NotReproduced, Truth, near, same
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.scene import Scene
+from ...scenarios.things import Circle, Wall
+from ...scenarios.tie_policy import TiePolicy
+from ..repeller.expansion import ladder, settled
+from ..repeller.orbits import BITS, orbit, pinball
+from .truth import OURS, Measured, NotReproduced, Truth, near, only, same
 
 SIAM_DIGITS = "0.9952629194433541608903118094267216210294669227341543498032088580729861796228306"
 
+ESCAPE_RATE = "0.4103384077693464893384613078192"
+
+LETTERS = 12
+"""Cycles of so many bounces settle the escape rate of three discs at distance 6 to more digits than are published."""
+
+REPELLER = "python -m truebreak.compare.repeller"
+CHAOSBOOK = (
+    "P. Cvitanovic and others, ChaosBook (recalled); the method: P. Cvitanovic, B. Eckhardt, Symmetry decomposition of "
+    "chaotic dynamics, Nonlinearity 6 (1993), 277"
+)
 GALPERIN = "G. Galperin, Playing pool with pi, Regular and Chaotic Dynamics 8 (2003), 375"
 IMAGES = "the method of images"
+ONTO_TWO = "-1/5, 0; 3/5, 1/5*sqrt(3); 3/5, -1/5*sqrt(3) / -1/8, -1/8*sqrt(3); 3/4, 1/4*sqrt(3); 3/8, -1/8*sqrt(3)"
 LEE = "E. A. Lee, Fundamental limits of cyber-physical systems modeling, ACM Trans. Cyber-Phys. Syst. 1 (2016), 3"
 
 
@@ -44,6 +63,24 @@ def _siam() -> Measured:
 def _galperin() -> Measured:
     counts = [ExactEngine().run(catalogue.build("galperin", n=n)).collisions for n in range(4)]
     return same(", ".join(map(str, counts)), "3, 31, 314, 3141")
+
+
+def _ratios() -> Measured:
+    counts = []
+    for ratio in (2, 3, 5, 7, 10, 50):
+        circles = [Circle(2, 0, id="small"), Circle(6, 0, r=2, vx=-1, m=ratio, id="big")]
+        counts.append(ExactEngine().run(Scene(circles, [Wall(0, 0, 0, 1)])).collisions)
+    return same(", ".join(map(str, counts)), "5, 5, 7, 8, 10, 22")
+
+
+def _onto_two() -> Measured:
+    far = Quantity.of("3 + sqrt(3)")
+    circles = [Circle(0, 0, vx=1, id="cue"), Circle(far, 1, id="up"), Circle(far, -1, id="down")]
+    told: list[str] = []
+    for policy in (TiePolicy(), TiePolicy("sequential")):
+        run = ExactEngine().run(Scene(circles, tie_policy=policy), events=1)
+        told.append("; ".join(f"{c.vx.text()}, {c.vy.text()}" for c in run.final.circles))
+    return same(" / ".join(told), ONTO_TWO)
 
 
 def _magic() -> Measured:
@@ -81,7 +118,26 @@ def _two_discs() -> Measured:
 
 
 def _triangle() -> Measured:
-    return near(multiplier("pinball:discs=3,r=0"), 11.771455196385560606, 1e-9, 11)
+    told = orbit(pinball(Quantity.of(6)), "1")
+    with ball.precision(BITS):
+        return same(abs(told.multiplier).str(20, radius=False), "11.771455196385560606")
+
+
+@cache
+def _repeller() -> dict[str, str]:
+    """Digits of the repeller's averages, cut off where the last two orders of the cycle expansion part."""
+    *_, before, told = ladder(Quantity.of(6), LETTERS)
+    return {name: settled(getattr(before, name), getattr(told, name)) for name in ("escape", "exponent", "entropy")}
+
+
+def _averages(name: str, published: str) -> Measured:
+    """Every published digit; the last may be rounded."""
+    ours = _repeller()[name]
+    digits = len(published) - 2
+    if len(ours) <= len(published):
+        raise NotReproduced(f"{ours} has fewer digits than {published}")
+    same(str(round(Fraction(ours), digits)), str(Fraction(published)))
+    return ours, "none"
 
 
 def _lee() -> Measured:
@@ -104,6 +160,8 @@ EXACT = (
           _siam),
     Truth("Galperin: collisions for a mass ratio of 100**n, n = 0 to 3", "3, 31, 314, 3141", GALPERIN,
           "truebreak run galperin:n=2", _galperin),
+    Truth("Collisions for mass ratios 2, 3, 5, 7, 10, 50: ceil(pi/arctan(1/sqrt(ratio))) - 1", "5, 5, 7, 8, 10, 22",
+          f"{GALPERIN} (recalled)", only("mass ratios"), _ratios),
     Truth("Masses 1, a, 1: outcomes of all orders for a = 1/cos(pi/k) - 1, k = 3, 4, 5, and for a = 1/2, 1/5",
           "1, 1, 1, 2, 2", EE_AND_LEE, "truebreak orders magic-masses", _magic),
     Truth("Masses 1, sqrt(5) - 2, 1: one ball hands on all of its momentum", "4 collisions, then 0, 0, 1",
@@ -115,9 +173,17 @@ EXACT = (
     Truth("Two fixed discs at distance 6: multiplier of a bounce, 5 + 2 sqrt(6)", "9.8989794856", PINBALL,
           "truebreak chaos pinball:r=0", _two_discs),
     Truth("Three fixed discs at distance 6: multiplier of a bounce on the triangle", "11.771455196385560606", PINBALL,
-          "truebreak chaos pinball:discs=3,r=0", _triangle),
+          only("bounce on the triangle"), _triangle),
+    Truth("Three fixed discs at distance 6: escape rate, by cycle expansion", ESCAPE_RATE, CHAOSBOOK, REPELLER,
+          lambda: _averages("escape", ESCAPE_RATE)),
+    Truth("Three fixed discs at distance 6: mean Lyapunov exponent of the repeller", "0.5775525788", OURS, REPELLER,
+          lambda: _averages("exponent", "0.5775525788")),
+    Truth("Three fixed discs at distance 6: entropy, the exponent less the escape rate", "0.1672141710", OURS, REPELLER,
+          lambda: _averages("entropy", "0.1672141710")),
     Truth("Lee's three balls: final velocities under both orders", "-11/5, -8/25, -3/25; -8/5, -39/25, 1/25", LEE,
           "truebreak orders lee", _lee),
+    Truth("A ball onto two that touch: velocities, simultaneous / sequential", ONTO_TWO, OURS, only("onto two"),
+          _onto_two),
     Truth("Corner of pi/n: bounces for n = 2, 3, 4, 5", "2, 3, 4, 5", IMAGES,
           "truebreak run corner:angle=60,skew=1/10,tie=sequential", _corner),
 )  # fmt: skip

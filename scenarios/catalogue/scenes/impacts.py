@@ -14,20 +14,23 @@ MURPHY = "T. J. Murphy and E. G. D. Cohen, J. Stat. Phys. 71 (1993), 1063; arXiv
 EE_AND_LEE = "B. Ee and E. A. Lee, Determinism in three-ball collisions, arXiv:1310.5200"
 CROSS = "after R. Cross, Physics Education 57 (2022), 063002"
 
+FOUR = (
+    ("a", "0", "0", "0", "0"),
+    ("b", "10.65231", "-12.31599", "-2.58092", "2.3715"),
+    ("c", "12.75313", "-15.50088", "-2.99337", "3.07448"),
+    ("d", "12.33185", "-13.41529", "-2.38775", "2.81039"),
+)
+
 FREE = {
     "3": (
         ("a", "0", "0", "0", "0"),
         ("b", "51/20", "-13/20", "-11/10", "13/10"),
         ("c", "-7/10", "39/20", "11/20", "0"),
     ),
-    "4": (
-        ("a", "0", "0", "0", "0"),
-        ("b", "10.65231", "-12.31599", "-2.58092", "2.3715"),
-        ("c", "12.75313", "-15.50088", "-2.99337", "3.07448"),
-        ("d", "12.33185", "-13.41529", "-2.38775", "2.81039"),
-    ),
+    "4": FOUR,
+    "5": (*FOUR, ("e", "-0.34208", "38.84731", "0.16615", "-6.66896")),
 }
-"""Witnesses: id, x, y, vx, vy of discs of radius and mass 1."""
+"""Witnesses: id, x, y, vx, vy of discs of radius and mass 1. The fifth was found by throwing discs at the four."""
 
 
 def free_discs(n: str) -> Scene:
@@ -69,8 +72,8 @@ SCENES = {
     "free-discs": Entry(
         name="free-discs",
         summary="Equal discs in the open that collide as often as is known, and then never again.",
-        parameters=(Parameter("n", "3", "number of discs: 3 or 4", one_of(*FREE)),),
-        known="Three discs collide at most 4 times. Four collide 10 times here: a witness, not a maximum.",
+        parameters=(Parameter("n", "3", "number of discs: 3, 4 or 5", one_of(*FREE)),),
+        known="Three discs collide at most 4 times. Four collide 10 times here, five 15 times: witnesses, no maxima.",
         source=MURPHY,
         make=free_discs,
     ),

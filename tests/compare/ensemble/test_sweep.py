@@ -1,4 +1,4 @@
-"""Sweeps: families, rows, the store, real kills, statistics, and the command."""
+"""Sweeps: families, rows, statistics, and the command."""
 
 from __future__ import annotations
 
@@ -6,17 +6,9 @@ import csv
 import io
 import json
 import math
-import multiprocessing
-import os
-import signal
-import sqlite3
-import subprocess
-import sys
-import time as clock
 from collections.abc import Iterator
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
 
 import jsonschema
 import numpy as np
@@ -28,10 +20,8 @@ from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble.family import family, shard_of, varied
 from truebreak.compare.ensemble.perturbed import Perturbed, displaced
 from truebreak.compare.ensemble.row import COLUMNS, Job, rows_of, text_of
-from truebreak.compare.ensemble.store import Store, merged
 from truebreak.compare.ensemble.survival import fitted, summaries, survival, wilson
-from truebreak.compare.ensemble.sweep import Done, plan, run, sweep
-from truebreak.compare.ensemble.table import csv_text
+from truebreak.compare.ensemble.sweep import sweep
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
 
 GAS = ["gas:n=3", "--vary", "seed=1..6", "--engines", "single,double", "--events", "60"]
@@ -172,195 +162,6 @@ def test_a_displacement_is_of_the_size_asked_for_and_drawn_from_its_seed() -> No
 def test_rows_are_the_same_text_each_time() -> None:
     job = Job(5, "gas:n=3", {}, ("double", "pymunk", "perturbed:1e-9"), 60)
     assert [text_of(row) for row in rows_of(job)] == [text_of(row) for row in rows_of(job)]
-
-
-# -- the store
-
-
-def rows(store: str) -> bytes:
-    told, settings, _ = merged([store])
-    return csv_text(told, [text.partition("=")[0] for text in settings["vary"]]).encode()
-
-
-def test_a_store_goes_on_where_it_stopped(tmp_path: Path, thread: Executor) -> None:
-    path, seen = str(tmp_path / "s.db"), []
-
-    class Enough(Exception):
-        pass
-
-    def stop(done: Done) -> None:
-        if done.there == 2:
-            raise Enough
-
-    asked = plan("gas:n=3", ["seed=1..5"], ["single"], events=40)
-    base = Store(path, asked.settings)
-    with pytest.raises(Enough):
-        run(asked, base, executor=thread, progress=stop)
-    base.close()
-    base = Store(path, asked.settings)
-    assert len(base.done()) == 2
-    run(asked, base, executor=thread, progress=seen.append)
-    base.close()
-    assert [done.fresh for done in seen] == [1, 2, 3]
-    whole = sweep("gas:n=3", ["seed=1..5"], ["single"], events=40, executor=thread)
-    assert merged([path])[0] == whole
-
-
-def test_shards_make_one_table(tmp_path: Path, thread: Executor) -> None:
-    whole = sweep("gas:n=3", ["seed=1..5"], ["single", "double"], events=40, executor=thread)
-    paths = [str(tmp_path / f"{k}.db") for k in (1, 2, 3)]
-    for k, path in enumerate(paths, start=1):
-        sweep("gas:n=3", ["seed=1..5"], ["single", "double"], events=40, executor=thread, store=path, shard=f"{k}/3")
-    assert merged(reversed(paths))[0] == whole
-
-
-def test_stores_of_other_sweeps_are_refused(tmp_path: Path, thread: Executor) -> None:
-    path, other = str(tmp_path / "s.db"), str(tmp_path / "t.db")
-    sweep("gas:n=3", ["seed=1..2"], ["single"], events=20, executor=thread, store=path)
-    with pytest.raises(SceneError, match="holds another sweep: its events is 20, here it is 30"):
-        Store(path, plan("gas:n=3", ["seed=1..2"], ["single"], events=30).settings)
-    sweep("gas:n=3", ["seed=1..2"], ["single"], events=30, executor=thread, store=other)
-    with pytest.raises(SceneError, match="of another sweep"):
-        merged([path, other])
-
-
-def test_bad_stores_are_refused(tmp_path: Path) -> None:
-    settings = plan("gas").settings
-    text = tmp_path / "notes.txt"
-    text.write_text("no database at all, but long enough to be looked at " * 40, "utf-8")
-    with pytest.raises(SceneError, match="is no store of a sweep, or damaged"):
-        Store(str(text), settings)
-    with pytest.raises(SceneError, match="there is no such file"):
-        Store(str(tmp_path / "none.db"), None)
-    old = tmp_path / "old.db"
-    Store(str(old), settings).close()
-    with sqlite3.connect(old) as base:
-        base.execute("UPDATE meta SET value = 'truebreak/sweep-0' WHERE key = 'format'")
-    with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-1"):
-        Store(str(old), settings)
-    with pytest.raises(SceneError, match="unable to open"):
-        Store(str(tmp_path / "no" / "folder.db"), settings)
-
-
-def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:
-    path = tmp_path / "s.db"
-    sweep("gas:n=3", ["seed=1..8"], ["single"], events=20, executor=thread, store=str(path))
-    data = bytearray(path.read_bytes())
-    data[4096:] = b"\xff" * (len(data) - 4096)
-    path.write_bytes(data)
-    with pytest.raises(SceneError, match=r"damaged|malformed"):
-        list(Store(str(path), None).rows())
-
-
-def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
-    """SQLite is told that the file may grow no further: the error is that of a full disk."""
-    path = str(tmp_path / "s.db")
-    asked = plan("gas:n=3", ["seed=1..40"], ["single"], events=10)
-    base = Store(path, asked.settings)
-    (row,) = rows_of(asked.job(0))
-    base.base.execute("PRAGMA max_page_count = 12")
-    kept = 0
-    with pytest.raises(SceneError, match="database or disk is full; make room, and call again"):
-        for index in range(40):
-            base.add(index, [{**row, "index": index}], 0.0)
-            kept += 1
-    base.close()
-    assert kept > 0
-    assert [r["index"] for r in merged([path])[0]] == list(range(kept))
-
-
-# -- workers
-
-
-class Failing(Executor):
-    """Carries jobs out at once, but for some, which it fails so many times."""
-
-    def __init__(self, failing: dict[int, int]) -> None:
-        self.failing = dict(failing)
-
-    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        (job,) = args
-        if self.failing.get(job.index, 0) > 0:
-            self.failing[job.index] -= 1
-            future.set_exception(MemoryError("no room"))
-        else:
-            future.set_result(fn(job))
-        return future
-
-
-def test_what_fails_once_is_tried_again_and_what_fails_twice_is_noted_beside_the_table(tmp_path: Path) -> None:
-    path = str(tmp_path / "s.db")
-    asked = plan("gas:n=3", ["seed=1..5"], ["single"], events=20)
-    base = Store(path, asked.settings)
-    run(asked, base, executor=Failing({1: 1, 3: 2}))
-    assert [row["index"] for row in base.rows()] == [0, 1, 2, 4]
-    assert base.failures() == [(3, 1, "MemoryError: no room"), (3, 2, "MemoryError: no room")]
-    run(asked, base, executor=Failing({}))
-    assert [row["index"] for row in base.rows()] == [0, 1, 2, 3, 4]
-    assert base.failures() == []
-    base.close()
-
-
-def test_a_worker_that_is_killed_costs_nothing_but_time() -> None:
-    """A real pool, whose only worker is killed twice."""
-    asked = plan("gas:n=3", ["seed=1..6"], ["single"], events=30)
-    base, killed = Store(":memory:", asked.settings), []
-
-    def kill(done: Done) -> None:
-        if done.there in (1, 4) and done.there not in killed:
-            killed.append(done.there)
-            for child in multiprocessing.active_children():
-                os.kill(child.pid or 0, signal.SIGKILL)
-
-    run(asked, base, jobs=1, progress=kill)
-    with ThreadPoolExecutor(1) as one:
-        assert list(base.rows()) == sweep("gas:n=3", ["seed=1..6"], ["single"], events=30, executor=one)
-    assert killed == [1, 4]
-    assert base.failures() == []
-
-
-def killed_again_and_again(folder: Path, kills: int, scenes: int) -> None:
-    """A sweep that is killed with SIGKILL at moments all over its course has the table of one that never was."""
-    command = [sys.executable, "-m", "truebreak", "sweep", "gas:n=3", "--vary", f"seed=1..{scenes}", "--engines",
-               "single,double", "--events", "60", "--jobs", "2", "--store"]  # fmt: skip
-    whole, broken = str(folder / "whole.db"), str(folder / "broken.db")
-    assert subprocess.run([*command, whole], capture_output=True, check=False).returncode == 0
-    draw, deaths = np.random.default_rng(kills), 0
-    for _ in range(kills):
-        child = subprocess.Popen([*command, broken], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        goal = _there(broken) + int(draw.integers(0, max(scenes // kills, 1) + 1))
-        while child.poll() is None and _there(broken) < goal:
-            clock.sleep(0.01)
-        clock.sleep(float(draw.uniform(0, 0.05)))
-        child.send_signal(signal.SIGKILL)
-        deaths += child.wait() == -signal.SIGKILL
-    assert deaths >= kills // 2
-    done = subprocess.run([*command, broken], capture_output=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert rows(broken) == rows(whole)
-
-
-def _there(path: str) -> int:
-    """How many scenes a store holds, which another process may be writing to."""
-    if not Path(path).exists():
-        return 0
-    try:
-        base = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
-        (count,) = base.execute("SELECT count(*) FROM times").fetchone()
-        base.close()
-    except sqlite3.Error:
-        return 0
-    return count
-
-
-def test_a_sweep_that_is_killed_twice_has_the_same_table(tmp_path: Path) -> None:
-    killed_again_and_again(tmp_path, 2, 8)
-
-
-@pytest.mark.slow
-def test_a_sweep_that_is_killed_20_times_has_the_same_table(tmp_path: Path) -> None:
-    killed_again_and_again(tmp_path, 20, 80)
 
 
 # -- statistics

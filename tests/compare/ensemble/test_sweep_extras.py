@@ -16,7 +16,7 @@ import pytest
 
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.ensemble import worker
+from truebreak.compare.ensemble import cost, worker
 from truebreak.compare.ensemble.executors import executor_named
 from truebreak.compare.ensemble.frames import to_pandas, write_parquet
 from truebreak.compare.ensemble.plots import plot_changed, plot_law, plot_survival
@@ -124,6 +124,14 @@ def test_the_exponent_is_that_of_the_shares() -> None:
     assert slope([Share(1.0, 5, 5, 0, 1)] * 4) == (None, None, None)
 
 
+def test_where_most_scenes_change_already_the_line_is_not_drawn() -> None:
+    """Shares that reach all, as they must, and fall as a power before that."""
+    small = [Share(10.0**-k, round(6000 * 10 ** (1.2 - 0.4 * k)), 6000, 0, 1) for k in range(5, 9)]
+    large = [Share(10.0**-k, count, 6000, 0, 1) for k, count in ((2, 5999), (3, 5900), (4, 4000))]
+    assert slope([*small, *large]) == slope(small)
+    assert slope(small)[0] == pytest.approx(0.4, abs=0.01)
+
+
 def test_larger_displacements_change_more_outcomes() -> None:
     with ThreadPoolExecutor(1) as one:
         told = sweep("three-disc:distance=5/2", ["seed=1..30"], [], perturb=["1/3", "1/30", "1/300"],
@@ -140,7 +148,7 @@ def test_larger_displacements_change_more_outcomes() -> None:
 def test_the_command_tells_the_exponent(capsys: pytest.CaptureFixture[str]) -> None:
     line = ["sweep", "three-disc:distance=5/2", "--vary", "seed=1..40", "--engines", "double", "--outcome",
             "collisions", "--jobs", "1"]  # fmt: skip
-    line += [word for size in ("1/3", "1/30", "1/300") for word in ("--perturb", size)]
+    line += [word for size in ("1/20", "1/60", "1/200") for word in ("--perturb", size)]
     assert call([*line, "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
     jsonschema.Draft202012Validator(schema("sweep-1")).validate(data)
@@ -148,6 +156,28 @@ def test_the_command_tells_the_exponent(capsys: pytest.CaptureFixture[str]) -> N
     assert told["exponent"] == pytest.approx(slope([Share(**share) for share in told["shares"]])[0])
     assert call(line) == 0
     assert "goes as d**a" in capsys.readouterr().out
+
+
+# -- what it costs
+
+
+def test_the_cost_of_three_ways_is_told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cost, "EVENTS", 5)
+    assert cost.main(["--scenes", "1"]) == 0
+    told = capsys.readouterr().out
+    assert [line.split("|")[1].strip() for line in told.splitlines() if line.startswith("| a ")] == [
+        "a loop over compare", "a sweep, one worker", "a sweep, two workers"
+    ]  # fmt: skip
+    with pytest.raises(SystemExit) as stop:
+        cost.main(["--scenes", "0"])
+    assert stop.value.code == 2
+
+
+def test_the_time_of_workers_that_have_ended_is_counted() -> None:
+    """A child that counts uses the processor; one that sleeps does not."""
+    busy, idle = (cost.cost(lambda code=code: subprocess.run([sys.executable, "-S", "-c", code], check=True))
+                  for code in ("sum(range(10**7))", "import time; time.sleep(0.05)"))  # fmt: skip
+    assert busy.processor > 2 * idle.processor
 
 
 # -- executors

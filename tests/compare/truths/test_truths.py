@@ -5,15 +5,19 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from truebreak.compare.truths.__main__ import line, main, page
+from truebreak.compare.truths.convergence import rows
+from truebreak.compare.truths.ensembles import Record, estimate, exponent, rate, recorded
 from truebreak.compare.truths.exactly import EXACT, SIAM_DIGITS, siam
 from truebreak.compare.truths.statistically import STATISTICAL, two_disc_rate
-from truebreak.compare.truths.truth import NotReproduced, Truth, near, same
+from truebreak.compare.truths.truth import NotReproduced, Truth, near, same, within
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
+from truebreak.scenarios.trajectory import StopReason
 
 ALL = (*EXACT, *STATISTICAL)
 
@@ -56,7 +60,65 @@ def test_what_is_not_reproduced_stops_the_command(
         near(1.1, 1.0, 0.05)
 
 
+def test_an_estimate_is_within_three_errors_and_says_something() -> None:
+    assert within(2.0, 0.1, 1.75, 0.1)[0] == "2.000 +- 0.100"
+    with pytest.raises(NotReproduced, match=r"-3\.5 standard errors off"):
+        within(1.93, 0.02, 2.0, 0.05)
+    with pytest.raises(NotReproduced, match=r"is more than 5\.0%"):
+        within(2.0, 0.2, 2.0, 0.05)
+    assert within(1.93, 0.02, 2.0, 0.05, stated=0.01)[1].endswith("errors)")
+
+
+def test_the_jackknife_has_the_error_of_a_mean() -> None:
+    """Where all runs are as long, a rate is a mean, and its error the scatter over the square root of how many."""
+    counts = np.random.default_rng(5).poisson(30, 40)
+    none = np.zeros(0)
+    runs = [Record(10.0, np.linspace(0.1, 9.9, count), none, none, none) for count in counts]
+    told = estimate(runs, rate)
+    assert told.value == pytest.approx(counts.mean() / 10)
+    assert told.error == pytest.approx(counts.std(ddof=1) / 10 / math.sqrt(40))
+
+
+def test_a_record_cut_off_is_that_of_a_shorter_run() -> None:
+    whole, short = (recorded(["hexagon"], until, growth=True)[0] for until in (12, 5))
+    part = whole.cut(5)
+    assert part.hits.tolist() == short.hits.tolist() and part.times.tolist() == short.times.tolist()
+    assert part.ends.tolist() == short.ends.tolist()
+    assert part.growth() == pytest.approx(short.growth())
+    assert exponent([part]) == pytest.approx(short.growth()[0] / short.growth()[1])
+
+
+def test_ever_longer_beginnings_are_told() -> None:
+    records = recorded([f"two-in-a-box:seed={seed}" for seed in (1, 2, 3)], 16)
+    told = rows("meetings", records, rate, two_disc_rate(1.0, 0.1, 0.98))
+    assert [row.split(" | ")[1] for row in told] == ["0.0625", "0.25", "1", "4", "16"][-len(told) :]
+    assert told[-1].split(" | ")[2] == str(sum(len(mine.hits) for mine in records))
+
+
+def test_the_command_prints_those_asked_for(capsys: pytest.CaptureFixture[str], root: Path) -> None:
+    assert main(["--only", "onto TWO"]) == 0
+    *_, row = capsys.readouterr().out.strip().splitlines()
+    assert row in (root / "docs" / "truths.md").read_text("utf-8")
+    assert main(["--only", "perpetual motion"]) == 2
+    assert "is in no title" in capsys.readouterr().err
+    for arguments in ([], ["--only", "pi", "page.md"]):
+        with pytest.raises(SystemExit) as stop:
+            main(arguments)
+        assert stop.value.code == 2
+
+
+def test_no_folder_is_told_before_anything_is_measured(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["/nowhere/truths.md"]) == 2
+    assert "there is no folder" in capsys.readouterr().err
+
+
 # -- the scenes behind them
+
+
+@pytest.mark.parametrize(("n", "collisions"), [(3, 4), (4, 10), (5, 15)])
+def test_free_discs_collide_so_often_and_never_again(n: int, collisions: int) -> None:
+    run = ExactEngine().run(catalogue.build("free-discs", n=n))
+    assert (run.collisions, run.certified, run.stop.reason) == (collisions, True, StopReason.QUIET)
 
 
 def test_the_photon_has_14_hits_and_doubles_have_five_digits() -> None:

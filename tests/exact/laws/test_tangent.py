@@ -64,10 +64,11 @@ def test_it_is_the_map_of_dellago_posch_and_hoover() -> None:
     assert told == tuple(-part for part in (*first, *second))  # what b gains is what a loses
 
 
-def moved(scene: Scene, amount: Quantity, index: int = 0) -> Scene:
+def moved(scene: Scene, amount: Quantity, index: int = 0, coordinate: int = 0) -> Scene:
     circles = list(scene.circles)
     c = circles[index]
-    circles[index] = Circle(c.x + amount, c.y, c.r, c.vx, c.vy, m=c.m, id=c.id, point=c.point)
+    x, y, vx, vy = (value + (amount if k == coordinate else 0) for k, value in enumerate((c.x, c.y, c.vx, c.vy)))
+    circles[index] = Circle(x, y, c.r, vx, vy, m=c.m, id=c.id, point=c.point)
     return scene.with_changes(circles=circles)
 
 
@@ -78,23 +79,27 @@ def carried_through(run: Trajectory, start: np.ndarray, events: int) -> Displace
     return carried
 
 
-def difference(scene: Scene, events: int, size: str = "10**-150") -> tuple[Trajectory, np.ndarray, np.ndarray]:
-    """The exact difference quotient of a displacement of the first circle's x, and what the map tells.
+def difference(
+    scene: Scene, events: int, size: str = "10**-150", index: int = 0, coordinate: int = 0
+) -> tuple[Trajectory, np.ndarray, np.ndarray]:
+    """The exact difference quotient of a displacement of a coordinate (x, y, vx, vy), and what the map tells.
 
     Both just before the run's last event.
     """
     small = Quantity.of(size)
-    run, other = (ExactEngine().run(s, events=events) for s in (scene, moved(scene, small)))
+    run = ExactEngine().run(scene, events=events)
     count = len(run.events)
-    assert [event.contacts for event in other.events] == [event.contacts for event in run.events]
     before = Quantity.of(run.events[-1].time.digits(80)) - Quantity.of("10**-40")
+    other = ExactEngine().run(moved(scene, small, index, coordinate), until=before)
+    told = [sorted(pair for event in events for pair in event.contacts) for events in (run.events[:-1], other.events)]
+    assert told[0] == told[1]
     rows = []
     free = moving(scene)
     for one, two in zip(run.at(before).circles, other.at(before).circles, strict=True):
         pairs = [(one.x, two.x), (one.y, two.y), (one.vx, two.vx), (one.vy, two.vy)]
         rows.append([float((b.ball(1200) - a.ball(1200)) / small.ball(1200)) for a, b in pairs])
     start = np.zeros((len(free), 4, 1))
-    start[0, 0, 0] = 1.0
+    start[free.index(index), coordinate, 0] = 1.0
     carried = carried_through(run, start, count - 1)
     carried.fly(float(before))
     return run, np.array(rows)[free], carried.columns[:, :, 0] * 2.0**carried.scale
@@ -124,6 +129,25 @@ def test_the_map_is_the_difference_of_two_exact_runs_over_300_events(scene: Scen
     run, exact, mapped = difference(scene.with_changes(until=None), 300)
     assert len(run.events) == 300
     assert np.abs(mapped - exact).max() <= 0.01 * np.abs(exact).max()
+    assert np.abs(mapped - exact).max() <= 1e-6 * np.abs(exact).max()
+
+
+@pytest.mark.parametrize(("index", "coordinate"), [(0, 3), (1, 1), (1, 2), (2, 0), (2, 3)])
+def test_so_it_is_whatever_is_displaced(index: int, coordinate: int) -> None:
+    """Places and velocities, of a heavy disc, a light one and a point."""
+    run, exact, mapped = difference(FIXED.with_changes(until=None), 300, index=index, coordinate=coordinate)
+    assert len(run.events) == 300
+    assert np.abs(mapped - exact).max() <= 1e-6 * np.abs(exact).max()
+
+
+def test_contacts_at_one_instant_of_different_circles_have_a_map() -> None:
+    """Two boxes, one the other shifted: each event is one of both, and a displacement parts them."""
+    pair = [Circle(2, 3, vx=1, vy="1/3", id="a"), Circle(7, 6, vx="-1/2", vy="2/7", m=2, id="b")]
+    twins = [Circle(c.x, c.y + 20, c.r, c.vx, c.vy, m=c.m, id=f"{c.id}'") for c in pair]
+    walls = [Wall(0, 0, 0, 1), Wall(10, 0, 10, 1), *(Wall(0, y, 1, y) for y in (0, 10, 20, 30))]
+    run, exact, mapped = difference(Scene([*pair, *twins], walls), 300)
+    assert len(run.events) == 300
+    assert all(len(event.contacts) >= 2 for event in run.events)
     assert np.abs(mapped - exact).max() <= 1e-6 * np.abs(exact).max()
 
 

@@ -55,6 +55,7 @@ SPECS = (
     "two-in-a-box:r=1/5,seed=7",
     "three-disc:distance=5/2,seed=9",
     "free-discs:n=4",
+    "free-discs:n=5",
     "magic-masses:a=1/2,start=one,tie=sequential",
     "cross:angle=45",
 )
