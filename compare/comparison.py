@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
-from ..scenarios.notebook import html_table
+from ..scenarios.notebook import html_table, shown
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
@@ -96,7 +96,9 @@ class Comparison:
         return f"{self.scene.name}: {', '.join(told)}"
 
     def _repr_html_(self) -> str:
-        """One row an engine, for a notebook."""
+        """One row an engine, and a picture of where the first of them parts, or of the scene, for a notebook."""
+        from .report.pictures.picture import notebook_picture
+
         rows: list[tuple[object, ...]] = [(self.reference.engine, "reference", len(self.reference.events), "", "")]
         for candidate in self.candidates:
             parted = candidate.alignment.divergence
@@ -104,7 +106,8 @@ class Comparison:
             cause = "" if candidate.diagnosis is None else candidate.diagnosis
             rows.append((candidate.engine, candidate.verdict, candidate.alignment.agreed, where, cause))
         headings = ("engine", "verdict", "agreed", "differs at", "cause")
-        return html_table(f"{self.scene.name}: {self.verdict}", headings, rows, len(rows))
+        table = html_table(f"{self.scene.name}: {self.verdict}", headings, rows, len(rows))
+        return shown(table, self.scene, lambda: notebook_picture(self.reference, self.candidates), str(self))
 
     def __getitem__(self, engine: str) -> Candidate:
         """The candidate of an engine, by the text with which it was asked for."""

@@ -1,13 +1,21 @@
-"""Tables in HTML: what a notebook shows of a scene, a run, a comparison."""
+"""Tables in HTML, each with a picture: what a notebook shows of a scene, a run, a comparison."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from html import escape
 from itertools import islice
 
+from .picture import PICTURED_CIRCLES, Pictured, image
+
 MOST_ROWS = 20
 """Rows that a notebook shows; how many more there are is said."""
+
+
+def shown(table: str, scene: Pictured, picture: Callable[[], str], title: str) -> str:
+    """A table with a picture below it; of a scene of too many circles the table alone."""
+    drawn = image(picture(), title) if 0 < len(scene.circles) <= PICTURED_CIRCLES else ""
+    return f"<div>{table}{drawn}</div>"
 
 
 def html_table(caption: str, headings: Sequence[str], rows: Iterable[Sequence[object]], count: int) -> str:

@@ -11,8 +11,9 @@ from typing import Any, TypeVar
 
 from .errors import SceneError
 from .limits import checked_truth, positive_count, positive_time
-from .notebook import html_table
+from .notebook import html_table, shown
 from .numbers.quantity import Quantity, QuantityLike
+from .picture import scene_picture
 from .showing import shortened
 from .things import Circle, Pocket, Wall
 from .tie_policy import TiePolicy
@@ -190,12 +191,13 @@ class Scene:
         return data
 
     def _repr_html_(self) -> str:
-        """The circles as a table, for a notebook."""
+        """The circles as a table, and a picture of them at time 0, for a notebook."""
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)
         counts = {"circle": len(self.circles), "wall": len(self.walls), "pocket": len(self.pockets)}
         told = ", ".join(f"{count:,} {kind}{'s' * (count != 1)}" for kind, count in counts.items() if count)
-        return html_table(f"{self.name}: {told}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
+        table = html_table(f"{self.name}: {told}; {self.tie_policy}", ("id", *keys), rows, len(self.circles))
+        return shown(table, self, lambda: scene_picture(self, standalone=True), f"{self.name} at time 0")
 
     def __str__(self) -> str:
         """Its name, and of how many things it is made."""

@@ -9,9 +9,10 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
 
 from .event import Assumption, Event, Pocketing, Reversal
-from .notebook import html_table
+from .notebook import html_table, shown
 from .numbers.quantity import Quantity
 from .numbers.real import Real, real
+from .picture import state_picture
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -161,14 +162,17 @@ class Trajectory:
         return f"{self.scene.name} in {self.engine}: {events}; {self.stop.message}"
 
     def _repr_html_(self) -> str:
-        """The events as a table, for a notebook."""
+        """The events as a table, and a picture of the state that they lead to, for a notebook."""
         rows = (
             [event.index, float(event.time), ", ".join(f"{first} and {second}" for first, second in event.impulses)]
             for event in self.events
         )
         told = [f"{len(self.events):,} events, {self.stop.message}", *map(str, self.assumptions[:1])]
         caption = f"{self.scene.name} in {self.engine}: {'; '.join(told)}"
-        return html_table(caption, ("event", "time", "impulses"), rows, len(self.events))
+        table, final = html_table(caption, ("event", "time", "impulses"), rows, len(self.events)), self.final
+        title = f"{self.scene.name} at time {float(self.final_time):.9g}"
+        picture = lambda: state_picture(self.scene, final.array().tolist(), title, standalone=True)  # noqa: E731
+        return shown(table, self.scene, picture, title)
 
     @property
     def collisions(self) -> int:

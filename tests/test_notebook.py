@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import html
+import re
 from typing import Any
 from xml.etree import ElementTree
 
@@ -12,12 +15,43 @@ import truebreak as tb
 
 def cells(shown: Any) -> tuple[str, list[list[str]]]:
     """The caption and the rows of a table; every row fills it."""
-    table = ElementTree.fromstring(shown._repr_html_())
-    assert table.tag == "table"
+    made = re.fullmatch(r"<div>(<table>.*</table>)(<img[^>]*>)?</div>", shown._repr_html_(), re.DOTALL)
+    assert made is not None
+    table = ElementTree.fromstring(made[1])
     rows = [["".join(cell.itertext()) for cell in row] for row in table.iter("tr")]
     width = [sum(int(cell.get("colspan", "1")) for cell in row) for row in table.iter("tr")]
     assert len(set(width)) == 1
     return str(table.findtext("caption")), rows
+
+
+def drawn(shown: Any) -> tuple[str, str]:
+    """The words for the picture, and its SVG, which is well-formed."""
+    found = re.search(r'<img alt="([^"]*)" src="data:image/svg\+xml;base64,([^"]*)">', shown._repr_html_())
+    assert found is not None
+    text = base64.b64decode(found[2]).decode()
+    ElementTree.fromstring(text)
+    return html.unescape(found[1]), text
+
+
+def test_each_has_a_picture() -> None:
+    scene = tb.scene("near-tie:k=40")
+    found = tb.comparison(scene, ["double"], causes=False)
+    told, picture = drawn(scene)
+    assert told == "near-tie:k=40 at time 0"
+    assert picture.count("<circle") == 3
+    told, picture = drawn(found.reference)
+    assert told == f"near-tie:k=40 at time {float(found.reference.final_time):.9g}"
+    assert picture.count("<circle") == 3
+    told, picture = drawn(found)
+    assert told == str(found)
+    assert picture.count("<circle") == 6
+    assert ".e0 {" in picture
+    _, picture = drawn(tb.comparison(tb.scene("cradle"), ["double"], causes=False))
+    assert "at time 0" in picture
+
+
+def test_a_crowd_has_none() -> None:
+    assert "<img" not in tb.scene("gas:n=501")._repr_html_()
 
 
 def test_a_scene_shows_its_circles_exactly() -> None:

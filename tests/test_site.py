@@ -50,6 +50,8 @@ def test_the_laws_are_printed_by_sympy(site: Path) -> None:
     text = (site / "laws" / "index.html").read_text("utf-8")
     assert text.count("<math") > 5 * len(FORMS) / 2
     assert all(form.name in text for form in FORMS)
+    assert "hat</mi>" not in text
+    assert text.count('<mover accent="true">') > 4
 
 
 def test_every_name_of_the_face_is_in_the_api(site: Path) -> None:

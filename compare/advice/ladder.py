@@ -14,6 +14,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ..engines import engine as engine_named
 from ..engines import parsed_settings
+from ..foreign.guard import finer_of, wider_of
 from ..foreign.loading import class_path
 
 if TYPE_CHECKING:
@@ -192,7 +193,7 @@ def _made_better(text: str, base: Engine, size: Size, budget: int) -> Iterator[S
         if work > budget:
             return
         yield Setting(text if times == 0 else f"{text}, {_better(chosen, times)}", chosen, work, steps)
-        chosen = chosen.finer() if chosen.step is not None else chosen.wider()
+        chosen = finer_of(chosen) if chosen.step is not None else wider_of(chosen)
 
 
 def _better(chosen: Engine, times: int) -> str:

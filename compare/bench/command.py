@@ -7,6 +7,7 @@ import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from textwrap import fill
 from typing import Any
 
 import click
@@ -218,13 +219,13 @@ def _engines(context: click.Context, parameter: click.Parameter, value: str | No
 @click.command(
     context_settings={"help_option_names": ["-h", "--help"]},
     epilog="\b\nNAME is one of these, or all without one:\n"
-    + "\n".join(f"  {n}: {NAMES[n]}" for n in NAMES)
+    + "\n".join(fill(f"{n}: {NAMES[n]}", 78, initial_indent="  ", subsequent_indent="    ") for n in NAMES)
     + "\n\n\b\nExamples:\n"
     "  truebreak bench gas-double\n"
     "  truebreak bench tradeoffs --scenes gas,cradle --svg tradeoffs.svg\n"
     "  truebreak bench tradeoffs --json > before.json\n"
     "  truebreak bench tradeoffs --against before.json\n\n"
-    "\b\nWith --against: 0 all ratios agree within 15 %, 1 one does not, 4 one does not and the machine was not idle.",
+    "With --against: 0 all ratios agree within 15 %, 1 one does not, 4 one does not and the machine was not idle.",
 )
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 @click.option("--full", is_flag=True, help="Give perfect-physics 314 collisions: about a minute.")

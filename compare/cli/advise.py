@@ -22,9 +22,9 @@ EPILOG = f"""
 What is to be right, one of:
   (nothing)        every event, to the end of the scene
   --events N       the first N events: who meets whom
-  --outcome NAME   an outcome at the end: collisions, who_hit_whom, moved, break_pattern, ...
-  --digits D       D decimal digits of every place at the end: no circle is farther off
-                   than 10**-D of the largest coordinate there
+  --outcome NAME   an outcome at the end: collisions, who_hit_whom, moved, ...
+  --digits D       D decimal digits of every place at the end: no circle is
+                   farther off than 10**-D of the largest coordinate there
 
 \b
 Examples:
@@ -35,8 +35,9 @@ Examples:
 
 \b
 Exit codes:
-  0 found          1 no setting that there is is right       2 usage, or bad scene
-  4 none within the budget, or the certified run is undecided     130 interrupted
+  0 found   1 no setting that there is is right   2 usage, or bad scene
+  4 none within the budget, or the certified run is undecided
+  130 interrupted
 """
 
 
@@ -88,7 +89,13 @@ class WithDefaultBudget(click.Option):
     metavar="N",
     help="The most that all runs may cost together, in counted units of about a microsecond",
 )
-@click.option("--scenes", "folder", metavar="DIR", help="Write the scenes beside this one there, as perturbed-N.toml.")
+@click.option(
+    "--scenes",
+    "folder",
+    metavar="DIR",
+    shell_complete=completion.folders,
+    help="Write the scenes beside this one there, as perturbed-N.toml.",
+)
 @JSON
 def advise(
     scene: str,
@@ -104,7 +111,7 @@ def advise(
     folder: str | None,
     as_json: bool,
 ) -> int:
-    """Find the cheapest setting of an engine that gets what you ask for right, proved by the certified run.
+    """Find the cheapest setting of an engine that gets it right. What is right is proved by the certified run.
 
     Settings are tried from the cheapest up (pymunk: step and iterations; interval: bits) on the scene and on K scenes
     beside it, so that one that is right by luck is found out. Every cheaper one was run, and is wrong.

@@ -6,6 +6,7 @@ import click
 
 from . import completion
 from .exit_codes import of_stop
+from .numbers import Whole
 from .options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP
 
 EPILOG = f"""
@@ -13,14 +14,15 @@ EPILOG = f"""
 
 \b
 Units:
-  per unit time   natural logarithm per unit of the scene's own time: what the literature calls lambda
+  per unit time   natural logarithm per unit of the scene's own time: what
+                  the literature calls lambda
   per event       the same for each instant of collision
-  bits            divided by ln 2: how many bits of an engine's numbers are lost
+  bits            divided by ln 2: how many bits an engine's numbers lose
 
 \b
 Examples:
-  truebreak chaos gas --events 400                      exponents, and when each engine leaves the history
-  truebreak chaos gas --engines double --no-run         foreseen from the certified run alone
+  truebreak chaos gas --events 400               when does each engine leave?
+  truebreak chaos gas --engines double --no-run  by the certified run alone
   truebreak chaos point --events 2000 --engines double --html chaos.html
 """
 
@@ -36,14 +38,19 @@ Examples:
 )
 @click.option(
     "--exponents",
-    type=click.IntRange(min=1),
+    type=Whole(1),
     metavar="K",
     help="How many Lyapunov exponents; else all, or the largest 8 of more than 20 discs.",
 )
 @click.option("--no-run", is_flag=True, help="Foresee only: do not run the engines to show what happens.")
 @REVERSE
 @JSON
-@click.option("--html", metavar="FILE", help="Also write the measurement as one offline HTML file.")
+@click.option(
+    "--html",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Also write the measurement as one offline HTML file.",
+)
 def chaos(
     scene: str,
     events: int | None,
@@ -54,7 +61,7 @@ def chaos(
     as_json: bool,
     html: str | None,
 ) -> int:
-    """Measure chaos along a scene's certified run, and foresee how long engines can be trusted.
+    """Measure how errors grow, and foresee when engines are lost.
 
     Small displacements are carried along the certified run by its tangent map. Their growth from start to end is
     proved; Lyapunov exponents, which are limits, are estimates with a 95 % interval. From the growth follows the event

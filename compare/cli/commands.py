@@ -18,21 +18,21 @@ from .sweep import sweep
 EXAMPLES = """
 \b
 Examples:
-  truebreak scenes                                what there is to play with
-  truebreak compare cradle --engines double       did floating point change what happened?
+  truebreak scenes                           what there is to play with
+  truebreak compare cradle --engines double  did floats change what happened?
   truebreak compare gas:n=10,seed=1 --events 200 --html report.html
-  truebreak run galperin:n=2 --engine exact --json
-  truebreak run tennis --engine exact --exact     every number as an exact expression
-  truebreak run --resume gas-run.json             go on from what --save wrote
-  truebreak run lee --certificate lee.json        and then: truebreak verify lee.json
-  truebreak judge gas log.jsonl --events 100      the log of any engine, in any language
-  truebreak export gas --floats                   the scene in doubles, for such an engine
-  truebreak orders lee                            every outcome that some order of impulses leads to
-  truebreak chaos gas --events 400                how fast errors grow, and when each engine is lost
-  truebreak sweep gas --vary seed=1..20           the same question for a family of scenes
-  truebreak minimise gas --engine double          the smallest scene that still shows it
-  truebreak advise gas:n=5 --events 12            the cheapest setting of pymunk that gets them right
-  truebreak stress near-ties                      how near a tie has to be for each engine to be wrong
+  truebreak run galperin:n=2 --json          314 collisions: the digits of pi
+  truebreak run tennis --exact               every number as an expression
+  truebreak run --resume gas-run.json        go on from what --save wrote
+  truebreak run lee --certificate lee.json   then: truebreak verify lee.json
+  truebreak judge gas log.jsonl              the log of any engine
+  truebreak export gas --floats              the scene for such an engine
+  truebreak orders lee                       what orders of impulses lead to
+  truebreak chaos gas --events 400           when each engine will be lost
+  truebreak sweep gas --vary seed=1..20      the same for a family of scenes
+  truebreak minimise gas --engine double     the smallest scene that shows it
+  truebreak advise gas:n=5 --events 12       the cheapest right setting
+  truebreak stress near-ties                 how near a tie may be
   truebreak show rack:rows=3 --plot rack.svg
 
 \b
@@ -66,16 +66,17 @@ def scenes(as_json: bool) -> int:
 
 @cli.command(epilog=examples("show"))
 @SCENE
-@click.option("--plot", metavar="FILE", help="Write a picture of the scene (.svg).")
+@click.option("--plot", metavar="FILE", shell_complete=completion.files, help="Write a picture of the scene (.svg).")
 @JSON
 def show(scene: str, plot: str | None, as_json: bool) -> int:
-    """Show a scene: its circles and walls, exactly, and where it comes from."""
+    """Show a scene, exactly, and where it comes from."""
     from ..report.text.listing import print_scene
     from ..scene_argument import scene_from
 
     loaded = scene_from(scene)
     if plot is not None:
-        from ..report.pictures.picture import scene_picture, svg_path
+        from ...scenarios.picture import scene_picture
+        from ..report.pictures.picture import svg_path
         from .writing import write_whole
 
         write_whole(svg_path(plot), scene_picture(loaded, standalone=True))
@@ -84,9 +85,11 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 
 
 @cli.command(epilog=examples("verify"))
-@click.argument("file", metavar="FILE")
+@click.argument("file", metavar="FILE", shell_complete=completion.files)
 def verify(file: str) -> int:
-    """Check a certificate (`run --certificate FILE`) by a program of its own, which shares nothing with the engines.
+    """Check a certificate by a program of its own.
+
+    It shares nothing with the engines. `truebreak run --certificate FILE` writes certificates.
 
     Exit codes: 0 verified, 1 refuted, 2 no certificate, 4 not decided with the bits that it allows.
     """
@@ -125,9 +128,16 @@ def verify(file: str) -> int:
 @SYMMETRIC
 @NO_CACHE
 @JSON
-@click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
+@click.option(
+    "--html", metavar="FILE", shell_complete=completion.files, help="Also write the report as one offline HTML file."
+)
 @click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
-@click.option("--save", metavar="FILE", help="Also save the comparison with its runs, for `truebreak.load_comparison`.")
+@click.option(
+    "--save",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Also save the comparison with its runs, for `truebreak.load_comparison`.",
+)
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
 def compare(
     scene: str,
@@ -148,7 +158,7 @@ def compare(
     save: str | None,
     exit_zero: bool,
 ) -> int:
-    """Run a scene in several engines and say whether they tell the same history.
+    """Run a scene in several engines: do they tell the same history?
 
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
     each run has by then is compared, and what was left out is named.
@@ -202,7 +212,7 @@ def compare(
 @cli.command(context_settings={"ignore_unknown_options": True, "help_option_names": []}, add_help_option=False)
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def bench(arguments: tuple[str, ...]) -> int:
-    """Measure speed and print the figures (`truebreak bench --help` lists its options)."""
+    """Measure speed, and print the figures."""
     from ..bench.command import main as bench_main
 
     return bench_main(list(arguments)) or DONE

@@ -5,14 +5,23 @@ from __future__ import annotations
 import dataclasses
 
 import click
-from click.shell_completion import CompletionItem
+from click.shell_completion import CompletionItem, FishComplete, add_completion_class
+
+
+@add_completion_class
+class Fish(FishComplete):
+    """Fish's script, which would cut a list of engines, or of settings, at its first comma."""
+
+    source_template = FishComplete.source_template.replace('string split ","', 'string split --max 1 ","')
 
 
 def scenes(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
     """Scenes of the catalogue; after `NAME:`, its parameters with their defaults; files besides.
 
-    >>> [item.value for item in scenes(None, None, "gal")]
-    ['galperin', 'gal']
+    Files stand first: bash's script forgets what came before them, and looks for them where nothing comes after.
+
+    >>> [item.value for item in scenes(None, None, "gal") if item.type == "plain"]
+    ['galperin']
     >>> [item.value for item in scenes(None, None, "galperin:")]
     ['galperin:n=2']
     """
@@ -21,7 +30,7 @@ def scenes(context: click.Context, parameter: click.Parameter, typed: str) -> li
     name, colon, rest = typed.partition(":")
     if not colon:
         found = [CompletionItem(n, help=catalogue.entry(n).summary) for n in catalogue.names() if n.startswith(name)]
-        return [*found, CompletionItem(typed, type="file")]
+        return [CompletionItem(typed, type="file"), *found]
     if name not in catalogue.names():
         return []
     parameters = [(p.name, p.default, p.help) for p in catalogue.entry(name).parameters]
@@ -55,6 +64,16 @@ def engines(context: click.Context, parameter: click.Parameter, typed: str) -> l
     before, comma, last = typed.rpartition(",")
     whole = f"{before}{comma}"
     return [CompletionItem(f"{whole}{item.value}", help=item.help) for item in engine(context, parameter, last)]
+
+
+def files(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
+    """Files; the shell looks them up."""
+    return [CompletionItem(typed, type="file")]
+
+
+def folders(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
+    """Folders; the shell looks them up."""
+    return [CompletionItem(typed, type="dir")]
 
 
 def _settings(start: str, rest: str, known: list[tuple[str, str, str]]) -> list[CompletionItem]:

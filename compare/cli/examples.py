@@ -26,6 +26,11 @@ LINES = {
         "truebreak compare galperin:n=2 --engines single,double,pymunk:dt=1/1000",
         "truebreak compare gas --reverse-after 50 --engines double",
     ),
+    "export": (
+        "truebreak export gas:n=3 > gas.json",
+        "truebreak export gas --floats --out gas-floats.json",
+        "truebreak export gas --floats --csv > gas.csv",
+    ),
     "orders": ("truebreak orders lee", "truebreak orders rack:rows=2 --events 3", "truebreak orders lee --json"),
 }
 """Examples of each command; a test runs what they say through the command line's own reader."""

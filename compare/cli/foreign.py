@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import completion
+from .examples import examples
 from .exit_codes import DONE, of_comparison
+from .numbers import Whole
 from .options import EVENTS, JSON, NO_CACHE, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
 
 if TYPE_CHECKING:
@@ -20,25 +22,25 @@ LOG_HELP = f"""{SCENE_HELP}
 \b
 LOG is JSON lines, one event a line; or CSV, if its name ends in .csv:
   {{"time": 1.25, "contact": ["a", "b"]}}
-  {{"time": 2.5, "contact": ["b", "w1"], "states": {{"b": [7.0, 0.5, -1.0, 0.0]}}}}
-  {{"time": 3.0, "contacts": [["a", "b"], ["b", "c"]]}}       together, at one instant
-  {{"end": 290.7}}                                          nothing happened up to there
-  {{"end": 290.7, "quiet": true}}                           nor will anything, for ever
+  {{"time": 2.5, "contact": ["b", "w1"], "states": {{"b": [7.0, 0.5, -1, 0]}}}}
+  {{"time": 3.0, "contacts": [["a", "b"], ["b", "c"]]}}  at one instant
+  {{"end": 290.7}}                                     nothing happened up to it
+  {{"end": 290.7, "quiet": true}}                      nor will ever anything
 \b
-  time,a,b                                                a CSV log begins with its columns
+  time,a,b                                           CSV begins like this
   1.25,a,b
-  290.7,,                                                 the end
+  290.7,,                                            the end
 
 A state is x, y, vx, vy as the event leaves a circle. Without states, where circles are is reckoned from the times
 by the laws. A log without an end ends at its last event.
 
 \b
 Examples:
-  truebreak export gas:seed=3 --floats > scene.json       what the engine starts from
+  truebreak export gas:seed=3 --floats > scene.json  what it starts from
   truebreak judge gas:seed=3 log.jsonl --events 200
-  truebreak judge gas:seed=3 log.csv --bits 24            of an engine in single precision
-  truebreak judge cradle steps.jsonl --step 1/256         of one that goes by time steps
-  truebreak judge gas:seed=3 old.jsonl new.jsonl          did the change of an engine change a verdict?
+  truebreak judge gas:seed=3 log.csv --bits 24       one in single precision
+  truebreak judge cradle steps.jsonl --step 1/256    one that goes by steps
+  truebreak judge gas:seed=3 old.jsonl new.jsonl     did a change matter?
 
 Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be judged, 4 undecided or not settled.
 """
@@ -46,8 +48,8 @@ Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be j
 
 @click.command(epilog=LOG_HELP)
 @SCENE
-@click.argument("logs", metavar="LOG...", nargs=-1, required=True)
-@click.option("--bits", type=click.IntRange(min=1), default=53, show_default=True, metavar="N", help="Of its numbers.")
+@click.argument("logs", metavar="LOG...", shell_complete=completion.files, nargs=-1, required=True)
+@click.option("--bits", type=Whole(1), default=53, show_default=True, metavar="N", help="Of its numbers.")
 @click.option("--step", metavar="DT", help="Its time step, if it has one: exact text such as 1/240.")
 @click.option("--exact-input", is_flag=True, help="It does not round the scene's numbers to its bits.")
 @click.option(
@@ -75,7 +77,9 @@ Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be j
 @SYMMETRIC
 @NO_CACHE
 @JSON
-@click.option("--html", metavar="FILE", help="Also write the report as one offline HTML file.")
+@click.option(
+    "--html", metavar="FILE", shell_complete=completion.files, help="Also write the report as one offline HTML file."
+)
 @click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if a log diverged or is undecided.")
 def judge(
@@ -100,7 +104,7 @@ def judge(
     certify: bool,
     exit_zero: bool,
 ) -> int:
-    """Judge the log of any engine, in any language: does it tell the scene's history?
+    """Judge the log of any engine, in any language. Does it tell the scene's history?
 
     The report is that of `compare`. Without --until and --events, a log is judged as far as it goes. A log cannot be
     run on: where it ends too early to tell, the verdict is "not settled", and the report says how far to record.
@@ -187,15 +191,15 @@ def _as_far_as(engines: list[LogEngine], scene: Scene) -> dict[str, Any]:
     return {"until": ends[name], "events": scene.events}
 
 
-@click.command(epilog=SCENE_HELP)
+@click.command(epilog=examples("export"))
 @SCENE
 @click.option(
     "--floats", is_flag=True, help="In the nearest doubles, each with its error, for a program that counts so."
 )
 @click.option("--csv", "as_csv", is_flag=True, help="With --floats: rows instead of JSON, easy to read in C.")
-@click.option("--out", metavar="FILE", help="Write there instead of to stdout.")
+@click.option("--out", metavar="FILE", shell_complete=completion.files, help="Write there instead of to stdout.")
 def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
-    """Write a scene for another program: exactly, as a scene file in JSON; or in doubles.
+    """Write a scene for another program, exactly or in doubles. Exactly, it is a scene file in JSON.
 
     With --floats every number is the nearest double, and comes with its error: the exact number less the double. With
     --csv a row is `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1` or `pocket,ID,x,y,r`, and the errors follow in the

@@ -20,13 +20,15 @@ EPILOG = f"""
 \b
 Examples:
   truebreak minimise gas:n=6 --engine double -o small.toml
-  truebreak compare small.toml --engines double           what is left, by an independent call
+  truebreak compare small.toml --engines double   by an independent call
   truebreak minimise rack:rows=2 --engine pymunk --runs 50
 
 \b
 Exit codes:
-  0 the smallest scene is 1-minimal      2 the engine does not diverge, or bad input
-  4 a limit came first                   130 interrupted: the smallest scene so far is written
+  0 the smallest scene is 1-minimal
+  2 the engine does not diverge, or bad input
+  4 a limit came first
+  130 interrupted: the smallest scene so far is written
 """
 
 
@@ -47,7 +49,13 @@ class WithDefaultRuns(click.Option):
 )
 @UNTIL
 @EVENTS
-@click.option("-o", "--out", metavar="FILE", help="Write the scene there (TOML) instead of to stdout.")
+@click.option(
+    "-o",
+    "--out",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Write the scene there (TOML) instead of to stdout.",
+)
 @click.option(
     "--same",
     type=click.Choice(["any", "cause"]),

@@ -30,7 +30,9 @@ from .options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK
 @WORK
 @SECONDS
 @JSON
-@click.option("--html", metavar="FILE", help="Also write the outcomes as one offline HTML file.")
+@click.option(
+    "--html", metavar="FILE", shell_complete=completion.files, help="Also write the outcomes as one offline HTML file."
+)
 def orders(
     scene: str,
     engine_text: str,
@@ -44,7 +46,7 @@ def orders(
     as_json: bool,
     html: str | None,
 ) -> int:
-    """List every outcome that some order of simultaneous impulses leads to.
+    """List every outcome that some order of impulses leads to.
 
     Where several contacts fall on one instant, each may get its impulse first. All orders are followed; those that
     swap contacts without a common circle count once, and branches that reach the same state exactly are merged.

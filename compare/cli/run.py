@@ -40,11 +40,22 @@ from .options import (
 @EVENTS
 @click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
 @JSON
-@click.option("--certificate", metavar="FILE", help="Also write a certificate that `truebreak verify` checks.")
-@click.option("--save", metavar="FILE", help="Also save the run, or what there is of it, for `truebreak.load_run`.")
+@click.option(
+    "--certificate",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Also write a certificate that `truebreak verify` checks.",
+)
+@click.option(
+    "--save",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Also save the run, or what there is of it, for `truebreak.load_run`.",
+)
 @click.option(
     "--resume",
     metavar="FILE",
+    shell_complete=completion.files,
     help="Go on from a run that --save wrote, in place of a SCENE: to the limits that it had, or to those given now.",
 )
 @TIES

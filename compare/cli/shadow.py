@@ -13,10 +13,10 @@ EPILOG = f"""
 
 \b
 Examples:
-  truebreak shadow gas --engine double --events 260     past event 161, where doubles leave the history
+  truebreak shadow gas --events 260     doubles leave the history at event 161
   truebreak shadow gas:n=3 --engine pymunk:dt=1/1024 --events 60
-  truebreak shadow gas --events 260 --write near.toml   the start that was found, as a scene
-  truebreak run near.toml --events 260                  its certified run: the proof, by an independent call
+  truebreak shadow gas --events 260 --write near.toml   the start as a scene
+  truebreak run near.toml --events 260                  its certified run
 
 \b
 Exit codes:
@@ -37,10 +37,16 @@ Exit codes:
 )
 @EVENTS
 @click.option("--longest", is_flag=True, help="Where none is found, look for one of ever shorter beginnings.")
-@click.option("--write", "out", metavar="FILE", help="Write the start that was found as a scene (TOML).")
+@click.option(
+    "--write",
+    "out",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Write the start that was found as a scene (TOML).",
+)
 @JSON
 def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out: str | None, as_json: bool) -> int:
-    """Ask whether an engine's run, past where it leaves the history, is the true history of a nearby start.
+    """Ask whether a wrong run is the true history of a nearby start.
 
     The orbit nearest to the run, of the same contacts in the same order, is sought by multiple shooting. Its start is
     then run by the exact engine: where the certified history is the engine's, that is a proof. Otherwise nothing is

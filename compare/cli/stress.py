@@ -24,14 +24,16 @@ Examples:
   truebreak stress --list                                 the families
   truebreak stress near-ties --engines double,quad        one of them
   truebreak stress near-ties --show 16 --side left > scene.toml
-  truebreak compare scene.toml --engines double           the same place, by an independent call
-  truebreak stress --store map.jsonl --svg map.svg        the whole map; called again, it goes on
+  truebreak compare scene.toml --engines double     by an independent call
+  truebreak stress --store map.jsonl --svg map.svg  all of them; it resumes
   truebreak stress grazes --levels 60..64 --engines quad
 
 \b
 Exit codes:
-  0 done, whatever the engines came to     1 the exact engine is refuted somewhere
-  2 bad input                              4 the exact engine is undecided or unchecked somewhere
+  0 done, whatever the engines came to
+  1 the exact engine is refuted somewhere
+  2 bad input
+  4 the exact engine is undecided or unchecked somewhere
 """
 
 
@@ -56,8 +58,10 @@ class WithDefaultEngines(click.Option):
 )
 @click.option("--levels", metavar="LOW..HIGH", help="The k of every family; else each family's own.")
 @click.option("--short", is_flag=True, help="Only four of each family's own levels.")
-@click.option("--store", metavar="FILE", help="Keep the rows in this file, and resume from it.")
-@click.option("--svg", metavar="FILE", help="Also write the map as a picture.")
+@click.option(
+    "--store", metavar="FILE", shell_complete=completion.files, help="Keep the rows in this file, and resume from it."
+)
+@click.option("--svg", metavar="FILE", shell_complete=completion.files, help="Also write the map as a picture.")
 @click.option("--jobs", type=Whole(1), default=1, show_default=True, metavar="N", help="Worker processes.")
 @click.option("--list", "listed", is_flag=True, help="List the families.")
 @click.option("--show", type=Whole(), metavar="K", help="Print the scene of one place (TOML), and run nothing.")
@@ -78,7 +82,7 @@ def stress(
     seed: int | None,
     as_json: bool,
 ) -> int:
-    """Find where on families of ever harder scenes each engine's answer turns wrong.
+    """Find where on ever harder scenes each engine turns wrong.
 
     A family is a row of scenes, k = 1, 2, 3..., such as two collisions 10**-k apart. Each engine is held against the
     certified run of each of them, and that run is proved again by the checker of certificates, which shares nothing

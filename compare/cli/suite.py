@@ -19,7 +19,7 @@ SUITE_HELP = """
 FILE is TOML:
   engines = ["double", "box2d:dt=1/1024", "mine=package.module:Class"]
   [[scene]]
-  name = "gas:n=5"            a scene of the catalogue, or a file, from FILE's folder
+  name = "gas:n=5"            of the catalogue, or a file, from FILE's folder
   events = 200
   [[scene]]
   name = "table.toml"
@@ -29,19 +29,21 @@ FILE is TOML:
 Examples:
   truebreak suite mine.toml
   truebreak suite mine.toml --json > before.json
-  truebreak suite mine.toml --against before.json        after a change of the engine, the compiler, the machine
+  truebreak suite mine.toml --against before.json   what did a change change?
   truebreak suite mine.toml --against before.json --only-changes
 
 \b
 Exit codes:
-  0 all agree          1 an engine diverged (with --only-changes: something changed)
-  2 bad input          4 none diverged, but something is undecided or not settled
+  0 all agree
+  1 an engine diverged (with --only-changes: something changed)
+  2 bad input
+  4 none diverged, but something is undecided or not settled
 """
 
 SURVEY_HELP = """
 \b
 Examples:
-  truebreak survey                                       every installed engine, twelve scenes: some minutes
+  truebreak survey                     every installed engine: some minutes
   truebreak survey --engines box2d,billiards --scenes "cradle, apart;gas"
   truebreak survey --json > survey.json
   truebreak survey --from survey.json --page survey.md   the page of the docs
@@ -50,8 +52,13 @@ Examples:
 
 
 @click.command(epilog=SUITE_HELP)
-@click.argument("file", metavar="FILE")
-@click.option("--against", metavar="EARLIER.json", help="What changed since this report, written with --json.")
+@click.argument("file", metavar="FILE", shell_complete=completion.files)
+@click.option(
+    "--against",
+    metavar="EARLIER.json",
+    shell_complete=completion.files,
+    help="What changed since this report, written with --json.",
+)
 @click.option("--only-changes", is_flag=True, help="With --against: exit with 1 if anything changed, else with 0.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one engine on one scene may take.")
 @JSON
@@ -59,7 +66,10 @@ Examples:
 def suite(
     file: str, against: str | None, only_changes: bool, max_seconds: float | None, as_json: bool, exit_zero: bool
 ) -> int:
-    """Hold engines against the certified runs of many scenes: one report, and what changed since an earlier one."""
+    """Hold engines against the truth on many scenes, in one report.
+
+    With --against, it tells too what changed since an earlier one.
+    """
     from ...scenarios.errors import SceneError
     from ..report.text.listing import print_json
     from ..suites.document import suite_json
@@ -92,8 +102,15 @@ def suite(
 @click.option("--no-causes", is_flag=True, help="Do not look for causes: a fraction of the work.")
 @click.option("--no-advice", is_flag=True, help="Do not look for the cheapest setting that is right.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run may take, and why it diverged.")
-@click.option("--from", "recorded", multiple=True, metavar="FILE", help="Run nothing: show what --json has written.")
-@click.option("--page", metavar="FILE", help="Write the survey as a page in Markdown.")
+@click.option(
+    "--from",
+    "recorded",
+    multiple=True,
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Run nothing: show what --json has written.",
+)
+@click.option("--page", metavar="FILE", shell_complete=completion.files, help="Write the survey as a page in Markdown.")
 @JSON
 def survey(
     engines: str,
@@ -105,7 +122,7 @@ def survey(
     page: str | None,
     as_json: bool,
 ) -> int:
-    """Run every installed engine over twelve scenes: which history each tells, and what suits what.
+    """Run every installed engine over twelve scenes. Which history does each tell, and what suits what?
 
     Each engine is run as it comes, and, where it diverges, at finer settings, the best of which is told; then at the
     cheapest setting that `truebreak advise` finds. It exits with 0 whatever diverged: this is a survey, not a check.

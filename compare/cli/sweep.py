@@ -11,6 +11,7 @@ import click
 
 from . import completion
 from .exit_codes import DONE, ExitCode
+from .numbers import Whole
 from .options import EVENTS, JSON, SCENE_HELP, WORK
 
 if TYPE_CHECKING:
@@ -23,14 +24,15 @@ EPILOG = f"""
 
 \b
 Examples:
-  truebreak sweep gas --vary n=3..5 --vary seed=1..20 --engines double --store gas.db
-  truebreak sweep --store gas.db --csv -                  the table, without running anything
-  truebreak sweep gas --vary seed=1..100 --engines double,pymunk:dt=1/256 --perturb 1e-12 --events 300 --csv gas.csv
-  truebreak sweep gas --vary seed=1..4000 --shard 3/40 --store part3.db       on a batch system
-  truebreak sweep gas --vary seed=1..4000 --executor dask://10.0.0.7:8786     on a Dask cluster
+  truebreak sweep gas --vary n=3..5 --vary seed=1..20 --store gas.db
+  truebreak sweep --store gas.db --csv -   the table, without running anything
+  truebreak sweep gas --vary seed=1..100 --perturb 1e-12 --csv gas.csv
+  truebreak sweep gas --vary seed=1..50 --engines double,pymunk:dt=1/256
+  truebreak sweep gas --vary seed=1..4000 --shard 3/40 --store part3.db
+  truebreak sweep gas --vary seed=1..4000 --executor dask://10.0.0.7:8786
 
-\b
-Call it again with the same store, and it goes on where it stopped, whatever ended it.
+Call it again with the same store, and it goes on where it stopped, whatever
+ended it.
 """
 
 
@@ -67,17 +69,30 @@ Call it again with the same store, and it goes on where it stopped, whatever end
 )
 @EVENTS
 @WORK
-@click.option("--store", multiple=True, metavar="FILE", help="Keep the rows in this SQLite file, and resume from it.")
-@click.option("--csv", "csv_file", metavar="FILE", help="Write the table here; - is stdout.")
+@click.option(
+    "--store",
+    multiple=True,
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Keep the rows in this SQLite file, and resume from it.",
+)
+@click.option(
+    "--csv", "csv_file", metavar="FILE", shell_complete=completion.files, help="Write the table here; - is stdout."
+)
 @click.option("--shard", default="1/1", metavar="K/N", help="Do only the Kth of N parts.")
-@click.option("--jobs", type=click.IntRange(min=1), metavar="N", help="Worker processes; else one for each processor.")
+@click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
 @click.option(
     "--executor",
     "executor_text",
     metavar="dask://HOST:PORT",
     help="Workers of a Dask cluster, in place of processes here.",
 )
-@click.option("--svg", metavar="FILE", help="Draw how long each engine's histories stay true, as one SVG file.")
+@click.option(
+    "--svg",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Draw how long each engine's histories stay true, as one SVG file.",
+)
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
 @JSON
 def sweep(
@@ -98,7 +113,7 @@ def sweep(
     yes: bool,
     as_json: bool,
 ) -> int:
-    """Hold engines against the certified run of every scene of a family.
+    """Hold engines against the truth for a whole family of scenes.
 
     Each scene runs in a worker process; each engine only until it leaves the history. Rows go into the store as soon
     as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.

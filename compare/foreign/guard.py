@@ -191,6 +191,8 @@ def firmer_of(engine: Engine) -> Engine | None:
 def _further(engine: Engine, what: str) -> Engine | None:
     try:
         told = getattr(engine, what)()
+    except SceneError:  # it goes no further, and says so
+        return None
     except Exception as error:
         raise _raised(engine, what, error) from error
     try:

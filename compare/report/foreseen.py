@@ -18,13 +18,13 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     >>> foreseen_phrase(found, 0)
     'foreseen to leave between event 22 and event 33, half of such engines by event 27'
     >>> foreseen_phrase(found, 1)
-    'foreseen to keep the history in the 60 events looked at'
+    'foreseen to keep the history in the 60 events looked at, by the growth of errors alone'
     """
     horizon = None if found is None else found.horizons[number]
     if found is None or horizon is None:
         return ""
     if horizon.low.event is None:
-        return f"foreseen to keep the history in the {found.events:,} events looked at"
+        return f"foreseen to keep the history in the {found.events:,} events looked at, by the growth of errors alone"
     if horizon.high.event is None:
         half = "" if horizon.expected.event is None else f", half of such engines by event {horizon.expected.event:,}"
         return f"foreseen to leave from event {horizon.low.event:,} on{half}"

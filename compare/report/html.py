@@ -6,15 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from ...scenarios.picture import PICTURED_CIRCLES, scene_picture
 from ..chaos.foreseen import foreseen
 from .foreseen import foreseen_phrase
-from .page.outcome_tables import changed, kept
+from .page.outcome_tables import changed, kept, settled
 from .page.patterns import gallery
 from .page.provenance import minimise_command, provenance
 from .page.recording import recording
 from .page.rendering import COMPARED, rendered
 from .page.why import amounts, enough
-from .pictures.picture import divergence_picture, scene_picture
+from .pictures.picture import divergence_picture
 from .pictures.plot import NARROW, WIDE, horizon_bands, separation_plot
 from .sentences import (
     consequence_phrase,
@@ -33,9 +34,6 @@ from .text.side_by_side import side_by_side
 if TYPE_CHECKING:
     from ..candidate import Candidate
     from ..comparison import Comparison
-
-PICTURED_CIRCLES = 500
-"""A scene of more circles is not drawn at a divergence: the picture would say nothing."""
 
 
 def html_report(comparison: Comparison, *, command: str = "") -> str:
@@ -75,6 +73,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         gallery=gallery(comparison),
         changed=changed(comparison),
         kept=kept(comparison),
+        went_to_the_end=any(settled(c) for c in comparison.candidates),
         provenance=provenance(comparison, command),
         player=COMPARED,
         footnote="Solid and blue: the reference.",
@@ -116,6 +115,7 @@ def _row(number: int, candidate: Candidate) -> dict[str, Any]:
         "engine": candidate.engine,
         "verdict": candidate.verdict,
         "agreed": f"{candidate.alignment.agreed:,}",
+        "event": f"{divergence.event:,}" if divergence else "",
         "differs": f"event {divergence.event:,}, t = {divergence.time:.9g}" if divergence else "",
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
         "evidence": candidate.diagnosis.evidence if candidate.diagnosis else "",
@@ -135,14 +135,14 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
         "evidence": sentence_case(candidate.diagnosis.evidence) if candidate.diagnosis else "",
         "pattern": pattern_phrase(comparison, candidate),
-        "consequence": consequence_phrase(comparison, candidate),
-        "margin": margin_phrase(candidate),
+        "consequence": sentence_case(consequence_phrase(comparison, candidate) or ""),
+        "margin": sentence_case(margin_phrase(candidate) or ""),
         "amounts": amounts(candidate),
         "enough": enough(candidate),
         "experiments": experiment_rows(candidate),
         "minimise": minimise_command(comparison, candidate),
         "rows": side_by_side(comparison, candidate),
-        "picture": Markup(divergence_picture(comparison, candidate, number)) if _drawn(comparison) else "",
+        "picture": Markup(divergence_picture(comparison.reference, candidate, number)) if _drawn(comparison) else "",
     }
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from ...scenarios.picture import scene_picture
 from ..documents.orders import choices_phrase, orders_json, orders_sentence, velocities_phrase
 from ..outcomes.break_pattern import pattern
 from .counting import counted
@@ -17,7 +18,6 @@ from .page.patterns import MOST_DRAWN, difference, small_picture
 from .page.provenance import Download, download, provenance_of, scene_file, stem_of
 from .page.recording import Played, played
 from .page.rendering import rendered
-from .pictures.picture import scene_picture
 from .text.listing import laid_out
 
 if TYPE_CHECKING:

@@ -228,7 +228,8 @@ def margin_phrase(candidate: Candidate) -> str | None:
     if margin.error is not None:
         told = margin.gap is None and margin.ratio is not None and math.isfinite(margin.ratio)
         ratio = f", {margin.ratio:.3g} times as much" if told else ""
-        parts.append(f"the engine is {margin.error:.3g} off by then{ratio}")
+        told = f"{margin.error:.3g} off by then{ratio}" if margin.error else f"off by {off(margin.error)} then"
+        parts.append(f"the engine is {told}")
     if margin.growth is not None and margin.growth > 0:
         parts.append(f"errors grow by {margin.growth:.3g} bits an event")
     if margin.enough.bits is not None:
@@ -268,6 +269,15 @@ def about(bounds: tuple[float, float]) -> str:
     """
     size = abs(middle(bounds))
     return f"{size:.3g}" if size else f"less than {max(map(abs, bounds)):.3g}"
+
+
+def off(error: float) -> str:
+    """How far an engine's places are off; places are compared as doubles.
+
+    >>> off(0.0641), off(0.0)
+    ('0.0641', 'less than doubles tell')
+    """
+    return f"{error:.3g}" if error else "less than doubles tell"
 
 
 def experiment_rows(candidate: Candidate) -> list[tuple[str, str, str, str, str]]:

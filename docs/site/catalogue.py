@@ -8,11 +8,11 @@ from pathlib import Path
 
 from truebreak.compare import compare, html_report
 from truebreak.compare.report.page.provenance import whole_name
-from truebreak.compare.report.pictures.picture import scene_picture
 from truebreak.compare.report.sentences import proof_phrase, verdict_sentence
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import dump_json, dump_toml
+from truebreak.scenarios.picture import scene_picture
 
 ENGINES = ("double", "pymunk")
 

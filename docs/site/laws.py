@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -21,6 +22,9 @@ each formula which an engine runs is equal to what follows from them. Nothing he
 are those of Carl M. Kadie, *Perfect, Infinite-Precision, Game Physics in Python*; a prime is a position at time t, a
 hat a velocity after the collision.
 """
+
+HAT = re.compile("<mi>([a-z])hat</mi>")
+"""A name with a hat, as SymPy has it in letters."""
 
 STABLE = """\
 ## The forms that the engines run
@@ -107,4 +111,5 @@ def _math(expression: Any) -> str:
 
 
 def _inside(expression: Any) -> str:
-    return f'<math xmlns="http://www.w3.org/1998/Math/MathML">{mathml(expression, printer="presentation")}</math>'
+    text = HAT.sub(r'<mover accent="true"><mi>\1</mi><mo>^</mo></mover>', mathml(expression, printer="presentation"))
+    return f'<math xmlns="http://www.w3.org/1998/Math/MathML">{text}</math>'

@@ -26,6 +26,9 @@ EDGE, ROW = 14.0, 26.0
 NAMED = 24
 """Scenes of more circles are drawn with dots without names."""
 
+NAMED_PAIRS = 4
+"""More pairs than these are counted, not named."""
+
 LABELS = {
     Relation.OWN: "the policy's own",
     Relation.REALISABLE: "realisable: a nearby scene does it",
@@ -116,14 +119,16 @@ def difference(own: Mapping[str, Any], pattern: Mapping[str, Any]) -> str:
     """How a pattern differs from the policy's own, in words.
 
     >>> difference({"a": {"met": [], "ended": "A1"}}, {"a": {"met": ["w"], "ended": "B2"}})
-    '1 pair more; a ends in B2, not A1'
+    'also a–w; a ends in B2, not A1'
     """
     mine, theirs = met(own), met(pattern)
-    parts = []
-    if theirs - mine:
-        parts.append(f"{counted(len(theirs - mine), 'pair')} more")
-    if mine - theirs:
-        parts.append(f"{counted(len(mine - theirs), 'pair')} fewer")
+    parts = [
+        f"{word} {', '.join('–'.join(sorted(pair)) for pair in sorted(pairs, key=sorted))}"
+        if len(pairs) <= NAMED_PAIRS
+        else f"{counted(len(pairs), 'pair')} {more}"
+        for pairs, word, more in ((theirs - mine, "also", "more"), (mine - theirs, "not", "fewer"))
+        if pairs
+    ]
     ended = [
         f"{name} ends in {told['ended']}, not {own[name]['ended']}"
         for name, told in pattern.items()

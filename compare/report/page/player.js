@@ -7,15 +7,26 @@ const panes = { truth: new Pane(part("pane-truth"), data), engine: new Pane(part
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const SECONDS = 30; // a whole run at speed 1
 const alone = data.runs.length === 1;
-const state = { time: data.begin, playing: false, chosen: alone ? 0 : 1, last: 0, sound: null };
+const SMALL = 9; // radius in pixels below which the bodies of the divergence are shown close up at first
+// `picked`: of several events at one time, the one that was meant, on each side.
+const state = { time: data.begin, playing: false, chosen: alone ? 0 : 1, last: 0, sound: null, close: false, picked: {} };
 
 const sides = alone ? ["truth"] : ["truth", "engine"];
 const candidate = () => data.runs[state.chosen];
 const divergence = () => candidate().divergence;
+const goal = () => divergence()?.time ?? candidate().stopped ?? null;
 const shown = (time) => Number(time.toPrecision(9)).toString();
 
 function pairs(event) {
   return event[2].map((pair) => pair.join("–")).join(" ");
+}
+
+// When an event is, as far as that tells it from the one before.
+function when(events, k) {
+  const [time, before] = [shown(events[k][1]), k ? shown(events[k - 1][1]) : ""];
+  if (time !== before) return `t = ${time}`;
+  const later = events[k][3] ?? (events[k][1] > events[k - 1][1] ? (events[k][1] - events[k - 1][1]).toPrecision(3) : "");
+  return later ? `${later} later` : `t = ${time}`;
 }
 
 function look(element, dashed) {
@@ -69,9 +80,15 @@ function motionOf(side) {
   return side === "truth" ? motions[0] : motions[state.chosen];
 }
 
+// The place in a side's list: of the event that was picked, if it is of this time, else of the last one by now.
+function placeOf(side) {
+  const [motion, picked] = [motionOf(side), state.picked[side]];
+  return motion.eventTimes[picked] === state.time ? picked : motion.eventAt(state.time);
+}
+
 function follow(side) {
   const list = part(`list-${side}`);
-  const place = motionOf(side).eventAt(state.time);
+  const place = placeOf(side);
   const now = list.children[place];
   const before = list.querySelector("[aria-selected=true]");
   if (before === (now ?? null)) return;
@@ -79,15 +96,21 @@ function follow(side) {
   if (!now) { list.removeAttribute("aria-activedescendant"); list.scrollTop = 0; return; }
   now.setAttribute("aria-selected", "true");
   list.setAttribute("aria-activedescendant", now.id);
-  list.scrollTop = now.offsetTop - list.clientHeight / 2;
+  reveal(side);
+}
+
+function reveal(side) {
+  const list = part(`list-${side}`);
+  const now = list.querySelector("[aria-selected=true]");
+  if (now) list.scrollTop = now.offsetTop - list.clientHeight / 2;
 }
 
 // Says where the clock stands, for the eye and for a screen reader; not while it runs.
 function tell() {
   const told = sides.map((side) => {
     const motion = motionOf(side);
-    const event = motion.run.events[motion.eventAt(state.time)];
-    const ended = state.time > motion.run.end ? ` (its run ends at t = ${shown(motion.run.end)}: ${motion.run.stop})` : "";
+    const event = motion.run.events[placeOf(side)];
+    const ended = state.time > motion.run.end || candidate().stopped === state.time && side === "engine" ? ` (its run ends at t = ${shown(motion.run.end)}: ${motion.run.stop})` : "";
     return `${motion.run.name}: ${event ? `event ${event[0]}, ${pairs(event)}` : "nothing yet"}${ended}`;
   });
   const left = divergence();
@@ -95,8 +118,9 @@ function tell() {
   part("told").textContent = `t = ${shown(state.time)}; ${told.join("; ")}${first}`;
 }
 
-function seek(time, silent = false) {
+function seek(time, silent = false, picked = {}) {
   state.time = Math.min(Math.max(time, data.begin), data.end);
+  state.picked = picked;
   show();
   if (!silent) tell();
 }
@@ -146,13 +170,29 @@ function click(ear) {
   tone.stop(from + 0.05);
 }
 
-// To the next or the last event of any of the runs given.
-function step(way, runs = [motions[0], motions[state.chosen]]) {
+// To the event after or before, on any of the sides given; of several at one time, one after the other.
+function step(way, among = sides) {
   if (state.playing) stop();
-  const times = runs.flatMap((motion) => motion.eventTimes);
+  const [places, picked] = [Object.fromEntries(sides.map((side) => [side, placeOf(side)])), {}];
+  for (const side of among) {
+    const other = places[side] + way;
+    if (places[side] >= 0 && motionOf(side).eventTimes[other] === state.time) picked[side] = other;
+  }
+  if (Object.keys(picked).length) return seek(state.time, false, { ...places, ...picked });
+  const times = among.flatMap((side) => motionOf(side).eventTimes);
   const ahead = times.filter((t) => (way > 0 ? t > state.time : t < state.time));
-  if (ahead.length) seek(way > 0 ? Math.min(...ahead) : Math.max(...ahead));
-  else seek(way > 0 ? data.end : data.begin);
+  if (!ahead.length) return seek(way > 0 ? data.end : data.begin);
+  const time = way > 0 ? Math.min(...ahead) : Math.max(...ahead);
+  const first = way > 0 ? Object.fromEntries(sides.map((side) => [side, motionOf(side).eventTimes.indexOf(time)])) : {};
+  return seek(time, false, first);
+}
+
+// To the first divergence, or to where a run stopped that does not tell.
+function jump() {
+  if (state.playing) stop();
+  const left = divergence();
+  const place = (side, index) => motionOf(side).run.events.findIndex((event) => event[0] === index);
+  seek(goal(), false, left ? { truth: place("truth", left.expected), engine: place("engine", left.got) } : {});
 }
 
 function fill(side) {
@@ -165,9 +205,9 @@ function fill(side) {
     row.id = `${side}-${k}`;
     row.setAttribute("role", "option");
     row.setAttribute("aria-selected", "false");
-    row.textContent = `${event[0]}  t = ${shown(event[1])}  ${pairs(event)}`;
+    row.textContent = `${event[0]}  ${when(motion.run.events, k)}  ${pairs(event)}`;
     if (left && event[0] === first) { row.className = "first"; row.textContent += "  ◆ first divergence"; }
-    row.addEventListener("click", () => { if (state.playing) stop(); seek(event[1]); });
+    row.addEventListener("click", () => { if (state.playing) stop(); seek(event[1], false, { ...state.picked, [side]: k }); });
     return row;
   }));
 }
@@ -179,14 +219,30 @@ function choose(number) {
   part("name-truth").textContent = data.runs[0].title;
   part("name-engine").textContent = run.title;
   part("digits-told").hidden = part("digit-bar").hidden = !run.errors;
-  part("jump").hidden = !run.divergence;
+  part("jump").hidden = goal() === null;
+  part("jump").textContent = run.divergence ? "To the first divergence" : "To where it stopped";
   const [whole, from] = [data.total, data.runs[0].events];
-  const cut = from.length < whole && from.length ? `Shown are events ${from[0][0]} to ${from.at(-1)[0]} of the ${whole} of ${data.runs[0].name}. ` : "";
+  const cut = from.length < whole && from.length ? `Shown are events ${from[0][0].toLocaleString("en")} to ${from.at(-1)[0].toLocaleString("en")} of the ${whole.toLocaleString("en")} of ${data.runs[0].name}. ` : "";
   const grows = run.growth > 0 ? `A small error grows by ${run.growth.toPrecision(3)} bits an event: it uses up the 53 bits of a double in about ${Math.round(53 / run.growth)} events.` : "";
   part("growth").textContent = cut + grows;
   sides.forEach(fill);
+  const close = closeView();
+  part("close").hidden = !close;
+  zoom(Boolean(close) && Math.max(...run.divergence.bodies.map((body) => data.bodies[body][1])) * panes.truth.scale < SMALL);
   show();
   tell();
+}
+
+function closeView() {
+  const left = divergence();
+  return left && closeUp(data, [motions[0], motions[state.chosen]], left.bodies, left.time);
+}
+
+// Shows the bodies of the divergence alone, or all.
+function zoom(close) {
+  state.close = close;
+  part("close").setAttribute("aria-pressed", String(close));
+  fitAll();
 }
 
 function moveCursor(plot) {
@@ -223,7 +279,7 @@ player.addEventListener("keydown", (event) => {
   const list = event.target.closest("[role=listbox]");
   const own = event.target.tagName === "SELECT" || (event.target.tagName === "BUTTON" && event.key === " ");
   const way = { ArrowUp: -1, ArrowDown: 1 }[event.key];
-  const act = list && way ? () => step(way, [motionOf(list.id.slice(5))]) : KEYS[event.key];
+  const act = list && way ? () => step(way, [list.id.slice(5)]) : KEYS[event.key];
   if (!act || own || event.altKey || event.ctrlKey || event.metaKey) return;
   event.preventDefault();
   act();
@@ -235,14 +291,15 @@ part("scrubber").addEventListener("input", (event) => { if (state.playing) stop(
 part("play").addEventListener("click", () => (state.playing ? stop() : play()));
 part("back").addEventListener("click", () => step(-1));
 part("forth").addEventListener("click", () => step(1));
-part("jump").addEventListener("click", () => { if (state.playing) stop(); seek(divergence().time); });
+part("jump").addEventListener("click", jump);
+part("close").addEventListener("click", () => { zoom(!state.close); draw(); });
 part("sound").addEventListener("click", (event) => {
   state.sound = state.sound ? (state.sound.close(), null) : new AudioContext();
   event.currentTarget.setAttribute("aria-pressed", String(Boolean(state.sound)));
 });
 player.classList.toggle("alone", alone);
 part("engine-figure").hidden = part("engine-events").hidden = alone;
-part("engine").replaceChildren(...data.runs.slice(1).map((run, k) => new Option(run.name, k + 1)));
+part("engine").replaceChildren(...data.runs.slice(1).map((run, k) => new Option([run.name, run.verdict].filter(Boolean).join(": "), k + 1)));
 part("engine").addEventListener("change", (event) => choose(Number(event.target.value)));
 part("choice").hidden = data.runs.length < 3;
 
@@ -254,12 +311,14 @@ function quiet() {
 
 function resize() {
   fitAll();
+  sides.forEach(reveal); // a page that is laid out late, as in a notebook, had nothing to scroll before
   draw();
 }
 
 function fitAll() {
-  panes.truth.fit();
-  if (!alone) panes.engine.fit();
+  const view = (state.close && closeView()) || data.view;
+  panes.truth.fit(view);
+  if (!alone) panes.engine.fit(view);
 }
 
 player.hidden = false;
@@ -268,7 +327,7 @@ calm.addEventListener("change", quiet);
 quiet();
 choose(alone ? 0 : data.lead);
 part("engine").value = String(state.chosen);
-if (divergence()) seek(divergence().time);
+if (goal() !== null) jump();
 new ResizeObserver(resize).observe(part("pane-truth").parentElement);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
 if (data.embedded) addEventListener("message", (event) => {

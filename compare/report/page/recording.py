@@ -7,11 +7,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ....scenarios.picture import Disc, view_of, wall_line
 from ....scenarios.trajectory import StopReason
-from ..pictures.picture import Disc, view_of, wall_line
+from ..instants import later
 from ..sentences import headline
 
 if TYPE_CHECKING:
+    from ....scenarios.event import Event
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Trajectory
     from ...alignment.divergence import Divergence
@@ -49,7 +51,8 @@ class Played:
         number: its style's place among the engines.
         name: what it is called.
         run: its trajectory.
-        told: what else the player tells of it: `errors`, `scale`, `growth`, `divergence`, as far as there are such.
+        told: what else the player tells of it, as far as there is such: `verdict`, `errors`, `scale`, `growth`,
+            `divergence`, and `stopped`, when it ended without an answer.
         parted: when it leaves the first run; None if it does not.
     """
 
@@ -86,7 +89,8 @@ def played(
     Returns:
         `bodies` (id, radius, whether fixed), `walls`, `pockets`, `view`, `begin` and `end` of the clock, `total` events
         of the first run, `lead`, and `runs`, the first one first. A run has `times`, the instants at which anything
-        changes; `knots`, [place in `times`, body, x, y, vx, vy], from the start on; `events`, [index, time, pairs].
+        changes; `knots`, [place in `times`, body, x, y, vx, vy], from the start on; `events`, [index, time, pairs], and
+        how much later than the one before, where a double does not tell.
     """
     if not float(first.final_time) > 0 or not scene.circles:
         return None
@@ -141,10 +145,18 @@ def _run(run: Trajectory, begin: float, end: float, count: int) -> dict[str, Any
     return {
         "times": times,
         "knots": _knots(run, times, last),
-        "events": [[e.index, float(e.time), [list(pair) for pair in e.impulses]] for e in events],
+        "events": [_event(e, before) for e, before in zip(events, [None, *events], strict=False)],
         "end": last,
         "stop": run.stop.message,
     }
+
+
+def _event(event: Event, before: Event | None) -> list[Any]:
+    """Its index, time and pairs; and, where its time is the same double as that of the one before, how much later."""
+    row: list[Any] = [event.index, float(event.time), [list(pair) for pair in event.impulses]]
+    if before is not None and float(before.time) == row[1]:
+        row.append(later(before, event))
+    return row
 
 
 def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]]:
@@ -188,7 +200,10 @@ def _told(scene: Scene, candidate: Candidate) -> dict[str, Any]:
         "scale": separation.scale or 1.0,
         "growth": candidate.margin.growth if candidate.margin else None,
         "divergence": None,
+        "verdict": candidate.verdict,
     }
+    if candidate.verdict in ("undecided", "unsettled"):
+        told["stopped"] = float(candidate.trajectory.final_time)
     if divergence is not None:
         names = _names((divergence.body, divergence.expected, divergence.got))
         told["divergence"] = {

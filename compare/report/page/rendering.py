@@ -10,8 +10,8 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
+from ....scenarios.picture import STYLE
 from ..pictures.engine_style import engine_css
-from ..pictures.picture import STYLE
 
 
 @cache
@@ -20,6 +20,7 @@ def _environment() -> jinja2.Environment:
         loader=jinja2.PackageLoader(__package__ or "", ""), autoescape=True, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters["longest_word"] = longest_word
+    environment.filters["unbroken"] = unbroken
     return environment
 
 
@@ -55,6 +56,15 @@ def embedded(data: Mapping[str, Any]) -> Markup:
     """
     text = json.dumps(data, allow_nan=False, separators=(",", ":"))
     return Markup(text.replace("<", "\\u003c"))
+
+
+def unbroken(text: str) -> str:
+    """A sentence of which no line ends within `t = 12`.
+
+    >>> unbroken("event 3, t = 12") == "event 3, t\u00a0=\u00a012"
+    True
+    """
+    return text.replace("t = ", "t\u00a0=\u00a0")
 
 
 def longest_word(text: str) -> int:

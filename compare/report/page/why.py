@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..sentences import about, checked, middle, short
+from ..sentences import about, checked, middle, off
 
 if TYPE_CHECKING:
     from ...candidate import Candidate
@@ -41,11 +41,11 @@ def amounts(candidate: Candidate) -> list[Amount]:
     margin = candidate.margin
     if margin is None or margin.distance is None or margin.error is None:
         return []
-    close, off = shares(abs(middle(margin.distance)), margin.error)
+    close, far = shares(abs(middle(margin.distance)), margin.error)
     told = "exactly 0" if margin.distance == (0.0, 0.0) else about(margin.distance)
     return [
         Amount("how close it was", told, close),
-        Amount(f"how far off {candidate.engine} was by then", short(margin.error), off, own=True),
+        Amount(f"how far off {candidate.engine} was by then", off(margin.error), far, own=True),
     ]
 
 

@@ -47,4 +47,4 @@ def engine_css(count: int) -> str:
     styles = [engine_style(number) for number in range(count)]
     light = "".join(f".e{k} {{ --engine: {s.light}; --dash: {s.dash}; }}\n" for k, s in enumerate(styles))
     dark = "".join(f"  .e{k} {{ --engine: {s.dark}; }}\n" for k, s in enumerate(styles))
-    return f"{light}@media (prefers-color-scheme: dark) {{\n{dark}}}\n"
+    return f"{light}@media screen and (prefers-color-scheme: dark) {{\n{dark}}}\n"

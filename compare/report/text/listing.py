@@ -28,7 +28,7 @@ SHOWN_EVENTS = 40
 """Rows of events printed for people: three quarters of them from the start, the rest from the end."""
 
 SHOWN_DIGITS = 60
-"""Longest exact text in a table; longer ones are in the JSON."""
+"""Longest exact text in a table; of longer ones, which are in the JSON, the value and how long they are."""
 
 
 LEAST_WIDTH = 40
@@ -243,13 +243,18 @@ def number(value: SupportsFloat, exact: bool) -> str:
 
     >>> number(0.5, True), number(0.1, False)
     ('1/2', '0.1')
+    >>> from truebreak.scenarios.numbers.quantity import Quantity
+    >>> number(Quantity.of(f"sqrt(2)/{10**30} + sqrt(3)/{10**30}"), True)
+    '3.1462643699419723e-30 (81 characters)'
     """
     ends = bounds(real(value))
     if ends is not None and ends[0] != ends[1]:
         return f"[{ends[0]:.17g}, {ends[1]:.17g}]"
     if exact:
         text = real(value).text()
+        if text is not None and len(text) <= SHOWN_DIGITS:
+            return text
         if text is not None:
-            return cut(text)
+            return f"{real(value).digits(17)} ({len(text):,} characters)"
     nearest = double(value)
     return "beyond the doubles" if nearest is None else f"{nearest:.17g}" if exact else f"{nearest:.12g}"

@@ -7,6 +7,7 @@ from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from ...alignment.streams import history
+from ..instants import later
 
 if TYPE_CHECKING:
     from ....scenarios.trajectory import Trajectory
@@ -56,14 +57,25 @@ def side_by_side(comparison: Comparison, candidate: Candidate) -> list[Row]:
     ]
     return [
         Row(
-            f"{a[1]:.12g}" if a else "",
+            _when(comparison.reference, mine, a) if a else "",
             a[2] if a else "nothing more" if k == depth else "",
-            f"{b[1]:.12g}" if b else "",
+            _when(candidate.trajectory, theirs, b) if b else "",
             b[2] if b else "nothing more" if k == depth else "",
             k == depth,
         )
         for k, (a, b) in enumerate(rows)
     ]
+
+
+def _when(run: Trajectory, meetings: list[tuple[int, float, str]], row: tuple[int, float, str]) -> str:
+    """When a meeting is; after one at a time that reads the same, how much later, where that is known."""
+    time, place = f"{row[1]:.12g}", meetings.index(row)
+    event, time_before, _ = meetings[place - 1] if place else (row[0], -1.0, "")
+    if f"{time_before:.12g}" != time:
+        return time
+    apart = row[1] - time_before
+    told = f"{apart:.3g}" if apart else later(run.events[event], run.events[row[0]])
+    return f"{told} later" if told else time
 
 
 def _meetings(trajectory: Trajectory, body: str) -> list[tuple[int, float, str]]:

@@ -64,7 +64,7 @@ def test_help_teaches_and_loads_no_engine() -> None:
         "heavy = {'sympy', 'pymunk', 'numpy', 'flint', 'mpmath', 'jinja2', 'rich'} & set(sys.modules)\n"
         "assert not heavy, heavy\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "Examples:" in done.stdout
     assert "Exit codes:" in done.stdout

@@ -89,7 +89,7 @@ def test_svg_needs_no_matplotlib(rows: list[dict[str, Any]], tmp_path: Path) -> 
         assert "single" in text and "double" in text
     assert law_svg(rows, summaries(rows)).count('class="dot') == sum(row["event"] is not None for row in rows)
     code = "import sys; import truebreak.compare.report.pictures.sweep_plots; assert 'matplotlib' not in sys.modules"
-    subprocess.run([sys.executable, "-c", code], check=True)
+    subprocess.run([sys.executable, "-P", "-c", code], check=True)
     file = tmp_path / "s.svg"
     assert call(["sweep", "gas:n=2", "--vary", "seed=1..2", "--events", "20", "--jobs", "1", "--svg", str(file)]) == 0
     assert ElementTree.parse(file).getroot().tag.endswith("svg")

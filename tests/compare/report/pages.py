@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 from truebreak.compare import compare, html_report
 from truebreak.compare.chaos.chaos import chaos
@@ -165,3 +166,16 @@ def page(kind: str) -> str:
     if kind in OTHERS:
         return OTHERS[kind]()
     return html_report(comparison(kind), command=COMMAND)
+
+
+class Files:
+    """Every page as a file, `files / "gas.html"`, which is made when it is first asked for."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def __truediv__(self, name: str) -> Path:
+        path = self.folder / name
+        if not path.exists():
+            path.write_text(page(path.stem), encoding="utf-8")
+        return path

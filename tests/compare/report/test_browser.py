@@ -1,14 +1,13 @@
-"""The page in a real browser: nothing wider than the page, no errors, the player, what axe-core finds."""
+"""The page in a real browser: nothing wider than it, no errors, without scripts and motion, what axe-core finds."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from browser import Browser, found
-from pages import PAGES, comparison, page
+from pages import PAGES, Files
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
@@ -28,32 +27,8 @@ CLIPPED = """[...document.querySelectorAll('main *')].filter((e) => {
 """Elements that stick out of the page, or whose contents stick out of them."""
 
 
-@pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Every page as a file."""
-    folder = tmp_path_factory.mktemp("pages")
-    for kind in PAGES:
-        (folder / f"{kind}.html").write_text(page(kind), encoding="utf-8")
-    return folder
-
-
-@pytest.fixture(scope="module")
-def running() -> Iterator[Browser]:
-    with Browser() as browser:
-        yield browser
-
-
-@pytest.fixture
-def browser(running: Browser) -> Browser:
-    """The browser as it starts: a wide window, scripts on, light, with motion."""
-    running.script(True)
-    running.media()
-    running.size(1200)
-    return running
-
-
 @pytest.mark.parametrize("kind", PAGES)
-def test_nothing_is_wider_than_the_page_and_nothing_goes_wrong(browser: Browser, files: Path, kind: str) -> None:
+def test_nothing_is_wider_than_the_page_and_nothing_goes_wrong(browser: Browser, files: Files, kind: str) -> None:
     for width in WIDTHS:
         browser.size(width)
         browser.open(files / f"{kind}.html")
@@ -65,7 +40,7 @@ def test_nothing_is_wider_than_the_page_and_nothing_goes_wrong(browser: Browser,
 
 
 @pytest.mark.parametrize("kind", ["gas", "rack", "hostile", "many-engines", "chaos", "orders"])
-def test_nothing_is_cut_on_paper(browser: Browser, files: Path, kind: str) -> None:
+def test_nothing_is_cut_on_paper(browser: Browser, files: Files, kind: str) -> None:
     browser.size(PAPER)
     browser.open(files / f"{kind}.html")
     browser.media("print")
@@ -77,211 +52,7 @@ def test_nothing_is_cut_on_paper(browser: Browser, files: Path, kind: str) -> No
     assert browser.paper().startswith(b"%PDF")
 
 
-def test_the_scrubber_moves_the_clock(browser: Browser, files: Path) -> None:
-    browser.open(files / "gas.html")
-    before = browser.ask(PIXELS)
-    browser.ask(MOVE % 3.5)
-    assert browser.ask("document.getElementById('clock').textContent") == "3.5"
-    assert browser.ask(PIXELS) != before
-    place = max(k for k, event in enumerate(comparison("gas").reference.events) if float(event.time) <= 3.5)
-    assert browser.ask(CURRENT % "truth").startswith(f"{place} ")
-
-
-MOVE = "((s) => { s.value = %r; s.dispatchEvent(new Event('input')); })(document.getElementById('scrubber'))"
-PIXELS = "['pane-truth', 'pane-engine'].map((name) => document.getElementById(name).toDataURL()).join()"
-CURRENT = "document.querySelector('#list-%s [aria-selected=true]')?.textContent ?? ''"
-CLOCK = "Number(document.getElementById('scrubber').value)"
-
-
-def test_the_jump_lands_on_the_first_divergence(browser: Browser, files: Path) -> None:
-    browser.open(files / "gas.html")
-    divergence = comparison("gas")["pymunk"].alignment.divergence
-    assert divergence is not None
-    browser.ask("document.getElementById('scrubber').focus()")
-    browser.press("Home")
-    assert browser.ask(CLOCK) == 0
-    browser.click("#jump")
-    assert browser.ask(CLOCK) == pytest.approx(divergence.time, rel=1e-9)
-    assert "first divergence" in browser.ask(CURRENT % "engine")
-    assert "The first divergence" in browser.ask("document.getElementById('told').textContent")
-    marks = browser.ask(
-        "[...document.querySelectorAll('#player li.first')].map((row) => row.textContent.split(' ')[0])"
-    )
-    assert [int(mark) for mark in marks] == [divergence.event, divergence.candidate_event]
-
-
-@pytest.mark.parametrize("kind", ["break", "pinball", "thirty"])
-def test_the_page_opens_at_the_first_divergence_and_the_jump_finds_it_again(
-    browser: Browser, files: Path, kind: str
-) -> None:
-    browser.open(files / f"{kind}.html")
-    opened = browser.ask(CLOCK)
-    ends = [
-        t
-        for c in comparison(kind).candidates
-        if (d := c.alignment.divergence) is not None
-        for t in (d.time, d.expected_time, d.got_time)
-        if t is not None
-    ]
-    assert any(opened == pytest.approx(t, rel=1e-9) for t in ends)
-    browser.ask("document.getElementById('scrubber').focus()")
-    browser.press("Home")
-    assert browser.ask(CLOCK) == 0
-    browser.click("#jump")
-    assert browser.ask(CLOCK) == opened
-    assert "The first divergence" in browser.ask("document.getElementById('told').textContent")
-
-
-@pytest.mark.parametrize("kind", ["thousand", "long-galperin", "chaos", "orders"])
-def test_the_scrubber_moves_in_every_kind_of_page(browser: Browser, files: Path, kind: str) -> None:
-    browser.open(files / f"{kind}.html")
-    browser.ask("document.getElementById('scrubber').focus()")
-    browser.press("Home")
-    before, clock = browser.ask(PIXELS), browser.ask("document.getElementById('clock').textContent")
-    browser.press("ArrowRight")
-    assert browser.ask("document.getElementById('clock').textContent") != clock
-    assert browser.ask(PIXELS) != before
-    sides = ("truth", "engine") if kind != "chaos" else ("truth",)
-    assert any(browser.ask(CURRENT % side).startswith("0 ") for side in sides)
-
-
-def test_a_run_alone_has_one_pane_and_moves_the_line_in_the_plot(browser: Browser, files: Path) -> None:
-    browser.open(files / "chaos.html")
-    shown = "[...document.querySelectorAll('#player figure')].filter((e) => e.offsetWidth > 0).length"
-    assert browser.ask(shown) == 1
-    assert browser.ask("document.getElementById('digits-told').hidden")
-    where = "Number(document.querySelector('#errors svg.wide .cursor').getAttribute('x1'))"
-    before = browser.ask(where)
-    browser.ask("document.getElementById('scrubber').focus()")
-    browser.press("End")
-    assert browser.ask(where) > before + 400
-
-
-def test_two_outcomes_part_where_they_are_said_to(browser: Browser, files: Path) -> None:
-    browser.open(files / "orders.html")
-    assert browser.ask("document.getElementById('name-engine').textContent") == "outcome 1"
-    marks = "[...document.querySelectorAll('#player li.first')].map((row) => row.textContent)"
-    one, other = (mark.split("t = ")[1].split(" ", 1)[1] for mark in browser.ask(marks))
-    assert one != other
-    browser.ask(
-        "(() => { const e = document.getElementById('engine'); e.value = 3; e.dispatchEvent(new Event('change')); })()"
-    )
-    assert browser.ask("document.getElementById('name-engine').textContent") == "outcome 3"
-    assert browser.messages == []
-
-
-def test_digits_are_not_all_there_once_an_error_may_have_come(browser: Browser, files: Path) -> None:
-    """Between an error of nothing and the next that is known, the counter tells of the latter."""
-    browser.open(files / "break.html")
-    errors = json.loads(browser.ask("document.getElementById('recording').textContent"))["runs"][2]["errors"]
-    place = max(k for k, (_, error) in enumerate(errors) if error == 0)
-    browser.ask(MOVE % ((errors[place][0] + errors[place + 1][0]) / 2))
-    browser.ask(
-        "(() => { const e = document.getElementById('engine'); e.value = 2; e.dispatchEvent(new Event('change')); })()"
-    )
-    assert float(browser.ask("document.getElementById('digits').textContent")) < 16
-
-
-def test_the_two_bodies_are_ringed_at_the_divergence_and_not_long_before(browser: Browser, files: Path) -> None:
-    """The ring is drawn in the colour of text, which nothing else without a label has: pixels of it come and go."""
-    browser.open(files / "gas.html")
-    data = json.loads(browser.ask("document.getElementById('recording').textContent"))
-    run = next(run for run in data["runs"] if run.get("divergence"))
-    assert len(run["divergence"]["bodies"]) == 2
-    browser.click("#jump")
-    ringed = browser.ask(DARK)
-    browser.ask("document.getElementById('scrubber').focus()")
-    browser.press("Home")
-    assert ringed > browser.ask(DARK) + 200
-
-
-DARK = """(() => { const c = document.getElementById('pane-truth');
-  const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let n = 0;
-  for (let k = 0; k < d.length; k += 4) n += d[k] < 60 && d[k + 1] < 60 && d[k + 2] < 70; return n; })()"""
-
-
-def test_keys_go_from_event_to_event(browser: Browser, files: Path) -> None:
-    browser.open(files / "undecided.html")
-    times = sorted(
-        {float(e.time) for e in comparison("undecided").reference.events}
-        | {float(e.time) for e in comparison("undecided").candidates[0].trajectory.events}
-    )
-    browser.ask("document.getElementById('scrubber').focus()")
-    browser.press("Home")
-    browser.press("ArrowRight")
-    assert browser.ask(CLOCK) == pytest.approx(times[0], rel=1e-12)
-    browser.press("ArrowRight")
-    browser.press("ArrowRight")
-    browser.press("ArrowLeft")
-    assert browser.ask(CLOCK) == pytest.approx(times[1], rel=1e-12)
-    browser.press("End")
-    assert browser.ask(CLOCK) == pytest.approx(float(comparison("undecided").reference.final_time), rel=1e-12)
-    assert "its run ends at" in browser.ask("document.getElementById('told').textContent")
-    browser.press("Space")
-    assert browser.ask("document.getElementById('play').textContent") == "Stop"
-    browser.press("Space")
-    assert browser.ask("document.getElementById('play').textContent") == "Play"
-
-
-def test_playing_moves_the_clock_until_it_is_stopped(browser: Browser, files: Path) -> None:
-    browser.open(files / "gas.html")
-    browser.ask("document.getElementById('scrubber').focus()")
-    browser.press("Home")
-    browser.click("#play")
-    reached = (
-        "new Promise((done) => { const look = () => (%s > 0 ? done(true) : requestAnimationFrame(look)); look(); })"
-    )
-    assert browser.ask(reached % CLOCK)
-    browser.click("#play")
-    stopped = browser.ask(CLOCK)
-    browser.ask("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-    assert browser.ask(CLOCK) == stopped
-
-
-def test_an_event_in_the_list_and_a_place_in_the_plot_can_be_clicked(browser: Browser, files: Path) -> None:
-    browser.open(files / "gas.html")
-    event = comparison("gas").reference.events[12]
-    browser.ask("document.getElementById('truth-12').scrollIntoView()")
-    browser.click("#truth-12")
-    assert browser.ask(CLOCK) == pytest.approx(float(event.time), rel=1e-12)
-    browser.click("#errors svg.wide")
-    x = float(browser.ask("document.querySelector('#errors svg.wide .cursor').getAttribute('x1')"))
-    assert x == pytest.approx(450, abs=1)
-
-
-def test_digits_run_down(browser: Browser, files: Path) -> None:
-    browser.open(files / "gas.html")
-    browser.ask("document.getElementById('scrubber').focus()")
-    browser.press("Home")
-    assert browser.ask("document.getElementById('digits').textContent") == "all"
-    digits = []
-    for _ in range(5):
-        for _ in range(7):
-            browser.press("ArrowRight")
-        digits.append(float(browser.ask("document.getElementById('digits').textContent")))
-    assert digits[-1] < digits[0] < 16
-
-
-def test_another_engine_can_be_chosen(browser: Browser, files: Path) -> None:
-    browser.open(files / "gas.html")
-    assert browser.ask("document.getElementById('name-engine').textContent") == "pymunk"
-    browser.ask(
-        "(() => { const e = document.getElementById('engine'); e.value = 1; e.dispatchEvent(new Event('change')); })()"
-    )
-    assert browser.ask("document.getElementById('name-engine').textContent") == "double"
-    assert browser.ask("document.getElementById('jump').hidden")
-    assert browser.ask("document.getElementById('engine-figure').className") == "e0"
-
-
-def test_sound_is_off_at_first(browser: Browser, files: Path) -> None:
-    browser.open(files / "gas.html")
-    assert browser.ask("document.getElementById('sound').getAttribute('aria-pressed')") == "false"
-    browser.click("#sound")
-    assert browser.ask("document.getElementById('sound').getAttribute('aria-pressed')") == "true"
-    assert browser.messages == []
-
-
-def test_less_motion_leaves_the_steps_and_the_still_pictures(browser: Browser, files: Path) -> None:
+def test_less_motion_leaves_the_steps_and_the_still_pictures(browser: Browser, files: Files) -> None:
     browser.media(prefers_reduced_motion="reduce")
     browser.open(files / "gas.html")
     assert browser.ask("document.getElementById('play').hidden")
@@ -294,7 +65,7 @@ def test_less_motion_leaves_the_steps_and_the_still_pictures(browser: Browser, f
     )
 
 
-def test_without_scripts_the_pictures_the_tables_and_the_files_are_there(browser: Browser, files: Path) -> None:
+def test_without_scripts_the_pictures_the_tables_and_the_files_are_there(browser: Browser, files: Files) -> None:
     browser.script(False)
     browser.open(files / "gas.html")
     assert browser.ask("getComputedStyle(document.getElementById('player')).display") == "none"
@@ -303,7 +74,7 @@ def test_without_scripts_the_pictures_the_tables_and_the_files_are_there(browser
     assert browser.ask("document.querySelector('[data-copy]').hidden")
 
 
-def test_tables_sort(browser: Browser, files: Path) -> None:
+def test_tables_sort(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     column = (
         "[...document.querySelector('table.sortable').tBodies[0].rows].map((row) => row.cells[2].textContent.trim())"
@@ -318,7 +89,7 @@ def test_tables_sort(browser: Browser, files: Path) -> None:
 @pytest.mark.skipif(not AXE.is_file(), reason="no axe-core here: npm install --prefix tests/compare/report")
 @pytest.mark.parametrize("kind", ["gas", "near-tie", "undecided", "unsettled", "hostile", "pinball", "chaos", "orders"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_finds_nothing_serious(browser: Browser, files: Path, kind: str, scheme: str) -> None:
+def test_axe_finds_nothing_serious(browser: Browser, files: Files, kind: str, scheme: str) -> None:
     browser.media(prefers_color_scheme=scheme)
     for width in (1200, 360):
         browser.size(width)

@@ -32,7 +32,7 @@ VOID = ("meta", "link", "img", "br", "input", "hr")
 
 
 class Tags(HTMLParser):
-    """Collects tags, the addresses in them, the files to save, and the text of scripts."""
+    """Collects tags, the addresses in them, links within the page, the files to save, and the text of scripts."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -40,14 +40,20 @@ class Tags(HTMLParser):
         self.resources: list[str] = []
         self.files: dict[str, str] = {}
         self.scripts: dict[str, str] = {}
+        self.places: set[str] = set()
+        self.within: set[str] = set()
         self._script: str | None = None
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
         given = dict(attrs)
+        self.places.add(given.get("id") or "")
         if tag not in VOID:
             self.open.append(tag)
         if tag == "a" and "download" in given:
             self.files[str(given["download"])] = str(given["href"])
+            return
+        if tag == "a" and str(given["href"]).startswith("#"):
+            self.within.add(str(given["href"])[1:])
             return
         self.resources += [value or "" for key, value in attrs if key in ("src", "href", "srcset", "action")]
         if tag == "script":
@@ -81,6 +87,7 @@ def test_a_page_is_one_file_without_resources(kind: str) -> None:
     found = tags(text)
     assert found.open == []
     assert found.resources == []
+    assert found.within <= found.places
     assert not re.search(r"@import|url\(|https?://(?!www\.w3\.org/2000/svg)", text)
     assert len(text.encode()) < 1_000_000
 

@@ -220,5 +220,5 @@ def test_the_command_line(folder: Path, runs: list[Scene], capsys: pytest.Captur
 def test_tests_leave_the_users_own_alone() -> None:
     assert os.environ["TRUEBREAK_CACHE"] == ""
     code = "from truebreak.compare.saved.cache import cache_folder; print(cache_folder())"
-    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    out = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True).stdout
     assert out == "None\n"

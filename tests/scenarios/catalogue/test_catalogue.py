@@ -339,5 +339,5 @@ def test_the_catalogue_needs_no_sympy() -> None:
         "[catalogue.build(name) for name in catalogue.names()]\n"
         "print(families, 'sympy' in sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[] False"

@@ -231,7 +231,7 @@ def test_the_same_computation_spends_the_same_work_in_every_process() -> None:
     told = set()
     for seed in ("0", "1", "4711", "random"):
         done = subprocess.run(
-            [sys.executable, "-c", SPENDING],
+            [sys.executable, "-P", "-c", SPENDING],
             env={**os.environ, "PYTHONHASHSEED": seed},
             capture_output=True,
             text=True,
