@@ -91,6 +91,7 @@ class Perturbed(Declared):
         events: int | None = None,
         progress: OnProgress | None = None,
     ) -> Trajectory:
-        """The certified history of the displaced scene (see `Engine.run`)."""
+        """The certified history of the displaced scene, as this engine's answer for the one asked (see `Engine.run`)."""
         near = displaced(scene, self.size, self.seed)
-        return replace(ExactEngine().run(near, until=until, events=events, progress=progress), engine=self.name)
+        told = ExactEngine().run(near, until=until, events=events, progress=progress)
+        return replace(told, scene=scene, engine=self.name)
