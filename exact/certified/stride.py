@@ -12,6 +12,7 @@ from collections.abc import Callable
 from flint import arb
 
 from ..numbers.field import Known
+from ..replay.body import Body
 from ..replay.contact import Entry, Touch
 from ..replay.refinable import RefinableState
 from ..replay.steps import Go, Kick
@@ -69,9 +70,7 @@ class Stride:
             look: called before each look for an instant.
             note: told of each contact.
         """
-        history, queue, state, reading = self._history, self._queue, self._state, self._reading
-        records, knots, steps, bodies = history.records, history.knots, state.steps, state.bodies
-        predictor, begin, known = self._meetings.predictor, self._begin, self._steps
+        queue, predict = self._queue, self._meetings.predictor.predict
         while most > 0:
             look()
             arrival = queue.alone(before)
@@ -81,33 +80,51 @@ class Stride:
             assert not isinstance(link, Entry)  # there are no pockets
             most -= 1
             last += 2
-            begin(last)
-            both = known.get(link) or self._steps_of(link)
-            in_balls = state.strike(link, both)
-            if not in_balls:
-                for step in both:
-                    self._do(step)
-            note(link)
-            if state.lowest < SAFE_BITS:
-                self._precision.secure()
-            circles = link.circles
-            moved = [bodies[i] for i in circles]
-            predictor.refresh(moved)
-            done, alone = len(steps), both[1].links
-            first = moved[0]
-            time = +first.flight.instant if in_balls else reading.now(first)  # short, as `refresh` has left it
-            mark = _new(Mark, (last, time, done, circles[0]))
-            records.append(_new(Record, (mark, alone, alone, (), False)))
-            for body in moved:
-                body.serial += 1
-                if in_balls:
-                    x, y, vx, vy, t = body.q
-                    knots[body.index].append((t, x, y, vx, vy, done, last))
-                else:
-                    knots[body.index].append((*reading.knot(body), done, last))
-            history.last = mark
-            predictor.predict(moved, alone, ())
+            predict(*self._carried_out(link, last, note, self._precision), ())
         return last
+
+    def again(self, link: Touch, number: int, note: Callable[[Touch], None]) -> None:
+        """Carries out an instant that an earlier run had in a stride; its meetings are not predicted.
+
+        Args:
+            link: its contact.
+            number: of the instant.
+            note: told of the contact.
+        """
+        self._carried_out(link, number, note, None)
+
+    def _carried_out(
+        self, link: Touch, number: int, note: Callable[[Touch], None], precision: Precision | None
+    ) -> tuple[list[Body[arb]], tuple[Touch, ...]]:
+        """Carries out one instant, with the precision looked after if one is given: its circles, and its contact."""
+        history, state, reading = self._history, self._state, self._reading
+        self._begin(number)
+        both = self._steps.get(link) or self._steps_of(link)
+        in_balls = state.strike(link, both)
+        if not in_balls:
+            for step in both:
+                self._do(step)
+        note(link)
+        if precision is not None and state.lowest < SAFE_BITS:
+            precision.secure()
+        circles = link.circles
+        moved = [state.bodies[i] for i in circles]
+        self._meetings.predictor.refresh(moved)
+        done, alone = len(state.steps), both[1].links
+        first = moved[0]
+        time = +first.flight.instant if in_balls else reading.now(first)  # short, as `refresh` has left it
+        mark = _new(Mark, (number, time, done, circles[0]))
+        history.records.append(_new(Record, (mark, alone, alone, (), False)))
+        knots = history.knots
+        for body in moved:
+            body.serial += 1
+            if in_balls:
+                x, y, vx, vy, t = body.q
+                knots[body.index].append((t, x, y, vx, vy, done, number))
+            else:
+                knots[body.index].append((*reading.knot(body), done, number))
+        history.last = mark
+        return moved, alone
 
     def _steps_of(self, link: Touch) -> tuple[Go, Kick]:
         found = self._steps[link] = Go(link, link.circles), Kick((link,), (link,))

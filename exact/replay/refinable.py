@@ -59,6 +59,7 @@ class RefinableState:
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
+        self._tried: set[int] = set()
         for body in self.bodies.values():
             body.acc = bits
         try:
@@ -150,6 +151,7 @@ class RefinableState:
             link: the contact.
             steps: to it, and its impulse.
         """
+        self._tried.add(len(self.steps))
         if self.balls.centred:
             return False
         if self._in_play and not self._all_leave(link.circles):
@@ -286,14 +288,13 @@ class RefinableState:
         self.sync(tuple(self._stale))
 
     def _alone(self, k: int) -> Touch | None:
-        """The contact that stands alone in steps k and k + 1, where both were carried out in balls; else None."""
+        """The contact of steps k and k + 1, where they were tried in one go, and carried out in balls; else None."""
+        if k not in self._tried or self._in_field[k] or k + 1 in self._left:
+            return None
         step = self.steps[k]
-        if self._in_field[k] or k + 1 in self._left or not isinstance(step, Go) or k + 1 == len(self.steps):
-            return None
-        link, after = step.source, self.steps[k + 1]
-        if not isinstance(link, (Pair, AtWall)) or step.bodies != link.circles or not isinstance(after, Kick):
-            return None
-        return link if after.links == (link,) else None
+        assert isinstance(step, Go)
+        assert isinstance(step.source, Pair | AtWall)
+        return step.source
 
     def _again(self, state: CentredState, k: int, bits: int) -> None:
         """Step k of a replay."""

@@ -110,6 +110,10 @@ class Ordinary(Protocol):
         """
         ...
 
+    def again(self, link: Touch, number: int, note: Callable[[Touch], None]) -> None:
+        """Carries out one that an earlier run had, of that contact and number; its meetings are not predicted."""
+        ...
+
 
 class Decider(Protocol[N, K]):
     """Keeps the state of one scene in some numbers, and decides what the loop asks.

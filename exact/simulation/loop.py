@@ -25,7 +25,7 @@ from ..policies import Policy, policy_for
 from ..predicates.hits import Closing
 from ..replay.body import Body
 from ..replay.contact import Link, Touch
-from .decider import Decider
+from .decider import Decider, Ordinary
 from .gathering import Gatherer
 from .history import K
 from .initial import rims_at_start, touching_at_start
@@ -92,7 +92,7 @@ class Loop(Generic[N, K]):
                 if isinstance(found, Stop):
                     return found
                 if found is not None:
-                    self.tape.add(found)
+                    self.tape.add(found, whole=self._strides() is not None)
                     done = self._resolve(found)
                     if done.moved:
                         self._predict([self.decider.bodies[i] for i in sorted(done.moved)], self._standing(done))
@@ -106,8 +106,8 @@ class Loop(Generic[N, K]):
 
     def _stride(self) -> None:
         """Instants of one contact that nothing comes near, as far as the decider carries them out by itself."""
-        stride = self.decider.stride
-        if stride is None or self.scene.pockets or self.resolver.touching:
+        stride = self._strides()
+        if stride is None:
             return
         before = self._instants
         most, until = self._most(), self.gatherer.clear_until()
@@ -115,6 +115,10 @@ class Loop(Generic[N, K]):
         if self._instants != before:
             self._split = False
             self._report()
+
+    def _strides(self) -> Ordinary | None:
+        """What carries out ordinary instants, where it may."""
+        return None if self.scene.pockets or self.resolver.touching else self.decider.stride
 
     def _look(self) -> None:
         self.tape.mark(self.history)
@@ -149,8 +153,18 @@ class Loop(Generic[N, K]):
         standing = {0: self._open()}
         after(0)
         for found in instants:
+            stride = self._strides()
+            if stride is not None and not isinstance(found, Instant):
+                number = self._instants = self._instants + 2
+                stride.again(found, number, self._note_alone)
+                self._split = False
+                begun.update(dict.fromkeys(found.circles, number))
+                standing[number] = (found,)
+                after(number)
+                self._report()
+                continue
             instant = instant_of(found, self._instants + 2)
-            self.tape.add(instant)
+            self.tape.add(instant, whole=stride is not None)
             done = self._resolve(instant)
             begun.update(dict.fromkeys(done.moved, instant.number))
             spent.update(dict.fromkeys((*instant.touches, *instant.rims), instant.number))

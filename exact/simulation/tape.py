@@ -58,11 +58,20 @@ class Tape:
         if self.reached is None or self.reached.instants != done:
             self.reached = _new(Reached, (done, dict(history.plan), len(history.rises), len(history.assumptions)))
 
-    def add(self, instant: Instant) -> None:
-        """An instant that was gathered."""
+    def add(self, instant: Instant, *, whole: bool) -> None:
+        """An instant that was gathered; kept `whole`, or as its contact if that stands alone.
+
+        Where strides may be taken a contact is what one carried out, so that it is carried out again like that.
+        """
         link = instant.clock
-        alone = isinstance(link, Pair | AtWall) and instant == Instant(instant.number, hits=(link,), clock=link)
-        self.found.append(link if alone and isinstance(link, Pair | AtWall) else instant)
+        if (
+            not whole
+            and isinstance(link, Pair | AtWall)
+            and instant == Instant(instant.number, hits=(link,), clock=link)
+        ):
+            self.found.append(link)
+        else:
+            self.found.append(instant)
 
     def whole(self) -> list[Found]:
         """The instants up to where all that followed from them is known."""
