@@ -47,7 +47,7 @@ Examples:
   truebreak survey --engines box2d,billiards --scenes "cradle, apart;gas"
   truebreak survey --json > survey.json
   truebreak survey --from survey.json --page survey.md   the page of the docs
-  truebreak survey --from one.json --from two.json --json > survey.json     made in parts
+  truebreak survey --from a.json --from b.json --json > c.json   made in parts
 """
 
 

@@ -855,8 +855,8 @@ TOLD = (
     ),
     Mutant(
         "state_before_the_instant", MOTION,
-        "bisect_right(knots, time.instant, key=_instant)",
-        "bisect_right(knots, time.instant - 1, key=_instant)",
+        "bisect_right(knots, own, key=_instant)",
+        "bisect_right(knots, own - 1, key=_instant)",
         "the state at a time of the run is the one before that instant",
     ),
     Mutant(
@@ -887,8 +887,8 @@ TOLD = (
     ),
     Mutant(
         "home_not_turned", MOTION,
-        "values = (circle.x, circle.y, -circle.vx, -circle.vy)",
-        "values = (circle.x, circle.y, circle.vx, circle.vy)",
+        "_known(log, -c.vx), _known(log, -c.vy)",
+        "_known(log, c.vx), _known(log, c.vy)",
         "the state at home has the velocities of time 0",
     ),
     Mutant(

@@ -48,7 +48,7 @@ def test_the_report_is_one_file_without_resources(gas: Comparison) -> None:
     tags = Tags()
     tags.feed(page)
     assert tags.open == []
-    assert all(address.startswith("data:") for address in tags.resources)
+    assert all(address.startswith(("data:", "#")) for address in tags.resources)
     assert not re.search(r"@import|url\(", page)
     assert verdict_sentence(gas) in page
     assert page.count("<svg") >= 1 + sum(c.verdict == "diverged" for c in gas.candidates)

@@ -189,11 +189,27 @@ def test_a_closed_form_that_says_otherwise_refutes() -> None:
     assert witness(ExactEngine().run(one.scene(place)), one, place).mark is Mark.WRONG
 
 
-def test_a_run_without_a_certificate_is_unchecked() -> None:
-    """Numbers that certificates do not reach are not held to be right."""
-    one = family("scaled")
-    place = one.place(60, "down", 1)
-    assert witness(ExactEngine().run(one.scene(place)), one, place).mark is Mark.UNCHECKED
+@pytest.mark.parametrize(
+    ("error", "mark"),
+    [
+        (SceneError("it is too long for a certificate"), Mark.UNCHECKED),
+        (OverflowError("numbers that certificates do not reach"), Mark.UNCHECKED),
+        (AssertionError("its witness proves nothing"), Mark.WRONG),
+    ],
+)
+def test_a_run_without_a_certificate_is_not_right(
+    error: Exception, mark: Mark, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor is one whose certificate the writer itself refutes."""
+
+    def refused(run: Trajectory) -> Certified:
+        raise error
+
+    one = family("near-ties")
+    place = one.place(20)
+    run = ExactEngine().run(one.scene(place))
+    monkeypatch.setattr(witnessing, "certified", refused)
+    assert witness(run, one, place).mark is mark
 
 
 @pytest.mark.parametrize(
