@@ -91,7 +91,7 @@ class Perturbed(Declared):
         events: int | None = None,
         progress: OnProgress | None = None,
     ) -> Trajectory:
-        """The certified history of the displaced scene, as this engine's answer for the one asked (see `Engine.run`)."""
+        """The certified history of the displaced scene, given as that of the scene asked for."""
         near = displaced(scene, self.size, self.seed)
         told = ExactEngine().run(near, until=until, events=events, progress=progress)
         return replace(told, scene=scene, engine=self.name)
