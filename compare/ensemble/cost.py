@@ -9,9 +9,10 @@ import argparse
 import resource
 import sys
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from statistics import median
 
 from ...scenarios import catalogue
 from ..comparison import compare
@@ -23,9 +24,9 @@ SCENES, EVENTS = 500, 300
 
 ENGINES = ("double", "pymunk:dt=1/256")
 
-TURNS = 3
-"""Times that the ways are gone through, each with its share of the gases: a machine that is slow for a while is so for
-all of them."""
+TURNS = 5
+"""Times that the ways are gone through, each with its share of the gases; ratios are medians over the turns, so that a
+machine that is slow for a while says nothing."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +35,6 @@ class Cost:
 
     wall: float
     processor: float
-
-    def __add__(self, other: Cost) -> Cost:
-        return Cost(self.wall + other.wall, self.processor + other.processor)
 
 
 def cost(work: Callable[[], object]) -> Cost:
@@ -93,25 +91,36 @@ WAYS: dict[str, Callable[[range], None]] = {
 
 def table(scenes: int) -> str:
     """The ways, in turns, and their ratios."""
-    told = dict.fromkeys(WAYS, Cost(0.0, 0.0))
     turns = min(TURNS, scenes)
     ends = [1 + scenes * k // turns for k in range(turns + 1)]
+    told: dict[str, list[Cost]] = {name: [] for name in WAYS}
     for first, stop in pairwise(ends):
         for name, work in WAYS.items():
-            told[name] += cost(lambda work=work, seeds=range(first, stop): work(seeds))
+            told[name].append(cost(lambda work=work, seeds=range(first, stop): work(seeds)))
     looped, one, two, alone, both = told.values()
     lines = [f"{scenes} gases of ten discs, {EVENTS} events, {', '.join(ENGINES)}, in {turns} turns", "",
              "| way | seconds | seconds of processors |", "|---|---|---|"]  # fmt: skip
-    lines += [f"| {name} | {mine.wall:.1f} | {mine.processor:.1f} |" for name, mine in told.items()]
+    lines += [
+        f"| {name} | {sum(mine.wall for mine in costs):.1f} | {sum(mine.processor for mine in costs):.1f} |"
+        for name, costs in told.items()
+    ]
     return "\n".join([
         *lines,
         "",
-        f"The sweep takes {two.wall / looped.wall:.2f} of the loop's time by the clock, "
-        f"{one.processor / looped.processor:.2f} of its processor time; two workers are {one.wall / two.wall:.2f} "
-        f"times as fast as one, for {two.processor / one.processor:.2f} times its processor time. "
-        f"Two processes without a sweep are {alone.wall / both.wall:.2f} times as fast as one, for "
-        f"{both.processor / alone.processor:.2f} times its processor time.",
+        f"The sweep takes {ratio(two, looped):.2f} of the loop's time by the clock, "
+        f"{ratio(one, looped, 'processor'):.2f} of its processor time. Two workers are {ratio(one, two):.2f} times as "
+        f"fast as one, two separate processes {ratio(alone, both):.2f} times as fast as one: two workers reach "
+        f"{100 * ratio(both, two):.0f} % of what two separate processes reach.",
     ])  # fmt: skip
+
+
+def ratio(costs: Sequence[Cost], others: Sequence[Cost], of: str = "wall") -> float:
+    """The median over the turns of what one way costs as a share of another.
+
+    >>> ratio([Cost(1, 1), Cost(9, 9), Cost(3, 3)], [Cost(2, 2), Cost(1, 1), Cost(3, 3)])
+    1.0
+    """
+    return median(getattr(a, of) / getattr(b, of) for a, b in zip(costs, others, strict=True))
 
 
 def main(arguments: list[str] | None = None) -> int:

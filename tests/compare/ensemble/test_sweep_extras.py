@@ -166,7 +166,7 @@ def test_the_cost_of_each_way_is_told(capsys: pytest.CaptureFixture[str], monkey
     assert cost.main(["--scenes", "2"]) == 0
     told = capsys.readouterr().out
     assert [line.split("|")[1].strip() for line in told.splitlines() if line.startswith("| ")] == ["way", *cost.WAYS]
-    assert "in 2 turns" in told and "Two processes without a sweep are" in told
+    assert "in 2 turns" in told and "% of what two separate processes reach" in told
     with pytest.raises(SystemExit) as stop:
         cost.main(["--scenes", "0"])
     assert stop.value.code == 2
