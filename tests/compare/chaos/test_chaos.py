@@ -231,6 +231,21 @@ def test_the_band_holds_in_200_other_scenes() -> None:
         assert 0.80 <= within / all_left <= 0.97, name
 
 
+def test_the_band_holds_in_racks_for_engines_of_large_errors() -> None:
+    """Where decisions are a hundred times finer than the balls, and the very first ones may be lost."""
+    racks = [text for text in map(calibration.foreign_spec, range(100)) if text.startswith("rack")][:8]
+    told = calibration.held(racks, ["rounded:bits=16", "pymunk:dt=1/256"])
+    inside, left = (sum(pair[k] for pair in told.values()) for k in (0, 1))
+    assert left == 16 and inside >= 13
+
+
+@pytest.mark.slow
+def test_the_band_holds_in_200_scenes_of_other_kinds_for_other_engines() -> None:
+    told = calibration.held(map(calibration.foreign_spec, range(5000, 5200)), calibration.FOREIGN)
+    for name, (within, left) in told.items():
+        assert left > 100 and 0.80 <= within / left <= 0.97, name
+
+
 @pytest.mark.slow
 def test_the_levels_are_those_that_are_measured() -> None:
     assert calibration.measured(calibration.CALIBRATED) == LEVELS
