@@ -7,14 +7,14 @@ from fractions import Fraction as Q
 import numpy as np
 import pytest
 
+from truebreak.compare.tangent import growth
+from truebreak.compare.tangent.growth import Displacements, certified_growth, error_growth, unit_displacements
+from truebreak.compare.tangent.impacts import NoTangentMap, impacts, moving
 from truebreak.exact import ExactEngine
 from truebreak.exact.laws import tangent as tangent_laws
 from truebreak.exact.laws.derivation import LawError
 from truebreak.exact.laws.formulas import wall_bounce
 from truebreak.exact.laws.tangent_formulas import pair_tangent
-from truebreak.exact.results import growth
-from truebreak.exact.results.growth import Displacements, certified_growth, error_growth, unit_displacements
-from truebreak.exact.results.impacts import NoTangentMap, impacts, moving
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Trajectory, Wall, catalogue
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ...exact.replay.state import State, replay
+from ...exact.results.value import ExactValue
 from ...scenarios.numbers.quantity import Quantity
-from ..replay.state import State, replay
-from .value import ExactValue
 
 LONGEST = 96
 """Length beyond which a text is given a name and used by it: keeps the whole linear in the number of operations."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
+from ...exact.replay.contact import Entry
+from ...exact.simulation.instant import Instant
+from ...exact.simulation.limits import Limits
+from ...exact.simulation.tape import Found, Reached, Tape
 from ...scenarios.event import Contact, Tie, TieProof
 from ...scenarios.numbers.quantity import Quantity
-from ..replay.contact import Entry
-from ..simulation.instant import Instant
-from ..simulation.limits import Limits
-from ..simulation.tape import Found, Reached, Tape
-from .saved_numbers import Written, link_of, links_data, links_of, set_time_data
+from .run_numbers import Written, link_of, links_data, links_of, set_time_data
 
 
 def tape_data(tape: Tape | None) -> Written:

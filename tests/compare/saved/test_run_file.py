@@ -15,11 +15,11 @@ from flint import arb
 
 import truebreak as tb
 from truebreak.compare import comparison_json, engine, trajectory_json
+from truebreak.compare.saved.run_file import run_of, saved_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.steps import Flip, Go, Take
 from truebreak.exact.results.ball_parts import from_parts, parts_of
-from truebreak.exact.results.saved import run_of, saved_run
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.files import loads_json
 from truebreak.scenarios.files.sealed import digest
@@ -134,7 +134,7 @@ def test_what_is_known_comes_from_the_log() -> None:
 def test_a_normal_form_too_long_to_be_read_is_kept_as_a_ball(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its exact value is then the log's."""
     run = roots()
-    monkeypatch.setattr("truebreak.exact.results.saved_numbers.MAX_LENGTH", 5)
+    monkeypatch.setattr("truebreak.compare.saved.run_numbers.MAX_LENGTH", 5)
     again = run_of(saved_run(run))
     assert isinstance(again.events[1].time.near, arb)  # type: ignore[attr-defined]
     assert trajectory_json(again, exact=True) == trajectory_json(run, exact=True)

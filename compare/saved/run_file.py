@@ -7,16 +7,18 @@ import os
 from pathlib import Path
 from typing import Any
 
+from ...exact.results.motion import ExactMotion
+from ...exact.results.run_log import RunLog
+from ...exact.results.times import TimeFormula, time_of
+from ...exact.results.value import ExactValue
+from ...exact.simulation.history import Mark
 from ...scenarios.errors import SceneError
 from ...scenarios.event import Assumption, Event, Pocketing, Reversal, TieProof
 from ...scenarios.files import dump_json, loads_json
 from ...scenarios.files.sealed import Seal
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import Stop, StopReason, Trajectory
-from ..simulation.history import Mark
-from .motion import ExactMotion
-from .run_log import RunLog
-from .saved_numbers import (
+from .run_numbers import (
     NumberReader,
     NumberWriter,
     Written,
@@ -26,9 +28,7 @@ from .saved_numbers import (
     step_data,
     step_of,
 )
-from .saved_tape import contacts_of, tape_data, tape_of_data, tie_data, tie_of
-from .times import TimeFormula, time_of
-from .value import ExactValue
+from .run_tape import contacts_of, tape_data, tape_of_data, tie_data, tie_of
 
 SEAL = Seal("truebreak/run-1", "run", "truebreak run SCENE --save FILE")
 

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb
 
-from ..laws.formulas import pair_impulse, wall_bounce
-from ..numbers import ball
-from ..replay.ball_state import BallState
-from ..replay.centred_state import CentredState
-from ..replay.contact import AtWall, Touch
-from ..replay.steps import Go, Kick
-from .motion import ExactMotion, steps_through
+from ...exact.laws.formulas import pair_impulse, wall_bounce
+from ...exact.numbers import ball
+from ...exact.replay.ball_state import BallState
+from ...exact.replay.centred_state import CentredState
+from ...exact.replay.contact import AtWall, Touch
+from ...exact.replay.steps import Go, Kick
+from ...exact.results.motion import ExactMotion, steps_through
 
 if TYPE_CHECKING:
     from ...scenarios.event import Event

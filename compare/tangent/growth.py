@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from flint import arb, arb_mat
 
-from ..laws.formulas import wall_bounce
-from ..laws.tangent_formulas import pair_tangent
-from ..numbers import ball
+from ...exact.laws.formulas import wall_bounce
+from ...exact.laws.tangent_formulas import pair_tangent
+from ...exact.numbers import ball
+from ...exact.results.motion import motion_of
 from .impacts import LEAST_BITS, Impact, NoTangentMap, Real, impacts, moving
-from .motion import motion_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,15 +12,15 @@ import jsonschema
 import pytest
 from command_line import said
 from ended import ended_at
-from test_saved import MANY_ROOTS, RUNS, assumed, pocketed
+from test_run_file import MANY_ROOTS, RUNS, assumed, pocketed
 
 import truebreak as tb
 from truebreak.compare import trajectory_json
 from truebreak.compare.documents.schemas import schema
+from truebreak.compare.saved.run_file import run_of, saved_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import Pair
-from truebreak.exact.results.saved import run_of, saved_run
 from truebreak.exact.simulation.loop import Loop
 from truebreak.scenarios import Circle, Pocket, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
 
