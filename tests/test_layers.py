@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -173,6 +174,8 @@ FLOORS = (
     "numbers",
     "replay",
     "predicates",
+    "symmetry",
+    "cascade",
     "policies",
     "simulation",
     "certified",
@@ -209,6 +212,8 @@ def test_symbolic_engine_does_not_share_the_event_loop() -> None:
     own = (
         "exact.simulation",
         "exact.predicates",
+        "exact.symmetry",
+        "exact.cascade",
         "exact.numbers",
         "exact.engine",
         "exact.replay",
@@ -314,3 +319,13 @@ def test_the_page_on_architecture_names_every_room() -> None:
         rooms = {path.name for path in (ROOT / layer).iterdir() if (path / "__init__.py").exists()}
         unnamed = {room for room in rooms if room not in page.split()}
         assert not unnamed, f"{layer}: {sorted(unnamed)}"
+
+
+def test_files_that_the_docs_name_are_there() -> None:
+    """Each `room/file.py`, as it ends some path of the project."""
+    there = {str(path.relative_to(ROOT)) for layer in (*LAYERS, "tests") for path in (ROOT / layer).rglob("*.py")}
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    named = {(page.name, name) for page in pages for name in re.findall(r"`([\w/]+\.py)`", page.read_text("utf-8"))}
+    assert named
+    lost = {(page, name) for page, name in named if not any(f"/{path}".endswith(f"/{name}") for path in there)}
+    assert not lost, sorted(lost)

@@ -8,10 +8,10 @@ from ...scenarios.event import TieProof
 from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.undecided import Undecided
+from ..predicates.question import Decision, Question
 from .enclosures import InBalls, InField
 from .grounds import Grounds
 from .nested_roots import NestedRoots
-from .question import Decision, Question
 
 TRY_BITS = 1024
 """Below this precision, more bits are cheaper than any attempt to prove a zero in nested roots."""

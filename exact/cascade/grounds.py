@@ -6,12 +6,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ...scenarios.scene import Scene
+from ..predicates.ties import TieRule
 from ..replay.contact import Link
 from ..replay.refinable import RefinableState
 from ..replay.steps import Step
-from .log_symmetry import LogSymmetry
-from .retrace import Retrace
-from .ties import TieRule
+from ..symmetry.log_symmetry import LogSymmetry
+from ..symmetry.retrace import Retrace
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from collections import Counter
 from collections.abc import Callable
 from importlib import import_module
 
+from ..predicates.question import Decision, Question
 from .grounds import Grounds
-from .question import Decision, Question
 
 Rung = Callable[[Question], Decision | None]
 """The decision of a question, or None where it is left to the next rung."""

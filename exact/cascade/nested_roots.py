@@ -9,9 +9,9 @@ from ...scenarios.numbers.tower import TowerLimit, sign_of_root_sum
 from ...scenarios.scene import Scene
 from ...scenarios.work import Work
 from ..numbers.nested import Nested
+from ..predicates.question import Question
 from ..replay.state import State, replay
 from ..replay.steps import Step, causal_past
-from .question import Question
 
 MAX_DEPTH = 7
 """Levels of nested roots that a proof may build: on a chain of collisions of short numbers six take a tenth of a

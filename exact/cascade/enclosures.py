@@ -8,9 +8,9 @@ from ...scenarios.event import TieProof
 from ...scenarios.numbers.tower.sums import sign_of_root_sum
 from ..numbers import ball
 from ..numbers.field import LeavesField, field_sign
+from ..predicates.question import Decision, Question
 from ..replay.refinable import RefinableState
 from .grounds import Grounds
-from .question import Decision, Question
 
 
 class InBalls:

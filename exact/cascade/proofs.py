@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from ...scenarios.event import TieProof
+from ..predicates.question import Decision, Question
+from ..symmetry.log_symmetry import LogSymmetry
 from .grounds import Grounds
-from .log_symmetry import LogSymmetry
-from .question import Decision, Question
 
 
 class ByWayBack:

@@ -11,10 +11,10 @@ from test_log_symmetry import COPIES, mapped, row, run, same
 from touch import assert_all_touch
 
 from truebreak.exact.predicates.hits import Approach, Moment, RelativeSpeed, Sooner
-from truebreak.exact.predicates.log_symmetry import IDENTITY, LogSymmetry
-from truebreak.exact.predicates.past import Past
 from truebreak.exact.replay.contact import Pair
 from truebreak.exact.replay.steps import Go, Kick, Take
+from truebreak.exact.symmetry.log_symmetry import IDENTITY, LogSymmetry
+from truebreak.exact.symmetry.past import Past
 from truebreak.scenarios import Circle, Pocket, Scene, Wall, catalogue
 
 pytestmark = pytest.mark.usefixtures("long_balls")

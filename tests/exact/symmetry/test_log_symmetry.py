@@ -10,7 +10,7 @@ import pytest
 from touch import assert_all_touch, proofs
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.predicates.scene_symmetry import symmetries
+from truebreak.exact.symmetry.scene_symmetry import symmetries
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.event import TieProof

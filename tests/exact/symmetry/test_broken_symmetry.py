@@ -10,7 +10,7 @@ from flint import arb  # type: ignore[attr-defined]
 from test_symmetry import BITS, OPEN_RACK, TINY, assert_symmetric_instants, assert_symmetric_state, images, run
 from touch import assert_all_touch, proofs
 
-from truebreak.exact.predicates.scene_symmetry import symmetries
+from truebreak.exact.symmetry.scene_symmetry import symmetries
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.event import TieProof

@@ -12,10 +12,10 @@ from flint import arb  # type: ignore[attr-defined]
 
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers.field import field_ball
-from truebreak.exact.predicates.held import Held
-from truebreak.exact.predicates.log_symmetry import LogSymmetry
-from truebreak.exact.predicates.past import Past
-from truebreak.exact.predicates.scene_symmetry import Symmetry, symmetries
+from truebreak.exact.symmetry.held import Held
+from truebreak.exact.symmetry.log_symmetry import LogSymmetry
+from truebreak.exact.symmetry.past import Past
+from truebreak.exact.symmetry.scene_symmetry import Symmetry, symmetries
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.event import TieProof
 

@@ -1,7 +1,7 @@
 """Mirrors and rotations that map a scene to itself, found exactly.
 
-They are candidates for isometries that map the past of a circle to itself (`predicates.held`), and what `--symmetric`
-asks for. That a history keeps a symmetry is proved on its log (`predicates.log_symmetry`).
+They are candidates for isometries that map the past of a circle to itself (`symmetry.held`), and what `--symmetric`
+asks for. That a history keeps a symmetry is proved on its log (`symmetry.log_symmetry`).
 """
 
 from __future__ import annotations

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..predicates.hits import BeforeTime, Discriminant, Moment, Sooner
+from ..predicates.question import Question
 from ..replay.contact import Entry, Link, Touch
-from .hits import BeforeTime, Discriminant, Moment, Sooner
 from .past import FLIP, Block, Past
-from .question import Question
 
 
 class Retrace:

@@ -28,10 +28,10 @@ from flint import fmpq
 
 from ...scenarios.scene import Scene
 from ..numbers.field import LeavesField
+from ..predicates.question import Question
 from ..replay.contact import AtWall, Link, Pair
 from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data
 from .past import TAKE, Block, Past
-from .question import Question
 
 IDENTITY: Matrix = (fmpq(1), fmpq(0), fmpq(0), fmpq(1))
 
