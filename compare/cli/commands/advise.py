@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import completion
-from .exit_codes import DONE, ExitCode
-from .numbers import Whole
-from .options import JSON, SCENE, SCENE_HELP, UNTIL
+from .. import completion
+from ..exit_codes import DONE, ExitCode
+from ..numbers import Whole
+from ..options import JSON, SCENE, SCENE_HELP, UNTIL
 
 if TYPE_CHECKING:
-    from ..advice.goal import Goal
-    from ..advice.search import Searching
+    from ...advice.goal import Goal
+    from ...advice.search import Searching
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -45,7 +45,7 @@ class WithDefaultBudget(click.Option):
     """An option whose help ends with the default budget; it is loaded when that is read."""
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        from ..advice.search import DEFAULT_BUDGET
+        from ...advice.search import DEFAULT_BUDGET
 
         names, text = super().get_help_record(ctx) or ("", "")
         return names, f"{text} ({DEFAULT_BUDGET:,})."
@@ -116,14 +116,14 @@ def advise(
     Settings are tried from the cheapest up (pymunk: step and iterations; interval: bits) on the scene and on K scenes
     beside it, so that one that is right by luck is found out. Every cheaper one was run, and is wrong.
     """
-    from ..advice.found import End
-    from ..advice.search import DEFAULT_BUDGET
-    from ..advice.search import advise as search
-    from ..documents.advice import advice_json, print_advice
-    from ..report.text.listing import print_json
-    from ..scene_argument import scene_from
-    from .progress import showing_search
-    from .writing import check_folder, write_whole
+    from ...advice.found import End
+    from ...advice.search import DEFAULT_BUDGET
+    from ...advice.search import advise as search
+    from ...documents.advice import advice_json, print_advice
+    from ...report.text.listing import print_json
+    from ...scene_argument import scene_from
+    from ..progress import showing_search
+    from ..writing import check_folder, write_whole
 
     if sum(given is not None for given in (outcome, digits, events)) > 1:
         raise click.UsageError("--outcome, --digits and --events are three different questions; ask one")
@@ -147,7 +147,7 @@ def advise(
     if folder is not None:
         from pathlib import Path
 
-        from ...scenarios.files import dump_toml
+        from ....scenarios.files import dump_toml
 
         for near in found.instances[1:]:
             write_whole(Path(folder) / f"perturbed-{near.seed}.toml", dump_toml(near.study.scene))
@@ -159,7 +159,7 @@ def advise(
 
 
 def _goal(outcome: str | None, digits: int | None, events: int | None) -> Goal:
-    from ..advice.goal import Digits, History, OutcomeGoal
+    from ...advice.goal import Digits, History, OutcomeGoal
 
     if outcome is not None:
         return OutcomeGoal(outcome)
@@ -173,7 +173,7 @@ def searched(state: Searching, seconds: float) -> str:
     >>> searched(Searching(3_000_000, 30_000_000, "pymunk:dt=1/64", "perturbed 2"), 6.0)
     'pymunk:dt=1/64 on perturbed 2; 3,000,000 of at most 30,000,000 units, 500,000 a second, at most 54 s left'
     """
-    from .progress import duration
+    from ..progress import duration
 
     told = f"{state.setting} on {state.scene}; {state.spent:,} of at most {state.budget:,} units"
     if not state.spent or seconds < 1.0:

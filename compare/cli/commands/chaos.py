@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
-from . import completion
-from .exit_codes import of_stop
-from .numbers import Whole
-from .options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP
+from .. import completion
+from ..exit_codes import of_stop
+from ..numbers import Whole
+from ..options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -67,15 +67,15 @@ def chaos(
     proved; Lyapunov exponents, which are limits, are estimates with a 95 % interval. From the growth follows the event
     at which each engine is expected to leave the true history, before it is run.
     """
-    from ..chaos.chaos import DEFAULT_ENGINES
-    from ..chaos.chaos import chaos as measured
-    from ..documents.chaos import chaos_json
-    from ..engines import split_engines
-    from ..report.text.chaos import print_chaos
-    from ..report.text.listing import print_json
-    from ..scene_argument import changed
-    from .progress import showing_progress
-    from .writing import check_writable, write_whole
+    from ...chaos.chaos import DEFAULT_ENGINES
+    from ...chaos.chaos import chaos as measured
+    from ...documents.chaos import chaos_json
+    from ...engines import split_engines
+    from ...report.text.chaos import print_chaos
+    from ...report.text.listing import print_json
+    from ...scene_argument import changed
+    from ..progress import showing_progress
+    from ..writing import check_writable, write_whole
 
     loaded = changed(scene, reverse_after, None, limited=bool(events))
     if html is not None:
@@ -84,8 +84,8 @@ def chaos(
     with showing_progress(f"{loaded.name}: chaos") as progress:
         told = measured(loaded, named, events=events, exponents=exponents, run=not no_run, progress=progress)
     if html is not None:
-        from ..report.chaos_html import chaos_html
-        from .retold import command_of
+        from ...report.chaos_html import chaos_html
+        from ..retold import command_of
 
         write_whole(html, chaos_html(told, command=command_of(click.get_current_context())))
     if as_json:

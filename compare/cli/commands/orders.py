@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import click
 
-from . import completion
-from .examples import examples
-from .exit_codes import DONE, of_stop
-from .numbers import Whole
-from .options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK
+from .. import completion
+from ..examples import examples
+from ..exit_codes import DONE, of_stop
+from ..numbers import Whole
+from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK
 
 
 @click.command(epilog=examples("orders"))
@@ -52,16 +52,16 @@ def orders(
     swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
     With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
-    from ...exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner
-    from ...scenarios.errors import SceneError
-    from ..documents.orders import orders_json, print_orders
-    from ..engines import engine
-    from ..outcomes.order_search import search_orders
-    from ..report.text.listing import print_json
-    from ..scene_argument import scene_from, with_settings
-    from ..validation import check_until
-    from .progress import showing_progress
-    from .writing import check_writable, write_whole
+    from ....exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner
+    from ....scenarios.errors import SceneError
+    from ...documents.orders import orders_json, print_orders
+    from ...engines import engine
+    from ...outcomes.order_search import search_orders
+    from ...report.text.listing import print_json
+    from ...scene_argument import scene_from, with_settings
+    from ...validation import check_until
+    from ..progress import showing_progress
+    from ..writing import check_writable, write_whole
 
     loaded, chosen = scene_from(scene), engine(with_settings(engine_text, work=work))
     if html is not None:
@@ -82,8 +82,8 @@ def orders(
             progress=progress,
         )
     if html is not None:
-        from ..report.orders_html import orders_html
-        from .retold import command_of
+        from ...report.orders_html import orders_html
+        from ..retold import command_of
 
         command = command_of(click.get_current_context())
         write_whole(html, orders_html(loaded, search.tree, search.stop, command=command))

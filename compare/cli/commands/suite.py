@@ -9,10 +9,10 @@ from contextlib import contextmanager
 
 import click
 
-from . import completion
-from .exit_codes import DONE, ExitCode
-from .numbers import Seconds
-from .options import JSON
+from .. import completion
+from ..exit_codes import DONE, ExitCode
+from ..numbers import Seconds
+from ..options import JSON
 
 SUITE_HELP = """
 \b
@@ -70,13 +70,13 @@ def suite(
 
     With --against, it tells too what changed since an earlier one.
     """
-    from ...scenarios.errors import SceneError
-    from ..report.text.listing import print_json
-    from ..suites.document import suite_json
-    from ..suites.running import run_suite
-    from ..suites.shown import print_suite
-    from ..suites.since import read_report, since
-    from ..suites.suite import read_suite
+    from ....scenarios.errors import SceneError
+    from ...report.text.listing import print_json
+    from ...suites.document import suite_json
+    from ...suites.running import run_suite
+    from ...suites.shown import print_suite
+    from ...suites.since import read_report, since
+    from ...suites.suite import read_suite
 
     if only_changes and against is None:
         raise SceneError("--only-changes: changed since what? add --against EARLIER.json")
@@ -127,13 +127,13 @@ def survey(
     Each engine is run as it comes, and, where it diverges, at finer settings, the best of which is told; then at the
     cheapest setting that `truebreak advise` finds. It exits with 0 whatever diverged: this is a survey, not a check.
     """
-    from ..report.text.listing import print_json
-    from ..suites.document import survey_json
-    from ..suites.recorded_survey import read_survey
-    from ..suites.shown import print_survey
-    from ..suites.survey import survey as run_survey
-    from ..suites.survey_page import page_text
-    from .writing import check_writable, write_whole
+    from ...report.text.listing import print_json
+    from ...suites.document import survey_json
+    from ...suites.recorded_survey import read_survey
+    from ...suites.shown import print_survey
+    from ...suites.survey import survey as run_survey
+    from ...suites.survey_page import page_text
+    from ..writing import check_writable, write_whole
 
     if page is not None:
         check_writable(page)
@@ -184,7 +184,7 @@ def counted(done: int, total: int, seconds: float) -> str:
     >>> counted(0, 12, 0.5), counted(3, 12, 6.0)
     ('0 of 12', '3 of 12, 0.5 a second, 18 s left')
     """
-    from .progress import duration
+    from ..progress import duration
 
     if not done or not seconds:
         return f"{done:,} of {total:,}"

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import completion
-from .examples import examples
-from .exit_codes import DONE, of_comparison
-from .numbers import Whole
-from .options import EVENTS, JSON, NO_CACHE, POLICY, REVERSE, SCENE, SCENE_HELP, SECONDS, SYMMETRIC, TIES, UNTIL, WORK
+from .. import completion
+from ..examples import examples
+from ..exit_codes import DONE, of_comparison
+from ..numbers import Whole
+from ..options import SCENE, SCENE_HELP, held_against
 
 if TYPE_CHECKING:
-    from ...scenarios.scene import Scene
-    from ..foreign.log_engine import LogEngine
+    from ....scenarios.scene import Scene
+    from ...foreign.log_engine import LogEngine
 
 LOG_HELP = f"""{SCENE_HELP}
 
@@ -59,28 +59,7 @@ Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be j
     metavar="KEY,...",
     help="Keys of a scene that it does not follow: wall, pocket, capture, reverse_at, reverse_after, tie_policy.",
 )
-@click.option(
-    "--reference",
-    default="exact",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="The engine taken as the truth.",
-)
-@UNTIL
-@EVENTS
-@REVERSE
-@POLICY
-@TIES
-@WORK
-@SECONDS
-@SYMMETRIC
-@NO_CACHE
-@JSON
-@click.option(
-    "--html", metavar="FILE", shell_complete=completion.files, help="Also write the report as one offline HTML file."
-)
-@click.option("--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked.")
+@held_against
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if a log diverged or is undecided.")
 def judge(
     scene: str,
@@ -110,15 +89,15 @@ def judge(
     run on: where it ends too early to tell, the verdict is "not settled", and the report says how far to record.
     With several logs, it says from each to the next whether the verdict changed.
     """
-    from ..comparison import compare
-    from ..documents.comparison import comparison_json
-    from ..foreign.change import changes_of
-    from ..report.text.listing import console, print_json, say
-    from ..report.text.terminal import print_comparison
-    from ..saved.cache import reference_named
-    from ..scene_argument import changed, with_settings
-    from .progress import showing_progress
-    from .writing import check_writable, write_whole
+    from ...comparison import compare
+    from ...documents.comparison import comparison_json
+    from ...foreign.change import changes_of
+    from ...report.text.listing import console, print_json, say
+    from ...report.text.terminal import print_comparison
+    from ...saved.cache import reference_named
+    from ...scene_argument import changed, with_settings
+    from ..progress import showing_progress
+    from ..writing import check_writable, write_whole
 
     loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
     if html is not None:
@@ -137,13 +116,13 @@ def judge(
             progress=progress,
         )
     if certify:
-        from ..certificates import certified
+        from ...certificates import certified
 
         comparison = replace(comparison, certificate=certified(comparison.reference))
     changes = changes_of(comparison)
     if html is not None:
-        from ..report.html import html_report
-        from .retold import command_of
+        from ...report.html import html_report
+        from ..retold import command_of
 
         write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
     if as_json:
@@ -162,11 +141,11 @@ def judge(
 
 def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool, lacks: str) -> LogEngine:
     """The engine of one log, with what the command line declares of it."""
-    from ...scenarios.engine import SCENE_KEYS
-    from ...scenarios.errors import SceneError
-    from ...scenarios.limits import positive_time
-    from ..engines import suggestion
-    from ..foreign.log_engine import LogEngine
+    from ....scenarios.engine import SCENE_KEYS
+    from ....scenarios.errors import SceneError
+    from ....scenarios.limits import positive_time
+    from ...engines import suggestion
+    from ...foreign.log_engine import LogEngine
 
     missing = frozenset(filter(None, (key.strip() for key in lacks.split(","))))
     for key in sorted(missing - SCENE_KEYS):
@@ -178,7 +157,7 @@ def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool
 
 def _as_far_as(engines: list[LogEngine], scene: Scene) -> dict[str, Any]:
     """Limits that no log goes beyond: the earliest end of those that are not over, and the scene's own."""
-    from ...scenarios.errors import SceneError
+    from ....scenarios.errors import SceneError
 
     ends = {log.name: float(log.last.final_time) for log in engines if not log.over}
     if not ends:
@@ -205,12 +184,12 @@ def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
     --csv a row is `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1` or `pocket,ID,x,y,r`, and the errors follow in the
     same order; the mass of a fixed circle is `inf` there, and null in JSON.
     """
-    from ...scenarios.errors import SceneError
-    from ...scenarios.files import dump_json
-    from ..foreign.floats import floats_csv, floats_json
-    from ..report.text.listing import laid_out
-    from ..scene_argument import scene_from
-    from .writing import write_whole
+    from ....scenarios.errors import SceneError
+    from ....scenarios.files import dump_json
+    from ...foreign.floats import floats_csv, floats_json
+    from ...report.text.listing import laid_out
+    from ...scene_argument import scene_from
+    from ..writing import write_whole
 
     if as_csv and not floats:
         raise SceneError("--csv: rows hold doubles; add --floats")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
-from . import completion
-from .examples import examples
-from .exit_codes import of_stop
-from .options import (
+from .. import completion
+from ..examples import examples
+from ..exit_codes import of_stop
+from ..options import (
     EVENTS,
     JSON,
     NO_CACHE,
@@ -87,14 +87,14 @@ def run(
 
     What comes of --resume is what one run from the beginning would have given, but for the counts of its plan.
     """
-    from ..deadline import time_limit
-    from ..documents.trajectory import trajectory_json
-    from ..foreign.guard import is_own, run_guarded
-    from ..report.text.listing import print_json, print_trajectory
-    from ..saved.cache import reference_named
-    from ..scene_argument import changed, with_settings
-    from ..validation import check_trajectory, check_until
-    from .progress import goal_of, showing_progress
+    from ...deadline import time_limit
+    from ...documents.trajectory import trajectory_json
+    from ...foreign.guard import is_own, run_guarded
+    from ...report.text.listing import print_json, print_trajectory
+    from ...saved.cache import reference_named
+    from ...scene_argument import changed, with_settings
+    from ...validation import check_trajectory, check_until
+    from ..progress import goal_of, showing_progress
 
     if resume is None:
         loaded = changed(required(scene), reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
@@ -102,29 +102,29 @@ def run(
         goal = goal_of(loaded, until, events)
     else:
         refuse_beside("--resume", ("scene", "engine_text", "reverse_after", "tie_policy", "symmetric"))
-        from ..saved.going_on import GoingOn, load_run
+        from ...saved.going_on import GoingOn, load_run
 
         chosen = GoingOn.after(load_run(resume), ties=ties, work=work)
         loaded = chosen.earlier.scene
         goal = goal_of(loaded, *((until, events) if until or events else chosen.limits))
     check_until(chosen, loaded, until)
     if certificate is not None:
-        from ..certificates import check_certifiable
+        from ...certificates import check_certifiable
 
         check_certifiable(chosen.name, certificate)
     if save is not None:
-        from ..saved.runs import check_savable
+        from ...saved.runs import check_savable
 
         check_savable(chosen.name, loaded, save)
     with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
         told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
         trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)
     if save is not None:
-        from ..saved.runs import save_run
+        from ...saved.runs import save_run
 
         save_run(trajectory, save)
     if certificate is not None:
-        from ..certificates import write_certificate
+        from ...certificates import write_certificate
 
         write_certificate(trajectory, certificate)
     if as_json:

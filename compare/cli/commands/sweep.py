@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from . import completion
-from .exit_codes import DONE, ExitCode
-from .numbers import Whole
-from .options import EVENTS, JSON, SCENE_HELP, WORK
+from .. import completion
+from ..exit_codes import DONE, ExitCode
+from ..numbers import Whole
+from ..options import EVENTS, JSON, SCENE_HELP, WORK
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from ..ensemble.sweep import Done
+    from ...ensemble.sweep import Done
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -118,16 +118,16 @@ def sweep(
     Each scene runs in a worker process; each engine only until it leaves the history. Rows go into the store as soon
     as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.
     """
-    from ..documents.sweep import print_sweep, sweep_json
-    from ..engines import split_engines
-    from ..ensemble.store import Store, merged
-    from ..ensemble.survival import summaries
-    from ..ensemble.sweep import plan, run
-    from ..ensemble.table import csv_text
-    from ..ensemble.uncertainty import uncertainty
-    from ..report.pictures.sweep_plots import survival_svg
-    from ..report.text.listing import print_json
-    from .writing import check_writable, write_whole
+    from ...documents.sweep import print_sweep, sweep_json
+    from ...engines import split_engines
+    from ...ensemble.store import Store, merged
+    from ...ensemble.survival import summaries
+    from ...ensemble.sweep import plan, run
+    from ...ensemble.table import csv_text
+    from ...ensemble.uncertainty import uncertainty
+    from ...report.pictures.sweep_plots import survival_svg
+    from ...report.text.listing import print_json
+    from ..writing import check_writable, write_whole
 
     for file in (csv_file, svg):
         if file not in (None, "-"):
@@ -171,7 +171,7 @@ def sweep(
 
 def _displaced(settings: Mapping[str, Any]) -> bool:
     """Whether a sweep displaces its scenes."""
-    from ..ensemble.row import PERTURBED
+    from ...ensemble.row import PERTURBED
 
     return any(label.startswith(PERTURBED) for label in settings["engines"])
 
@@ -182,7 +182,7 @@ def _ask(scenes: int, yes: bool) -> None:
     Raises:
         UsageError: where nobody is there to answer, or the answer is no.
     """
-    from ..ensemble.sweep import ASK_FIRST
+    from ...ensemble.sweep import ASK_FIRST
 
     if scenes <= ASK_FIRST or yes:
         return
@@ -196,7 +196,7 @@ def _workers(text: str | None, jobs: int | None) -> Iterator[tuple[Executor | No
     if text is None:
         yield None, jobs
         return
-    from ..ensemble.executors import executor_named
+    from ...ensemble.executors import executor_named
 
     with executor_named(text) as found:
         yield found

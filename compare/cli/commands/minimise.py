@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import completion
-from .exit_codes import DONE, ExitCode
-from .numbers import Seconds, Whole
-from .options import EVENTS, SCENE, SCENE_HELP, UNTIL
+from .. import completion
+from ..exit_codes import DONE, ExitCode
+from ..numbers import Seconds, Whole
+from ..options import EVENTS, SCENE, SCENE_HELP, UNTIL
 
 if TYPE_CHECKING:
-    from ..reduction.minimise import Searching
+    from ...reduction.minimise import Searching
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -36,7 +36,7 @@ class WithDefaultRuns(click.Option):
     """An option whose help ends with the default number of comparisons; it is loaded when that is read."""
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        from ..reduction.minimise import DEFAULT_RUNS
+        from ...reduction.minimise import DEFAULT_RUNS
 
         names, text = super().get_help_record(ctx) or ("", "")
         return names, f"{text} ({DEFAULT_RUNS:,})."
@@ -85,14 +85,14 @@ def minimise(
     Circles, walls, pockets, events, a reversal and the digits of numbers are left out as long as the engine still
     leaves the certified history (delta debugging). Ctrl-C ends the search with the smallest scene so far.
     """
-    from ...scenarios.files import dump_toml
-    from ..reduction.minimise import DEFAULT_RUNS
-    from ..reduction.minimise import minimise as search
-    from ..reduction.smallest import End
-    from ..report.text.smallest import print_smallest
-    from ..scene_argument import scene_from
-    from .progress import showing_search
-    from .writing import check_writable, write_whole
+    from ....scenarios.files import dump_toml
+    from ...reduction.minimise import DEFAULT_RUNS
+    from ...reduction.minimise import minimise as search
+    from ...reduction.smallest import End
+    from ...report.text.smallest import print_smallest
+    from ...scene_argument import scene_from
+    from ..progress import showing_search
+    from ..writing import check_writable, write_whole
 
     loaded = scene_from(scene)
     if out is not None:
@@ -125,7 +125,7 @@ def searched(state: Searching, seconds: float) -> str:
     >>> searched(Searching(30, 1000, Size(2, 4, 0, 75, 39)), 3.0)
     '30 of at most 1,000 comparisons, 10 a second; left: 2 circles, 4 walls, 75 events, 39 characters'
     """
-    from ..report.text.smallest import size_phrase
+    from ...report.text.smallest import size_phrase
 
     rate = f", {state.runs / seconds:.3g} a second" if state.runs and seconds else ""
     return f"{state.runs:,} of at most {state.limit:,} comparisons{rate}; left: {size_phrase(state.size)}"

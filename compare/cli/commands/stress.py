@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from . import completion
-from .exit_codes import DONE, ExitCode
-from .numbers import Whole
-from .options import JSON
+from .. import completion
+from ..exit_codes import DONE, ExitCode
+from ..numbers import Whole
+from ..options import JSON
 
 if TYPE_CHECKING:
-    from ..stress.cell import Row
-    from ..stress.plan import Done
+    from ...stress.cell import Row
+    from ...stress.plan import Done
 
 EPILOG = """
 \b
@@ -41,7 +41,7 @@ class WithDefaultEngines(click.Option):
     """An option whose help ends with the default engines; they are loaded when that is read."""
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        from ..stress.plan import DEFAULT_ENGINES
+        from ...stress.plan import DEFAULT_ENGINES
 
         names, text = super().get_help_record(ctx) or ("", "")
         return names, f"{text} ({','.join(DEFAULT_ENGINES)})."
@@ -88,13 +88,13 @@ def stress(
     certified run of each of them, and that run is proved again by the checker of certificates, which shares nothing
     with the engines.
     """
-    from ..documents.stress import print_stress, stress_json
-    from ..engines import split_engines
-    from ..report.text.listing import print_json
-    from ..stress.ladder import ladders
-    from ..stress.plan import DEFAULT_ENGINES, carry_out, plan
-    from ..stress.store import Store
-    from .writing import check_writable, write_whole
+    from ...documents.stress import print_stress, stress_json
+    from ...engines import split_engines
+    from ...report.text.listing import print_json
+    from ...stress.ladder import ladders
+    from ...stress.plan import DEFAULT_ENGINES, carry_out, plan
+    from ...stress.store import Store
+    from ..writing import check_writable, write_whole
 
     if listed:
         _list()
@@ -114,7 +114,7 @@ def stress(
         rows = carry_out(asked, kept, jobs=jobs, progress=progress)
     told = ladders(rows, asked.engines)
     if svg is not None:
-        from ..report.pictures.heat_map import heat_map
+        from ...report.pictures.heat_map import heat_map
 
         write_whole(svg, heat_map(asked.families, told, "Where each engine's answer turns wrong"))
     if as_json:
@@ -134,8 +134,8 @@ def code_of(rows: Sequence[Row]) -> ExitCode:
 
 def _list() -> None:
     """The families, what happens in each, and what k is."""
-    from ..report.text.listing import console, grid
-    from ..stress.table import FAMILIES, family
+    from ...report.text.listing import console, grid
+    from ...stress.table import FAMILIES, family
 
     table = grid("family", "what happens", "k", "scenes", whole=("family",))
     for name in FAMILIES:
@@ -148,8 +148,8 @@ def _list() -> None:
 
 def _show(families: Sequence[str], k: int, side: str | None, seed: int | None) -> None:
     """The scene of one place, as a file."""
-    from ...scenarios.files import dump_toml
-    from ..stress.table import family
+    from ....scenarios.files import dump_toml
+    from ...stress.table import family
 
     if len(families) != 1:
         raise click.UsageError("--show prints one scene; name one family")
@@ -178,7 +178,7 @@ def how_far(done: Done) -> str:
     >>> how_far(Done(30, 80, 12.0, 20, Place("near-ties", 7, "left")))
     'stress: near-ties, left, k = 7: 30 of 80 places, 1.67 a second, 30 s left'
     """
-    from .progress import duration
+    from ..progress import duration
 
     rate = f", {done.fresh / done.seconds:.3g} a second" if done.seconds else ""
     left = "" if done.left is None else f", {duration(done.left)} left"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from . import completion
-from .exit_codes import DONE, ExitCode
-from .options import EVENTS, JSON, SCENE, SCENE_HELP
+from .. import completion
+from ..exit_codes import DONE, ExitCode
+from ..options import EVENTS, JSON, SCENE, SCENE_HELP
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -52,15 +52,15 @@ def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out:
     then run by the exact engine: where the certified history is the engine's, that is a proof. Otherwise nothing is
     claimed, and what stands in the way is named.
     """
-    from ...scenarios.files import dump_toml
-    from ..documents.shadow import shadow_json
-    from ..report.text.listing import print_json
-    from ..report.text.shadow import print_shadow
-    from ..scene_argument import scene_from
-    from ..shadowing.shadow import longest as sought
-    from ..shadowing.shadow import shadow as whole
-    from .progress import showing_progress
-    from .writing import check_writable, write_whole
+    from ....scenarios.files import dump_toml
+    from ...documents.shadow import shadow_json
+    from ...report.text.listing import print_json
+    from ...report.text.shadow import print_shadow
+    from ...scene_argument import scene_from
+    from ...shadowing.shadow import longest as sought
+    from ...shadowing.shadow import shadow as whole
+    from ..progress import showing_progress
+    from ..writing import check_writable, write_whole
 
     loaded = scene_from(scene)
     if out is not None:
