@@ -10,7 +10,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
-from typing import Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.scene import Scene
@@ -87,7 +86,7 @@ class _Rough:
 
     def __init__(self, scene: Scene) -> None:
         try:
-            self.rows = [
+            self.rows: list[tuple[float, ...]] = [
                 (float(c.x), float(c.y), float(c.vx), float(c.vy), float(c.r), float(c.inverse_mass))
                 for c in scene.circles
             ]
@@ -96,7 +95,7 @@ class _Rough:
             return
         n = len(self.rows)
         cx, cy = sum(row[0] for row in self.rows) / n, sum(row[1] for row in self.rows) / n
-        self.rows = [(x - cx, y - cy, *rest) for x, y, *rest in self.rows]  # type: ignore[misc]
+        self.rows = [(x - cx, y - cy, *rest) for x, y, *rest in self.rows]
         self.size = max(abs(value) for row in self.rows for value in row[:2]) or 1.0
         self.speed = max(abs(value) for row in self.rows for value in row[2:4]) or 1.0
         self.usable = True
@@ -154,7 +153,7 @@ class _Exact:
         data = scene_data(scene)
         n = data.n
         rows = [[*data.places[i], *data.speeds[i], *data.kinds[i]] for i in range(n)]
-        cx, cy = _total(row[0] for row in rows) / n, _total(row[1] for row in rows) / n
+        cx, cy = (sum((row[k] for row in rows[1:]), start=rows[0][k]) / n for k in (0, 1))
         self.centre = (cx, cy)
         self.rows = [(x - cx, y - cy, *rest) for x, y, *rest in rows]
         self.walls = [(*point, point[0] + normal[1], point[1] - normal[0], *normal) for point, normal in data.walls]
@@ -220,14 +219,6 @@ class _Exact:
             if not any(all(map(_equal, pocket, target)) for pocket in self.pockets):
                 return False
         return True
-
-
-def _total(numbers: Iterator[Any]) -> Any:
-    numbers = iter(numbers)
-    total = next(numbers)
-    for number in numbers:
-        total = total + number
-    return total
 
 
 def _equal(a: FieldNumber, b: FieldNumber) -> bool:
