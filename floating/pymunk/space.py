@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 import pymunk
 
-from ..scenarios.errors import SceneError
-from ..scenarios.scene import Scene
-from ..scenarios.things import Circle, Wall
-from .polygons import Point, clipped
+from ...scenarios.errors import SceneError
+from ...scenarios.scene import Scene
+from ...scenarios.things import Circle, Wall
+from ..polygons import Point, clipped
 
 GRAVITY = (0.0, 0.0)
 DAMPING = 1.0

@@ -9,18 +9,17 @@ from typing import Any
 
 import pymunk
 
-from ..scenarios.engine import SCENE_KEYS, Declared
-from ..scenarios.errors import SceneError
-from ..scenarios.numbers.quantity import QuantityLike
-from ..scenarios.scene import Scene
-from ..scenarios.trajectory import (
+from ...scenarios.engine import SCENE_KEYS, Declared
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import QuantityLike
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import (
     OnProgress,
     StopReason,
     Trajectory,
 )
-from . import pymunk_space
-from .pymunk_run import Run
-from .pymunk_space import PymunkSpace, build_space
+from .run import Run
+from .space import COLLISION_PERSISTENCE, DAMPING, ELASTICITY, FRICTION, GRAVITY, PymunkSpace, build_space
 
 DEFAULT_MAX_STEPS = 10_000_000
 """Some fifteen seconds for ten circles."""
@@ -121,11 +120,11 @@ class PymunkEngine(Declared):
         """All that decides how pymunk plays a scene: the fields, and what is the same in every run."""
         return {
             **asdict(self),
-            "collision_persistence": pymunk_space.COLLISION_PERSISTENCE,
-            "elasticity": pymunk_space.ELASTICITY,
-            "friction": pymunk_space.FRICTION,
-            "damping": pymunk_space.DAMPING,
-            "gravity": pymunk_space.GRAVITY,
+            "collision_persistence": COLLISION_PERSISTENCE,
+            "elasticity": ELASTICITY,
+            "friction": FRICTION,
+            "damping": DAMPING,
+            "gravity": GRAVITY,
             "pymunk": pymunk.version,
             "chipmunk": pymunk.chipmunk_version,
         }

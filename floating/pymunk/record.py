@@ -7,11 +7,11 @@ from typing import Any
 
 import pymunk
 
-from ..scenarios.event import Contact, Event, Tie, TieProof
-from ..scenarios.numbers.doubles import Double
-from ..scenarios.scene import Scene
-from .knots import Knot
-from .pymunk_space import PymunkSpace
+from ...scenarios.event import Contact, Event, Tie, TieProof
+from ...scenarios.numbers.doubles import Double
+from ...scenarios.scene import Scene
+from ..knots import Knot
+from .space import PymunkSpace
 
 
 class Record:

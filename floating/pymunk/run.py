@@ -12,17 +12,17 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..scenarios.engine import horizon
-from ..scenarios.errors import TimeIsUp
-from ..scenarios.event import Reversal
-from ..scenarios.numbers.doubles import Double
-from ..scenarios.numbers.quantity import QuantityLike
-from ..scenarios.scene import Scene
-from ..scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
-from .knots import DoubleMotion
-from .pymunk_pockets import entries
-from .pymunk_record import Record
-from .pymunk_space import PymunkSpace
+from ...scenarios.engine import horizon
+from ...scenarios.errors import TimeIsUp
+from ...scenarios.event import Reversal
+from ...scenarios.numbers.doubles import Double
+from ...scenarios.numbers.quantity import QuantityLike
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
+from ..knots import DoubleMotion
+from .pockets import entries
+from .record import Record
+from .space import PymunkSpace
 
 STRETCH = 256
 """Steps between two looks at the clock: about a millisecond."""

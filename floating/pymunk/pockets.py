@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from ..scenarios.event import Pocketing
-from ..scenarios.numbers.doubles import Double
-from ..scenarios.scene import Scene
-from .knots import Knot
+from ...scenarios.event import Pocketing
+from ...scenarios.numbers.doubles import Double
+from ...scenarios.scene import Scene
+from ..knots import Knot
 
 
 def entries(scene: Scene, knots: Sequence[Sequence[Knot]], end: float) -> tuple[Pocketing, ...]:
