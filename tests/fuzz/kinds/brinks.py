@@ -7,8 +7,8 @@ from fractions import Fraction
 from random import Random
 
 from fuzz.draft import PYTHAGOREAN, Body, Draft, F, has_room, mass, reversal, span, speed
-from fuzz.kinds_contacts import cluster, graze_blow
-from fuzz.kinds_symmetry import mirrored, neighbours, onto_pair, ring
+from fuzz.kinds.contacts import cluster, graze_blow
+from fuzz.kinds.symmetry import mirrored, neighbours, onto_pair, ring
 from truebreak.scenarios import Quantity
 
 TINY = F(1, 10**100)

@@ -24,9 +24,9 @@ from fuzz.draft import (
     speed,
     velocity,
 )
-from fuzz.kinds_contacts import graze_blow
-from fuzz.kinds_pockets import entry_ties, on_rim, pressed, rim_instant
-from fuzz.kinds_rooms import near_ties, slide
+from fuzz.kinds.contacts import graze_blow
+from fuzz.kinds.pockets import entry_ties, on_rim, pressed, rim_instant
+from fuzz.kinds.rooms import near_ties, slide
 
 
 def hair(draw: Random) -> Fraction:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from random import Random
 
 from fuzz.draft import AXES, Body, Draft, F, directions, flaw, mass, reversal, size, span, speed, velocity
-from fuzz.kinds_contacts import cluster, led_back, raft, with_bystanders, with_walls
-from fuzz.kinds_rooms import grid, slide
+from fuzz.kinds.contacts import cluster, led_back, raft, with_bystanders, with_walls
+from fuzz.kinds.rooms import grid, slide
 
 
 def rim_instant(draw: Random) -> Draft:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from random import Random
 
 from fuzz.draft import AXES, PYTHAGOREAN, Body, Draft, F, has_room, mass, reversal, size, span, speed
-from fuzz.kinds_brinks import faint, in_long_numbers, without_a_field
+from fuzz.kinds.brinks import faint, in_long_numbers, without_a_field
 
 
 def row(draw: Random, n: int, m: object = 1) -> list[Body]:
