@@ -101,8 +101,7 @@ class Isometry:
 
     def turn(self, v: Vector) -> Vector:
         """The image of a direction."""
-        a, b, c, d = self.matrix
-        return a * v[0] + b * v[1], c * v[0] + d * v[1]
+        return turned(self.matrix, v)
 
     def move(self, point: Vector) -> Vector:
         """The image of a point."""
@@ -124,14 +123,18 @@ class Isometry:
             self._walls[k] = self._data.wall_of.get(line_key(self.move(point), self.turn(normal)))
         return self._walls[k]
 
+    def pocket(self, k: int) -> int | None:
+        """The pocket at the image of pocket k."""
+        place, r = self._data.pockets[k]
+        return self._data.pocket_of.get((*self.move(place), r))
+
     def link(self, link: Link) -> Link | None:
         """The image of a contact, or of an entry; None if there is none."""
         a = self.circle(link[0])
         if a is None:
             return None
         if isinstance(link, Entry):
-            place, r = self._data.pockets[link.pocket]
-            k = self._data.pocket_of.get((*self.move(place), r))
+            k = self.pocket(link.pocket)
             return None if k is None else Entry(a, k)
         b = self.wall(link.wall) if isinstance(link, AtWall) else self.circle(link.b)
         if b is None:
@@ -140,7 +143,8 @@ class Isometry:
 
 
 def from_vectors(sources: Sequence[Vector], images: Sequence[Vector]) -> Iterator[Matrix]:
-    """The orthogonal linear maps, two at most, that take each vector to its image; none where all are zero.
+    """The orthogonal linear maps, two at most, that take each vector to its image: the rotation, then the
+    mirror, where both do; none where all are zero.
 
     >>> from flint import fmpq
     >>> one, zero = fmpq(1), fmpq(0)
@@ -159,13 +163,14 @@ def from_vectors(sources: Sequence[Vector], images: Sequence[Vector]) -> Iterato
     along, across = (ux * wx + uy * wy) / square, (ux * wy - uy * wx) / square
     mirrored, skew = (ux * wx - uy * wy) / square, (ux * wy + uy * wx) / square
     for matrix in ((along, -across, across, along), (mirrored, skew, skew, -mirrored)):
-        if all(_maps(matrix, u, w) for u, w in zip(sources, images, strict=True)):
+        if all(turned(matrix, u) == w for u, w in zip(sources, images, strict=True)):
             yield matrix
 
 
-def _maps(m: Matrix, source: Vector, image: Vector) -> bool:
-    x, y = m[0] * source[0] + m[1] * source[1], m[2] * source[0] + m[3] * source[1]
-    return bool(x == image[0]) and bool(y == image[1])
+def turned(matrix: Matrix, v: Vector) -> Vector:
+    """A vector's image under a linear map."""
+    a, b, c, d = matrix
+    return a * v[0] + b * v[1], c * v[0] + d * v[1]
 
 
 def minus(a: Vector, b: Vector) -> Vector:

@@ -30,7 +30,7 @@ from ...scenarios.scene import Scene
 from ..numbers.field import LeavesField
 from ..predicates.question import Question
 from ..replay.contact import AtWall, Link, Pair
-from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data
+from .isometry import Isometry, Matrix, SceneData, Vector, from_vectors, minus, scene_data, turned
 from .past import TAKE, Block, Past
 
 IDENTITY: Matrix = (fmpq(1), fmpq(0), fmpq(0), fmpq(1))
@@ -83,16 +83,12 @@ class LogSymmetry:
 
     def isometry_about(self, matrix: Matrix, centre: Vector) -> Isometry | None:
         """The isometry of a linear part that leaves a centre in place; None for a scene without a field."""
-        if not self._ready():
-            return None
-        a, b, c, d = matrix
-        x, y = centre
-        return self.isometry(matrix, minus(centre, (a * x + b * y, c * x + d * y)))
+        return self.isometry(matrix, centre, centre) if self._ready() else None
 
-    def isometry(self, matrix: Matrix, shift: Vector) -> Isometry:
-        """The isometry, with what is known of it if it has been met."""
+    def isometry(self, matrix: Matrix, point: Vector, image: Vector) -> Isometry:
+        """The isometry of a linear part that takes a point to an image, with what is known of it if it has been met."""
         assert self._data is not None
-        made = Isometry(self._data, matrix, shift)
+        made = Isometry(self._data, matrix, minus(image, turned(matrix, point)))
         if len(self._known) >= MOST_ISOMETRIES:
             return self._known.get(made.key, made)
         return self._known.setdefault(made.key, made)
@@ -129,10 +125,7 @@ class LogSymmetry:
     def _fixes(self, matrix: Matrix, i: int, j: int) -> bool:
         """Whether the isometry of this linear part that takes centre i to centre j maps past i to past j."""
         assert self._data is not None
-        a, b, c, d = matrix
-        x, y = self._data.places[i]
-        shift = minus(self._data.places[j], (a * x + b * y, c * x + d * y))
-        g = self.isometry(matrix, shift)
+        g = self.isometry(matrix, self._data.places[i], self._data.places[j])
         return g.circle(i) == j and self.follows(g, i)
 
     # -- isometries between two meetings
@@ -150,13 +143,8 @@ class LogSymmetry:
         assert data is not None
         if data.kind_of(first) != data.kind_of(second):
             return []
-        sources, images = data.vectors(first), data.vectors(second)
-        found: list[Isometry] = []
-        for matrix in from_vectors(sources, images):
-            a, b, c, d = matrix
-            x, y = data.places[i]
-            found.append(self.isometry(matrix, minus(data.places[k], (a * x + b * y, c * x + d * y))))
-        return found
+        matrices = from_vectors(data.vectors(first), data.vectors(second))
+        return [self.isometry(matrix, data.places[i], data.places[k]) for matrix in matrices]
 
     # -- blocks
 

@@ -6,19 +6,24 @@ asks for. That a history keeps a symmetry is proved on its log (`symmetry.log_sy
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
+from typing import TypeAlias
 
 from ...scenarios.errors import SceneError
 from ...scenarios.scene import Scene
-from ..numbers.field import FieldNumber, LeavesField, field_sign
-from .isometry import Matrix, scene_data
+from ..numbers.field import LeavesField
+from .isometry import Isometry, Matrix, Vector, from_vectors, minus, scene_data, turned
 
 NEAR = 1e-6
 """How far, relatively, an image may be from its target in doubles and still be looked at exactly; it only spares
 exact work on candidates that are plainly none."""
+
+
+Likely: TypeAlias = tuple[int, bool, int, bool]
+"""A circle, whether by its velocity (else by its place), the circle whose velocity or place is its image; mirror?"""
 
 
 @dataclass(frozen=True)
@@ -34,7 +39,7 @@ class Symmetry:
     """
 
     matrix: Matrix
-    centre: tuple[FieldNumber, FieldNumber]
+    centre: Vector
     circles: tuple[int, ...]
     walls: tuple[int, ...]
     mirror: bool
@@ -71,14 +76,10 @@ def _symmetries(scene: Scene) -> tuple[Symmetry, ...]:
     if not rough.usable:
         return ()
     wanted = list(rough.candidates())
-    if not wanted:
-        return ()
     try:
-        exact = _Exact(scene)
-        found = [exact.check(reference, image, mirror) for reference, image, mirror in wanted]
+        return tuple(_exactly(scene, wanted)) if wanted else ()
     except LeavesField:
         return ()
-    return tuple(symmetry for symmetry in found if symmetry is not None)
 
 
 class _Rough:
@@ -103,8 +104,8 @@ class _Rough:
     def _alike(self, a: tuple[float, ...], b: tuple[float, ...]) -> bool:
         return a[4:] == b[4:]
 
-    def candidates(self) -> Iterator[tuple[tuple[int, bool], int, bool]]:
-        """(reference circle, by velocity?), image circle, mirror?, for isometries that nearly fit."""
+    def candidates(self) -> Iterator[Likely]:
+        """Isometries that nearly fit."""
         rows = self.rows
         reference = max(range(len(rows)), key=lambda i: abs(rows[i][0]) + abs(rows[i][1]))
         by_velocity = abs(rows[reference][0]) + abs(rows[reference][1]) < NEAR * self.size or len(rows) == 1
@@ -129,7 +130,7 @@ class _Rough:
                 c = (ux * wx - uy * wy if mirror else ux * wx + uy * wy) / square
                 s = (ux * wy + uy * wx if mirror else ux * wy - uy * wx) / square
                 if self._fits((c, s if mirror else -s, s, -c if mirror else c)):
-                    yield (reference, by_velocity), j, mirror
+                    yield reference, by_velocity, j, mirror
 
     def _fits(self, m: tuple[float, float, float, float]) -> bool:
         a, b, c, d = m
@@ -145,81 +146,27 @@ class _Rough:
         return True
 
 
-class _Exact:
-    """The scene in its field: decides whether an isometry maps it to itself."""
-
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        data = scene_data(scene)
-        n = data.n
-        rows = [[*data.places[i], *data.speeds[i], *data.kinds[i]] for i in range(n)]
-        cx, cy = (sum((row[k] for row in rows[1:]), start=rows[0][k]) / n for k in (0, 1))
-        self.centre = (cx, cy)
-        self.rows = [(x - cx, y - cy, *rest) for x, y, *rest in rows]
-        self.walls = [(*point, point[0] + normal[1], point[1] - normal[0], *normal) for point, normal in data.walls]
-        self.pockets = [(*place, r) for place, r in data.pockets]
-
-    def check(self, reference: tuple[int, bool], image: int, mirror: bool) -> Symmetry | None:
-        """The isometry that maps one circle's place (or velocity) to another's, if it is a symmetry."""
-        index, by_velocity = reference
-        at = 2 if by_velocity else 0
-        ux, uy = self.rows[index][at : at + 2]
-        wx, wy = self.rows[image][at : at + 2]
-        square = ux * ux + uy * uy
-        if field_sign(square) == 0 or not _equal(square, wx * wx + wy * wy):
-            return None
-        if mirror:
-            c, s = (ux * wx - uy * wy) / square, (ux * wy + uy * wx) / square
-            matrix = (c, s, s, -c)
-        else:
-            c, s = (ux * wx + uy * wy) / square, (ux * wy - uy * wx) / square
-            matrix = (c, -s, s, c)
-        circles = self._map_circles(matrix)
-        walls = self._map_walls(matrix) if circles is not None else None
-        if circles is None or walls is None or (self.scene.capture and not self._maps_pockets(matrix)):
-            return None
-        return Symmetry(matrix, self.centre, circles, walls, mirror)
-
-    def _turn(self, m: Matrix, x: FieldNumber, y: FieldNumber) -> tuple[FieldNumber, FieldNumber]:
-        return m[0] * x + m[1] * y, m[2] * x + m[3] * y
-
-    def _map_circles(self, m: Matrix) -> tuple[int, ...] | None:
-        images: list[int] = []
-        for x, y, vx, vy, r, w in self.rows:
-            target = (*self._turn(m, x, y), *self._turn(m, vx, vy), r, w)
-            match = next((j for j, row in enumerate(self.rows) if all(map(_equal, row, target))), None)
-            if match is None:
-                return None
-            images.append(match)
-        return tuple(images) if len(set(images)) == len(images) else None
-
-    def _map_walls(self, m: Matrix) -> tuple[int, ...] | None:
-        cx, cy = self.centre
-        images: list[int] = []
-        for x0, y0, x1, y1, *_ in self.walls:
-            ends = [self._turn(m, x - cx, y - cy) for x, y in ((x0, y0), (x1, y1))]
-            ends = [(x + cx, y + cy) for x, y in ends]
-            match = next((j for j, wall in enumerate(self.walls) if self._on(wall, ends)), None)
-            if match is None:
-                return None
-            images.append(match)
-        return tuple(images) if len(set(images)) == len(images) else None
-
-    @staticmethod
-    def _on(wall: tuple[FieldNumber, ...], points: list[tuple[FieldNumber, FieldNumber]]) -> bool:
-        x0, y0, _, _, nx, ny = wall
-        return all(field_sign(nx * (x - x0) + ny * (y - y0)) == 0 for x, y in points)
-
-    def _maps_pockets(self, m: Matrix) -> bool:
-        """Whether every pocket has an image among them."""
-        cx, cy = self.centre
-        for x, y, r in self.pockets:
-            gx, gy = self._turn(m, x - cx, y - cy)
-            target = (gx + cx, gy + cy, r)
-            if not any(all(map(_equal, pocket, target)) for pocket in self.pockets):
-                return False
-        return True
+def _exactly(scene: Scene, wanted: Iterable[Likely]) -> Iterator[Symmetry]:
+    """Those of the candidates that map the scene to itself."""
+    data = scene_data(scene)
+    x, y = (sum((place[k] for place in data.places[1:]), start=data.places[0][k]) / data.n for k in (0, 1))
+    centre = (x, y)
+    arms = [minus(place, centre) for place in data.places]
+    for circle, by_velocity, image, mirror in wanted:
+        vectors = data.speeds if by_velocity else arms
+        matrices = list(from_vectors([vectors[circle]], [vectors[image]]))
+        if not matrices:
+            continue
+        matrix = matrices[mirror]
+        g = Isometry(data, matrix, minus(centre, turned(matrix, centre)))
+        circles = _all_apart([g.circle(i) for i in range(data.n)])
+        walls = _all_apart([g.wall(k) for k in range(len(data.walls))])
+        held = not scene.capture or all(g.pocket(k) is not None for k in range(len(data.pockets)))
+        if circles is not None and walls is not None and held:
+            yield Symmetry(matrix, centre, circles, walls, mirror)
 
 
-def _equal(a: FieldNumber, b: FieldNumber) -> bool:
-    return field_sign(a - b) == 0
+def _all_apart(images: list[int | None]) -> tuple[int, ...] | None:
+    """The images, if each thing has one of its own."""
+    found = tuple(image for image in images if image is not None)
+    return found if len(set(found)) == len(images) else None

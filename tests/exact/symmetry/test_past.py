@@ -70,7 +70,7 @@ def test_a_past_with_a_captured_circle_is_no_image_of_any() -> None:
     steps = [*hit(0, 1), *hit(3, 4)]
     for log, alike in ((logged(scene, *steps), True), (logged(scene, *steps, Take(1), Take(4)), False)):
         assert log.proves_zero(LATER) == alike
-        g = log.isometry(IDENTITY, (fmpq(0), fmpq(50)))
+        g = log.isometry(IDENTITY, (fmpq(0), fmpq(0)), (fmpq(0), fmpq(50)))
         assert log.follows(g, 0)
         assert log.follows(g, 1) == alike
 
