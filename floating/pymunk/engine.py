@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time as clock
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -15,7 +14,6 @@ from ...scenarios.numbers.quantity import QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import (
     OnProgress,
-    StopReason,
     Trajectory,
 )
 from .run import Run
@@ -166,33 +164,3 @@ class PymunkEngine(Declared):
                 "set capture = false, or use another engine"
             )
         return Run(self, scene, until, events, progress).trajectory()
-
-
-def bench_overhead(
-    scene: Scene, steps: int, engine: PymunkEngine | None = None, rounds: int = 9
-) -> tuple[float, float]:
-    """Seconds that `steps` steps take: in a bare loop over `space.step`, and in the engine.
-
-    Both play the same space, including its building, by turns; each time is the least of `rounds`.
-
-    >>> from truebreak.scenarios import Circle, Scene
-    >>> bare, recorded = bench_overhead(Scene([Circle(0, 0, vx=1), Circle(4, 0, vx=-1)]), steps=200, rounds=1)
-    >>> bare > 0 and recorded > 0
-    True
-    """
-    engine = PymunkEngine() if engine is None else engine
-    engine = replace(engine, max_steps=max(engine.max_steps, steps))
-    duration = steps * engine.dt
-    bare: list[float] = []
-    recorded: list[float] = []
-    for _ in range(rounds):
-        begin = clock.perf_counter()
-        step, dt = engine.space(scene).space.step, engine.dt
-        for _ in range(steps):
-            step(dt)
-        bare.append(clock.perf_counter() - begin)
-        begin = clock.perf_counter()
-        if engine.run(scene, until=duration).stop.reason is StopReason.INTERRUPTED:
-            raise KeyboardInterrupt
-        recorded.append(clock.perf_counter() - begin)
-    return min(bare), min(recorded)

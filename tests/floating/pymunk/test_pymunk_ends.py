@@ -15,7 +15,7 @@ from test_pymunk_engine import FINE, collided, gas, velocities
 
 from truebreak.floating.knots import DoubleMotion
 from truebreak.floating.pymunk import run as pymunk_run
-from truebreak.floating.pymunk.engine import PymunkEngine, bench_overhead
+from truebreak.floating.pymunk.engine import PymunkEngine
 from truebreak.scenarios import Circle, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.errors import TimeIsUp
 from truebreak.scenarios.trajectory import Progress, Stop
@@ -198,12 +198,6 @@ def test_an_interrupt_while_pymunk_reports_a_contact_ends_the_run(monkeypatch: p
     monkeypatch.setattr(pymunk.Arbiter, "total_impulse", property(failing(KeyboardInterrupt())))
     with pytest.raises(KeyboardInterrupt):
         PymunkEngine().run(gas(), until=100)
-
-
-def test_overhead_times_the_same_steps_twice() -> None:
-    bare, recorded = bench_overhead(gas(), steps=500, rounds=2)
-    assert bare > 0
-    assert recorded > 0
 
 
 def test_circles_that_fly_on_in_touch_leave_no_knots_behind() -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
 
+from ...exact.policies.complementarity import Ask
+from ...exact.replay.contact import Touch, touch_of
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Trajectory
-from ..replay.contact import Touch, touch_of
-from .complementarity import Ask
 
 
 @dataclass
-class _Line:
+class _Course:
     """What one body does in the history followed: groups of contacts, each group in any order."""
 
     groups: list[list[Touch]] = field(default_factory=list)
@@ -22,7 +22,7 @@ class _Line:
         return self.groups[self.place] if self.place < len(self.groups) else []
 
     def meets(self, link: Touch) -> None:
-        """Crosses a contact off; one that is not next leaves the line where it is."""
+        """Crosses a contact off; one that is not next leaves the course where it is."""
         group = self.next()
         if link in group:
             group.remove(link)
@@ -46,7 +46,7 @@ class Guided:
 
     def __init__(self, scene: Scene, history: Trajectory, any_order: bool = False) -> None:
         places = {name: place for place, name in enumerate(scene.ids)}
-        self._lines = [_Line() for _ in scene.circles]
+        self._courses = [_Course() for _ in scene.circles]
         for event in history.events:
             links = [touch_of(scene, places[first], places[second]) for first, second in event.impulses]
             for together in [links] if any_order else [[link] for link in links]:
@@ -59,7 +59,7 @@ class Guided:
             for i in link.circles:
                 groups.setdefault(i, []).append(link)
         for body, group in groups.items():
-            self._lines[body].groups.append(group)
+            self._courses[body].groups.append(group)
 
     def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """One contact."""
@@ -68,12 +68,12 @@ class Guided:
         return (chosen,)
 
     def _is_next(self, link: Touch) -> bool:
-        return all(link in self._lines[i].next() for i in link.circles)
+        return all(link in self._courses[i].next() for i in link.circles)
 
     def note(self, link: Touch) -> None:
         """A contact has been kicked."""
         for i in link.circles:
-            self._lines[i].meets(link)
+            self._courses[i].meets(link)
 
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
         """Nothing to note."""

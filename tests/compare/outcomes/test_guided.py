@@ -6,8 +6,8 @@ import dataclasses
 
 import pytest
 
+from truebreak.compare.outcomes.guided import Guided
 from truebreak.exact import ExactEngine
-from truebreak.exact.policies.guided import Guided
 from truebreak.scenarios import Contact, catalogue
 
 SCENE = catalogue.build("rack:rows=3")
