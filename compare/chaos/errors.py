@@ -16,9 +16,9 @@ from flint import arb
 from ...exact.laws.formulas import pair_impulse
 from ...exact.numbers import ball
 from ...exact.replay.state import State
-from ...exact.results.growth import Displacements
-from ...exact.results.impacts import LEAST_BITS, moving
 from ...exact.results.motion import motion_of, steps_through
+from ..tangent.growth import Displacements
+from ..tangent.impacts import LEAST_BITS, moving
 from .margins import Course, margins
 
 if TYPE_CHECKING:
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from ...exact.results.impacts import Impact
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
+    from ..tangent.impacts import Impact
 
 
 class ErrorModel(Enum):

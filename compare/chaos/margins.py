@@ -17,7 +17,7 @@ from ...exact.laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-from ...exact.results.impacts import Impact
+from ..tangent.impacts import Impact
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -119,7 +119,7 @@ def margins(
     """Event by event, the margins of each of the circles `free` that takes part.
 
     >>> from truebreak.exact import ExactEngine
-    >>> from truebreak.exact.results.impacts import impacts
+    >>> from truebreak.compare.tangent.impacts import impacts
     >>> from truebreak.scenarios import Circle, Scene, Wall
     >>> scene = Scene([Circle(0, 0, vx=1, vy=1)], [Wall(10, 0, 10, 1), Wall(0, "101/10", 1, "101/10")])
     >>> [[(circle, told)]] = margins(scene, impacts(ExactEngine().run(scene), 1), [0])
