@@ -55,7 +55,8 @@ class Course:
         """Carries an impact out: each circle that takes part, and the change of its velocity."""
         a, b, dx, dy, vx, vy, reach, wa, wb = _doubles(impact)
         if b is None:
-            after = np.array(wall_bounce(*self.speeds[a], dx, dy, reach * reach))
+            ux, uy = self.speeds[a]
+            after = np.array(wall_bounce(ux, uy, dx, dy, reach * reach))
             changes = [(a, after - self.speeds[a])]
         else:
             impulse = np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
@@ -97,10 +98,10 @@ class Course:
 
     def _next_walls(self, i: int, at_wall: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The same of walls, but for the one that it is at."""
-        x0, y0, nx, ny = self._walls.T
-        gap = wall_gap(*self.places[i], x0, y0, nx, ny, 0.0)
+        (x0, y0, nx, ny), (x, y), (ux, uy) = self._walls.T, self.places[i], self.speeds[i]
+        gap = wall_gap(x, y, x0, y0, nx, ny, 0.0)
         side = np.where(gap < 0, -1.0, 1.0)
-        gap, approach = side * gap - self._radii[i], side * wall_approach(*self.speeds[i], nx, ny)
+        gap, approach = side * gap - self._radii[i], side * wall_approach(ux, uy, nx, ny)
         meets = approach < 0
         if at_wall:
             meets[np.abs(gap).argmin()] = False
@@ -129,7 +130,8 @@ def margins(
     course, told = Course(scene), []
     for event in struck:
         course.fly(float(event[0].time))
-        told.append([(i, course.margins(impact, i)) for impact in event for i in (impact.a, impact.b) if i in free])
+        met = [(impact, i) for impact in event for i in (impact.a, impact.b) if i is not None and i in free]
+        told.append([(i, course.margins(impact, i)) for impact, i in met])
         for impact in event:
             course.push(impact)
     return told
