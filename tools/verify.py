@@ -305,8 +305,10 @@ class Checker(Zeros):
         self.meets = dict.fromkeys([c for c in pairs if not self.movable.isdisjoint(c)] + others)
         self.sides = {(i, k): (p * (circles[i][0] - x) + q * (circles[i][1] - y)).sign()
                       for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
-        limits = {"reverse": scene.get("reverse_at"), "until": self.end.get("until")}
-        self.limits = {question: number(text) for question, text in limits.items() if text is not None}
+        if self.end["reason"] not in REASONS or self.end.get("limit", 1) < 1: raise Malformed("its end is not known")
+        self.last_event = self.end["limit"] if self.end["reason"] == "events" else None
+        self.limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
+        if self.end["reason"] == "horizon": self.limits["until"] = number(self.end["until"])
         sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
         moves = [x for row in circles if not row[5] for x in row[2:4] if x]
         if moves or any(x.sign() < 1 for x in (*sizes, *self.limits.values())):
@@ -315,8 +317,6 @@ class Checker(Zeros):
             raise Malformed("the tie policy is not known, or there are two reversals")
         self.policy, _, seed = scene["tie_policy"].partition(":seed=")
         self.draw = random.Random(int(seed)) if seed else None
-        if self.end["reason"] not in REASONS: raise Malformed("its end is not known")
-        self.last_event = self.end["limit"] if self.end["reason"] == "events" else None
     def check(self, factor=1):  # checks all of it, with so many times the bits
         Ball.bits, self.where = self.told["bits"][0][1] * factor, "in the scene"
         self.isometries = dict(enumerate(map(self.isometry, self.told["isometries"])))
@@ -327,13 +327,9 @@ class Checker(Zeros):
         self.time, self.age, self.count, self.way, self.last = self.none, 0, 0, {}, dict.fromkeys(range(self.n), 0)
         self.nexts, self.lasting, self.gone, self.grazed, self.standing = {}, set(), set(), set(), {}
         self.blocks, self.numbers = [Block("data", frozenset(), frozenset(), {}, 0)], {}
-        self.where = "at the start"
-        self.open(self.told["start"])
-        for k, entry in enumerate(self.told["instants"]):
-            self.where = f"instant {k}"
-            self.instant(entry)
-        self.where = "at the end"
-        self.close(self.end["reason"])
+        instants = [(f"instant {k}", self.instant, entry) for k, entry in enumerate(self.told["instants"])]
+        steps = [("at the start", self.open, self.told["start"]), *instants, ("at the end", self.close, self.end)]
+        for self.where, step, entry in steps: step(entry)
     def open(self, entry):  # time 0: nothing overlaps; what touches is known exactly
         known = {}
         self.take(entry, None)
@@ -473,9 +469,9 @@ class Checker(Zeros):
         one, unit = 1 << Ball.bits, Fraction(1, 10 ** len(found[1] or ""))
         off, wide = abs(Fraction(value.m, one) - Fraction(text)), Fraction(value.r, one)
         if off + wide >= unit: raise (Refuted if off - wide >= unit else Undecided)(f"a number is not {text}")
-    def close(self, reason):  # what ended the run, and the final state
-        self.take(self.end, self.clock)
-        until, turn = self.due.get("until"), self.due.get("reverse")
+    def close(self, end):  # what ended the run, and the final state
+        self.take(end, self.clock)
+        reason, until, turn = end["reason"], self.due.get("until"), self.due.get("reverse")
         if self.last_event not in (None, self.count) or (reason == "return" and not self.way):
             raise Refuted(f"there are {self.count} events, or nothing was reversed")
         if reason not in ("events", "stopped"):
@@ -506,7 +502,8 @@ def verdict(path):  # the exit code for a file, and a sentence
         if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
         if len(text) > BYTES: raise Malformed(f"it is longer than {BYTES} bytes")
-        Exact.work, told = 0, json.loads(text.decode(), object_pairs_hook=once, parse_constant=number)
+        read = {"object_pairs_hook": once, "parse_float": number, "parse_constant": number}
+        Exact.work, told = 0, json.loads(text.decode(), **read)
         code, sentence = judged(told, 1)
         for factor in (2, 4) if code == 4 else ():
             more, what = judged(told, factor)

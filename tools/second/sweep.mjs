@@ -66,7 +66,7 @@ export class Sweep {
   // Before an instant
 
   #open(contact) {
-    return this.scene.meets(contact) && this.clear[this.scene.key(contact)] !== null
+    return this.scene.has(contact) && this.scene.meets(contact) && this.clear[this.scene.key(contact)] !== null
   }
 
   /** Doubts that witnesses `graze` and `still` resolve. */
@@ -105,6 +105,7 @@ export class Sweep {
 
   /** When a contact grazes. */
   graze(contact) {
+    if (!this.scene.has(contact)) throw new Refuted(`[${contact}] is no contact`)
     const key = this.scene.key(contact)
     if (this.#open(contact) && this.#look(contact, this.check.fine).kind === 'doubt') {
       throw new Undecided(`whether [${contact}] grazes`)
