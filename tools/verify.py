@@ -42,6 +42,10 @@ TERM, DECIMAL = r"\d+(?:/0*[1-9]\d*)?(?:\*r[1-9]\d?)*", r"-?\d{1,400}(?:\.(\d{1,
 POLICY = r"simultaneous|sequential(:order=scene|:seed=\d{1,18})?"
 THINGS = {"circles": "x y vx vy r", "walls": "x0 y0 x1 y1", "pockets": "x y r"}
 REASONS = "events", "stopped", "horizon", "return", "quiet"
+CONTACT, QUESTION = r"\[\d{1,15},-?\d{1,15}\]", '"(tie|graze|still|together|slack|rim|until|reverse)"'
+SHAPES = {"arrive": rf"\[({CONTACT},?)+\]", "grazes": rf"\[({CONTACT},?)*\]", "entries": rf"\[({CONTACT},?)*\]",
+          "rounds": rf"\[(\[({CONTACT},?)+\],?)*\]",
+          "zeros": rf'\[(\[{QUESTION},{CONTACT},("exact"|"back"|\d{{1,15}})(,{CONTACT})?\],?)*\]'}
 Flight = namedtuple("Flight", "x y vx vy t age")  # at (x, y) at time t, which is that of the instant `age`
 Meeting = namedtuple("Meeting", "t gap closing d v square arms")
 Block = namedtuple("Block", "kind among push before age")  # before: of each circle, the number of the block before
@@ -146,6 +150,12 @@ def number(text):  # reads a sum of terms such as 3/4*r1*r2
         raise Malformed(f"{text[:40]!r} is no number")
     terms = (found.split("*r") for found in re.findall(f"[+-]?{TERM}", text))
     return sum((reduce(mul, (Exact.named[int(k) - 1] for k in ks), Exact(Fraction(x))) for x, *ks in terms), ZERO)
+
+def shaped(part):  # refuses a part of the log that has not the shape of one
+    for key in SHAPES.keys() & part.keys():
+        if not re.fullmatch(SHAPES[key], json.dumps(part[key], separators=(",", ":")), re.ASCII):
+            raise Malformed(f"its {key} are not of their shape")
+    if "reversal" in part: shaped(part["reversal"])
 
 def put(flight, t, age):  # the same flight, told from where it is at a time t, that of the instant `age`
     x, y, vx, vy, since, then = flight
@@ -307,6 +317,7 @@ class Checker(Zeros):
                       for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
         if self.end["reason"] not in REASONS or self.end.get("limit", 1) < 1: raise Malformed("its end is not known")
         self.last_event = self.end["limit"] if self.end["reason"] == "events" else None
+        for part in (told["start"], *told["instants"], self.end): shaped(part)
         self.limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
         if self.end["reason"] == "horizon": self.limits["until"] = number(self.end["until"])
         sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
@@ -360,7 +371,9 @@ class Checker(Zeros):
             sign = 0 if not arrive and wait.zero() else self.sign(question, self.clock, wait)
             if sign < 0: raise Refuted("the end, or the reversal, comes before it")
             due |= question == "reverse" and sign == 0
-        self.resolve(dict.fromkeys(self.lasting | {*grazes}, 0) | dict.fromkeys(arrive, -1), entry, near)
+        alone = {"rounds": [arrive]} if len(arrive) == 1 and arrive[0][1] >= 0 else {}
+        known = dict.fromkeys(self.lasting | {*grazes}, 0) | dict.fromkeys(arrive, -1)
+        self.resolve(known, alone | entry, near)
         self.turn(entry, due)
     def next(self, c):  # of the next meeting of two: never; a hit or a graze, and when; a doubt, but for witnesses
         if self.nexts.get(c, DOUBT) == DOUBT:
@@ -392,9 +405,9 @@ class Checker(Zeros):
     def resolve(self, known, entry, near=(), moved=()):
         """What an instant does with all that stands at gap zero, `known` with the signs of its closing speeds: rounds
         of impulses among all that hangs together with what approaches; then entries; then what lasts."""
-        arrive, solid, moved, self.stood = entry.get("arrive", ()), [c for c in known if c[1] >= 0], {*moved}, known
-        rounds = entry.get("rounds", [arrive] if len(arrive) == 1 and arrive[0][1] >= 0 else [])
-        rounds, self.count = [[tuple(c) for c in push] for push in rounds], self.count + bool(rounds)
+        solid, moved, self.stood = [c for c in known if c[1] >= 0], {*moved}, known
+        rounds = [[tuple(c) for c in push] for push in entry.get("rounds", ())]
+        self.count += bool(rounds)
         while approaching := sorted(c for c in solid if known[c] < 0):  # the next group
             group = self.linked(approaching[0], solid, range(self.n))
             time = self.nexts[approaching[0]][1] if self.age and self.age % 2 == 0 else self.time
