@@ -90,7 +90,7 @@ export class Sweep {
       const [i, j] = contact
       const other = this.scene.isPair(contact) ? flights[j] : flights[i]
       const later = other.at > flights[i].at ? other : flights[i]
-      if (witnesses.shows('still', contact, { time: later.start })) this.#never(this.scene.key(contact))
+      if (witnesses.shows('still', contact, { time: later.start }, false)) this.#never(this.scene.key(contact))
     }
   }
 
