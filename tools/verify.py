@@ -43,9 +43,9 @@ POLICY = r"simultaneous|sequential(:order=scene|:seed=\d{1,18})?"
 THINGS = {"circles": "x y vx vy r", "walls": "x0 y0 x1 y1", "pockets": "x y r"}
 REASONS = "events", "stopped", "horizon", "return", "quiet"
 CONTACT, QUESTION = r"\[\d{1,15},-?\d{1,15}\]", '"(tie|graze|still|together|slack|rim|until|reverse)"'
-SHAPES = {"arrive": rf"\[({CONTACT},?)+\]", "grazes": rf"\[({CONTACT},?)*\]", "entries": rf"\[({CONTACT},?)*\]",
-          "rounds": rf"\[(\[({CONTACT},?)+\],?)*\]",
-          "zeros": rf'\[(\[{QUESTION},{CONTACT},("exact"|"back"|\d{{1,15}})(,{CONTACT})?\],?)*\]'}
+WITNESS = rf'\[{QUESTION},{CONTACT},("exact"|"back"|\d{{1,15}})(,{CONTACT})?\]'
+SHAPES = {"arrive": rf"\[({CONTACT},?)+\]", "grazes": rf"\[({CONTACT},?)*\]".replace("-?", ""),
+          "rounds": rf"\[(\[({CONTACT},?)+\],?)*\]", "entries": rf"\[({CONTACT},?)*\]", "zeros": rf"\[({WITNESS},?)*\]"}
 Flight = namedtuple("Flight", "x y vx vy t age")  # at (x, y) at time t, which is that of the instant `age`
 Meeting = namedtuple("Meeting", "t gap closing d v square arms")
 Block = namedtuple("Block", "kind among push before age")  # before: of each circle, the number of the block before
@@ -53,7 +53,6 @@ Block = namedtuple("Block", "kind among push before age")  # before: of each cir
 class Malformed(Exception): """This is no certificate."""
 class Refuted(Exception): code, word = 1, "refuted"
 class Undecided(Exception): code, word = 4, "not decided"  # the intervals are too wide, or a witness is missing
-BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
 
 class Exact:
     """a + b*sqrt(d): d is the k-th of `roots`, a and b use those before it; for k = 0 the fraction a."""
@@ -192,8 +191,7 @@ class Laws:
         rest = [[x - f * y for f in [row[0] / pivot] for x, y in zip(row[1:], top, strict=True)] for row in rest]
         low = self.solve(rest)
         return [sum((-(g * x) for g, x in zip(top[:-1], low, strict=True)), top[-1]) / pivot, *low]
-    def blow(self, flights, push, others):
-        """Of those that push the impulses s, by G s = -2u; 2u + G s of others; the new velocities."""
+    def blow(self, flights, push, others):  # s of those that push, by G s = -2u; 2u + G s of others; the new velocities
         met = {c: self.meeting(flights, c) for c in (*push, *others)}
         twice = {c: m.closing + m.closing for c, m in met.items()}
         def effect(c, o):  # an entry of G
@@ -216,8 +214,7 @@ class Zeros(Laws):
         if (sign := value.sign()) is None and not self.zero(question, c, value):
             raise Undecided(f"{question!r} of {c} may be zero, and there is no witness")
         return sign or 0
-    def zero(self, question, c, value, must=True):
-        """Whether a witness proves the number asked about zero; one that fails refutes the certificate."""
+    def zero(self, question, c, value, must=True):  # whether a witness proves it; one that must, and does not, refutes
         witnesses = self.witnesses.get((question, c), ())
         proved = any(self.proves(question, c, value, *witness) for witness in witnesses)
         if witnesses and must and not proved: raise Refuted(f"the witness of zero {question!r} of {c} proves nothing")
@@ -241,8 +238,7 @@ class Zeros(Laws):
             return not (a * nx + b * ny + nx or d * nx + e * ny + ny) and images.get(i) == i and self.maps(g, i)
         unturned = not any((a - ONE, b, d, e - ONE))
         return unturned and any(images.get(k) == m and self.maps(g, k) for k, m in ((i, j), (j, i)))
-    def isometry(self, told):
-        """The linear part, and what is mapped to what, checked on the data; the images of the first blocks."""
+    def isometry(self, told):  # its linear part, what it maps to what, by the data, and the images of the first blocks
         (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
         images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
         for i, j in images.items():
@@ -261,7 +257,7 @@ class Zeros(Laws):
         """Whether an isometry maps circle i with its past to its image: the image of a block is that of its kind with
         the images of its contacts, and of the blocks before it."""
         _, images, seen = g
-        for kind, among, _, before, _ in self.blocks[len(seen):]:
+        for kind, among, _, before, _ in self.blocks[len(seen) : self.last[i] + 1]:
             past = frozenset((images.get(k), seen[number]) for k, number in before.items())
             seen.append(self.numbers.get((kind, frozenset(self.image(images, c) for c in among), past)))
         return i in images and seen[self.last[i]] == self.last[images[i]]
@@ -278,11 +274,9 @@ class Zeros(Laws):
             undone = old.push == block.push and old.before.keys() == before.keys()
             self.way |= {i: old.before[i] if undone else None for i in before}
         return before
-    def pasts(self, c):
-        """A contact, and the last blocks of its circles on the way out that are done, or not undone (None: it left)."""
+    def pasts(self, c):  # with the last blocks of its circles, on the way out, that are done or not undone (None: left)
         return c, *((self.way or self.last)[i] for i in c if 0 <= i < self.n)
-    def parted(self, c):
-        """The age of the instant of the way out at which two, on their flights of now, stood at gap zero; or None."""
+    def parted(self, c):  # the age of the instant of the way out at which two, on the flights of now, were at gap zero
         if not self.way or None in (pasts := self.pasts(c)): return None
         latest = max(self.blocks[k].age for k in pasts[1:])
         return latest if c in self.standing[latest] else None
@@ -505,6 +499,10 @@ def judged(told, factor):  # the exit code for a certificate with so many times 
     except (Refuted, Undecided) as fault:
         return fault.code, f"{fault.word}: {checker.where if checker else 'in the scene'}: {fault}"
 
+def whole(text):  # a number of JSON
+    if not re.fullmatch(r"-?\d{1,15}", text): raise Malformed(f"{text[:40]} is no whole number, or too long")
+    return int(text)
+
 def once(pairs):  # an object of JSON whose keys differ
     if len(found := dict(pairs)) < len(pairs): raise Malformed("a key comes twice")
     return found
@@ -515,7 +513,7 @@ def verdict(path):  # the exit code for a file, and a sentence
         if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
         if len(text) > BYTES: raise Malformed(f"it is longer than {BYTES} bytes")
-        read = {"object_pairs_hook": once, "parse_float": number, "parse_constant": number}
+        read = {"object_pairs_hook": once, "parse_int": whole, "parse_float": whole, "parse_constant": whole}
         Exact.work, told = 0, json.loads(text.decode(), **read)
         code, sentence = judged(told, 1)
         for factor in (2, 4) if code == 4 else ():
@@ -523,7 +521,7 @@ def verdict(path):  # the exit code for a file, and a sentence
             if more != 4: return 4, f"{sentence}; with {factor * told['bits'][0][1]} bits it is {what}"
         return code, sentence + "; nor do 4 times the bits decide" * (code == 4)
     except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
-    except BROKEN as error:
+    except (Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
         return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
 
 if __name__ == "__main__":

@@ -81,7 +81,7 @@ function witness(value, where) {
 
 const part = { rounds: list(list(contact, 1)), entries: list(contact), zeros: list(witness) }
 const start = { ...part, reversal: object({}, part) }
-const instant = { ...start, arrive: list(contact, 1), grazes: list(contact) }
+const instant = { ...start, arrive: list(contact, 1), grazes: list(tuple(integer(0), integer(0))) }
 const ENDS = { quiet: {}, horizon: { until: number }, return: {}, events: { limit: integer(1) }, stopped: {} }
 
 function end(value, where) {

@@ -66,6 +66,7 @@ CASES: dict[str, tuple[int, Told | str]] = {
     "a contact of three": (NO_CERTIFICATE, with_first(arrive=[[0, 1, 2]])),
     "a contact before all circles": (NO_CERTIFICATE, with_first(arrive=[[-1, 1]])),
     "nothing arrives": (NO_CERTIFICATE, with_first(arrive=[])),
+    "a rim that grazes": (NO_CERTIFICATE, with_first(grazes=[[0, -1]])),
     "a round of none": (NO_CERTIFICATE, with_first(rounds=[[]])),
     "a question that nobody knows": (NO_CERTIFICATE, with_first(zeros=[["why", [0, 1], "exact"]])),
     "a witness without a how": (NO_CERTIFICATE, with_first(zeros=[["tie", [0, 1]]])),
@@ -78,6 +79,7 @@ CASES: dict[str, tuple[int, Told | str]] = {
     "a start with what only instants have": (VERIFIED, {**LEE, "start": {**LEE["start"], "arrive": [[0, 1]]}}),
     "a mark before the text": (NO_CERTIFICATE, "\ufeff" + certificate_json(LEE)),
     "a fraction of JSON where nothing is read": (NO_CERTIFICATE, json.dumps({**LEE, "more": 0.5})),
+    "a long number where nothing is read": (NO_CERTIFICATE, json.dumps({**LEE, "more": 10**15})),
     "no number where nothing is read": (NO_CERTIFICATE, json.dumps({**LEE, "more": float("nan")})),
 }  # fmt: skip
 
