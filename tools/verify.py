@@ -182,7 +182,6 @@ class Laws:
     def disc(self, m):  # of two that approach: positive if they hit, zero if they graze, negative if they miss
         cross = m.d[0] * m.v[1] - m.d[1] * m.v[0]
         return self.speed(m) * m.square - cross * cross
-    def graze(self, m): return m.t - m.closing / self.speed(m)  # when two are nearest
     def hit(self, m):  # when the gap falls through zero
         return m.t + m.gap / (self.disc(m).sqrt() - m.closing) if m.v else m.t - m.gap / m.closing
     def solve(self, rows):  # the x with G x = y, by elimination; each row is one of G, and then of y
@@ -290,10 +289,10 @@ class Checker(Zeros):
         self.told, self.scene, self.end = told, (scene := told["scene"]), told["end"]
         n, (places, bits) = len(scene["circles"]), zip(*told["bits"], strict=True)
         area = n * sum(len(scene.get(kind, ())) for kind in THINGS)
-        if not 0 < n <= CIRCLES or area > PAIRS or len(told["roots"]) > SCENE_ROOTS:
-            raise Malformed("it has no circle, or too many circles, walls, pockets or roots")
-        falls = [*places] == sorted({0, *places}) and [*bits] == sorted(bits, reverse=True)
-        if not (falls and 0 < bits[-1] <= bits[0] <= min(BITS, SIZE // area)): raise Malformed("bits out of range")
+        if not 0 < n <= CIRCLES or area > PAIRS or len(told["roots"]) > SCENE_ROOTS or area * bits[0] > SIZE:
+            raise Malformed("it has no circle, or too many circles, walls, pockets, roots or bits")
+        if [*places] != sorted({0, *places}) or not BITS >= bits[0] >= bits[-1] > 0 or [*bits] != sorted(bits)[::-1]:
+            raise Malformed("bits out of range")
         Exact.roots, Exact.named, Exact.most, Exact.budget = [], [], ROOTS, WORK
         for text in told["roots"]: Exact.named.append(number(text).sqrt())
         circles, walls, pockets = ([[number(thing[key]) for key in keys.split()] for thing in scene.get(kind, ())]
@@ -379,7 +378,7 @@ class Checker(Zeros):
             elif closing is None: known = NEVER if self.zero("still", c, m.closing, must=False) else DOUBT
             elif disc == 1: known = "hit", self.hit(m)
             elif disc == 0 or self.zero("graze", c, self.disc(m)):
-                known = "graze", self.graze(m)
+                known = "graze", m.t - m.closing / self.speed(m)  # when two are nearest
                 self.grazed |= set() if self.way else {self.pasts(c)}
             self.nexts[c] = known
         return self.nexts[c]
