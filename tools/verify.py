@@ -108,9 +108,8 @@ class Ball:
     def __add__(self, o): return Ball(self.m + o.m, self.r + o.r, add, self.how, o.how)
     def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r, sub, self.how, o.how)
     def __mul__(self, o):
-        m, wide = self.m * o.m, abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
-        lost = wide or m & (1 << Ball.bits) - 1
-        return Ball(m >> Ball.bits, (wide >> Ball.bits) + 2 if lost else 0, mul, self.how, o.how)
+        wide = abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
+        return Ball(self.m * o.m, wide, mul, self.how, o.how).cut(Ball.bits)
     def __truediv__(self, o):
         if (least := abs(o.m) - o.r) <= 0: raise Undecided("a number that may be zero divides")
         m, rest = divmod(self.m << Ball.bits, o.m)
@@ -121,6 +120,10 @@ class Ball:
         root = isqrt(low)
         half = 0 if self.r == 0 and root * root == low else (self.r << Ball.bits) // root // 2 + 2
         return Ball(root + half, half, Exact.sqrt, self.how)
+    def cut(self, drop):  # the same in units of so many bits less
+        exact = self.r == 0 and self.m >> drop << drop == self.m
+        self.m, self.r = self.m >> drop, 0 if exact else (self.r >> drop) + 2
+        return self
     def sign(self): return 1 if self.m > self.r else -1 if self.m < -self.r else None if self.r else 0
     @staticmethod
     def of(x):  # the interval of an exact number
@@ -322,7 +325,8 @@ class Checker(Zeros):
         self.policy, _, seed = scene["tie_policy"].partition(":seed=")
         self.draw = random.Random(int(seed)) if seed else None
     def check(self, factor=1):  # checks all of it, with so many times the bits
-        Ball.bits, self.where = self.told["bits"][0][1] * factor, "in the scene"
+        self.where, bits = "in the scene", dict(self.told["bits"])
+        Ball.bits = bits[0] * factor
         self.isometries = dict(enumerate(map(self.isometry, self.told["isometries"])))
         self.none, self.due = Ball.of(ZERO), {question: Ball.of(x) for question, x in self.limits.items()}
         self.balls = {k: [*map(Ball.of, row)] for k, row in self.things.items()}
@@ -333,7 +337,14 @@ class Checker(Zeros):
         self.blocks, self.numbers = [Block("data", frozenset(), frozenset(), {}, 0)], {}
         instants = [(f"instant {k}", self.instant, entry) for k, entry in enumerate(self.told["instants"])]
         steps = [("at the start", self.open, self.told["start"]), *instants, ("at the end", self.close, self.end)]
-        for self.where, step, entry in steps: step(entry)
+        for k, (self.where, step, entry) in enumerate(steps):
+            if k <= len(instants): self.fall(bits.get(k, 0) * factor or Ball.bits)
+            step(entry)
+    def fall(self, bits):  # goes on with so many bits, which may be fewer: what is known gets less sharp on the way
+        drop, Ball.bits = Ball.bits - bits, bits
+        rows = *(flight[:5] for flight in self.flights.values()), *self.balls.values(), self.due.values()
+        numbers = *(x for row in rows for x in row), *(when for _, when in self.nexts.values() if when)
+        for x in {id(x): x for x in numbers}.values() if drop else (): x.cut(drop)
     def open(self, entry):  # time 0: nothing overlaps; what touches is known exactly
         known = {}
         self.take(entry, None)

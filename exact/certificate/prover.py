@@ -86,15 +86,6 @@ class Prover(Checker):
         self.drops.clear()
         super().open(entry)
 
-    def fall(self, bits: int) -> None:
-        """Goes on with fewer bits: what is known gets less sharp on the way."""
-        drop, Ball.bits = Ball.bits - bits, bits
-        rows: list[Iterable[Ball]] = [flight[:5] for flight in self.flights.values()]
-        rows += [*self.balls.values(), self.due.values(), [when for _, when in self.nexts.values() if when]]
-        for x in {id(x): x for row in rows for x in row}.values():
-            exact = x.r == 0 and x.m >> drop << drop == x.m
-            x.m, x.r = x.m >> drop, 0 if exact else (x.r >> drop) + 2
-
     def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
         self.number += 1
