@@ -152,10 +152,10 @@ class Prover(Checker):
         kind, when = self.next(c)
         return kind == "graze" and (when - time).sign() in (None, 0)
 
-    def close(self, reason: str) -> None:
+    def close(self, end: dict[str, Any]) -> None:
         """The end."""
-        self.upto = self.due.get("until") if reason != "quiet" else None
-        super().close(reason)
+        self.upto = self.due.get("until")
+        super().close(end)
 
     # -- witnesses
 
