@@ -12,19 +12,8 @@ from typing import Any
 
 import click
 
-from .advise import advise
 from .commands import cli
 from .exit_codes import DONE, ExitCode
-from .foreign import export, judge
-from .stress import stress
-from .suite import suite, survey
-
-cli.add_command(advise)
-cli.add_command(judge)
-cli.add_command(export)
-cli.add_command(stress)
-cli.add_command(suite)
-cli.add_command(survey)
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -34,6 +23,8 @@ def main(arguments: list[str] | None = None) -> None:
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     if "_TRUEBREAK_COMPLETE" in os.environ:
+        from . import fish  # noqa: F401
+
         cli.main(given, prog_name="truebreak")
     _open_streams()
     debug = "--debug" in given

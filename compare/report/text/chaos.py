@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..counting import counted
 from ..sentences import listed
-from .listing import console, grid, say
+from .output import console, grid, say
 
 if TYPE_CHECKING:
     from ...chaos.blocks import Rate
@@ -102,8 +102,6 @@ def _seen(horizon: Horizon, events: int) -> str:
 
 def print_chaos(chaos: Chaos) -> None:
     """Prints all of it on stdout."""
-    from rich.markup import escape
-
     out = console()
     first, *others = sentences(chaos)
     say(out, f"{chaos.scene.name}: {first}", "bold")
@@ -112,5 +110,5 @@ def print_chaos(chaos: Chaos) -> None:
     if chaos.horizons:
         table = grid(*HORIZON_HEADINGS)
         for row in horizon_rows(chaos):
-            table.add_row(*map(escape, row))
+            table.add_row(*row)
         out.print(table)
