@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
+from ...scenarios.frozen import frozen
 from ...scenarios.scene import Scene
 from ..replay.contact import Link
 from ..replay.refinable import RefinableState
@@ -14,7 +14,7 @@ from .retrace import Retrace
 from .ties import TieRule
 
 
-@dataclass(frozen=True)
+@frozen
 class Grounds:
     """One run, as its rungs see it.
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from ...scenarios.frozen import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import N
 from ..replay.contact import AtWall, Entry, Link, Round
@@ -12,7 +12,7 @@ from ..replay.state import State
 from .question import Form, Plain, RootFree, RootSum, circles_of
 
 
-@dataclass(frozen=True)
+@frozen
 class _OfLink(RootFree):
     """A root-free question about one contact."""
 
@@ -23,7 +23,7 @@ class _OfLink(RootFree):
         return self.link.circles
 
 
-@dataclass(frozen=True)
+@frozen
 class _OfRound(RootFree):
     """A root-free question about two circles, or a centre and a pocket."""
 
@@ -34,7 +34,6 @@ class _OfRound(RootFree):
         return self.link.circles
 
 
-@dataclass(frozen=True)
 class Approach(_OfLink):
     """Do the two of a contact come nearer (negative) or part (positive)?"""
 
@@ -48,7 +47,6 @@ class Approach(_OfLink):
         return form.alike(self.link)
 
 
-@dataclass(frozen=True)
 class Closing(_OfLink):
     """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
 
@@ -62,7 +60,6 @@ class Closing(_OfLink):
         return form.alike(self.link)
 
 
-@dataclass(frozen=True)
 class Gap(_OfLink):
     """Are the two of a contact apart (positive) or touching (zero)?"""
 
@@ -73,7 +70,6 @@ class Gap(_OfLink):
         return f"whether {name(self.link)} touch"
 
 
-@dataclass(frozen=True)
 class Discriminant(_OfRound):
     """Do the paths of two circles hit (positive), graze (zero) or miss (negative)?"""
 
@@ -84,7 +80,6 @@ class Discriminant(_OfRound):
         return f"whether {name(self.link)} hit, graze or miss"
 
 
-@dataclass(frozen=True)
 class RelativeSpeed(_OfRound):
     """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
 
@@ -99,7 +94,7 @@ class RelativeSpeed(_OfRound):
         return form.alike(self.link)
 
 
-@dataclass(frozen=True)
+@frozen
 class Rim(RootFree):
     """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
 
@@ -116,7 +111,7 @@ class Rim(RootFree):
         return f"whether the centre of {name(self.link)} stands on the rim"
 
 
-@dataclass(frozen=True)
+@frozen
 class Moment:
     """When two touch next: by a hit, or by a graze, which touches without pushing."""
 
@@ -137,7 +132,7 @@ class Moment:
         return self.link.parts(state)
 
 
-@dataclass(frozen=True)
+@frozen
 class Sooner:
     """Does `first` come before (negative), with (zero) or after (positive) `second`?"""
 
@@ -167,7 +162,7 @@ class Sooner:
         return f"whether {name(self.first.link)} meet before, with or after {name(self.second.link)}"
 
 
-@dataclass(frozen=True)
+@frozen
 class BeforeTime(Plain):
     """Does a meeting come before (negative), at (zero) or after (positive) a given time?
 

@@ -7,12 +7,12 @@ asks for. That a history keeps a symmetry is proved on its log (`predicates.log_
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
 from typing import Any
 
 from ...scenarios.errors import SceneError
+from ...scenarios.frozen import frozen
 from ...scenarios.scene import Scene
 from ..numbers.field import FieldNumber, LeavesField, field_sign
 from .isometry import Matrix, scene_data
@@ -22,7 +22,7 @@ NEAR = 1e-6
 exact work on candidates that are plainly none."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Symmetry:
     """An isometry that maps the scene to itself.
 
