@@ -289,8 +289,8 @@ SHORT_RUN = {
     "scenarios": "engine errors event frozen late limits names neighbours scene showing things tie_policy trajectory "
     "validation version work numbers.conversion numbers.doubles numbers.expression numbers.parsing numbers.precision "
     "numbers.quantity numbers.rationals numbers.real numbers.sympy_form numbers.tower.element numbers.tower.field "
-    "numbers.tower.ring numbers.tower.sums numbers.tower.tower numbers.tower.written catalogue.draw catalogue.entry catalogue.settings catalogue.table "
-    "catalogue.scenes.article catalogue.scenes.gas",
+    "numbers.tower.ring numbers.tower.sums numbers.tower.tower numbers.tower.written catalogue.draw "
+    "catalogue.entry catalogue.settings catalogue.table catalogue.scenes.article catalogue.scenes.gas",
     "exact": "engine certified laws.formulas laws.tangent_formulas numbers policies predicates replay results "
     "simulation",
     "floating": "double event_engine flat knots plain_decider plain_run",

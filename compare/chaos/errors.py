@@ -152,7 +152,8 @@ def _strike(
         else:
             size = np.abs(state[k]) + np.array([abs(change[0]), abs(change[1]), 0.0, 0.0]) * time
             speed = float(np.abs(change).max())
-            room = np.array([size[0], size[1], abs(state[k, 2]) + speed, abs(state[k, 3]) + speed])
+            exact = (before == 0) & (change == 0)  # a zero to which a zero is added: on a line, nothing leaves it
+            room = np.array([size[0], size[1], *np.where(exact, 0.0, np.abs(state[k, 2:]) + speed)])
             carried.columns[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
 
 

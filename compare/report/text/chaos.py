@@ -63,6 +63,11 @@ def sentences(chaos: Chaos) -> list[str]:
     listed_values = ", ".join(f"{found.per_time(k).value:.4g}" for k in range(min(count, SHOWN_EXPONENTS)))
     more = f", and {count - SHOWN_EXPONENTS} more" if count > SHOWN_EXPONENTS else ""
     told.append(f"Spectrum, {count} of {found.dimension}: {listed_values}{more}.")
+    if chaos.horizons and not found.chaotic:
+        told.append(
+            "The events foreseen hold where small errors change who meets next. Here growth that goes on is not told, "
+            "and engines may hold out longer."
+        )
     if chaos.exact:
         told.append(f"No horizon: {listed([*chaos.exact])}, whose numbers are exact.")
     return told
@@ -74,12 +79,12 @@ def horizon_rows(chaos: Chaos) -> list[tuple[str, ...]]:
 
 
 def _row(horizon: Horizon, events: int) -> tuple[str, ...]:
-    band = f"{_event(horizon.low, events)} to {_event(horizon.high, events)}"
+    ends = dict.fromkeys(_event(end, events) for end in (horizon.low, horizon.high))
     time = "" if horizon.expected.time is None else f"{horizon.expected.time:.5g}"
     return (
         horizon.engine,
         _event(horizon.expected, events),
-        band,
+        " to ".join(ends),
         time,
         "-" if horizon.by_exponent is None else f"{horizon.by_exponent:.5g}",
         _seen(horizon, events),
