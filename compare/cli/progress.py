@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 if TYPE_CHECKING:
+    from rich.status import Status
+
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Progress
 
@@ -105,17 +108,59 @@ def goal_of(scene: Scene, until: str | None, events: int | None) -> Goal:
         return Goal(events)
 
 
+QUIET_SECONDS = 0.25
+"""What takes less shows no line."""
+
+
 @contextmanager
 def showing(title: str) -> Iterator[Callable[[str], None] | None]:
     """A line on stderr that is written anew with each text; None, and no output, where stderr is not a terminal."""
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
-    from rich.text import Text
+    line = Line(title)
+    timer = threading.Timer(QUIET_SECONDS, line.begin)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield line.write
+    finally:
+        timer.cancel()
+        line.end()
 
-    with Console(stderr=True).status(Text(title)) as status:
-        yield lambda text: status.update(Text(text))
+
+class Line:
+    """The line; what is over before it begins shows nothing, and needs no rich."""
+
+    def __init__(self, title: str) -> None:
+        self._text, self._over = title, False
+        self._status: Status | None = None
+        self._lock = threading.Lock()
+
+    def begin(self) -> None:
+        """Shows it from now on."""
+        from rich.console import Console
+        from rich.text import Text
+
+        with self._lock:
+            if not self._over:
+                self._status = Console(stderr=True).status(Text(self._text))
+                self._status.start()
+
+    def write(self, text: str) -> None:
+        """Another text."""
+        self._text = text
+        if self._status is not None:
+            from rich.text import Text
+
+            self._status.update(Text(text))
+
+    def end(self) -> None:
+        """Takes it away."""
+        with self._lock:
+            self._over = True
+            if self._status is not None:
+                self._status.stop()
 
 
 @contextmanager
