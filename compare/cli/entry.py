@@ -16,8 +16,8 @@ from typing import Any
 
 import click
 
-from .commands import cli
 from .exit_codes import DONE, ExitCode
+from .group import cli
 
 
 def main(arguments: list[str] | None = None) -> None:

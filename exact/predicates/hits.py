@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Generic, TypeVar
 
 from ...scenarios.frozen import frozen
 from ...scenarios.numbers.quantity import Quantity
@@ -11,30 +12,21 @@ from ..replay.contact import AtWall, Entry, Link, Round
 from ..replay.state import State
 from .question import Form, Plain, RootFree, RootSum, circles_of
 
+L = TypeVar("L", Link, Round, Entry)
+
 
 @frozen
-class _OfLink(RootFree):
+class _OfOne(RootFree, Generic[L]):
     """A root-free question about one contact."""
 
-    link: Link
+    link: L
 
     @property
     def bodies(self) -> tuple[int, ...]:
         return self.link.circles
 
 
-@frozen
-class _OfRound(RootFree):
-    """A root-free question about two circles, or a centre and a pocket."""
-
-    link: Round
-
-    @property
-    def bodies(self) -> tuple[int, ...]:
-        return self.link.circles
-
-
-class Approach(_OfLink):
+class Approach(_OfOne[Link]):
     """Do the two of a contact come nearer (negative) or part (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -47,7 +39,7 @@ class Approach(_OfLink):
         return form.alike(self.link)
 
 
-class Closing(_OfLink):
+class Closing(_OfOne[Link]):
     """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -60,7 +52,7 @@ class Closing(_OfLink):
         return form.alike(self.link)
 
 
-class Gap(_OfLink):
+class Gap(_OfOne[Link]):
     """Are the two of a contact apart (positive) or touching (zero)?"""
 
     def value(self, state: State[N]) -> N:
@@ -70,7 +62,7 @@ class Gap(_OfLink):
         return f"whether {name(self.link)} touch"
 
 
-class Discriminant(_OfRound):
+class Discriminant(_OfOne[Round]):
     """Do the paths of two circles hit (positive), graze (zero) or miss (negative)?"""
 
     def value(self, state: State[N]) -> N:
@@ -80,7 +72,7 @@ class Discriminant(_OfRound):
         return f"whether {name(self.link)} hit, graze or miss"
 
 
-class RelativeSpeed(_OfRound):
+class RelativeSpeed(_OfOne[Round]):
     """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -94,15 +86,8 @@ class RelativeSpeed(_OfRound):
         return form.alike(self.link)
 
 
-@frozen
-class Rim(RootFree):
+class Rim(_OfOne[Entry]):
     """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
-
-    link: Entry
-
-    @property
-    def bodies(self) -> tuple[int, ...]:
-        return self.link.circles
 
     def value(self, state: State[N]) -> N:
         return state.rim(self.link)

@@ -1,0 +1,102 @@
+"""The commands, by name: each is imported when it is asked for. Data on stdout, progress on stderr."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, MutableMapping
+from importlib import import_module
+
+import click
+
+EXAMPLES = """
+\b
+Examples:
+  truebreak scenes                           what there is to play with
+  truebreak compare cradle --engines double  did floats change what happened?
+  truebreak compare gas:n=10,seed=1 --events 200 --html report.html
+  truebreak run galperin:n=2 --json          314 collisions: the digits of pi
+  truebreak run tennis --exact               every number as an expression
+  truebreak run --resume gas-run.json        go on from what --save wrote
+  truebreak run lee --certificate lee.json   then: truebreak verify lee.json
+  truebreak judge gas log.jsonl              the log of any engine
+  truebreak export gas --floats              the scene for such an engine
+  truebreak orders lee                       what orders of impulses lead to
+  truebreak chaos gas --events 400           when each engine will be lost
+  truebreak sweep gas --vary seed=1..20      the same for a family of scenes
+  truebreak minimise gas --engine double     the smallest scene that shows it
+  truebreak advise gas:n=5 --events 12       the cheapest right setting
+  truebreak stress near-ties                 how near a tie may be
+  truebreak show rack:rows=3 --plot rack.svg
+
+\b
+Exit codes:
+  0 agree, or done   1 diverged   2 usage or bad scene   3 internal error
+  4 undecided, or budget spent    130 interrupted
+"""
+
+PLACES = {
+    "advise": "advise",
+    "bench": "bench",
+    "chaos": "chaos",
+    "compare": "compare",
+    "export": "foreign",
+    "judge": "foreign",
+    "minimise": "minimise",
+    "orders": "orders",
+    "run": "run",
+    "scenes": "catalogue",
+    "shadow": "shadow",
+    "show": "catalogue",
+    "stress": "stress",
+    "suite": "suite",
+    "survey": "suite",
+    "sweep": "sweep",
+    "verify": "verify",
+}
+"""The module of each command in `commands`, where it is called as here. A new command adds its file and one line."""
+
+
+class Commands(MutableMapping[str, click.Command]):
+    """The commands of a table such as `PLACES`.
+
+    >>> sorted(Commands({"show": "catalogue"}))
+    ['show']
+    >>> Commands({"show": "catalogue"})["show"].name
+    'show'
+    """
+
+    def __init__(self, places: dict[str, str]) -> None:
+        self._places, self._loaded = dict(places), dict[str, click.Command]()
+
+    def __getitem__(self, name: str) -> click.Command:
+        if name not in self._loaded:
+            self._loaded[name] = getattr(import_module(f".commands.{self._places[name]}", __package__), name)
+        return self._loaded[name]
+
+    def __setitem__(self, name: str, command: click.Command) -> None:
+        self._places[name], self._loaded[name] = name, command
+
+    def __delitem__(self, name: str) -> None:
+        del self._places[name]
+        self._loaded.pop(name, None)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+
+@click.group(
+    commands=Commands(PLACES),
+    epilog=EXAMPLES,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
+@click.option("--debug", is_flag=True, help="Show the traceback of an internal error.")
+@click.version_option(package_name="truebreak", message="%(prog)s %(version)s")
+def cli(debug: bool) -> None:
+    """Says, provably, whether and where floating-point error changed what happened.
+
+    truebreak runs one scene of colliding circles and walls through engines that count differently, takes the
+    exact one as the truth, and reports the first event where another engine's history leaves it, why, and
+    what that did to the outcome.
+    """
