@@ -207,6 +207,7 @@ def _strike(
             continue
         (x, y), (ux, uy), speed = course.places[i], course.speeds[i], float(np.abs(change).max())
         room = np.abs([x, y, ux, uy]) + np.array([abs(change[0]) * time, abs(change[1]) * time, speed, speed])
+        room[2:][(course.speeds[i] == 0) & (change == 0)] = 0.0  # a zero to which a zero is added is exact
         carried.columns[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
 
 

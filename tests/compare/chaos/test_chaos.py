@@ -23,6 +23,7 @@ from truebreak.compare.cli import main
 from truebreak.compare.documents.chaos import chaos_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import engine
+from truebreak.compare.report.text.chaos import horizon_rows, sentences
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
@@ -321,3 +322,12 @@ def test_bad_input_is_one_line_and_exit_code_2(
     error = capsys.readouterr().err
     assert message in error
     assert len(error.splitlines()) == 1
+
+
+def test_on_a_line_nothing_leaves_it() -> None:
+    """Sideways, an error would grow from hit to hit; but engines have no error there."""
+    told = chaos(catalogue.build("galperin:n=2"), ["single", "double"])
+    assert [(h.low.event, h.expected.event, h.high.event) for h in told.horizons] == [(None, None, None)] * 2
+    assert [h.seen.verdict for h in told.horizons if h.seen is not None] == ["agree", "agree"]
+    assert {row[2] for row in horizon_rows(told)} == {"beyond 313"}
+    assert any(sentence.startswith("The events foreseen hold where") for sentence in sentences(told))
