@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
 
-from ..laws.tangent_formulas import pair_tangent_blocks
-from .errors import UP, Blocks
+from .errors import UP, Collision
 
 SMALL_WAIT = 2.0**-48
 """The most that a clock may stand beside its instant, in the set's unit of time, to be a mere perturbation."""
@@ -19,20 +17,6 @@ OFF = 2.0**-44
 three products of at most six factors, and two entries are a row: 36 times `CLOSE` and the roundings, 2**-53 each."""
 
 
-class PairDerivative(NamedTuple):
-    """What is known of the collision of two circles wherever the truth may be.
-
-    Attributes:
-        steep: by how much, at most, the instant moves for a deviation of one in d and v.
-        apart: a bound of what d at the hit may be off.
-        blocks: the derivative.
-    """
-
-    steep: float
-    apart: float
-    blocks: Blocks
-
-
 def pair_derivative(
     d: tuple[float, float],
     v: tuple[float, float],
@@ -41,7 +25,7 @@ def pair_derivative(
     unit: float,
     spread: float,
     near: float,
-) -> PairDerivative | None:
+) -> Collision | None:
     """The derivative of a collision, at the clock beside its instant, or None where the truth may be too far.
 
     Args:
@@ -56,21 +40,20 @@ def pair_derivative(
     moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
     |d + tau v| = R (see `laws/tangent.py`).
     """
-    size_d, size_v = abs(d[0]) + abs(d[1]), abs(v[0]) + abs(v[1])
+    (dx, dy), (vx, vy) = d, v
+    size_d, size_v = abs(dx) + abs(dy), abs(vx) + abs(vy)
     if not strength < 0.0 < speed < inf:
         return None
     steep = size_d / speed * UP
     apart = (1.0 + size_v * steep) * spread * UP
-    if not max(apart / size_d, spread / (unit * size_v), (apart * size_v + size_d * spread / unit) / speed) < near:
+    if not (
+        apart < near * size_d and spread < near * unit * size_v and apart * size_v + size_d * spread / unit < near * speed
+    ):
         return None
-    square, cross = v[0] * v[0] + v[1] * v[1], d[0] * v[1] - d[1] * v[0]
-    xx, xy, yy, *a = pair_tangent_blocks(*d, -speed, cross, square, strength)
     norm_b = -strength * size_d * size_d
-    norm_a = unit * (-strength * (speed + size_d * size_v) + square / speed * norm_b)
+    norm_a = unit * (-strength * (speed + size_d * size_v) + (vx * vx + vy * vy) / speed * norm_b)
     norm = (norm_a + norm_b) * UP
-    pxx, pxy, pyx, pyy = (part * unit for part in a)
-    blocks = Blocks(((xx, xy), (xy, yy)), ((pxx, pxy), (pyx, pyy)), norm, norm * (OFF + 2.0 * SMALL_WAIT))
-    return PairDerivative(steep, apart, blocks)
+    return Collision(steep, apart, norm, norm * (OFF + 2.0 * SMALL_WAIT), dx, dy, vx, vy, speed, strength)
 
 
 def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:

@@ -11,7 +11,7 @@ from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.error_set import ErrorSet
-from truebreak.exact.replay.errors import Fly, Meet, Spent
+from truebreak.exact.replay.errors import Collision, Leg, Spent
 from truebreak.exact.results.growth import error_growth
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
@@ -113,7 +113,7 @@ def test_a_set_holds_what_is_carried_exactly():
     points = [[[draw.uniform(-1, 1) for _ in range(4)] for _ in range(3)] for _ in range(50)]
     for _ in range(60):
         i, lag = draw.randrange(3), draw.uniform(0, 2)
-        errors.do(Fly(i, lag))
+        errors.fly(Leg(i, lag))
         for point in points:
             x, y, vx, vy = point[i]
             point[i] = [x + lag * vx, y + lag * vy, vx, vy]
@@ -126,12 +126,10 @@ def test_a_set_holds_what_is_carried_exactly():
 
 
 def test_a_set_that_doubles_cannot_carry_says_so():
-    from truebreak.exact.replay.errors import Blocks
-
     errors = ErrorSet([[1.0] * 4] * 2, 0)
-    huge = Blocks(((1e200, 0.0), (0.0, 1e200)), ((0.0, 0.0), (0.0, 0.0)), 1e200, 1e190)
-    errors.do(Meet(0, 1, 1.0, 1.0, huge, 0.0, 0.0))
-    errors.do(Meet(0, 1, 1.0, 1.0, huge, 0.0, 0.0))
+    huge = Collision(0.0, 0.0, 1e200, 1e190, 1e100, 0.0, -1e100, 0.0, 1e200, -1.0)
+    errors.meet(0, 1, (0.0, 0.0), (1.0, 1.0), huge, 0.0)
+    errors.meet(0, 1, (0.0, 0.0), (1.0, 1.0), huge, 0.0)
     with pytest.raises(Spent):
         errors.close()
     with pytest.raises(Spent):
