@@ -100,11 +100,13 @@ class DoubleFilter:
         place = px if px > py else py
         speed = sx if sx > sy else sy
         if not (place < BIG and speed < BIG and ft < BIG) or (
-            0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY or 0.0 < ft < TINY
+            not (px > TINY and py > TINY and sx > TINY and sy > TINY and ft > TINY)
+            and (0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY or 0.0 < ft < TINY)
         ):
             body.f = None
             return
-        late = 0.0 if body.flight.late is None else float(body.flight.late.abs_upper()) * ROUND_UP
+        beside = body.flight.late
+        late = 0.0 if beside is None else float(beside.abs_upper()) * ROUND_UP
         if not late < BIG:
             body.f = None
             return
@@ -210,13 +212,14 @@ class DoubleFilter:
         if fa is None:
             return found, [k for k, _ in enumerate(lines)]
         x, y, vx, vy, t, late = fa
+        slack, largest = 16 * UNIT * self.fastest, self.largest
         for k, (x0, y0, nx, ny, offset, norm, size) in enumerate(lines):
             approach = nx * vx + ny * vy
-            off = 16 * UNIT * norm * self.fastest
-            if approach > off:
+            if approach > 0.0 and approach > slack * norm:
                 continue
+            off = slack * norm
             gap = nx * (x - x0) + ny * (y - y0) - offset
-            off_gap = 32 * UNIT * (size + norm * self.largest)
+            off_gap = 32 * UNIT * (size + norm * largest)
             if not (approach < -8.0 * off and gap > off_gap):
                 unclear.append(k)
                 continue

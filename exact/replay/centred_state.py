@@ -157,7 +157,7 @@ class CentredState(BallState):
         if isinstance(link, AtWall):
             return held.mirror(held.face(self, link), movers[0])
         assert pending.hit is not None
-        return held.meet(link, movers, pending.hit, (0.0, 0.0))
+        return held.meet(link, movers, pending.hit)
 
     def forget_contact(self) -> None:
         """As `BallState.forget_contact`."""

@@ -17,9 +17,15 @@ OFF = 2.0**-44
 three products of at most six factors, and two entries are a row: 36 times `CLOSE` and the roundings, 2**-53 each."""
 
 
+OFF_BESIDE = OFF + 2.0 * SMALL_WAIT
+"""The same, at a clock beside the instant."""
+
+
 def pair_derivative(
-    d: tuple[float, float],
-    v: tuple[float, float],
+    dx: float,
+    dy: float,
+    vx: float,
+    vy: float,
     speed: float,
     strength: float,
     unit: float,
@@ -29,7 +35,7 @@ def pair_derivative(
     """The derivative of a collision, at the clock beside its instant, or None where the truth may be too far.
 
     Args:
-        d, v: at the hit, from midpoints, rounded.
+        dx, dy, vx, vy: d and v at the hit, from midpoints, rounded.
         speed: -d.v at the hit.
         strength: -2 / (R^2 (wa + wb)); 0 where it is not to be had.
         unit: the set's unit of time.
@@ -40,20 +46,18 @@ def pair_derivative(
     moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
     |d + tau v| = R (see `laws/tangent.py`).
     """
-    (dx, dy), (vx, vy) = d, v
     size_d, size_v = abs(dx) + abs(dy), abs(vx) + abs(vy)
     if not strength < 0.0 < speed < inf:
         return None
     steep = size_d / speed * UP
     apart = (1.0 + size_v * steep) * spread * UP
-    if not (
-        apart < near * size_d and spread < near * unit * size_v and apart * size_v + size_d * spread / unit < near * speed
-    ):
+    far = apart * size_v + size_d * spread / unit
+    if not (apart < near * size_d and spread < near * unit * size_v and far < near * speed):
         return None
     norm_b = -strength * size_d * size_d
     norm_a = unit * (-strength * (speed + size_d * size_v) + (vx * vx + vy * vy) / speed * norm_b)
     norm = (norm_a + norm_b) * UP
-    return Collision(steep, apart, norm, norm * (OFF + 2.0 * SMALL_WAIT), dx, dy, vx, vy, speed, strength)
+    return Collision(steep, apart, norm, norm * OFF_BESIDE, dx, dy, vx, vy, speed, strength)
 
 
 def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 from flint import arb
 
 from ..numbers import ball
-from .ball_state import BallState, Mirror, Told
+from .ball_state import BallState, Told
 from .body import Body, Flight, new_flight
 from .contact import AtWall, Link, Pair, Round
 from .derivatives import CLOSE, SMALL_WAIT, pair_derivative, wall_steepness
@@ -17,6 +17,9 @@ from .errors import MOST, UP, Collision, Leg, Spent, scaled
 
 LEAST_WEIGHT = 1e-100
 """Bounds the squares of radii over masses that doubles hold well."""
+
+ENOUGH = 2**40
+"""More bits than any number has."""
 
 MOST_UNIT = 300
 """The largest power of two that is taken for a unit of time."""
@@ -117,7 +120,7 @@ class Deviations:
             link: the contact.
             told, root: d at the hit of two circles and -d.v, as `BallState` has them.
         """
-        if state.late is None or not abs(float(state.late)) < SMALL_WAIT / 2 * self.unit:
+        if not self.stands_near(state.late):
             return None
         try:
             for i, lag in lags:
@@ -163,15 +166,14 @@ class Deviations:
             met: d, v and -d.v at the hit, from midpoints.
             spread: a bound of the deviations of d.
         """
-        dx, dy, vx, vy, speed = map(float, met)
-        near, strength = self.errors.doubles(CLOSE), self._strength(state, link)
-        found = pair_derivative((dx, dy), (vx, vy), speed, strength, self.unit, spread, near)
+        dx, dy, vx, vy, speed = met
+        near, strength = self.errors.doubles(CLOSE), self._strengths.get(link) or self._strength(state, link)
+        found = pair_derivative(
+            float(dx), float(dy), float(vx), float(vy), float(speed), strength, self.unit, spread, near
+        )
         if found is None or not found.steep * spread < near * 2.0 * self.unit:
             return None  # the hit, wherever it may truly be, is not so near the clock
-        i, j = link
-        if not found.norm * spread * (1.0 + self._weights[i] + self._weights[j]) < MOST:
-            return None
-        return found
+        return found if found.norm * spread * (1.0 + sum(self.weights_of(link))) < MOST else None
 
     def _strength(self, state: BallState, link: Round) -> float:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
@@ -191,23 +193,30 @@ class Deviations:
             found = self._faces[link] = Face(float(line.nx), float(line.ny), xx, xy, yy, off)
         return found
 
-    def mirror(self, face: Face, body: Body[arb], lag: float = 0.0) -> bool:
-        """A wall has mirrored a body, after a flight to it if one is told; whether that could be carried."""
-        leg = Leg(self.place[body.index], lag, face.xx, face.xy, face.yy)
+    def stands_near(self, late: arb | None) -> bool:
+        """Whether a clock is so near its instant that the time between them is a mere perturbation."""
+        return late is not None and abs(float(late)) < SMALL_WAIT / 2 * self.unit
+
+    def mirror(self, face: Face, body: Body[arb]) -> bool:
+        """A wall has mirrored a body; whether that could be carried."""
+        leg = Leg(self.place[body.index], 0.0, face.xx, face.xy, face.yy)
         self.errors.fly(leg, face.off, self.recentre((body,)))
         return self._bounded((body,))
 
-    def meet(self, link: Pair, movers: Sequence[Body[arb]], hit: Collision, lags: tuple[float, float]) -> bool:
-        """Two circles have collided, after flights to it if such are told; whether that could be carried."""
-        i, j = link
-        places, weights = self.place.get(i, -1), (self._weights[i], self._weights[j])
-        self.errors.meet(places, self.place.get(j, -1), lags, weights, hit, self.recentre(movers))
+    def meet(self, link: Pair, movers: Sequence[Body[arb]], hit: Collision) -> bool:
+        """Two circles have collided; whether that could be carried."""
+        i, j = (self.place.get(k, -1) for k in link)
+        self.errors.meet(i, j, (0.0, 0.0), self.weights_of(link), hit, self.recentre(movers))
         return self._bounded(movers)
+
+    def weights_of(self, link: Round) -> tuple[float, float]:
+        """The inverse masses of two circles."""
+        return self._weights[link[0]], self._weights[link[1]]
 
     def land(self, body: Body[arb], numbers: Numbers) -> bool:
         """A body has flown on, and no impulse came; whether that could be carried."""
-        self._mid[body.index] = _midpoints(numbers)
-        self.errors.fly(Leg(self.place[body.index], 0.0), 0.0, self._largest(numbers))
+        set_numbers(body, numbers)
+        self.errors.fly(Leg(self.place[body.index], 0.0), 0.0, self.recentre((body,)))
         if not self._bounded((body,)):
             return False
         self.show(body)
@@ -225,27 +234,21 @@ class Deviations:
         return all(self.errors.bounds.nu[self.place[body.index]] < MOST for body in bodies)
 
     def recentre(self, bodies: Iterable[Body[arb]]) -> float:
-        """Takes bodies' midpoints from their numbers; gives a bound of what that drops, as the set counts it."""
-        dropped = 0.0
-        for body in bodies:
-            numbers = x, y, vx, vy = numbers_of(body)
-            self._mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid()
-            dropped = max(dropped, self._largest(numbers))
-        return dropped
+        """Takes bodies' midpoints from their numbers; gives a bound of what that drops, as the set counts it.
 
-    def _largest(self, numbers: Numbers) -> float:
-        """A bound of all radii, as the set counts them: a radius is below 2**-accuracy of its number.
-
-        Infinite where the bits were too few for a number, or for doubles to tell.
+        A radius is below 2**(2 - accuracy) of its number. Infinite where the bits were too few for a number, or for
+        doubles to tell.
         """
-        x, y, vx, vy = numbers
-        fx, fy, fvx, fvy = abs(float(x)), abs(float(y)), self.unit * abs(float(vx)), self.unit * abs(float(vy))
-        size = max(fx, fy, fvx, fvy) * UP
-        if not (fx < inf and fy < inf and fvx < inf and fvy < inf):
-            return inf
-        bits = min(x.rel_accuracy_bits(), y.rel_accuracy_bits(), vx.rel_accuracy_bits(), vy.rel_accuracy_bits())
+        size, bits, unit = 0.0, ENOUGH, self.unit
+        for body in bodies:
+            x, y, vx, vy, *_ = body.flight
+            self._mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid()
+            size += abs(float(x)) + abs(float(y)) + unit * (abs(float(vx)) + abs(float(vy)))
+            bits = min(
+                bits, x.rel_accuracy_bits(), y.rel_accuracy_bits(), vx.rel_accuracy_bits(), vy.rel_accuracy_bits()
+            )
         power = 2 - bits - self.errors.shift
-        return ldexp(size, max(power, -900)) if power < 500 and size < 2.0**500 else inf
+        return ldexp(size * UP, max(power, -900)) if power < 500 and size < 2.0**500 else inf
 
 
 def numbers_of(body: Body[arb]) -> Numbers:

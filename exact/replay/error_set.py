@@ -41,12 +41,11 @@ LEAST = 2.0**-300
 """Added to each edge of a box: products of doubles that vanish below 2**-1074 are far less."""
 
 MOST_GROWTH = 2.0**35
-"""By how much nu may grow within a block: twice that is what doubles lose of M, and they have 53 bits."""
+"""By how much nu may grow within a block: what is beside M grows alike, from 2**-49, so that it stays below the box. M
+itself grows by less than half as many bits, as norms know nothing of directions."""
 
-
-CONTACTS_A_BODY = 7
-"""Contacts in a block for each body, some three of its own collisions: there the cost of making the basis anew is no more
-than that of carrying it."""
+CONTACTS_A_BODY = 12
+"""Contacts in a block for each body, at most: making the basis anew then costs less than carrying it."""
 
 
 class ErrorSet:
@@ -76,7 +75,7 @@ class ErrorSet:
         self.bounds = Bounds([*rows.tolist(), 0.0])
         self._limit = max(self.bounds.nu) * MOST_GROWTH
         self._legs: list[tuple[float, ...]] = []
-        self._hits: list[tuple[float, ...]] = []
+        self._hits: list[tuple[int, tuple[float, float], tuple[float, float], Collision]] = []
         self._pairs: list[tuple[int, int]] = []
         self._layers: list[int] = []
         self._layer = [0] * (self._count + 1)
@@ -86,22 +85,22 @@ class ErrorSet:
     def fly(self, leg: Leg, off: float = 0.0, rounding: float = 0.0) -> None:
         """See `Bounds.fly`."""
         self.bounds.fly(leg, off, rounding)
-        self._legs.append((len(self._pairs), *leg[1:]))
-        self._add(leg.i, -1)
+        i, lag, xx, xy, yy = leg
+        self._legs.append((len(self._pairs), lag, xx, xy, yy))
+        self._pairs.append((i, -1))
+        self._layers.append(self._layer[i])
+        self._layer[i] += 1
 
     def meet(
         self, i: int, j: int, lags: tuple[float, float], weights: tuple[float, float], hit: Collision, rounding: float
     ) -> None:
         """See `Bounds.meet`."""
         self.bounds.meet(i, j, lags, weights, hit, rounding)
-        self._hits.append((len(self._pairs), *lags, *weights, *hit[4:]))
-        self._add(i, j)
-
-    def _add(self, i: int, j: int) -> None:
-        """A step of bodies i and j, after all those that either has been in."""
-        layer = self._layer
-        later = max(layer[i] if i >= 0 else 0, layer[j] if j >= 0 else 0)
+        self._hits.append((len(self._pairs), lags, weights, hit))
         self._pairs.append((i, j))
+        layer = self._layer
+        layer[-1] = 0  # what is fixed waits for nothing
+        later = max(layer[i], layer[j])
         self._layers.append(later)
         layer[i] = layer[j] = later + 1
 
@@ -119,22 +118,22 @@ class ErrorSet:
             Spent: if the doubles do not carry it.
         """
         with np.errstate(over="ignore", invalid="ignore"):  # told by what comes out
-            basis, mu = self._carried(), np.repeat(np.array(self.bounds.mu[:-1]), 4)
-        size = basis.shape[0]
-        order = np.argsort(-np.linalg.norm(basis, axis=0) * self._box)
-        ordered, box = basis[:, order], self._box[order]
-        if not np.isfinite(ordered).all():
-            raise Spent
-        q, r = np.linalg.qr(ordered)
-        size_q, size_r = np.abs(q), np.abs(r)
-        gamma = (size + 8) * 4 * UNIT
-        rest = np.abs(ordered - q @ r) * UP + gamma * (size_q @ size_r + np.abs(ordered))
-        x = (rest @ box + mu) * UP
-        skew = float(np.abs(np.eye(size) - q.T @ q).sum(axis=1).max()) * UP + gamma * size * 2
-        if not skew < 2.0**-20:
-            raise Spent
-        y = size_q.T @ x * UP
-        new = (size_r @ box + y + skew / (1.0 - skew) * float(y.max())) * UP
+            basis = self._carried()
+            order = np.argsort(-np.linalg.norm(basis, axis=0) * self._box)
+            ordered, box = basis[:, order], self._box[order]
+            if not np.isfinite(ordered).all():
+                raise Spent
+            size = len(box)
+            q, r = np.linalg.qr(ordered)
+            size_q, inner = np.abs(q), np.abs(r) @ box
+            gamma = (size + 8) * 4 * UNIT
+            rest = np.abs(ordered - q @ r) @ box + gamma * (size_q @ inner + np.abs(ordered) @ box)
+            x = (rest * UP + np.repeat(np.array(self.bounds.mu[:-1]), 4)) * UP
+            skew = float(np.abs(np.eye(size) - q.T @ q).sum(axis=1).max()) * UP + gamma * size * 2
+            if not skew < 2.0**-20:
+                raise Spent
+            y = size_q.T @ x * UP
+            new = (inner + y + skew / (1.0 - skew) * float(y.max())) * UP
         top = float(new.max())
         if not 0.0 < top < inf:
             raise Spent
@@ -171,7 +170,8 @@ class ErrorSet:
             own[:, :2, 2:4] = own[:, :2, :2] * lag[:, None, None]
             maps[at] = own
         if self._hits:
-            k, lag_i, lag_j, wi, wj, dx, dy, vx, vy, speed, strength = np.array(self._hits).T
+            hits = np.array([(k, *lags, *weights, *hit[4:]) for k, lags, weights, hit in self._hits])
+            k, lag_i, lag_j, wi, wj, dx, dy, vx, vy, speed, strength = hits.T
             cross, square = dx * vy - dy * vx, vx * vx + vy * vy
             xx, xy, yy, *turn = pair_tangent_blocks(dx, dy, -speed, cross, square, strength)
             c = np.zeros((len(k), 4, 4))
@@ -205,4 +205,3 @@ class ErrorSet:
         if not bound < MOST:
             raise Spent
         return frexp(bound)[1] + self.shift
-

@@ -68,9 +68,10 @@ class Bounds:
 
     def fly(self, leg: Leg, off: float = 0.0, rounding: float = 0.0) -> None:
         """Carries them through a leg, whose mirror is known up to `off`; the midpoints after it are rounded."""
-        nu, mu, i = self.nu, self.mu, leg.i
-        far = (1.0 + abs(leg.lag)) * UP
-        norm = max(abs(leg.xx), abs(leg.yy)) + abs(leg.xy)
+        i, lag, xx, xy, yy = leg
+        nu, mu = self.nu, self.mu
+        far = (1.0 + abs(lag)) * UP
+        norm = max(abs(xx), abs(yy)) + abs(xy)
         wide = nu[i] * far
         mu[i] = (mu[i] * far * (norm + off) + (off + CARRIED * norm) * wide + rounding) * UP
         nu[i] = (wide * (norm + off) + rounding) * UP
@@ -89,15 +90,18 @@ class Bounds:
         """
         nu, mu = self.nu, self.mu
         far_i, far_j = (1.0 + abs(lags[0])) * UP, (1.0 + abs(lags[1])) * UP
-        wide_i, wide_j = nu[i] * far_i, nu[j] * far_j
-        both = wide_i + wide_j
-        norm = hit.norm + hit.off
-        gain, spread = norm * both * UP, norm * (mu[i] * far_i + mu[j] * far_j) * UP
-        slip = (hit.off + CARRIED * hit.norm) * both * UP
-        for k, wide, far, weight in ((i, wide_i, far_i, weights[0]), (j, wide_j, far_j, weights[1])):
-            if k >= 0:
-                mu[k] = (mu[k] * far + weight * (spread + slip) + CARRIED * wide + rounding) * UP
-                nu[k] = (wide + weight * gain + rounding) * UP
+        wide_i, wide_j, beside_i, beside_j = nu[i] * far_i, nu[j] * far_j, mu[i] * far_i, mu[j] * far_j
+        both, norm, off = wide_i + wide_j, hit.norm, hit.off
+        gain = (norm + off) * both * UP
+        loss = ((norm + off) * (beside_i + beside_j) + (off + CARRIED * norm) * both) * UP
+        if i >= 0:
+            weight = weights[0]
+            mu[i] = (beside_i + weight * loss + CARRIED * wide_i + rounding) * UP
+            nu[i] = (wide_i + weight * gain + rounding) * UP
+        if j >= 0:
+            weight = weights[1]
+            mu[j] = (beside_j + weight * loss + CARRIED * wide_j + rounding) * UP
+            nu[j] = (wide_j + weight * gain + rounding) * UP
 
 
 def scaled(mantissa: int, exponent: int, shift: int) -> float:

@@ -12,9 +12,8 @@ from flint import arb
 from .body import Body, Flight
 from .centred_state import CentredState
 from .contact import AtWall, Pair, Touch
-from .derivatives import SMALL_WAIT
 from .deviations import Deviations
-from .errors import UP, Spent
+from .errors import MOST, UP, Leg, Spent
 from .lone import LoneContacts
 
 
@@ -41,7 +40,16 @@ class LoneCentred:
         before = [body.flight for body in movers]
         for body in movers:
             held.centre(body)
-        time = self._struck(held, link, movers, before, bits, done)
+        self._lone.met = None
+        time = None
+        if self._lone.strike(link, bits, done) is not None and held.stands_near(state.late):
+            try:
+                if isinstance(link, Pair):
+                    time = self._meet(held, link, movers, before)
+                else:
+                    time = self._rebound(held, link, movers[0], before[0])
+            except (Spent, OverflowError):
+                state.loosen()
         if time is None:
             for body, flight in zip(movers, before, strict=True):
                 body.flight = flight
@@ -53,46 +61,36 @@ class LoneCentred:
         state.renew()
         return accuracy
 
-    def _struck(
-        self,
-        held: Deviations,
-        link: Touch,
-        movers: list[Body[arb]],
-        before: list[Flight[arb]],
-        bits: int,
-        done: int,
-    ) -> arb | None:
-        """Carries midpoints and deviations; gives all errors of the instant, or None where that cannot be done."""
-        state, lone, unit = self._state, self._lone, held.unit
-        lone.met = None
-        if lone.strike(link, bits, done) is None:
+    def _meet(self, held: Deviations, link: Pair, movers: list[Body[arb]], before: list[Flight[arb]]) -> arb | None:
+        """Carries the deviations of two circles; gives all errors of the instant, or None, with nothing changed.
+
+        Raises:
+            Spent: if they are too large now.
+        """
+        met = self._lone.met
+        if met is None:
             return None
-        if state.late is None or not abs(float(state.late)) < SMALL_WAIT / 2 * unit:
+        i, j = link
+        i, j, clock, unit, nu = held.place[i], held.place[j], movers[0].flight.t, held.unit, held.errors.bounds.nu
+        lags = float(clock - before[0].t) / unit, float(clock - before[1].t) / unit
+        spread = (nu[i] * (1.0 + abs(lags[0])) + nu[j] * (1.0 + abs(lags[1]))) * UP
+        hit = held.collision(self._state, link, met, spread)
+        if hit is None:
             return None
-        clock, nu, place = movers[0].flight.t, held.errors.bounds.nu, held.place
-        try:
-            if isinstance(link, Pair):
-                i, j = link
-                met = lone.met
-                if met is None:
-                    return None
-                one, two = float(clock - before[0].t) / unit, float(clock - before[1].t) / unit
-                spread = (nu[place[i]] * (1.0 + abs(one)) + nu[place[j]] * (1.0 + abs(two))) * UP
-                hit = held.collision(state, link, met, spread)
-                if hit is None:
-                    return None
-                time = held.ball(held.errors.power_of(hit.steep * spread * UP))
-                carried = held.meet(link, movers, hit, (one, two))
-            else:
-                face, lag = held.face(state, link), float(clock - before[0].t) / unit
-                found = held.wall_time(face, nu[place[link[0]]] * (1.0 + abs(lag)) * UP, float(before[0].vx), float(before[0].vy))
-                if found is None:
-                    return None
-                time = found
-                carried = held.mirror(face, movers[0], lag)
-        except (Spent, OverflowError):
-            carried, time = False, None
-        if not carried:
-            state.loosen()
+        time = held.ball(held.errors.power_of(hit.steep * spread * UP))
+        held.errors.meet(i, j, lags, held.weights_of(link), hit, held.recentre(movers))
+        if not (nu[i] < MOST and nu[j] < MOST):
+            raise Spent
+        return time
+
+    def _rebound(self, held: Deviations, link: AtWall, body: Body[arb], before: Flight[arb]) -> arb | None:
+        """As `_meet`, of a circle and a wall."""
+        face, lag = held.face(self._state, link), float(body.flight.t - before.t) / held.unit
+        i, nu = held.place[body.index], held.errors.bounds.nu
+        time = held.wall_time(face, nu[i] * (1.0 + abs(lag)) * UP, float(before.vx), float(before.vy))
+        if time is None:
             return None
+        held.errors.fly(Leg(i, lag, face.xx, face.xy, face.yy), face.off, held.recentre((body,)))
+        if not nu[i] < MOST:
+            raise Spent
         return time

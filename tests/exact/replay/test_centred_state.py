@@ -12,6 +12,8 @@ from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.exact.replay.errors import Collision, Leg, Spent
+from truebreak.exact.replay.lone_centred import LoneCentred
+from truebreak.exact.replay.steps import Go, Kick
 from truebreak.exact.results.growth import error_growth
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
@@ -72,6 +74,50 @@ def test_every_number_lies_in_its_ball(name):
     found = list(deviations(SCENES[name](), 120))
     assert max(found) <= 0.0
     assert max(found[len(found) // 2 :]) > -60.0
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_contact_in_one_go_is_in_its_balls_too(name):
+    """Contacts that stand alone, of circles that move, are carried out in one go where there is a set: every number and
+    every instant holds the truth, and is known to nearly as many bits as by the two steps."""
+    scene = SCENES[name]()
+    steps = ExactEngine().run(scene, events=150).motion.log.steps
+    with ball.precision(MANY):
+        true = BallState(scene)
+    with ball.precision(FEW):
+        ours, plain = CentredState(scene), CentredState(scene)
+    lone, struck, k = LoneCentred(ours), 0, 0
+    for body in ours.bodies.values():
+        body.acc = FEW
+    while k < len(steps):
+        step, after = steps[k], steps[k + 1] if k + 1 < len(steps) else None
+        count = 2 if isinstance(step, Go) and isinstance(after, Kick) and after.links == (step.source,) else 1
+        for state, bits in ((plain, FEW), (true, MANY)):
+            ball.use_bits(bits)
+            for each in steps[k : k + count]:
+                state.do(each)
+        accuracy = lone.strike(after.links[0], FEW, k) if count == 2 else None
+        if accuracy is None:
+            ball.use_bits(FEW)
+            ours.steps_done = k
+            for each in steps[k : k + count]:
+                ours.do(each)
+        else:
+            struck += 1
+            assert accuracy >= min(FEW, plain.instant.rel_accuracy_bits()) - 60
+        k += count
+        ball.use_bits(MANY)
+        assert ours.instant.overlaps(true.instant)
+        for mine, exact in zip(ours.bodies.values(), true.bodies.values(), strict=True):
+            one, other = mine.flight, exact.flight
+            lag = one.t - other.t
+            assert (other.x + other.vx * lag - one.x).contains(0)
+            assert (other.y + other.vy * lag - one.y).contains(0)
+            assert (other.vx - one.vx).contains(0)
+            assert (other.vy - one.vy).contains(0)
+            if one.late is not None:
+                assert (one.t + one.late).overlaps(true.bodies[mine.index].flight.instant)
+    assert struck > len(steps) // 10 or name == "pinball"
 
 
 @pytest.mark.parametrize(("n", "events"), [(3, 600), (10, 1200)])
