@@ -258,9 +258,15 @@ class LoneContacts:
         square = reach * reach
         whole = square * (a.w + b.w)
         shares = (a.w + a.w) / whole, (b.w + b.w) / whole
-        circles = self._state.scene.circles
-        found = self._partners[link] = Partners(square, *shares, circles[link.a].m == circles[link.b].m)
+        found = self._partners[link] = Partners(square, *shares, self._are_alike(a, b))
         return found
+
+    def _are_alike(self, a: Body[arb], b: Body[arb]) -> bool:
+        """Whether two circles have one mass: told by the balls of their inverse masses where these are exact."""
+        if a.w.is_exact() and b.w.is_exact():
+            return (a.w - b.w).is_zero()
+        circles = self._state.scene.circles
+        return circles[a.index].m == circles[b.index].m
 
     def _share(self, link: Pair, bits: int) -> Shares:
         ball.use_bits(bits)

@@ -17,8 +17,13 @@ from .errors import MOST, UP, Leg, Spent
 from .lone import LoneContacts
 
 
+def lone_contacts(state: CentredState) -> LoneContacts | LoneCentred:
+    """What carries out contacts that stand alone: on balls, or on midpoints where deviations are kept in a set."""
+    return LoneCentred(state) if state.centred else LoneContacts(state)
+
+
 class LoneCentred:
-    """Carries out contacts that stand alone, on balls or, where a state keeps deviations in a set, on midpoints.
+    """Carries out contacts that stand alone, on midpoints.
 
     Args:
         state: whose bodies fly.
@@ -31,8 +36,6 @@ class LoneCentred:
     def strike(self, link: Touch, bits: int, done: int) -> int | None:
         """As `LoneContacts.strike`."""
         state = self._state
-        if not state.centred:
-            return self._lone.strike(link, bits, done)
         held = state.ready(link)
         if held is None:
             return None

@@ -20,7 +20,7 @@ from .body import Body, Flight
 from .centred_state import CentredState
 from .contact import AtWall, Pair, Touch
 from .lone import SPARE_BITS
-from .lone_centred import LoneCentred
+from .lone_centred import lone_contacts
 from .state import State
 from .steps import Flip, Go, Kick, Step, circles_of
 
@@ -56,7 +56,7 @@ class RefinableState:
         ball.use_bits(bits)
         self.balls = CentredState(scene, centred=False)
         self.bodies = self.balls.bodies
-        self._lone = LoneCentred(self.balls)
+        self._lone = lone_contacts(self.balls)
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
@@ -258,7 +258,7 @@ class RefinableState:
             body.acc = bits
         if self.field is not None:
             state.outside.update(range(self.n))
-        lone = LoneCentred(state)
+        lone = lone_contacts(state)
         k, count = 0, len(self.steps)
         while k < count:
             if k in self._left:
@@ -283,6 +283,7 @@ class RefinableState:
             if self._in_field[last]:
                 state.flip_time = field_ball(self.field.flip_time, bits)
         self.balls.become(state)
+        self._lone = lone_contacts(self.balls)
         self._stale = {i for i in range(self.n) if self.exact[i]}
         self.sync(tuple(self._stale))
 
