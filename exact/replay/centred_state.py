@@ -226,7 +226,7 @@ class CentredState(BallState):
         return max(0, min(bits, instant.rel_accuracy_bits()))
 
     def renew(self) -> None:
-        """Ends a block that is full; all bodies get their balls by it."""
+        """Ends a block that is full; bodies keep the balls that they have until they are next struck."""
         held = self._deviations
         if held is None or not held.errors.full:
             return
@@ -234,8 +234,6 @@ class CentredState(BallState):
             self.loosen()
             return
         self._next_break = 1
-        for i in held.place:
-            held.show(self.bodies[i])
 
 
 def _is_inexact(body: Body[arb]) -> bool:

@@ -54,10 +54,12 @@ def pair_derivative(
     far = apart * size_v + size_d * spread / unit
     if not (apart < near * size_d and spread < near * unit * size_v and far < near * speed):
         return None
-    norm_b = -strength * size_d * size_d
-    norm_a = unit * (-strength * (speed + size_d * size_v) + (vx * vx + vy * vy) / speed * norm_b)
-    norm = (norm_a + norm_b) * UP
-    return Collision(steep, apart, norm, norm * OFF_BESIDE, dx, dy, vx, vy, speed, strength)
+    square, cross, push = vx * vx + vy * vy, abs(dx * vy - dy * vx), -strength
+    size_b = push * size_d * size_d
+    size = size_b + unit * (push * (speed + size_d * size_v) + square / speed * size_b)
+    norm_b = push * max(abs(dx), abs(dy)) * size_d
+    norm = (norm_b + unit * (push * (speed + cross) + square / speed * norm_b)) * UP
+    return Collision(steep, apart, norm, size * OFF_BESIDE * UP, dx, dy, vx, vy, speed, strength)
 
 
 def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:

@@ -56,6 +56,7 @@ class Deviations:
 
         self._time_power = _unit_of_time(members)
         self.unit = 2.0**self._time_power
+        self._near_time = SMALL_WAIT / 2 * self.unit
         self._weights = [float(body.w) for body in circles]
         self._mid = {body.index: _midpoints(numbers_of(body)) for body in members}
         self.place = {body.index: k for k, body in enumerate(members)}
@@ -195,7 +196,7 @@ class Deviations:
 
     def stands_near(self, late: arb | None) -> bool:
         """Whether a clock is so near its instant that the time between them is a mere perturbation."""
-        return late is not None and abs(float(late)) < SMALL_WAIT / 2 * self.unit
+        return late is not None and abs(float(late)) < self._near_time
 
     def mirror(self, face: Face, body: Body[arb]) -> bool:
         """A wall has mirrored a body; whether that could be carried."""
@@ -258,8 +259,7 @@ def numbers_of(body: Body[arb]) -> Numbers:
 
 def set_numbers(body: Body[arb], numbers: Numbers) -> None:
     """Gives a body a place and a velocity; all else of its flight stays."""
-    _, _, _, _, t, instant, late, last, rest = body.flight
-    body.flight = Flight(*numbers, t, instant, late, last, rest)
+    body.flight = new_flight(Flight, (*numbers, *body.flight[4:]))
 
 
 def is_finite(body: Body[arb]) -> bool:

@@ -74,6 +74,7 @@ class ErrorSet:
         rows = (np.abs(self._basis) @ self._box).reshape(self._count, 4).max(axis=1) * UP
         self.bounds = Bounds([*rows.tolist(), 0.0])
         self._limit = max(self.bounds.nu) * MOST_GROWTH
+        self._grown = False
         self._legs: list[tuple[float, ...]] = []
         self._hits: list[tuple[int, tuple[float, float], tuple[float, float], Collision]] = []
         self._pairs: list[tuple[int, int]] = []
@@ -87,6 +88,7 @@ class ErrorSet:
         self.bounds.fly(leg, off, rounding)
         i, lag, xx, xy, yy = leg
         self._legs.append((len(self._pairs), lag, xx, xy, yy))
+        self._grown |= self.bounds.nu[i] > self._limit
         self._pairs.append((i, -1))
         self._layers.append(self._layer[i])
         self._layer[i] += 1
@@ -97,6 +99,8 @@ class ErrorSet:
         """See `Bounds.meet`."""
         self.bounds.meet(i, j, lags, weights, hit, rounding)
         self._hits.append((len(self._pairs), lags, weights, hit))
+        nu = self.bounds.nu
+        self._grown |= nu[i] > self._limit or nu[j] > self._limit
         self._pairs.append((i, j))
         layer = self._layer
         layer[-1] = 0  # what is fixed waits for nothing
@@ -107,7 +111,7 @@ class ErrorSet:
     @property
     def full(self) -> bool:
         """Whether the block should end."""
-        return len(self._pairs) >= CONTACTS_A_BODY * self._count or max(self.bounds.nu) > self._limit
+        return self._grown or len(self._pairs) >= CONTACTS_A_BODY * self._count
 
     # -- the end of a block
 

@@ -13,7 +13,7 @@ MOST = 2.0**900
 
 CARRIED = 2.0**-49
 """What carrying a row through a step in doubles adds, relatively to the sum of its sizes: sixteen roundings, of which
-docs/error-bound.md counts fifteen."""
+docs/error-bound.md counts fourteen."""
 
 
 class Spent(ArithmeticError):
@@ -26,8 +26,8 @@ class Collision(NamedTuple):
     Attributes:
         steep: by how much, at most, the instant moves for a deviation of one in d and v.
         apart: a bound of what d at the hit may be off.
-        norm: at least the largest row sum of the derivative by d and v, per inverse mass.
-        off: at least the largest row sum of what it is away from the derivative on the hull.
+        norm: at least the largest row sum of the derivative by d and v, per inverse mass, as doubles have it.
+        off: at least the largest row sum of what that is away from the derivative on the hull.
         dx, dy, vx, vy, speed: d, v and -d.v at the hit.
         strength: -2 / (R^2 (wa + wb)).
     """
