@@ -49,6 +49,7 @@ class Deviations:
         errors: the set.
         place: where each body stands in it, by index.
         unit: of time, in which the set counts velocities.
+        weights: the inverse mass of every circle, by index.
     """
 
     def __init__(self, members: Sequence[Body[arb]], circles: Sequence[Body[arb]]) -> None:
@@ -57,7 +58,7 @@ class Deviations:
         self._time_power = _unit_of_time(members)
         self.unit = 2.0**self._time_power
         self._near_time = SMALL_WAIT / 2 * self.unit
-        self._weights = [float(body.w) for body in circles]
+        self.weights = [float(body.w) for body in circles]
         self._mid = {body.index: _midpoints(numbers_of(body)) for body in members}
         self.place = {body.index: k for k, body in enumerate(members)}
         radii = [[number.rad().man_exp() for number in numbers_of(body)] for body in members]
@@ -84,15 +85,18 @@ class Deviations:
 
         Args:
             body: the body.
-            instant, late: those of a contact from which it flies, if they are others than it has.
+            instant, late: of a contact from which it flies, where these are not its flight's. Its velocity is a ball
+                then, even if that of the midpoints is zero.
         """
         power = self.errors.power(self.place[body.index])
         wide, narrow = self.ball(power), self.ball(power - self._time_power)
         x, y, vx, vy = self._mid[body.index]
         _, _, old_vx, old_vy, t, old_instant, old_late, last, rest = body.flight
-        vx, vy = (old_vx, old_vy) if rest else (vx + narrow, vy + narrow)
         if instant is None:
             instant, late = old_instant, old_late
+        else:
+            rest = False
+        vx, vy = (old_vx, old_vy) if rest else (vx + narrow, vy + narrow)
         body.flight = new_flight(Flight, (x + wide, y + wide, vx, vy, t, instant, late, last, rest))
 
     def show_place(self, body: Body[arb], before: Flight[arb]) -> None:
@@ -174,13 +178,14 @@ class Deviations:
         )
         if found is None or not found.steep * spread < near * 2.0 * self.unit:
             return None  # the hit, wherever it may truly be, is not so near the clock
-        return found if found.norm * spread * (1.0 + sum(self.weights_of(link))) < MOST else None
+        weight = self.weights[link[0]] + self.weights[link[1]]
+        return found if found.norm * spread * (1.0 + weight) < MOST else None
 
     def _strength(self, state: BallState, link: Round) -> float:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if link not in self._strengths:
             a, b = link.ends(state)
-            weight = float(state.reach(a, b)) ** 2 * (self._weights[a.index] + self._weights[b.index])
+            weight = float(state.reach(a, b)) ** 2 * (self.weights[a.index] + self.weights[b.index])
             self._strengths[link] = -2.0 / weight if LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT else 0.0
         return self._strengths[link]
 
@@ -207,12 +212,9 @@ class Deviations:
     def meet(self, link: Pair, movers: Sequence[Body[arb]], hit: Collision) -> bool:
         """Two circles have collided; whether that could be carried."""
         i, j = (self.place.get(k, -1) for k in link)
-        self.errors.meet(i, j, (0.0, 0.0), self.weights_of(link), hit, self.recentre(movers))
+        weights = self.weights[link.a], self.weights[link.b]
+        self.errors.meet(i, j, (0.0, 0.0), weights, hit, self.recentre(movers))
         return self._bounded(movers)
-
-    def weights_of(self, link: Round) -> tuple[float, float]:
-        """The inverse masses of two circles."""
-        return self._weights[link[0]], self._weights[link[1]]
 
     def land(self, body: Body[arb], numbers: Numbers) -> bool:
         """A body has flown on, and no impulse came; whether that could be carried."""

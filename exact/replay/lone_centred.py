@@ -73,15 +73,16 @@ class LoneCentred:
         met = self._lone.met
         if met is None:
             return None
-        i, j = link
-        i, j, clock, unit, nu = held.place[i], held.place[j], movers[0].flight.t, held.unit, held.errors.bounds.nu
+        weights = held.weights[link.a], held.weights[link.b]
+        i, j, nu = held.place[link.a], held.place[link.b], held.errors.bounds.nu
+        clock, unit = movers[0].flight.t, held.unit
         lags = float(clock - before[0].t) / unit, float(clock - before[1].t) / unit
         spread = (nu[i] * (1.0 + abs(lags[0])) + nu[j] * (1.0 + abs(lags[1]))) * UP
         hit = held.collision(self._state, link, met, spread)
         if hit is None:
             return None
         time = held.ball(held.errors.power_of(hit.steep * spread * UP))
-        held.errors.meet(i, j, lags, held.weights_of(link), hit, held.recentre(movers))
+        held.errors.meet(i, j, lags, weights, hit, held.recentre(movers))
         if not (nu[i] < MOST and nu[j] < MOST):
             raise Spent
         return time

@@ -120,6 +120,18 @@ def test_a_contact_in_one_go_is_in_its_balls_too(name):
     assert struck > len(steps) // 10 or name == "pinball"
 
 
+def test_a_velocity_that_is_zero_in_its_midpoints_alone_is_no_rest():
+    with ball.precision(FEW):
+        state = CentredState(catalogue.build("gas:n=3,seed=2"))
+        body, held = state.bodies[0], state._begin()
+        body.flight = body.flight._replace(vx=ball.ZERO, vy=ball.ZERO, rest=True)
+        held.recentre((body,))
+        held.show(body, state.instant, ball.ZERO)
+    assert not body.flight.rest
+    assert not body.flight.vx.is_zero()
+    assert body.flight.vy.contains(0)
+
+
 @pytest.mark.parametrize(("n", "events"), [(3, 600), (10, 1200)])
 def test_bits_go_as_fast_as_small_displacements_grow(n, events):
     """Balls lose twice as many."""
