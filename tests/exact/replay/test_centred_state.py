@@ -5,6 +5,7 @@ from math import log, log2
 
 import pytest
 
+from truebreak.compare.tangent.growth import error_growth
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import precision
 from truebreak.exact.numbers import ball
@@ -14,7 +15,6 @@ from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.exact.replay.errors import Collision, Leg, Spent
 from truebreak.exact.replay.lone_centred import LoneCentred
 from truebreak.exact.replay.steps import Go, Kick
-from truebreak.exact.results.growth import error_growth
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 FEW, MANY = 500, 4096
