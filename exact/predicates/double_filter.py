@@ -212,14 +212,13 @@ class DoubleFilter:
         if fa is None:
             return found, [k for k, _ in enumerate(lines)]
         x, y, vx, vy, t, late = fa
-        slack, largest = 16 * UNIT * self.fastest, self.largest
         for k, (x0, y0, nx, ny, offset, norm, size) in enumerate(lines):
             approach = nx * vx + ny * vy
-            if approach > 0.0 and approach > slack * norm:
+            off = 16 * UNIT * norm * self.fastest
+            if approach > off:
                 continue
-            off = slack * norm
             gap = nx * (x - x0) + ny * (y - y0) - offset
-            off_gap = 32 * UNIT * (size + norm * largest)
+            off_gap = 32 * UNIT * (size + norm * self.largest)
             if not (approach < -8.0 * off and gap > off_gap):
                 unclear.append(k)
                 continue
