@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from flint import arb
+from flint import arb, fmpq
 
 from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
@@ -83,6 +83,9 @@ class LoneContacts:
         self._state = state
         self._bits = 0
         self._partners: dict[Pair, Partners] = {}
+        self._alike: dict[tuple[int, int], Partners] = {}
+        self._kinds: list[int | None] = [None] * state.n
+        self._first: dict[tuple[fmpq, fmpq], int] = {}
         self._shares: dict[Pair, Shares] = {}
         self._walls: dict[AtWall, Upright | Oblique] = {}
 
@@ -100,6 +103,7 @@ class LoneContacts:
         if bits != self._bits:
             self._bits = bits
             self._partners.clear()
+            self._alike.clear()
             self._shares.clear()
             self._walls.clear()
         return self._bounce(link, bits, done + 1) if isinstance(link, Pair) else self._rebound(link, bits, done + 1)
@@ -244,14 +248,27 @@ class LoneContacts:
     # -- what no flight changes
 
     def _become_partners(self, link: Pair, bits: int) -> Partners:
-        ball.use_bits(bits)
-        a, b = link.ends(self._state)
-        reach = self._state.reach(a, b)
-        square = reach * reach
-        whole = square * (a.w + b.w)
-        shares = (a.w + a.w) / whole, (b.w + b.w) / whole
-        circles = self._state.scene.circles
-        found = self._partners[link] = Partners(square, *shares, circles[link.a].m == circles[link.b].m)
+        kinds = self._kind(link.a), self._kind(link.b)
+        found = self._alike.get(kinds)
+        if found is None:
+            ball.use_bits(bits)
+            a, b = link.ends(self._state)
+            reach = self._state.reach(a, b)
+            square = reach * reach
+            whole = square * (a.w + b.w)
+            shares = (a.w + a.w) / whole, (b.w + b.w) / whole
+            circles = self._state.scene.circles
+            found = self._alike[kinds] = Partners(square, *shares, circles[link.a].m == circles[link.b].m)
+        self._partners[link] = found
+        return found
+
+    def _kind(self, i: int) -> int:
+        """A number that circles of one radius and mass share, where both are rational."""
+        found = self._kinds[i]
+        if found is None:
+            circle = self._state.scene.circles[i]
+            r, m = circle.r.rational, None if circle.fixed else circle.m.rational
+            found = self._kinds[i] = i if r is None or m is None else self._first.setdefault((r, m), i)
         return found
 
     def _share(self, link: Pair, bits: int) -> Shares:
