@@ -10,10 +10,11 @@ discriminant that may vanish) is left to the steps, with nothing changed.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from flint import arb, fmpq
+from flint import arb
 
+from ...scenarios.numbers.quantity import Quantity
 from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
 from .ball_state import BallState
@@ -85,7 +86,7 @@ class LoneContacts:
         self._partners: dict[Pair, Partners] = {}
         self._alike: dict[tuple[int, int], Partners] = {}
         self._kinds: list[int | None] = [None] * state.n
-        self._first: dict[tuple[fmpq, fmpq], int] = {}
+        self._first: dict[tuple[Quantity, Quantity | Literal["oo"]], int] = {}
         self._shares: dict[Pair, Shares] = {}
         self._walls: dict[AtWall, Upright | Oblique] = {}
 
@@ -263,12 +264,11 @@ class LoneContacts:
         return found
 
     def _kind(self, i: int) -> int:
-        """A number that circles of one radius and mass share, where both are rational."""
+        """A number that circles of one radius and mass share."""
         found = self._kinds[i]
         if found is None:
             circle = self._state.scene.circles[i]
-            r, m = circle.r.rational, None if circle.fixed else circle.m.rational
-            found = self._kinds[i] = i if r is None or m is None else self._first.setdefault((r, m), i)
+            found = self._kinds[i] = self._first.setdefault((circle.r, circle.m), i)
         return found
 
     def _share(self, link: Pair, bits: int) -> Shares:

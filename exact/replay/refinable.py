@@ -68,6 +68,8 @@ class RefinableState:
             self.numbers.tower.max_depth = self.numbers.tower.depth
             self.exact = [True] * self.n
             self.balls.outside.update(range(self.n))
+            if self.numbers.tower.depth == 0:
+                self._stale.clear()  # what is rational is the same in the balls already
         except LeavesField:
             self.field = None
             self.exact = [False] * self.n
