@@ -85,6 +85,7 @@ class DoubleFilter:
         self.largest = 0.0
         self.fastest = 0.0
         self.latest = 0.0
+        self._bounds: tuple[float, float, float, float, float] | None = None
 
     def admit(self, body: Body[arb]) -> None:
         """Sets a body's doubles from its short balls, or None if they are not accurate enough."""
@@ -114,7 +115,18 @@ class DoubleFilter:
         self.largest = max(self.largest, place)
         self.fastest = max(self.fastest, speed)
         self.latest = max(self.latest, ft)
+        self._bounds = None
         body.f = (fx, fy, fvx, fvy, ft, late)
+
+    def _bound(self) -> tuple[float, float, float, float, float]:
+        """4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: bounds that hold for any pair."""
+        fastest, latest = self.fastest, self.latest
+        near = 4.0 * 64 * UNIT * (self.largest + fastest * latest)
+        slack = 8 * UNIT * fastest
+        largest = 4.0 * self.largest + 2.0 * fastest * latest
+        any_off = 8.0 * near * fastest + 20.0 * slack * largest
+        self._bounds = near, slack, any_off, 48.0 * slack * fastest, (32.0 * fastest + 96.0 * slack) * fastest
+        return self._bounds
 
     def pairs(
         self, a: Body[arb], others: Iterable[Body[arb]], reaches: Sequence[float]
@@ -135,13 +147,7 @@ class DoubleFilter:
         if fa is None:
             return found, list(others)
         ax, ay, avx, avy, at, late = fa
-        fastest, latest = self.fastest, self.latest
-        near = 4.0 * 64 * UNIT * (self.largest + fastest * latest)
-        slack = 8 * UNIT * fastest
-        largest = 4.0 * self.largest + 2.0 * fastest * latest
-        any_off = 8.0 * near * fastest + 20.0 * slack * largest
-        any_loose = 48.0 * slack * fastest
-        any_early = (32.0 * fastest + 96.0 * slack) * fastest
+        near, slack, any_off, any_loose, any_early = self._bounds or self._bound()
         most = any_off + any_early * late
         close = 4 * UNIT * at
         for b in others:

@@ -92,20 +92,28 @@ class Crowd(Generic[N]):
         """See `Crossings`."""
         return self._cells.next_crossing
 
-    def cross(self, since: float, until: float) -> None:
+    def cross(self) -> None:
         """See `Crossings`. Two that touch have been neighbours, so nothing stands at gap zero here."""
-        cells, bodies, plan, predictions = self._cells, self._bodies, self._plan, self._predictions
-        predictions.prepare()
-        for i, near in cells.crossed(since, until):
-            plan["cells crossed"] += 1
-            a = bodies[i]
-            walls = cells.walls(i)
-            if walls:
-                plan["walls predicted"] += len(walls)
-                predictions.walls(a, walls, ())
-            if near:
-                plan["pairs predicted"] += len(near)
-                predictions.pairs(a, [bodies[k] for k in near], ())
+        self._crossed(*self._cells.cross())
+
+    def cross_early(self, since: float, until: float) -> None:
+        """See `Crossings`."""
+        while self._cells.next_crossing <= until:
+            self._crossed(*self._cells.cross_early(since, until))
+
+    def _crossed(self, i: int, near: list[int]) -> None:
+        """Queues what a circle may meet in its new cell, and has not met before."""
+        bodies, plan, predictions = self._bodies, self._plan, self._predictions
+        plan["cells crossed"] += 1
+        walls = self._cells.walls(i)
+        if walls or near:
+            predictions.prepare()
+        if walls:
+            plan["walls predicted"] += len(walls)
+            predictions.walls(bodies[i], walls, ())
+        if near:
+            plan["pairs predicted"] += len(near)
+            predictions.pairs(bodies[i], [bodies[k] for k in near], ())
 
 
 def cells_for(spots: Mapping[int, Spot | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:

@@ -48,8 +48,12 @@ class Crossings(Protocol):
         """When that comes next; infinite if never."""
         ...
 
-    def cross(self, since: float, until: float) -> None:
-        """Queues what it makes up to a time, where what happens next may come as early as `since`."""
+    def cross(self) -> None:
+        """Queues what the next makes."""
+        ...
+
+    def cross_early(self, since: float, until: float) -> None:
+        """Queues what they make up to a time, where what happens next may come as early as `since`."""
         ...
 
 
@@ -58,7 +62,10 @@ class NoCrossings:
 
     next_crossing = inf
 
-    def cross(self, since: float, until: float) -> None:
+    def cross(self) -> None:
+        """Nothing."""
+
+    def cross_early(self, since: float, until: float) -> None:
         """Nothing."""
 
 
@@ -166,7 +173,9 @@ class ArrivalQueue(Generic[N]):
                 return None
             crossing = crossings.next_crossing
             if crossing < low:
-                crossings.cross(crossing, crossing)
+                while crossing < heap[0][0]:
+                    crossings.cross()
+                    crossing = crossings.next_crossing
                 continue
             if crossing <= high:
                 return None
@@ -189,7 +198,7 @@ class ArrivalQueue(Generic[N]):
             self._drop_stale()
             crossing = crossings.next_crossing
             if crossing < inf and (not heap or heap[0].low > crossing):
-                crossings.cross(crossing, crossing)
+                crossings.cross()
                 continue
             found = self._rivals()
             if crossing == inf or crossing > min(arrival.high for arrival in found):
@@ -199,7 +208,7 @@ class ArrivalQueue(Generic[N]):
                 return found
             for arrival in found:
                 heappush(heap, arrival)
-            crossings.cross(since, crossing)
+            crossings.cross_early(since, crossing)
 
     def _drop_stale(self) -> None:
         heap = self._heap

@@ -20,8 +20,11 @@ those of eight operations, come to less than 2**-48 of them."""
 TINIEST = 1e-280
 """More than what underflow may take from the terms of a height."""
 
-Line: TypeAlias = tuple[float, float, float, float]
-"""(nx, ny, x0, y0) of a wall in doubles: a normal of length 1, but for roundings, and a point."""
+Heights: TypeAlias = tuple[float, ...]
+"""The part that each column, or each row, has in the heights over a wall."""
+
+Spans: TypeAlias = tuple[Heights, Heights, Heights, Heights, float]
+"""Of the columns, from and to what; of the rows, the same; beyond what height, on either side, a cell is not near."""
 
 
 class WallCells:
@@ -47,10 +50,7 @@ class WallCells:
     ) -> None:
         self.every = (1 << len(walls)) - 1
         self.near: list[int | None] = [None] * ((len(columns) + 2) * (len(rows) + 2))
-        self._lines = [_line(wall) for wall in walls]
-        self._columns = columns
-        self._rows = rows
-        self._radius = radius
+        self._spans = [_spans(wall, columns, rows, radius) for wall in walls]
         self._indices: dict[int, tuple[int, ...]] = {}
 
     def look(self, cell: int, column: int, row: int) -> int:
@@ -58,11 +58,19 @@ class WallCells:
 
         >>> box = [Wall(0, 0, 0, 1), Wall(9, 0, 9, 1)]
         >>> columns = [(-inf, 3.0), (3.0, 6.0), (6.0, inf)]
-        >>> WallCells(box, columns, columns, 1.0).look(7, 1, 1), WallCells(box, columns, columns, 1.0).look(6, 0, 1)
-        (0, 1)
+        >>> found = WallCells(box, columns, columns, 1.0)
+        >>> found.look(7, 1, 1), found.look(6, 0, 1), found.look(8, 2, 1)
+        (0, 1, 2)
         """
-        ends = self._columns[column], self._rows[row]
-        near = sum(1 << k for k, line in enumerate(self._lines) if line is None or _is_near(line, *ends, self._radius))
+        near, bit = 0, 1
+        for spans in self._spans:
+            if spans is None:
+                near |= bit
+            else:
+                left, right, low, high, off = spans
+                if not (left[column] + low[row] > off or right[column] + high[row] < -off):
+                    near |= bit
+            bit += bit
         self.near[cell] = near
         return near
 
@@ -70,12 +78,14 @@ class WallCells:
         """The walls of such bits, in scene order."""
         found = self._indices.get(bits)
         if found is None:
-            found = self._indices[bits] = tuple(k for k in range(len(self._lines)) if bits >> k & 1)
+            found = self._indices[bits] = tuple(k for k in range(len(self._spans)) if bits >> k & 1)
         return found
 
 
-def _line(wall: Wall) -> Line | None:
-    """A wall in doubles; None where they do not hold it."""
+def _spans(
+    wall: Wall, columns: Sequence[tuple[float, float]], rows: Sequence[tuple[float, float]], radius: float
+) -> Spans | None:
+    """What the cells' ends come to in heights over a wall; None where doubles do not hold it."""
     nx, ny = wall.normal
     try:
         fx, fy, x0, y0 = float(nx), float(ny), float(wall.x0), float(wall.y0)
@@ -84,18 +94,14 @@ def _line(wall: Wall) -> Line | None:
     length = hypot(fx, fy)
     if not TINIEST < length < 1.0 / TINIEST:
         return None
-    return fx / length, fy / length, x0, y0
-
-
-def _is_near(line: Line, column: tuple[float, float], row: tuple[float, float], radius: float) -> bool:
-    """Whether a line may come within a radius of a cell with these ends."""
-    nx, ny, x0, y0 = line
-    least, most = _span(nx, column), _span(ny, row)
-    low, high = least[0] + most[0], least[1] + most[1]
-    height = nx * x0 + ny * y0
-    size = abs(x0) + abs(y0) + radius + sum(abs(end) for end in (*column, *row) if abs(end) < inf)
-    off = radius + ROUNDING * size + TINIEST
-    return not (low - height > off or high - height < -off)
+    fx, fy = fx / length, fy / length
+    across, along = [_span(fx, ends) for ends in columns], [_span(fy, ends) for ends in rows]
+    height = fx * x0 + fy * y0
+    farthest = max((abs(end) for ends in (*columns, *rows) for end in ends if abs(end) < inf), default=0.0)
+    size = abs(x0) + abs(y0) + radius + 2.0 * farthest
+    left, right = zip(*across, strict=True)
+    low, high = zip(*((least - height, most - height) for least, most in along), strict=True)
+    return left, right, low, high, radius + ROUNDING * size + TINIEST
 
 
 def _span(n: float, ends: tuple[float, float]) -> tuple[float, float]:

@@ -59,13 +59,13 @@ class FlatCrowd:
         self._plan["pairs predicted"] += len(met)
         pairs(self._flights, i, met, standing)
 
-    def cross(self, since: float, until: float) -> None:
-        """See `Crossings`."""
+    def cross_early(self, since: float, until: float) -> None:
+        """See `Crossings`; doubles know when each is, so nothing can be far from its cell."""
         while self.cells.next_crossing <= until:
-            self.cross_one()
+            self.cross()
 
-    def cross_one(self) -> None:
-        """The next crossing; doubles know when it is, so nothing can be far from its cell."""
+    def cross(self) -> None:
+        """See `Crossings`."""
         f, plan = self._flights, self._plan
         i, near = self.cells.cross()
         plan["cells crossed"] += 1
