@@ -10,11 +10,10 @@ discriminant that may vanish) is left to the steps, with nothing changed.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from flint import arb
 
-from ...scenarios.numbers.quantity import Quantity
 from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
 from .ball_state import BallState
@@ -84,9 +83,7 @@ class LoneContacts:
         self._state = state
         self._bits = 0
         self._partners: dict[Pair, Partners] = {}
-        self._alike: dict[tuple[int, int], Partners] = {}
-        self._kinds: list[int | None] = [None] * state.n
-        self._first: dict[tuple[Quantity, Quantity | Literal["oo"]], int] = {}
+        self._alike: dict[tuple[int, int, int, int], Partners] = {}
         self._shares: dict[Pair, Shares] = {}
         self._walls: dict[AtWall, Upright | Oblique] = {}
 
@@ -249,11 +246,11 @@ class LoneContacts:
     # -- what no flight changes
 
     def _become_partners(self, link: Pair, bits: int) -> Partners:
-        kinds = self._kind(link.a), self._kind(link.b)
+        a, b = link.ends(self._state)
+        kinds = id(a.r), id(a.w), id(b.r), id(b.w)  # circles of one radius and mass have the same two numbers
         found = self._alike.get(kinds)
         if found is None:
             ball.use_bits(bits)
-            a, b = link.ends(self._state)
             reach = self._state.reach(a, b)
             square = reach * reach
             whole = square * (a.w + b.w)
@@ -261,14 +258,6 @@ class LoneContacts:
             circles = self._state.scene.circles
             found = self._alike[kinds] = Partners(square, *shares, circles[link.a].m == circles[link.b].m)
         self._partners[link] = found
-        return found
-
-    def _kind(self, i: int) -> int:
-        """A number that circles of one radius and mass share."""
-        found = self._kinds[i]
-        if found is None:
-            circle = self._state.scene.circles[i]
-            found = self._kinds[i] = self._first.setdefault((circle.r, circle.m), i)
         return found
 
     def _share(self, link: Pair, bits: int) -> Shares:

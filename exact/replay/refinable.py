@@ -156,7 +156,7 @@ class RefinableState:
         self._tried.add(len(self.steps))
         if self.balls.centred:
             return False
-        if self._in_play and not self._all_leave(link.circles):
+        if self._in_play and not self._all_leave(link):
             return False
         accuracy = self._lone.strike(link, self.bits, len(self.steps))
         if accuracy is None:
@@ -168,15 +168,27 @@ class RefinableState:
             self._hold(link.circles)
         return True
 
-    def _all_leave(self, bodies: tuple[int, ...]) -> bool:
-        """Ends the exact lives of those of some bodies that have one; False, and nothing done, if all have."""
+    def _all_leave(self, link: Touch) -> bool:
+        """Ends the exact lives of those of a contact's bodies that have one; False, and nothing done, where it may be
+        exact itself."""
+        bodies = link.circles
         exact = [i for i in bodies if self.exact[i]]
-        if len(exact) == len(bodies):
+        if len(exact) == len(bodies) and not self._leaves_rationals(link):
             return False
         ball.use_bits(self.bits)
         for i in exact:
             self._leave(i)
         return True
+
+    def _leaves_rationals(self, link: Touch) -> bool:
+        """Whether the hit of two circles that are exact, and rational, has a root in it."""
+        if self.field is None or self.numbers.tower.depth > 0 or not isinstance(link, Pair):
+            return False
+        try:
+            self.numbers.root(self.field.discriminant(link))
+        except LeavesField:
+            return True
+        return False
 
     def _hold(self, bodies: tuple[int, ...]) -> None:
         """Puts circles that something is known to hold to a line or a point there."""
