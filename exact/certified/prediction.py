@@ -118,6 +118,7 @@ class FilteredPredictor(Predictor[arb]):
             self.queue.push_pairs(a, found, standing)
         if unclear:
             self.plan["unclear in doubles"] += len(unclear)
+            self.prepare()
             super().pairs(a, unclear, standing)
 
     def walls(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
@@ -128,8 +129,10 @@ class FilteredPredictor(Predictor[arb]):
             lines = [self._float_line(a, k) for k in walls]
         found, unclear = self.filter.walls(a, lines)
         self.queue.push_walls(a, found, standing)
+        if unclear:
+            self.plan["unclear in doubles"] += len(unclear)
+            self.prepare()
         for k in unclear:
-            self.plan["unclear in doubles"] += 1
             self.wall(a, k, standing)
 
     def spot(self, a: Body[arb]) -> Spot | None:

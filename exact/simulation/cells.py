@@ -38,8 +38,8 @@ FEWEST = 64
 96 in the exact engine, 0.95 and 0.65 in doubles."""
 
 SHARE = 0.5
-"""Circles to a cell, of those whose reach allows it: half as many are met anew at each flight as with one to a cell, and
-two thirds as many again come to a new cell, which is the cheaper of the two."""
+"""Circles to a cell, where their reach allows it. With one to a cell twice as many are looked at for each flight, with
+fewer they come to new cells more often: in the gas of 1,000, 25 pairs and 1.8 crossings an event against 13 and 2.6."""
 
 LARGE = 4.0
 """Circles more than this many times as large as the usual one are held against all others."""
@@ -128,10 +128,11 @@ class Cells:
         self.large = large
         self.loose: set[int] = set()
         self._walls = walls
+        self._near = walls.near
         self._row = row = grid.columns + 2
         self._ahead = {step: _ahead(step, row) for step in (-1, 1, -row, row)}
-        self._columns = _ends(grid.x, grid.width, grid.columns)
-        self._rows = _ends(grid.y, grid.width, grid.rows)
+        self._left, self._right = _ends(grid.x, grid.width, grid.columns)
+        self._low, self._high = _ends(grid.y, grid.width, grid.rows)
         self._sharp = MARGIN / 8 * grid.width / (64.0 * UNIT) - abs(grid.x) - abs(grid.y)
         self._cell = [NOWHERE] * count
         self._held: list[list[int]] = [[] for _ in range(row * (grid.rows + 2))]
@@ -205,16 +206,16 @@ class Cells:
 
     def walls(self, i: int) -> tuple[int, ...]:
         """The walls that a circle may touch before another crossing, and that its flight does not know yet."""
-        walls, cell = self._walls, self._cell[i]
-        near = walls.every if cell == NOWHERE else walls.near[cell]
+        cell = self._cell[i]
+        near = self._near[cell] if cell != NOWHERE else self._walls.every
+        if near == 0:
+            return ()
         if near is None:
             row, column = divmod(cell, self._row)
-            near = walls.look(cell, column - 1, row - 1)
-        if not near:
-            return ()
+            near = self._walls.look(cell, column - 1, row - 1)
         new = near & ~self._known_walls[i]
         self._known_walls[i] |= new
-        return walls.indices(new)
+        return self._walls.indices(new)
 
     # -- crossings
 
@@ -289,23 +290,25 @@ class Cells:
     def _foresee(self, i: int, flight: Flight, column: int, row: int) -> None:
         """Queues the time at which a circle is half a margin beyond its cell; a place not sharp enough is loose."""
         x, y, vx, vy, t = flight
-        wait, step = inf, 0
+        wait, step, speed = inf, 0, 0.0
         if vx > 0.0:
-            wait, step = (self._columns[1][column] - x) / vx, 1
+            wait, step, speed = (self._right[column] - x) / vx, 1, vx
         elif vx < 0.0:
-            wait, step = (self._columns[0][column] - x) / vx, -1
+            wait, step, speed = (self._left[column] - x) / vx, -1, -vx
         if vy > 0.0:
-            up = (self._rows[1][row] - y) / vy
+            up = (self._high[row] - y) / vy
+            speed += vy
             if up < wait:
                 wait, step = up, self._row
         elif vy < 0.0:
-            up = (self._rows[0][row] - y) / vy
+            up = (self._low[row] - y) / vy
+            speed -= vy
             if up < wait:
                 wait, step = up, -self._row
         last = t if wait == inf or wait < 0.0 else t + wait
-        if not abs(x) + abs(y) + (abs(vx) + abs(vy)) * last < self._sharp:
+        if not abs(x) + abs(y) + speed * last < self._sharp:
             self._loosen(i)
-        elif wait < inf:
+        elif step:
             self._count = self._newest[i] = self._count + 1
             heappush(self._crossings, (t + wait, self._count, i, step))
         else:

@@ -18,10 +18,6 @@ from .wall_cells import WallCells
 class Predictions(Protocol[N]):
     """Makes the predictions of one run."""
 
-    def prepare(self) -> None:
-        """Called before predictions."""
-        ...
-
     def spot(self, a: Body[N], /) -> Spot | None:
         """A circle's flight in doubles; None where they do not tell it to a rounding."""
         ...
@@ -106,8 +102,6 @@ class Crowd(Generic[N]):
         bodies, plan, predictions = self._bodies, self._plan, self._predictions
         plan["cells crossed"] += 1
         walls = self._cells.walls(i)
-        if walls or near:
-            predictions.prepare()
         if walls:
             plan["walls predicted"] += len(walls)
             predictions.walls(bodies[i], walls, ())

@@ -74,7 +74,7 @@ class Predictor(Generic[M]):
         self.root = state.root
 
     def prepare(self) -> None:
-        """Called before predictions, and after each that was unsure."""
+        """Called before predictions in the state's own numbers, and after each that was unsure."""
         return
 
     def reach(self, a: Body[M], b: Body[M]) -> M:
@@ -97,7 +97,6 @@ class Predictor(Generic[M]):
             gone: circles out of play.
         """
         plan, count = self.plan, self._count
-        self.prepare()
         if gone:
             moved = [a for a in moved if a.index not in gone]
         if not self._begun:

@@ -40,8 +40,8 @@ class FlatCrowd:
 
     def walls(self, i: int, standing: Container[int]) -> None:
         """Queues the next hits of a circle with the walls near its cell that its flight does not know yet."""
-        near = self.cells.walls(i)
-        if near and not self._flights.rests(i):
+        near = () if self._flights.rests(i) else self.cells.walls(i)
+        if near:
             self._plan["walls predicted"] += len(near)
             lines = self._flights.lines(i)
             walls(self._flights, i, [lines[k] for k in near], standing)
