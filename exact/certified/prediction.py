@@ -14,15 +14,12 @@ from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import Body
 from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
-from ..simulation.cells import Spot
+from ..simulation.cells import Flight
 from ..simulation.prediction import Predictor, link_of
 from ..simulation.queue import ArrivalQueue
 
 QUICK_BITS = 128
 """Precision of predictions: two machine words, the most that flint keeps without a call for memory."""
-
-_new = tuple.__new__
-"""Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""
 
 
 class FilteredPredictor(Predictor[arb]):
@@ -114,7 +111,7 @@ class FilteredPredictor(Predictor[arb]):
             for low, high, b in found:
                 if low <= a.until and (link := link_of(a, b)) not in standing:
                     self.queue.push(low, high, None, link)
-        else:
+        elif found:
             self.queue.push_pairs(a, found, standing)
         if unclear:
             self.plan["unclear in doubles"] += len(unclear)
@@ -135,9 +132,9 @@ class FilteredPredictor(Predictor[arb]):
         for k in unclear:
             self.wall(a, k, standing)
 
-    def spot(self, a: Body[arb]) -> Spot | None:
-        """See `Predictor.spot`."""
-        return None if a.f is None else _new(Spot, a.f[:5])
+    def in_doubles(self, a: Body[arb]) -> Flight | None:
+        """See `Predictor.in_doubles`."""
+        return None if a.f is None else a.f[:5]
 
     def _as_seen_from(self, a: Body[arb]) -> list[FloatLine]:
         lines = self._float_lines[a.index] = [self._float_line(a, k) for k in range(self.wall_count)]

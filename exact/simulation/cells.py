@@ -45,20 +45,10 @@ LARGE = 4.0
 """Circles more than this many times as large as the usual one are held against all others."""
 
 Flight: TypeAlias = tuple[float, float, float, float, float]
-"""(x, y, vx, vy, t) in doubles (see `Spot`)."""
+"""(x, y, vx, vy, t) in doubles: it passes (x, y) at time t, each but for a rounding."""
 
 NOWHERE = -1
 """The cell of a circle that is in none."""
-
-
-class Spot(NamedTuple):
-    """A flight in doubles: (x, y) at time t, each but for a rounding, and the velocity."""
-
-    x: float
-    y: float
-    vx: float
-    vy: float
-    t: float
 
 
 class Grid(NamedTuple):
@@ -88,15 +78,15 @@ class Grid(NamedTuple):
         )  # fmt: skip
 
 
-def grid_for(spots: Sequence[Spot | None], radii: Sequence[float]) -> Grid | None:
+def grid_for(flights: Sequence[Flight | None], radii: Sequence[float]) -> Grid | None:
     """Cells for circles, about two to a circle; None where they would spare nothing."""
-    known = [spot for spot in spots if spot is not None]
+    known = [flight for flight in flights if flight is not None]
     if len(known) < FEWEST:
         return None
     usual = sorted(radii)[len(radii) // 2]
     reach = 2.0 * max(r for r in radii if r <= LARGE * usual)
-    left, right = min(spot.x for spot in known), max(spot.x for spot in known)
-    low, high = min(spot.y for spot in known), max(spot.y for spot in known)
+    left, right = min(flight[0] for flight in known), max(flight[0] for flight in known)
+    low, high = min(flight[1] for flight in known), max(flight[1] for flight in known)
     area = (right - left) * (high - low)
     width = max(
         reach / (1.0 - 4.0 * MARGIN), (SHARE * area / len(known)) ** 0.5, (right - left + high - low) / MOST_CELLS
@@ -141,20 +131,20 @@ class Cells:
         self._flights: list[Flight] = [(0.0,) * 5] * count
         self._count = 0
         self._begun = [0] * count
-        self._known: list[set[int]] = [set()] * count
+        self._known: list[tuple[int, ...]] = [()] * count
         self._known_walls = [0] * count
 
     # -- a new flight
 
-    def enter(self, i: int, x: float, y: float, vx: float, vy: float, t: float) -> None:
-        """Takes up a circle's new flight: it passes (x, y) at time t, each but for a rounding."""
+    def enter(self, i: int, flight: Flight) -> None:
+        """Takes up a circle's new flight."""
         self._begin(i)
         if i in self.large:
             self._loosen(i)
             return
         self.loose.discard(i)
         left, low, width, columns, rows = self.grid
-        column, row = int((x - left) / width), int((y - low) / width)
+        column, row = int((flight[0] - left) / width), int((flight[1] - low) / width)
         if not 0 <= column < columns:
             column = 0 if column < 0 else columns - 1
         if not 0 <= row < rows:
@@ -165,7 +155,7 @@ class Cells:
                 self._held[old].remove(i)
             self._held[new].append(i)
             self._cell[i] = new
-        self._flights[i] = flight = x, y, vx, vy, t
+        self._flights[i] = flight
         self._foresee(i, flight, column, row)
 
     def enter_loose(self, i: int) -> None:
@@ -200,8 +190,8 @@ class Cells:
             if self.loose:
                 found += self.loose
         found.remove(i)
-        self._known[i] = set(found)
         found.sort()
+        self._known[i] = tuple(found)
         return found
 
     def walls(self, i: int) -> tuple[int, ...]:
@@ -268,14 +258,17 @@ class Cells:
         known, begun = self._known, self._begun
         mine, own = known[i], begun[i]
         new: list[int] = []
+        newer = 0
         for k in others:
             if own > begun[k]:
                 if k not in mine:
-                    mine.add(k)
                     new.append(k)
             elif i not in known[k] and k != i:
-                known[k].add(i)
+                known[k] += (i,)
                 new.append(k)
+                newer += 1
+        if newer < len(new):
+            known[i] += tuple(new)
         new.sort()
         return new
 

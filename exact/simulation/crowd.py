@@ -11,14 +11,14 @@ from ...scenarios.things import Wall
 from ..numbers.system import N
 from ..replay.body import Body
 from ..replay.contact import Link
-from .cells import LARGE, Cells, Spot, grid_for
+from .cells import LARGE, Cells, Flight, grid_for
 from .wall_cells import WallCells
 
 
 class Predictions(Protocol[N]):
     """Makes the predictions of one run."""
 
-    def spot(self, a: Body[N], /) -> Spot | None:
+    def in_doubles(self, a: Body[N], /) -> Flight | None:
         """A circle's flight in doubles; None where they do not tell it to a rounding."""
         ...
 
@@ -61,11 +61,11 @@ class Crowd(Generic[N]):
         for i in gone:
             cells.remove(i)
         for a in moved:
-            spot = predictions.spot(a)
-            if spot is None:
+            flight = predictions.in_doubles(a)
+            if flight is None:
                 cells.enter_loose(a.index)
             else:
-                cells.enter(a.index, *spot)
+                cells.enter(a.index, flight)
         for a in moved:
             a.until = inf
             walls = () if a.flight.rest else cells.walls(a.index)
@@ -110,9 +110,9 @@ class Crowd(Generic[N]):
             predictions.pairs(bodies[i], [bodies[k] for k in near], ())
 
 
-def cells_for(spots: Mapping[int, Spot | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:
+def cells_for(flights: Sequence[Flight | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:
     """Cells for the circles of a run, empty; None where they would spare nothing."""
-    grid = grid_for(list(spots.values()), radii)
+    grid = grid_for(flights, radii)
     if grid is None:
         return None
     usual = sorted(radii)[len(radii) // 2]

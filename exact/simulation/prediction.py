@@ -23,7 +23,7 @@ from ..replay.body import Body
 from ..replay.contact import AtWall, Entry, Link, Pair, Round
 from ..replay.state import State
 from . import cells as crowding
-from .cells import Spot
+from .cells import Flight
 from .crowd import Crowd, cells_for
 from .queue import ArrivalQueue
 
@@ -131,12 +131,11 @@ class Predictor(Generic[M]):
             radii = [float(circle.r) for circle in self.scene.circles]
         except OverflowError:  # beyond doubles, as no grid is
             return
-        spots = {i: self.spot(body) for i, body in state.bodies.items()}
-        cells = cells_for(spots, radii, self.scene.walls)
+        cells = cells_for([self.in_doubles(body) for body in state.bodies.values()], radii, self.scene.walls)
         if cells is not None:
             self._crowd = self.queue.crossings = Crowd(cells, state.bodies, state.pockets, self.plan, self)
 
-    def spot(self, a: Body[M]) -> Spot | None:
+    def in_doubles(self, a: Body[M]) -> Flight | None:
         """A flight in doubles; None where they do not tell it to a rounding."""
         numbers: list[float] = []
         for number in a.q:
@@ -144,7 +143,8 @@ class Predictor(Generic[M]):
             if not (high - low <= SHARP * abs(low) and abs(low) < FARTHEST):
                 return None
             numbers.append(low)
-        return Spot(*numbers)
+        x, y, vx, vy, t = numbers
+        return x, y, vx, vy, t
 
     def _walls_of(self, moved: Sequence[Body[M]], standing: Collection[Link]) -> None:
         flying, every = 0, range(self.wall_count)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Container
 
-from ...exact.simulation.cells import Cells, Spot
+from ...exact.simulation.cells import Cells, Flight
 from ...exact.simulation.prediction import FARTHEST as FAR
 from .flights import FlatFlight, FlatFlights
 from .inlined import pairs, walls
@@ -32,11 +32,11 @@ class FlatCrowd:
 
     def enter(self, i: int) -> None:
         """Takes up a circle's new flight."""
-        x, y, vx, vy, t, _, _ = self._flights.flights[i]
-        if -FAR < x < FAR and -FAR < y < FAR and -FAR < vx < FAR and -FAR < vy < FAR and t < FAR:
-            self.cells.enter(i, x, y, vx, vy, t)
-        else:
+        flight = in_range(self._flights.flights[i])
+        if flight is None:
             self.cells.enter_loose(i)
+        else:
+            self.cells.enter(i, flight)
 
     def walls(self, i: int, standing: Container[int]) -> None:
         """Queues the next hits of a circle with the walls near its cell that its flight does not know yet."""
@@ -84,9 +84,9 @@ class FlatCrowd:
                     pairs(f, k, (flights[i],), ())
 
 
-def spot(flight: FlatFlight) -> Spot | None:
-    """A flight as cells take it; None beyond what they can be trusted with (see `Predictor.spot`)."""
+def in_range(flight: FlatFlight) -> Flight | None:
+    """A flight as cells take it; None beyond what they can be trusted with (see `Predictor.in_doubles`)."""
     x, y, vx, vy, t, _, _ = flight
     if -FAR < x < FAR and -FAR < y < FAR and -FAR < vx < FAR and -FAR < vy < FAR and t < FAR:
-        return Spot(x, y, vx, vy, t)
+        return x, y, vx, vy, t
     return None

@@ -15,7 +15,7 @@ from ...exact.simulation import cells as crowding
 from ...exact.simulation.crowd import cells_for
 from ...scenarios.scene import Scene
 from ..plain_decider import PlainMeetings
-from .crowd import FlatCrowd, spot
+from .crowd import FlatCrowd, in_range
 from .flights import FlatFlights
 from .inlined import pairs, walls
 from .queue import FlatQueue
@@ -125,8 +125,7 @@ class FlatMeetings(PlainMeetings[float]):
             radii = [float(r) for r in self._radii]
         except OverflowError:  # beyond doubles, as no grid is
             return
-        spots = {i: spot(flight) for i, flight in enumerate(f.flights)}
-        cells = cells_for(spots, radii, self._scene.walls)
+        cells = cells_for([in_range(flight) for flight in f.flights], radii, self._scene.walls)
         if cells is not None:
             self.crowd = self._queue.crossings = FlatCrowd(cells, f, self._plan)
 

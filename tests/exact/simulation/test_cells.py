@@ -92,7 +92,7 @@ def test_whoever_may_meet_is_handed_out_in_time_and_once(seed: int) -> None:
     turn = lambda: (draw.uniform(-2, 2), draw.uniform(-2, 2)) if draw.random() > 0.1 else (0.0, draw.choice([0.0, 1.0]))  # noqa: E731
     flights = [(draw.uniform(0, size), draw.uniform(0, size), *turn(), 0.0) for _ in range(n)]
     begun = [0] * n
-    cells = cells_for({i: cells_module.Spot(*flight) for i, flight in enumerate(flights)}, [1.0] * n, walls)
+    cells = cells_for(flights, [1.0] * n, walls)
     assert cells is not None
     handed: dict[tuple[int, ...], float] = {}
 
@@ -128,7 +128,7 @@ def test_whoever_may_meet_is_handed_out_in_time_and_once(seed: int) -> None:
                     assert handed[b, a, begun[b], begun[a]] <= when + 1e-9
 
     for i, flight in enumerate(flights):
-        cells.enter(i, *flight)
+        cells.enter(i, flight)
     for i in range(n):
         met(i, [k for k in cells.around(i) if k >= i])
     for _ in range(150):
@@ -141,7 +141,7 @@ def test_whoever_may_meet_is_handed_out_in_time_and_once(seed: int) -> None:
         x, y, vx, vy, t = flights[i]
         begun[i] += 1
         flights[i] = (x + vx * (now - t), y + vy * (now - t), *turn(), now)
-        cells.enter(i, *flights[i])
+        cells.enter(i, flights[i])
         met(i, cells.around(i))
 
 
