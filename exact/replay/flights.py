@@ -77,10 +77,12 @@ class Flights(Generic[N]):
         circle, constant, zero = self.scene.circles[i], self.constant, self.zero
         x, y, vx, vy = constant(circle.x), constant(circle.y), constant(circle.vx), constant(circle.vy)
         flight = Flight(x, y, vx, vy, zero, zero, rest=circle.at_rest)
-        measures = circle.r, circle.m
-        known = self._measures.get(measures)
+        r, m = circle.r, circle.m
+        if r.rational is None or (isinstance(m, Quantity) and m.rational is None):
+            return Body(i, flight, constant(r), constant(circle.inverse_mass))
+        known = self._measures.get((r, m))
         if known is None:
-            known = self._measures[measures] = constant(circle.r), constant(circle.inverse_mass)
+            known = self._measures[r, m] = constant(r), constant(circle.inverse_mass)
         return Body(i, flight, *known)
 
     def _pocket(self, k: int) -> Body[N]:
