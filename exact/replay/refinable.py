@@ -173,22 +173,15 @@ class RefinableState:
         exact itself."""
         bodies = link.circles
         exact = [i for i in bodies if self.exact[i]]
-        if len(exact) == len(bodies) and not self._leaves_rationals(link):
-            return False
+        if len(exact) == len(bodies):
+            if self.field is None or self.numbers.tower.depth or not isinstance(link, Pair):
+                return False
+            if not self.numbers.leaves(self.field.discriminant(link)):
+                return False
         ball.use_bits(self.bits)
         for i in exact:
             self._leave(i)
         return True
-
-    def _leaves_rationals(self, link: Touch) -> bool:
-        """Whether the hit of two circles that are exact, and rational, has a root in it."""
-        if self.field is None or self.numbers.tower.depth > 0 or not isinstance(link, Pair):
-            return False
-        try:
-            self.numbers.root(self.field.discriminant(link))
-        except LeavesField:
-            return True
-        return False
 
     def _hold(self, bodies: tuple[int, ...]) -> None:
         """Puts circles that something is known to hold to a line or a point there."""

@@ -226,7 +226,7 @@ class ArrivalQueue(Generic[N]):
         while heap and heap[0][0] <= bar:
             other = heappop(heap)
             if not self._is_stale(other):
-                found.append(other if isinstance(other, Arrival) else self._arrival(other))
+                found.append(other if isinstance(other, Arrival) else self._as_arrival(other))
                 bar = min(bar, other[2])
         return found
 
@@ -237,7 +237,7 @@ class ArrivalQueue(Generic[N]):
         bodies, (_, _, _, i, j, si, sj) = self._bodies, entry
         return bodies[i].serial != si or (j >= 0 and bodies[j].serial != sj)
 
-    def _arrival(self, entry: Plain) -> Arrival[N]:
+    def _as_arrival(self, entry: Plain) -> Arrival[N]:
         """An entry as others see it."""
         low, order, high, _, j, si, sj = entry
         return Arrival(low, order, high, True, None, _link_of(entry), (si, sj) if j >= 0 else (si,))
