@@ -272,19 +272,19 @@ GATHERING = (
     ),
     Mutant(
         "one_rival", QUEUE,
-        "        while heap and heap[0].low <= bar:\n            other",
-        "        if heap and heap[0].low <= bar:\n            other",
+        "        while heap and heap[0][0] <= bar:\n            other",
+        "        while heap and heap[0][0] <= bar and len(found) < 2:\n            other",
         "of the arrivals that may be first only two are looked at",
     ),
     Mutant(
         "bar_at_lower_bound", QUEUE,
-        "bar = first.high",
-        "bar = first.low if first.certain else first.high",
+        "bar = min(bar, other[2])",
+        "bar = min(bar, other[2] if other[2] == inf else other[0])",
         "arrivals within the error of the first are left in the queue",
     ),
     Mutant(
         "queued_grazes_forgotten", QUEUE,
-        "return [arrival for arrival in self._heap if arrival.graze]",
+        "return [entry for entry in self._heap if isinstance(entry, Arrival) and entry.graze]",
         "return []",
         "grazes in the queue at a reversal at a set time are forgotten",
         why_it_survives="nothing parts where only a set time makes the instant, so a reversal sends nothing "
