@@ -19,10 +19,11 @@ from ..cli.progress import duration, showing
 from ..cli.writing import check_writable, write_whole
 from ..engines import split_engines, suggestion
 from .against import Against, against
-from .figures import BENCHMARKS, FULL, SHORT, Figure, Size
+from .figures import FULL, SHORT, Figure, Size
 from .machine import Took, calibration, idleness, machine
 from .report import Report, check_scenes, idleness_of, load, rows_of, worst
 from .subjects import SUBJECTS, digest_of, subjects
+from .table import BENCHMARKS
 from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, Tradeoff, tradeoffs
 
 TRADEOFFS = "tradeoffs"

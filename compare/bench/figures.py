@@ -86,6 +86,7 @@ class Size:
         digits: Galperin's n for the engines of this project.
         rival_digits: Galperin's n for perfect-physics (n = 2 takes it about a minute).
         steps: time steps of pymunk.
+        crowd, large_crowd: discs of two crowds.
     """
 
     repeats: int = 5
@@ -94,11 +95,13 @@ class Size:
     digits: int = 4
     rival_digits: int = 1
     steps: int = 100_000
+    crowd: int = 1_000
+    large_crowd: int = 10_000
 
 
 SHORT = Size()
 FULL = Size(rival_digits=2)
-TINY = Size(repeats=1, gas=5, long_gas=10, digits=0, rival_digits=0, steps=20)
+TINY = Size(repeats=1, gas=5, long_gas=10, digits=0, rival_digits=0, steps=20, crowd=20, large_crowd=70)
 
 GAS = "gas:n=10,seed=1"
 """Ten equal discs in a box: chaotic, so that nothing can be guessed ahead."""
@@ -273,4 +276,4 @@ BENCHMARKS: dict[str, Benchmark] = {
     "pymunk-overhead": pymunk_overhead,
     "start-up": start_up,
 }
-"""Every figure by name. A new one adds its function and one line here."""
+"""Every figure of few discs, by name. A new one adds its function and one line here."""

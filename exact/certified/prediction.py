@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 from flint import arb
 
@@ -14,7 +14,7 @@ from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import Body
 from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
-from ..simulation.cells import Spot
+from ..simulation.cells import Flight
 from ..simulation.prediction import Predictor, link_of
 from ..simulation.queue import ArrivalQueue
 
@@ -104,29 +104,36 @@ class FilteredPredictor(Predictor[arb]):
             admit(body)
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
-        """See `Predictor.pairs`."""
+        """See `Predictor.pairs`; the order is that of `others`."""
         found, unclear = self.filter.pairs(a, others, self._float_reaches[a.kind])
         if self.state.pockets:
             for low, high, b in found:
                 if low <= a.until and (link := link_of(a, b)) not in standing:
                     self.queue.push(low, high, None, link)
-        else:
+        elif found:
             self.queue.push_pairs(a, found, standing)
-        for b in unclear:
-            self.plan["unclear in doubles"] += 1
-            self.pair(a, b, standing)
+        if unclear:
+            self.plan["unclear in doubles"] += len(unclear)
+            self.prepare()
+            super().pairs(a, unclear, standing)
 
-    def walls(self, a: Body[arb], standing: Collection[Link]) -> None:
+    def walls(self, a: Body[arb], walls: Sequence[int], standing: Collection[Link]) -> None:
         """See `Predictor.walls`."""
-        found, unclear = self.filter.walls(a, self._float_lines.get(a.index) or self._as_seen_from(a))
+        if len(walls) == self.wall_count:
+            lines = self._float_lines.get(a.index) or self._as_seen_from(a)
+        else:
+            lines = [self._float_line(a, k) for k in walls]
+        found, unclear = self.filter.walls(a, lines)
         self.queue.push_walls(a, found, standing)
+        if unclear:
+            self.plan["unclear in doubles"] += len(unclear)
+            self.prepare()
         for k in unclear:
-            self.plan["unclear in doubles"] += 1
             self.wall(a, k, standing)
 
-    def spot(self, a: Body[arb]) -> Spot | None:
-        """See `Predictor.spot`."""
-        return None if a.f is None else Spot(*a.f[:5])
+    def in_doubles(self, a: Body[arb]) -> Flight | None:
+        """See `Predictor.in_doubles`."""
+        return None if a.f is None else a.f[:5]
 
     def _as_seen_from(self, a: Body[arb]) -> list[FloatLine]:
         lines = self._float_lines[a.index] = [self._float_line(a, k) for k in range(self.wall_count)]
@@ -135,7 +142,7 @@ class FilteredPredictor(Predictor[arb]):
     def _float_line(self, a: Body[arb], wall: int) -> FloatLine:
         key = self._key(a, wall)
         if key not in self._known_float_lines:
-            self._known_float_lines[key] = float_line(*self.line(a, wall))
+            self._known_float_lines[key] = float_line(wall, *self.line(a, wall))
         return self._known_float_lines[key]
 
     def _key(self, a: Body[arb], wall: int) -> tuple[int, int, bool]:

@@ -13,7 +13,7 @@ from flint import arb
 
 from ..numbers.field import Known
 from ..replay.body import Body
-from ..replay.contact import Entry, Touch
+from ..replay.contact import Touch
 from ..replay.refinable import RefinableState
 from ..replay.steps import Go, Kick
 from ..simulation.history import History, Mark, Record
@@ -74,11 +74,9 @@ class Stride:
         queue, predict = self._queue, self._meetings.predictor.predict
         while most > 0:
             look()
-            arrival = queue.alone(before)
-            if arrival is None:
+            link = queue.alone(before)
+            if link is None:
                 break
-            link = arrival.link
-            assert not isinstance(link, Entry)  # there are no pockets
             most -= 1
             last += 2
             predict(*self._carried_out(link, last, note, self._precision), ())

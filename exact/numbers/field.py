@@ -77,6 +77,10 @@ class Field:
             raise LeavesField
         return _simplest(within)
 
+    def leaves(self, value: FieldNumber) -> bool:
+        """Whether the square root of a number, which is not negative, is in no field of rationals alone."""
+        return isinstance(value, fmpq) and rational_root(value) is None
+
     def sign(self, value: FieldNumber) -> int:
         """Always decided."""
         return field_sign(value)

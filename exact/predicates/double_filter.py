@@ -6,8 +6,8 @@ with a bound on its distance from the true value. A sign is told only beyond the
 doubles that enclose it. Everything else is UNCLEAR, and goes to balls.
 
 Bounds. u = 2**-53 is the rounding unit. A state's doubles are off by at most 2u relatively: u by rounding the ball's
-middle, and less than u/50 by its radius (`admit` sees to that). With S the largest coordinate and V the largest
-speed component that the run has seen, and T the present:
+middle, and less than u/50 by its radius (`admit` sees to that). With S the largest coordinate, V the largest
+speed component and T the latest clock that the run has seen:
 
 - a coordinate of d is off by less than E = 64 u (S + V T): 2u S twice from the positions, 2u T twice and a rounding
   from the clocks, times V, 2u and a rounding from the product, three roundings of sums, together under
@@ -48,9 +48,10 @@ TINY = 1 / BIG
 
 
 class FloatLine(NamedTuple):
-    """A wall as seen from a circle, in doubles: a point, a normal, r*|n|, the normal's 1-norm, and the size of
-    the fixed terms of the gap."""
+    """A wall as seen from a circle, in doubles: which it is, a point, a normal, r*|n|, the normal's 1-norm, and the
+    size of the fixed terms of the gap."""
 
+    wall: int
     x0: float
     y0: float
     nx: float
@@ -60,7 +61,7 @@ class FloatLine(NamedTuple):
     size: float
 
 
-def float_line(x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
+def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
     """The doubles of a wall's short balls; a wall that they cannot tell is given infinite size, so never clear."""
     fx0, fy0, fnx, fny, fixed = (float(value) for value in (x0, y0, nx, ny, offset))
     norm = abs(fnx) + abs(fny)
@@ -68,7 +69,7 @@ def float_line(x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
     sharp = all(value.rel_accuracy_bits() > ACCURATE_BITS for value in (x0, y0, nx, ny, offset))
     if not (sharp and size < BIG and 1 / BIG < norm < BIG):
         size = inf
-    return FloatLine(fx0, fy0, fnx, fny, fixed, norm, size)
+    return FloatLine(wall, fx0, fy0, fnx, fny, fixed, norm, size)
 
 
 class DoubleFilter:
@@ -77,11 +78,14 @@ class DoubleFilter:
     Attributes:
         largest: the largest coordinate seen (S).
         fastest: the largest speed component seen (V).
+        latest: the latest clock seen (T).
     """
 
     def __init__(self) -> None:
         self.largest = 0.0
         self.fastest = 0.0
+        self.latest = 0.0
+        self._bounds: tuple[float, float, float, float, float] | None = None
 
     def admit(self, body: Body[arb]) -> None:
         """Sets a body's doubles from its short balls, or None if they are not accurate enough."""
@@ -112,13 +116,29 @@ class DoubleFilter:
             return
         self.largest = max(self.largest, place)
         self.fastest = max(self.fastest, speed)
+        self.latest = max(self.latest, ft)
+        self._bounds = None
         body.f = (fx, fy, fvx, fvy, ft, late)
+
+    def _bound(self) -> tuple[float, float, float, float, float]:
+        """4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: bounds that hold for any pair."""
+        fastest, latest = self.fastest, self.latest
+        near = 4.0 * 64 * UNIT * (self.largest + fastest * latest)
+        slack = 8 * UNIT * fastest
+        largest = 4.0 * self.largest + 2.0 * fastest * latest
+        any_off = 8.0 * near * fastest + 20.0 * slack * largest
+        self._bounds = near, slack, any_off, 48.0 * slack * fastest, (32.0 * fastest + 96.0 * slack) * fastest
+        return self._bounds
 
     def pairs(
         self, a: Body[arb], others: Iterable[Body[arb]], reaches: Sequence[float]
     ) -> tuple[list[tuple[float, float, Body[arb]]], list[Body[arb]]]:
-        """Which of several bodies a hits, which has just moved, all keeping their velocities: bounds of the time, and
-        the body; those that doubles cannot tell. A body that a surely misses is left out.
+        """Which of several bodies a hits, all keeping their velocities: bounds of the time, and the body; those that
+        doubles cannot tell. A body that a surely misses is left out.
+
+        All is reckoned at the later of two clocks. Where doubles do not tell which that is they differ by less than
+        8u, which the bound of the time covers; then, as where b's is the later, a hit counts only if it is later than
+        either `late`.
 
         Args:
             reaches: the sum of radii with a for each kind of body, to within 2u relatively.
@@ -129,22 +149,27 @@ class DoubleFilter:
         if fa is None:
             return found, list(others)
         ax, ay, avx, avy, at, late = fa
-        fastest = self.fastest
-        near = 4.0 * 64 * UNIT * (self.largest + fastest * at)
-        slack = 8 * UNIT * fastest
-        largest = 4.0 * self.largest + 2.0 * fastest * at
-        any_off = 8.0 * near * fastest + 20.0 * slack * largest
-        any_loose = 48.0 * slack * fastest
-        most = any_off + (32.0 * fastest + 96.0 * slack) * fastest * late
+        near, slack, any_off, any_loose, any_early = self._bounds or self._bound()
+        most = any_off + any_early * late
+        close = 4 * UNIT * at
         for b in others:
             fb = b.f
             if fb is None:
                 unclear.append(b)
                 continue
-            bx, by, bvx, bvy, bt, _ = fb
+            bx, by, bvx, bvy, bt, b_late = fb
             lag = at - bt
-            dx = bx + bvx * lag - ax
-            dy = by + bvy * lag - ay
+            if lag > close:
+                now = at
+                dx = bx + bvx * lag - ax
+                dy = by + bvy * lag - ay
+            else:
+                now = bt
+                dx = bx - (ax - avx * lag)
+                dy = by - (ay - avy * lag)
+                if b_late > late:
+                    late = b_late
+                    most = any_off + any_early * late
             vx = bvx - avx
             vy = bvy - avy
             approach = dx * vx + dy * vy
@@ -183,8 +208,8 @@ class DoubleFilter:
             off_depth = (2.0 * passing * off_passing + off_passing * off_passing + 8 * UNIT * reach * reach) / depth
             wait = (ahead - depth) / speed
             off_wait = (off + off_depth + (ahead + depth) * (doubt + 4 * UNIT)) / speed + abs(wait) * doubt
-            time = at + wait
-            off_time = 2.0 * off_wait + 8 * UNIT * (at + abs(wait))
+            time = now + wait
+            off_time = 2.0 * off_wait + 8 * UNIT * (now + abs(wait))
             if not (wait > off_time + late) or not isfinite(time):
                 unclear.append(b)
             else:
@@ -210,9 +235,9 @@ class DoubleFilter:
         found: list[tuple[float, float, int]] = []
         unclear: list[int] = []
         if fa is None:
-            return found, [k for k, _ in enumerate(lines)]
+            return found, [line.wall for line in lines]
         x, y, vx, vy, t, late = fa
-        for k, (x0, y0, nx, ny, offset, norm, size) in enumerate(lines):
+        for k, x0, y0, nx, ny, offset, norm, size in lines:
             approach = nx * vx + ny * vy
             off = 16 * UNIT * norm * self.fastest
             if approach > off:

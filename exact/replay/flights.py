@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Generic, NamedTuple
+from typing import Generic, Literal, NamedTuple
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
@@ -67,6 +67,7 @@ class Flights(Generic[N]):
         self.n = len(scene.circles)
         self.zero: N = constant(Quantity.of(0))
         self.one: N = constant(Quantity.of(1))
+        self._measures: dict[tuple[Quantity, Quantity | Literal["oo"]], tuple[N, N]] = {}
         self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
         self.pockets = [self._pocket(k) for k in range(len(scene.pockets))]
         self._lines: dict[int, tuple[SeenWall[N], SeenWall[N]]] = {}
@@ -76,7 +77,13 @@ class Flights(Generic[N]):
         circle, constant, zero = self.scene.circles[i], self.constant, self.zero
         x, y, vx, vy = constant(circle.x), constant(circle.y), constant(circle.vx), constant(circle.vy)
         flight = Flight(x, y, vx, vy, zero, zero, rest=circle.at_rest)
-        return Body(i, flight, constant(circle.r), constant(circle.inverse_mass))
+        r, m = circle.r, circle.m
+        if r.rational is None or (isinstance(m, Quantity) and m.rational is None):
+            return Body(i, flight, constant(r), constant(circle.inverse_mass))
+        known = self._measures.get((r, m))
+        if known is None:
+            known = self._measures[r, m] = constant(r), constant(circle.inverse_mass)
+        return Body(i, flight, *known)
 
     def _pocket(self, k: int) -> Body[N]:
         pocket, zero = self.scene.pockets[k], self.zero

@@ -90,6 +90,7 @@ class LoneContacts:
         self.met: Met | None = None
         self._bits = 0
         self._partners: dict[Pair, Partners] = {}
+        self._alike: dict[tuple[int, int, int, int], Partners] = {}
         self._shares: dict[Pair, Shares] = {}
         self._walls: dict[AtWall, Upright | Oblique] = {}
 
@@ -107,6 +108,7 @@ class LoneContacts:
         if bits != self._bits:
             self._bits = bits
             self._partners.clear()
+            self._alike.clear()
             self._shares.clear()
             self._walls.clear()
         return self._bounce(link, bits, done + 1) if isinstance(link, Pair) else self._rebound(link, bits, done + 1)
@@ -252,13 +254,17 @@ class LoneContacts:
     # -- what no flight changes
 
     def _become_partners(self, link: Pair, bits: int) -> Partners:
-        ball.use_bits(bits)
         a, b = link.ends(self._state)
-        reach = self._state.reach(a, b)
-        square = reach * reach
-        whole = square * (a.w + b.w)
-        shares = (a.w + a.w) / whole, (b.w + b.w) / whole
-        found = self._partners[link] = Partners(square, *shares, self._are_alike(a, b))
+        kinds = id(a.r), id(a.w), id(b.r), id(b.w)  # circles of one radius and mass have the same two numbers
+        found = self._alike.get(kinds)
+        if found is None:
+            ball.use_bits(bits)
+            reach = self._state.reach(a, b)
+            square = reach * reach
+            whole = square * (a.w + b.w)
+            shares = (a.w + a.w) / whole, (b.w + b.w) / whole
+            found = self._alike[kinds] = Partners(square, *shares, self._are_alike(a, b))
+        self._partners[link] = found
         return found
 
     def _are_alike(self, a: Body[arb], b: Body[arb]) -> bool:

@@ -69,6 +69,8 @@ class RefinableState:
             self.numbers.tower.max_depth = self.numbers.tower.depth
             self.exact = [True] * self.n
             self.balls.outside.update(range(self.n))
+            if self.numbers.tower.depth == 0:
+                self._stale.clear()  # what is rational is the same in the balls already
         except LeavesField:
             self.field = None
             self.exact = [False] * self.n
@@ -153,7 +155,7 @@ class RefinableState:
             steps: to it, and its impulse.
         """
         self._tried.add(len(self.steps))
-        if self._in_play and not self._all_leave(link.circles):
+        if self._in_play and not self._all_leave(link):
             return False
         accuracy = self._lone.strike(link, self.bits, len(self.steps))
         if accuracy is None:
@@ -165,11 +167,16 @@ class RefinableState:
             self._hold(link.circles)
         return True
 
-    def _all_leave(self, bodies: tuple[int, ...]) -> bool:
-        """Ends the exact lives of those of some bodies that have one; False, and nothing done, if all have."""
+    def _all_leave(self, link: Touch) -> bool:
+        """Ends the exact lives of those of a contact's bodies that have one; False, and nothing done, where it may be
+        exact itself."""
+        bodies = link.circles
         exact = [i for i in bodies if self.exact[i]]
         if len(exact) == len(bodies):
-            return False
+            if self.field is None or self.numbers.tower.depth or not isinstance(link, Pair):
+                return False
+            if not self.numbers.leaves(self.field.discriminant(link)):
+                return False
         ball.use_bits(self.bits)
         for i in exact:
             self._leave(i)

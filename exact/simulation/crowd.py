@@ -3,16 +3,32 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import Generic
+from collections.abc import Collection, Mapping, Sequence
+from math import inf
+from typing import Generic, Protocol
 
+from ...scenarios.things import Wall
 from ..numbers.system import N
 from ..replay.body import Body
 from ..replay.contact import Link
-from .cells import LARGE, Cells, Spot, grid_for
+from .cells import LARGE, Cells, Flight, grid_for
+from .wall_cells import WallCells
 
-Pairs = Callable[[Body[N], list[Body[N]], Collection[Link]], None]
-"""Queues the next meetings of a circle with others that have changed no later than it."""
+
+class Predictions(Protocol[N]):
+    """Makes the predictions of one run."""
+
+    def in_doubles(self, a: Body[N], /) -> Flight | None:
+        """A circle's flight in doubles; None where they do not tell it to a rounding."""
+        ...
+
+    def walls(self, a: Body[N], walls: Sequence[int], standing: Collection[Link], /) -> None:
+        """Queues the next hits of a circle with some walls."""
+        ...
+
+    def pairs(self, a: Body[N], others: list[Body[N]], standing: Collection[Link], /) -> None:
+        """Queues the next meetings of a circle with others."""
+        ...
 
 
 class Crowd(Generic[N]):
@@ -22,9 +38,7 @@ class Crowd(Generic[N]):
         cells: the cells.
         bodies, pockets: the circles and the pockets.
         plan: counts what is predicted and what is skipped.
-        prepare: called before predictions.
-        pairs: makes them.
-        spot: a circle's flight in doubles; None where they do not tell it to a rounding.
+        predictions: makes them.
     """
 
     def __init__(
@@ -33,80 +47,75 @@ class Crowd(Generic[N]):
         bodies: Mapping[int, Body[N]],
         pockets: Sequence[Body[N]],
         plan: Counter[str],
-        prepare: Callable[[], None],
-        pairs: Pairs[N],
-        spot: Callable[[Body[N]], Spot | None],
+        predictions: Predictions[N],
     ) -> None:
         self._cells = cells
         self._bodies = bodies
         self._pockets = list(pockets)
         self._plan = plan
-        self._prepare = prepare
-        self._pairs = pairs
-        self._spot = spot
-        self._count = len(bodies)
-        self._known: dict[int, int] = {}
+        self._predictions = predictions
 
     def predict(self, moved: Sequence[Body[N]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of circles whose flights are new (see `Predictor.predict`)."""
-        cells, done = self._cells, set[int]()
+        cells, bodies, plan, predictions, done = self._cells, self._bodies, self._plan, self._predictions, set[int]()
         for i in gone:
             cells.remove(i)
         for a in moved:
-            cells.enter(a.index, self._spot(a))
+            flight = predictions.in_doubles(a)
+            if flight is None:
+                cells.enter_loose(a.index)
+            else:
+                cells.enter(a.index, flight)
+        for a in moved:
+            a.until = inf
+            walls = () if a.flight.rest else cells.walls(a.index)
+            if walls:
+                plan["walls predicted"] += len(walls)
+                predictions.walls(a, walls, standing)
         for a in moved:
             done.add(a.index)
-            met = self._to_meet(a, [k for k in cells.around(a.index) if k not in done])
-            self._plan["pairs predicted"] += len(met)
-            self._pairs(a, met if a.flight.rest else [*met, *self._pockets], standing)
+            near = cells.around(a.index)
+            met = [bodies[k] for k in near if k not in done] if len(moved) > 1 else [bodies[k] for k in near]
+            if a.flight.rest:
+                count = len(met)
+                met = [b for b in met if not b.flight.rest]
+                plan["pairs at rest skipped"] += count - len(met)
+            plan["pairs predicted"] += len(met)
+            predictions.pairs(a, met if a.flight.rest or not self._pockets else [*met, *self._pockets], standing)
 
     @property
     def next_crossing(self) -> float:
         """See `Crossings`."""
         return self._cells.next_crossing
 
-    def cross(self, since: float, until: float) -> None:
+    def cross(self) -> None:
         """See `Crossings`. Two that touch have been neighbours, so nothing stands at gap zero here."""
-        self._prepare()
-        for i, near in self._cells.crossed(since, until):
-            self._plan["cells crossed"] += 1
-            a = self._bodies[i]
-            known, count, bodies, serial = self._known, self._count, self._bodies, a.serial
-            new = [k for k in near if known.get(i * count + k if i < k else k * count + i) != serial + bodies[k].serial]
-            if not new:
-                continue
-            met = self._to_meet(a, new)
-            self._plan["pairs predicted"] += len(met)
-            last = a.flight.last
-            earlier = [b for b in met if b.flight.last <= last]
-            if earlier:
-                self._pairs(a, earlier, ())
-            for b in met:
-                if b.flight.last > last:
-                    self._pairs(b, [a], ())
+        self._crossed(*self._cells.cross())
 
-    def _to_meet(self, a: Body[N], others: Iterable[int]) -> list[Body[N]]:
-        """Those of some circles that a may meet, in scene order; they are known from now on.
+    def cross_early(self, since: float, until: float) -> None:
+        """See `Crossings`."""
+        while self._cells.next_crossing <= until:
+            self._crossed(*self._cells.cross_early(since, until))
 
-        What is known of two is the sum of their serial numbers, which changes whenever a flight of one does.
-        """
-        met: list[Body[N]] = []
-        known, count, bodies = self._known, self._count, self._bodies
-        i, serial, rest = a.index, a.serial, a.flight.rest
-        for k in sorted(others):
-            b = bodies[k]
-            known[i * count + k if i < k else k * count + i] = serial + b.serial
-            if rest and b.flight.rest:
-                self._plan["pairs at rest skipped"] += 1
-            else:
-                met.append(b)
-        return met
+    def _crossed(self, i: int, near: list[int]) -> None:
+        """Queues what a circle may meet in its new cell, and has not met before."""
+        bodies, plan, predictions = self._bodies, self._plan, self._predictions
+        plan["cells crossed"] += 1
+        walls = self._cells.walls(i)
+        if walls:
+            plan["walls predicted"] += len(walls)
+            predictions.walls(bodies[i], walls, ())
+        if near:
+            plan["pairs predicted"] += len(near)
+            predictions.pairs(bodies[i], [bodies[k] for k in near], ())
 
 
-def cells_for(spots: Mapping[int, Spot | None], radii: Sequence[float]) -> Cells | None:
+def cells_for(flights: Sequence[Flight | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:
     """Cells for the circles of a run, empty; None where they would spare nothing."""
-    grid = grid_for(list(spots.values()), radii)
+    grid = grid_for(flights, radii)
     if grid is None:
         return None
     usual = sorted(radii)[len(radii) // 2]
-    return Cells(grid, frozenset(i for i, r in enumerate(radii) if r > LARGE * usual))
+    large = frozenset(i for i, r in enumerate(radii) if r > LARGE * usual)
+    radius = max(r for i, r in enumerate(radii) if i not in large)
+    return Cells(grid, len(radii), large, WallCells(walls, *grid.ends(), radius))

@@ -23,7 +23,7 @@ from ..replay.body import Body
 from ..replay.contact import AtWall, Entry, Link, Pair, Round
 from ..replay.state import State
 from . import cells as crowding
-from .cells import Spot
+from .cells import Flight
 from .crowd import Crowd, cells_for
 from .queue import ArrivalQueue
 
@@ -74,7 +74,7 @@ class Predictor(Generic[M]):
         self.root = state.root
 
     def prepare(self) -> None:
-        """Called before predictions, and after each that was unsure."""
+        """Called before predictions in the state's own numbers, and after each that was unsure."""
         return
 
     def reach(self, a: Body[M], b: Body[M]) -> M:
@@ -97,16 +97,15 @@ class Predictor(Generic[M]):
             gone: circles out of play.
         """
         plan, count = self.plan, self._count
-        self.prepare()
         if gone:
             moved = [a for a in moved if a.index not in gone]
-        self._walls_of(moved, standing)
         if not self._begun:
             self._begun = True
             self._gather_crowd()
         if self._crowd is not None:
             self._crowd.predict(moved, standing, gone)
             return
+        self._walls_of(moved, standing)
         others = (
             [b for b in self.state.bodies.values() if b.index not in gone] if gone else [*self.state.bodies.values()]
         )
@@ -132,14 +131,11 @@ class Predictor(Generic[M]):
             radii = [float(circle.r) for circle in self.scene.circles]
         except OverflowError:  # beyond doubles, as no grid is
             return
-        spots = {i: self.spot(body) for i, body in state.bodies.items()}
-        cells = cells_for(spots, radii)
+        cells = cells_for([self.in_doubles(body) for body in state.bodies.values()], radii, self.scene.walls)
         if cells is not None:
-            self._crowd = self.queue.crossings = Crowd(
-                cells, state.bodies, state.pockets, self.plan, self.prepare, self.pairs, self.spot
-            )
+            self._crowd = self.queue.crossings = Crowd(cells, state.bodies, state.pockets, self.plan, self)
 
-    def spot(self, a: Body[M]) -> Spot | None:
+    def in_doubles(self, a: Body[M]) -> Flight | None:
         """A flight in doubles; None where they do not tell it to a rounding."""
         numbers: list[float] = []
         for number in a.q:
@@ -147,26 +143,32 @@ class Predictor(Generic[M]):
             if not (high - low <= SHARP * abs(low) and abs(low) < FARTHEST):
                 return None
             numbers.append(low)
-        return Spot(*numbers)
+        x, y, vx, vy, t = numbers
+        return x, y, vx, vy, t
 
     def _walls_of(self, moved: Sequence[Body[M]], standing: Collection[Link]) -> None:
-        flying = 0
+        flying, every = 0, range(self.wall_count)
         for a in moved:
             a.until = inf
             if not a.flight.rest:
                 flying += 1
-                self.walls(a, standing)
+                self.walls(a, every, standing)
         if flying:
             self.plan["walls predicted"] += flying * self.wall_count
 
     def pairs(self, a: Body[M], others: list[Body[M]], standing: Collection[Link]) -> None:
-        """Queues the next meetings of a, which has a new flight, with circles and pockets."""
+        """Queues the next meetings of a circle with other circles and with pockets, those of older flights first."""
+        last = a.flight.last
         for b in others:
-            self.pair(a, b, standing)
+            if b.flight.last <= last:
+                self.pair(a, b, standing)
+        for b in others:
+            if b.flight.last > last:
+                self.pair(b, a, standing)
 
-    def walls(self, a: Body[M], standing: Collection[Link]) -> None:
-        """Queues the next hits of a, which has a new flight, with the walls."""
-        for k in range(self.wall_count):
+    def walls(self, a: Body[M], walls: Sequence[int], standing: Collection[Link]) -> None:
+        """Queues the next hits of a circle with some walls."""
+        for k in walls:
             self.wall(a, k, standing)
 
     def pair(self, a: Body[M], b: Body[M], standing: Collection[Link]) -> None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from heapq import heappop, heappush
 from math import inf
-from typing import Generic, NamedTuple, Protocol
+from typing import Generic, NamedTuple, Protocol, TypeAlias
 
 from ..numbers.system import N
 from ..replay.body import Body
-from ..replay.contact import AtWall, Link, Pair
+from ..replay.contact import AtWall, Entry, Link, Pair, Touch
 
 
 class Arrival(NamedTuple, Generic[N]):
@@ -36,10 +36,6 @@ class Arrival(NamedTuple, Generic[N]):
     graze: bool = False
 
 
-_new = tuple.__new__
-"""Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""
-
-
 class Crossings(Protocol):
     """What may make new arrivals of flights that stay as they are."""
 
@@ -48,8 +44,12 @@ class Crossings(Protocol):
         """When that comes next; infinite if never."""
         ...
 
-    def cross(self, since: float, until: float) -> None:
-        """Queues what it makes up to a time, where what happens next may come as early as `since`."""
+    def cross(self) -> None:
+        """Queues what the next makes."""
+        ...
+
+    def cross_early(self, since: float, until: float) -> None:
+        """Queues what they make up to a time, where what happens next may come as early as `since`."""
         ...
 
 
@@ -58,8 +58,16 @@ class NoCrossings:
 
     next_crossing = inf
 
-    def cross(self, since: float, until: float) -> None:
+    def cross(self) -> None:
         """Nothing."""
+
+    def cross_early(self, since: float, until: float) -> None:
+        """Nothing."""
+
+
+Plain: TypeAlias = tuple[float, int, float, int, int, int, int]
+"""An arrival that is certain and no graze, at another circle or at a wall, whose time is not at hand: its bounds with
+its order between them, two circles, the lower index first, or a circle and ~k for wall k, and their serial numbers."""
 
 
 class ArrivalQueue(Generic[N]):
@@ -74,7 +82,7 @@ class ArrivalQueue(Generic[N]):
 
     def __init__(self, bodies: Mapping[int, Body[N]]) -> None:
         self._bodies = bodies
-        self._heap: list[Arrival[N]] = []
+        self._heap: list[Plain | Arrival[N]] = []
         self._order = 0
         self.crossings: Crossings = NoCrossings()
 
@@ -89,13 +97,13 @@ class ArrivalQueue(Generic[N]):
             if low > until or low > b.until:
                 continue
             other = b.index
+            if standing and ((index, other) in standing or (other, index) in standing):
+                continue
+            order += 1
             if index < other:
-                link, serials = _new(Pair, (index, other)), (serial, b.serial)
+                heappush(heap, (low, order, high, index, other, serial, b.serial))
             else:
-                link, serials = _new(Pair, (other, index)), (b.serial, serial)
-            if link not in standing:
-                order += 1
-                heappush(heap, _new(Arrival, (low, order, high, True, None, link, serials, False)))
+                heappush(heap, (low, order, high, other, index, b.serial, serial))
         self._order = order
 
     def push_walls(self, a: Body[N], found: Sequence[tuple[float, float, int]], standing: Collection[Link]) -> None:
@@ -105,12 +113,10 @@ class ArrivalQueue(Generic[N]):
         for low, high, wall in found:
             if low > a.until:
                 return
-            link = _new(AtWall, (a.index, wall, "wall"))
-            if link not in standing:
+            if not standing or AtWall(a.index, wall) not in standing:
                 a.until = min(a.until, high)
                 self._order += 1
-                serials = (a.serial,)
-                heappush(self._heap, _new(Arrival, (low, self._order, high, True, None, link, serials, False)))
+                heappush(self._heap, (low, self._order, high, a.index, ~wall, a.serial, 0))
 
     def push_doubtful(self, low: float, link: Link) -> None:
         """Queues one that may not come, and not before a time."""
@@ -150,9 +156,9 @@ class ArrivalQueue(Generic[N]):
 
     def grazes(self) -> list[Arrival[N]]:
         """Every graze that is queued."""
-        return [arrival for arrival in self._heap if arrival.graze]
+        return [entry for entry in self._heap if isinstance(entry, Arrival) and entry.graze]
 
-    def alone(self, before: float) -> Arrival[N] | None:
+    def alone(self, before: float) -> Touch | None:
         """Takes off the next arrival if it is certain to come, before a time, and nothing else may come with it.
 
         None where that is not plain at a glance: then all is as it was, or nearer to it.
@@ -160,25 +166,36 @@ class ArrivalQueue(Generic[N]):
         heap, bodies, crossings = self._heap, self._bodies, self.crossings
         while heap:
             first = heap[0]
-            low, _, high, certain, _, link, serials, graze = first
-            if bodies[link[0]].serial != serials[0] or (len(serials) > 1 and bodies[link[1]].serial != serials[1]):
-                heappop(heap)
-                continue
-            if graze or not certain or not high < before:
+            if isinstance(first, Arrival):
+                if not self.fresh(first):
+                    heappop(heap)
+                    continue
+                low, _, high, certain, _, link, _, graze = first
+                if graze or not certain or isinstance(link, Entry):
+                    return None
+            else:
+                low, _, high, i, j, si, sj = first
+                if bodies[i].serial != si or (j >= 0 and bodies[j].serial != sj):
+                    heappop(heap)
+                    continue
+                link = None
+            if not high < before:
                 return None
             crossing = crossings.next_crossing
             if crossing < low:
-                crossings.cross(crossing, crossing)
+                while crossing < heap[0][0]:
+                    crossings.cross()
+                    crossing = crossings.next_crossing
                 continue
             if crossing <= high:
                 return None
             heappop(heap)
-            while heap and heap[0].low <= high:
-                if self.fresh(heap[0]):
+            while heap and heap[0][0] <= high:
+                if not self._is_stale(heap[0]):
                     heappush(heap, first)
                     return None
                 heappop(heap)
-            return first
+            return _link_of(first) if link is None else link
         return None
 
     def rivals(self) -> list[Arrival[N]]:
@@ -188,10 +205,11 @@ class ArrivalQueue(Generic[N]):
         """
         heap, crossings = self._heap, self.crossings
         while True:
-            self._drop_stale()
+            while heap and self._is_stale(heap[0]):
+                heappop(heap)
             crossing = crossings.next_crossing
-            if crossing < inf and (not heap or heap[0].low > crossing):
-                crossings.cross(crossing, crossing)
+            if crossing < inf and (not heap or heap[0][0] > crossing):
+                crossings.cross()
                 continue
             found = self._rivals()
             if crossing == inf or crossing > min(arrival.high for arrival in found):
@@ -201,23 +219,33 @@ class ArrivalQueue(Generic[N]):
                 return found
             for arrival in found:
                 heappush(heap, arrival)
-            crossings.cross(since, crossing)
-
-    def _drop_stale(self) -> None:
-        heap = self._heap
-        while heap and not self.fresh(heap[0]):
-            heappop(heap)
+            crossings.cross_early(since, crossing)
 
     def _rivals(self) -> list[Arrival[N]]:
         heap = self._heap
-        if not heap:
-            return []
-        first = heappop(heap)
-        found = [first]
-        bar = first.high
-        while heap and heap[0].low <= bar:
+        found: list[Arrival[N]] = []
+        bar = inf
+        while heap and heap[0][0] <= bar:
             other = heappop(heap)
-            if self.fresh(other):
-                found.append(other)
-                bar = min(bar, other.high)
+            if not self._is_stale(other):
+                found.append(other if isinstance(other, Arrival) else self._as_arrival(other))
+                bar = min(bar, other[2])
         return found
+
+    def _is_stale(self, entry: Plain | Arrival[N]) -> bool:
+        """Whether an entry rests on a flight that is over."""
+        if isinstance(entry, Arrival):
+            return not self.fresh(entry)
+        bodies, (_, _, _, i, j, si, sj) = self._bodies, entry
+        return bodies[i].serial != si or (j >= 0 and bodies[j].serial != sj)
+
+    def _as_arrival(self, entry: Plain) -> Arrival[N]:
+        """An entry as others see it."""
+        low, order, high, _, j, si, sj = entry
+        return Arrival(low, order, high, True, None, _link_of(entry), (si, sj) if j >= 0 else (si,))
+
+
+def _link_of(entry: Plain) -> Touch:
+    """Whose meeting it is."""
+    i, j = entry[3], entry[4]
+    return Pair(i, j) if j >= 0 else AtWall(i, ~j)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection
-from itertools import count
+from collections.abc import Collection, Container
 
 from ...exact.simulation.cells import Cells, Flight
-from ...exact.simulation.prediction import FARTHEST
+from ...exact.simulation.prediction import FARTHEST as FAR
 from .flights import FlatFlight, FlatFlights
-from .inlined import pairs
+from .inlined import pairs, walls
 
 
 class FlatCrowd:
@@ -22,82 +21,72 @@ class FlatCrowd:
     """
 
     def __init__(self, cells: Cells, flights: FlatFlights, plan: Counter[str]) -> None:
-        self._cells = cells
+        self.cells = cells
         self._flights = flights
         self._plan = plan
-        self._known: list[set[int]] = [set()] * flights.n
-        self._born = [0] * flights.n
-        self._births = count(1).__next__
 
     @property
     def next_crossing(self) -> float:
         """See `Crossings`."""
-        return self._cells.next_crossing
+        return self.cells.next_crossing
 
     def enter(self, i: int) -> None:
         """Takes up a circle's new flight."""
-        self._cells.enter(i, spot(self._flights.flights[i]))
-        self._born[i] = self._births()
+        flight = in_range(self._flights.flights[i])
+        if flight is None:
+            self.cells.enter_loose(i)
+        else:
+            self.cells.enter(i, flight)
 
-    def pairs(self, i: int, standing: Collection[int], done: Collection[int]) -> None:
+    def walls(self, i: int, standing: Container[int]) -> None:
+        """Queues the next hits of a circle with the walls near its cell that its flight does not know yet."""
+        near = () if self._flights.rests(i) else self.cells.walls(i)
+        if near:
+            self._plan["walls predicted"] += len(near)
+            lines = self._flights.lines(i)
+            walls(self._flights, i, [lines[k] for k in near], standing)
+
+    def pairs(self, i: int, standing: Container[int], done: Collection[int]) -> None:
         """Queues the next meetings of a circle, whose flight is new, with all around it but some."""
         flights = self._flights.flights
-        near = self._cells.around(i)
-        self._known[i] = set(near)
-        if done:
-            near = [k for k in near if k not in done]
-        near.sort()
-        met = self._moving(i, [flights[k] for k in near])
+        near = self.cells.around(i)
+        met = [flights[k] for k in near if k not in done] if done else [flights[k] for k in near]
+        _, _, vx, vy, _, _, _ = flights[i]
+        if vx == 0.0 == vy:
+            count = len(met)
+            met = [flight for flight in met if flight[2] or flight[3]]
+            self._plan["pairs at rest skipped"] += count - len(met)
         self._plan["pairs predicted"] += len(met)
         pairs(self._flights, i, met, standing)
 
-    def cross(self, since: float, until: float) -> None:
+    def cross_early(self, since: float, until: float) -> None:
+        """See `Crossings`; doubles know when each is, so nothing can be far from its cell."""
+        while self.cells.next_crossing <= until:
+            self.cross()
+
+    def cross(self) -> None:
         """See `Crossings`."""
-        while self._cells.next_crossing <= until:
-            self.cross_one()
-
-    def cross_one(self) -> None:
-        """The next crossing; doubles know when it is, so nothing can be far from its cell.
-
-        What two flights come to is predicted once: of the two born last, it knows the other.
-        """
-        f, known, born = self._flights, self._known, self._born
-        flights = f.flights
-        i, near = self._cells.cross()
-        mine, own = known[i], born[i]
-        new = [k for k in near if (k not in mine if own > born[k] else i not in known[k])]
-        self._plan["cells crossed"] += 1
-        new.sort()
-        for k in new:
-            if own > born[k]:
-                mine.add(k)
-            else:
-                known[k].add(i)
-        if not new:
+        f, plan = self._flights, self._plan
+        i, near = self.cells.cross()
+        plan["cells crossed"] += 1
+        self.walls(i, ())
+        if not near:
             return
-        met, last = self._moving(i, [flights[k] for k in new]), f.last
-        self._plan["pairs predicted"] += len(met)
-        earlier = [flight for flight in met if last[flight[-1]] <= last[i]]
+        plan["pairs predicted"] += len(near)
+        flights, last = f.flights, f.last
+        own = last[i]
+        earlier = [flights[k] for k in near if last[k] <= own]
         if earlier:
             pairs(f, i, earlier, ())
-        for flight in met:
-            if last[flight[-1]] > last[i]:
-                pairs(f, flight[-1], (flights[i],), ())
-
-    def _moving(self, i: int, others: list[FlatFlight]) -> list[FlatFlight]:
-        """Those of some flights that a circle may meet: two at rest do not."""
-        _, _, vx, vy, _, _, _ = self._flights.flights[i]
-        if vx or vy:
-            return others
-        moving = [flight for flight in others if flight[2] or flight[3]]
-        self._plan["pairs at rest skipped"] += len(others) - len(moving)
-        return moving
+        if len(earlier) < len(near):
+            for k in near:
+                if last[k] > own:
+                    pairs(f, k, (flights[i],), ())
 
 
-def spot(flight: FlatFlight) -> Flight | None:
-    """A flight as cells take it; None beyond what they can be trusted with (see `Predictor.spot`)."""
+def in_range(flight: FlatFlight) -> Flight | None:
+    """A flight as cells take it; None beyond what they can be trusted with (see `Predictor.in_doubles`)."""
     x, y, vx, vy, t, _, _ = flight
-    far = FARTHEST
-    if -far < x < far and -far < y < far and -far < vx < far and -far < vy < far and t < far:
+    if -FAR < x < FAR and -FAR < y < FAR and -FAR < vx < FAR and -FAR < vy < FAR and t < FAR:
         return x, y, vx, vy, t
     return None

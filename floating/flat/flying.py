@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable
 from heapq import heappush
-from math import inf, sqrt
+from math import sqrt
 
 from ...exact.laws.formulas import (
     advance,
@@ -22,15 +22,14 @@ from ...exact.laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-from .flights import FlatFlight, FlatFlights
+from .flights import FlatFlight, FlatFlights, FlatLine
 
 
-def walls(f: FlatFlights, i: int, standing: Container[int]) -> None:
-    """Queues the next hits of a circle, whose flight is new, with the walls, up to the first."""
+def walls(f: FlatFlights, i: int, lines: Iterable[FlatLine], standing: Container[int]) -> None:
+    """Queues the next hits of a circle with some walls, up to the first."""
     x, y, vx, vy, t, _, _ = f.flights[i]
     untils, heap, serial = f.until, f.heap, f.serial[i]
-    untils[i] = inf
-    for k, x0, y0, nx, ny, offset, _ in f.lines(i):
+    for k, x0, y0, nx, ny, offset, _ in lines:
         approach = wall_approach(vx, vy, nx, ny)
         if approach >= 0.0 or k in standing:
             continue

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Container, Sequence
+from math import inf
 
 from ...exact.numbers.system import NumberSystem
 from ...exact.predicates.question import Question
@@ -11,11 +12,10 @@ from ...exact.replay.body import Body
 from ...exact.replay.contact import Link
 from ...exact.replay.state import State
 from ...exact.simulation import cells as crowding
-from ...exact.simulation.cells import Spot
 from ...exact.simulation.crowd import cells_for
 from ...scenarios.scene import Scene
 from ..plain_decider import PlainMeetings
-from .crowd import FlatCrowd, spot
+from .crowd import FlatCrowd, in_range
 from .flights import FlatFlights
 from .inlined import pairs, walls
 from .queue import FlatQueue
@@ -40,6 +40,7 @@ class FlatMeetings(PlainMeetings[float]):
         flights: FlatFlights,
     ) -> None:
         super().__init__(scene, state, queue, plan, numbers, ask)
+        self._scene = scene
         self._flights = flights
         self._plan = plan
         self._points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
@@ -58,21 +59,20 @@ class FlatMeetings(PlainMeetings[float]):
             i, j = f.places(link)
             beside.setdefault(i, set()).add(j)
             beside.setdefault(j, set()).add(i)
-        for body in moved:
-            walls(f, body.index, beside.get(body.index, ()))
-            self._count_walls(body.index)
         if not self._begun:
             self._begun = True
             self._gather_crowd()
-        done: set[int] = set()
-        if self.crowd is not None:
+        crowd, done = self.crowd, set[int]()
+        if crowd is not None:
             for body in moved:
-                self.crowd.enter(body.index)
+                crowd.enter(body.index)
+        for body in moved:
+            self._walls(body.index, beside.get(body.index, ()))
         for body in moved:
             i = body.index
             done.add(i)
-            if self.crowd is not None:
-                self.crowd.pairs(i, beside.get(i, ()), done)
+            if crowd is not None:
+                crowd.pairs(i, beside.get(i, ()), done)
             else:
                 pairs(f, i, [flight for flight in f.flights if flight[-1] not in done], beside.get(i, ()))
                 self._count(i, done)
@@ -80,31 +80,41 @@ class FlatMeetings(PlainMeetings[float]):
     def alone(self, i: int, j: int) -> None:
         """Queues the next meetings of the two of a contact alone; the second may be a wall."""
         f, crowd = self._flights, self.crowd
-        flights, both = f.flights, (i, j)
-        if j >= f.n:
-            walls(f, i, (j,))
-            self._count_walls(i)
-            if crowd is not None:
-                crowd.enter(i)
-                crowd.pairs(i, (), ())
-                return
-            pairs(f, i, flights, (i,))
-            self._count(i, (i,))
-            return
-        walls(f, i, ())
-        walls(f, j, ())
-        self._count_walls(i)
-        self._count_walls(j)
         if crowd is not None:
             crowd.enter(i)
+            if j >= f.n:
+                self._walls(i, (j,))
+                crowd.pairs(i, (), ())
+                return
             crowd.enter(j)
+            self._walls(i, ())
+            self._walls(j, ())
             crowd.pairs(i, (j,), ())
             crowd.pairs(j, (), (i,))
             return
+        flights, both = f.flights, (i, j)
+        if j >= f.n:
+            self._walls(i, (j,))
+            pairs(f, i, flights, (i,))
+            self._count(i, (i,))
+            return
+        self._walls(i, ())
+        self._walls(j, ())
         pairs(f, i, flights, both)
         pairs(f, j, flights, both)
         self._count(i, (i,))
         self._count(j, both)
+
+    def _walls(self, i: int, standing: Container[int]) -> None:
+        """Queues the next hits of a circle, whose flight is new, with the walls."""
+        f = self._flights
+        f.until[i] = inf
+        if self.crowd is not None:
+            self.crowd.walls(i, standing)
+            return
+        walls(f, i, f.lines(i), standing)
+        if not f.rests(i):
+            self._plan["walls predicted"] += f.wall_count
 
     def _gather_crowd(self) -> None:
         """Puts the circles in cells, if they are many."""
@@ -115,15 +125,9 @@ class FlatMeetings(PlainMeetings[float]):
             radii = [float(r) for r in self._radii]
         except OverflowError:  # beyond doubles, as no grid is
             return
-        found = {i: spot(flight) for i, flight in enumerate(f.flights)}
-        spots = {i: None if flight is None else Spot(*flight) for i, flight in found.items()}
-        cells = cells_for(spots, radii)
+        cells = cells_for([in_range(flight) for flight in f.flights], radii, self._scene.walls)
         if cells is not None:
             self.crowd = self._queue.crossings = FlatCrowd(cells, f, self._plan)
-
-    def _count_walls(self, i: int) -> None:
-        if not self._flights.rests(i):
-            self._plan["walls predicted"] += self._flights.wall_count
 
     def _count(self, i: int, done: Collection[int]) -> None:
         """Counts the predictions of a circle with all others but some."""

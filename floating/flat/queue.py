@@ -60,7 +60,7 @@ class FlatQueue(ArrivalQueue[float]):
             crossing = crossings.next_crossing
             if crossing == inf or crossing > first:
                 break
-            crossings.cross(crossing, crossing)
+            crossings.cross()
         found: list[Arrival[float]] = []
         while heap and (not found or heap[0][0] <= first):
             found.append(self._arrival(heappop(heap)))

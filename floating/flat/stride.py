@@ -46,7 +46,7 @@ class FlatStride:
                 heappop(heap)
                 continue
             if crowd is not None and crowd.next_crossing <= time:
-                crowd.cross_one()
+                crowd.cross()
                 continue
             if wait is None or not time < before or (shifted and (i in shifted or j in shifted)):
                 break

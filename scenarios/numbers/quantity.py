@@ -209,6 +209,8 @@ class Quantity(Expression):
         return element
 
     def __eq__(self, other: object) -> bool:
+        if isinstance(other, Quantity) and self.rational is not None and other.rational is not None:
+            return self.rational == other.rational
         try:
             return (self - Quantity.of(other)).sign() == 0
         except SceneError:

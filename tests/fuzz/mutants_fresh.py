@@ -272,19 +272,19 @@ GATHERING = (
     ),
     Mutant(
         "one_rival", QUEUE,
-        "        while heap and heap[0].low <= bar:\n            other",
-        "        if heap and heap[0].low <= bar:\n            other",
+        "        while heap and heap[0][0] <= bar:\n            other",
+        "        while heap and heap[0][0] <= bar and len(found) < 2:\n            other",
         "of the arrivals that may be first only two are looked at",
     ),
     Mutant(
         "bar_at_lower_bound", QUEUE,
-        "bar = first.high",
-        "bar = first.low if first.certain else first.high",
+        "bar = min(bar, other[2])",
+        "bar = min(bar, other[2] if other[2] == inf else other[0])",
         "arrivals within the error of the first are left in the queue",
     ),
     Mutant(
         "queued_grazes_forgotten", QUEUE,
-        "return [arrival for arrival in self._heap if arrival.graze]",
+        "return [entry for entry in self._heap if isinstance(entry, Arrival) and entry.graze]",
         "return []",
         "grazes in the queue at a reversal at a set time are forgotten",
         why_it_survives="nothing parts where only a set time makes the instant, so a reversal sends nothing "
@@ -596,13 +596,13 @@ SYMMETRY = (
 FILTERS = (
     Mutant(
         "filter_near", FILTER,
-        "near = 4.0 * 64 * UNIT * (self.largest + fastest * at)",
-        f"near = 4.0 * 64 * UNIT * (self.largest + fastest * at){TOO_SMALL}",
+        "near = 4.0 * 64 * UNIT * (self.largest + fastest * latest)",
+        f"near = 4.0 * 64 * UNIT * (self.largest + fastest * latest){TOO_SMALL}",
         "the bound on a coordinate is too small by 2**20",
     ),
     Mutant(
         "filter_near_without_time", FILTER,
-        "near = 4.0 * 64 * UNIT * (self.largest + fastest * at)",
+        "near = 4.0 * 64 * UNIT * (self.largest + fastest * latest)",
         "near = 4.0 * 64 * UNIT * self.largest",
         "the bound on a coordinate forgets the clock",
         why_it_survives="who comes to a circle at a late clock comes from as far as it has flown, so the "
@@ -656,7 +656,7 @@ FILTERS = (
     ),
     Mutant(
         "filter_off_time", FILTER,
-        "off_time = 2.0 * off_wait + 8 * UNIT * (at + abs(wait))",
+        "off_time = 2.0 * off_wait + 8 * UNIT * (now + abs(wait))",
         "off_time = 2.0 * off_wait",
         "the bound on a time forgets the rounding of the sum",
         why_it_survives="the error of a coordinate holds V T, so that of the wait holds T already, with a "

@@ -14,13 +14,20 @@ from truebreak.compare.adapters import package
 from truebreak.compare.bench import command as bench
 from truebreak.compare.bench import rivals
 from truebreak.compare.bench.command import TRADEOFFS, measure
-from truebreak.compare.bench.figures import BENCHMARKS, GAS, TINY, Figure, Target, _agreed, interleaved
+from truebreak.compare.bench.figures import GAS, TINY, Figure, Target, _agreed, interleaved
+from truebreak.compare.bench.table import BENCHMARKS
 from truebreak.compare.documents.schemas import schema
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build
 
-OPTIONAL = {"gas-billiards": "billiards", "galperin-perfect-physics": "perfect_physics"}
+OPTIONAL = {
+    "gas-billiards": "billiards",
+    "double-billiards": "billiards",
+    "crowd-exact": "billiards",
+    "crowd-double": "billiards",
+    "galperin-perfect-physics": "perfect_physics",
+}
 
 
 @pytest.mark.parametrize(

@@ -37,6 +37,9 @@ def enclosed_root(value: Q, bits: int = 400) -> tuple[Q, Q]:
 def check_pair(filter_: DoubleFilter, a: list[Q], b: list[Q], reach: Q) -> str:
     one, other = body(0, a, filter_), body(1, b, filter_)
     told, unclear = filter_.pairs(one, [other], [float(reach)])
+    assert repr(filter_.pairs(other, [one], [float(reach)])).replace("Body(0", "Body(1") == repr((told, unclear))
+    if b[4] > a[4]:
+        a, b = b, a
     lag = a[4] - b[4]
     dx, dy = b[0] + b[2] * lag - a[0], b[1] + b[3] * lag - a[1]
     vx, vy = b[2] - a[2], b[3] - a[3]
@@ -64,10 +67,29 @@ def check_pair(filter_: DoubleFilter, a: list[Q], b: list[Q], reach: Q) -> str:
 @settings(max_examples=600)
 @given(st.lists(wide, min_size=4, max_size=4), st.lists(slow, min_size=4, max_size=4), clock, clock, radius)
 def test_what_is_told_of_a_pair_is_true(places, speeds, first, second, reach):
-    later, earlier = max(first, second), min(first, second)
-    a = [places[0], places[1], speeds[0], speeds[1], later]
-    b = [places[2], places[3], speeds[2], speeds[3], earlier]
+    a = [places[0], places[1], speeds[0], speeds[1], first]
+    b = [places[2], places[3], speeds[2], speeds[3], second]
     check_pair(DoubleFilter(), a, b, reach)
+
+
+@pytest.mark.parametrize("apart", [Q(0), Q(1, 10**20), Q(-1, 10**20), Q(1), Q(-1)])
+def test_a_hit_counts_only_after_both_flights_have_begun(apart):
+    """Of two clocks that doubles do not tell apart, either flight may be the later; b's, plainly the earlier, does not
+    matter."""
+    for late in (Q(1, 2), Q(3)):
+        for which in (0, 1):
+            filter_ = DoubleFilter()
+            clocks = [Q(7), 7 + apart]
+            two = [body(k, [Q(4 * k), Q(0), Q(1 - 2 * k), Q(0), clocks[k]], filter_) for k in (0, 1)]
+            two[which].flight = two[which].flight._replace(late=arb(late.numerator) / late.denominator)
+            filter_.admit(two[which])
+            hit = 7 + 1 + apart / 2  # the gap of 2 closes at 2, and a later clock finds b where it then is
+            told, unclear = filter_.pairs(two[0], [two[1]], [2.0])
+            if (which == 1 and apart == -1) or hit > max(clocks) + late:
+                assert not unclear
+                assert told[0][0] <= hit <= told[0][1]
+            else:
+                assert not told
 
 
 @settings(max_examples=600)
@@ -101,7 +123,7 @@ def test_what_is_told_of_a_wall_is_true(x, y, vx, vy, now, nx, ny, x0, y0, offse
     filter_ = DoubleFilter()
     one = body(0, [x, y, vx, vy, now], filter_)
     ctx.prec = 128
-    line = float_line(*(arb(q.numerator) / q.denominator for q in (x0, y0, nx, ny, offset)))
+    line = float_line(0, *(arb(q.numerator) / q.denominator for q in (x0, y0, nx, ny, offset)))
     told, unclear = filter_.walls(one, [line])
     approach, gap = nx * vx + ny * vy, nx * (x - x0) + ny * (y - y0) - offset
     if unclear:
@@ -170,7 +192,7 @@ def test_of_bodies_without_doubles_nothing_is_told():
     blurred = body(1, [Q(5), Q(0), Q(0), Q(0), Q(0)], filter_)
     blurred.f = None
     ctx.prec = 128
-    line = float_line(arb(9), arb(0), arb(-1), arb(0), arb(1))
+    line = float_line(0, arb(9), arb(0), arb(-1), arb(0), arb(1))
     for a, b in ((sharp, blurred), (blurred, sharp)):
         assert filter_.pairs(a, [b], [2.0]) == ([], [b])
         assert not filter_.apart(a, b, 1.0)
