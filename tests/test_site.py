@@ -76,6 +76,30 @@ def test_a_link_that_leads_nowhere_is_found(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("address", "good"),
+    [
+        ("https://far.example/a/b-1.html?q=1#x", True),
+        ("https://far.example", True),
+        ("data:text/plain,x", True),
+        ("http://far.example/", False),
+        ("https://far/", False),
+        ("https:///a", False),
+        ("https://far.example/a.", False),
+        ("https://far.example/a b", False),
+        ("https://far.example)", False),
+        ("//far.example/a", False),
+        ("javascript:alert(1)", False),
+        ("file:///home/someone/a.html", False),
+    ],
+)
+def test_a_foreign_link_is_a_whole_address(address: str, good: bool, tmp_path: Path) -> None:
+    from links import broken
+
+    (tmp_path / "a.html").write_text(f'<a href="{address}">a</a>', "utf-8")
+    assert broken(tmp_path) == ([] if good else [f"a.html: {address} is no address of another site"])
+
+
 @pytest.mark.slow
 def test_the_whole_site_builds(tmp_path: Path) -> None:
     site = built(tmp_path)
