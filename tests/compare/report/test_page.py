@@ -21,11 +21,12 @@ from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
+from truebreak.compare.report.page import provenance as page_provenance
 from truebreak.compare.report.page.outcome_tables import SAME, UNTOLD, changed, kept, value_text
 from truebreak.compare.report.page.provenance import events_csv, provenance, whole_name
 from truebreak.compare.report.page.recording import JUMP, MOST_EVENTS, recording
 from truebreak.compare.report.pictures.engine_style import engine_style
-from truebreak.scenarios import Circle, Scene, catalogue
+from truebreak.scenarios import Circle, Scene, SceneError, catalogue
 from truebreak.scenarios.files import loads_toml
 
 VOID = ("meta", "link", "img", "br", "input", "hr")
@@ -180,7 +181,9 @@ def test_the_provenance_names_what_counted() -> None:
     assert told.command == COMMAND
     assert COMMAND in page("gas")
     assert told.scene.startswith("gas:n=10,seed=1")
-    assert {"truebreak", "Python", "python-flint", "pymunk", "machine"} <= dict(told.versions).keys()
+    assert {"truebreak", "Python", "python-flint", "FLINT", "pymunk", "Chipmunk", "machine"} <= dict(
+        told.versions
+    ).keys()
     assert "iterations" in dict(told.engines)["pymunk"]
     assert told.digest == catalogue.build(told.scene).digest
 
@@ -194,6 +197,21 @@ def test_a_comparison_from_python_has_a_command_too() -> None:
     assert provenance(comparison("gas")).command == (
         "truebreak compare gas.toml --engines double,pymunk,interval:bits=30 --reference exact --events 40"
     )
+
+
+def test_commands_name_the_file_that_the_page_saves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scene too large for TOML is saved as JSON."""
+
+    def refused(scene: Scene) -> str:
+        raise SceneError(f"{scene.name}: too large")
+
+    monkeypatch.setattr(page_provenance, "dump_toml", refused)
+    found = comparison("near-tie")
+    told = provenance(found)
+    assert told.files[0].name == "near-tie-k-40.json"
+    assert told.command.startswith("truebreak compare near-tie-k-40.json ")
+    shorter = page_provenance.minimise_command(found, found.candidates[0])
+    assert shorter is not None and shorter.startswith("truebreak minimise near-tie-k-40.json ")
 
 
 def test_a_changed_scene_is_not_told_as_the_catalogue_has_it() -> None:
