@@ -233,10 +233,10 @@ def pymunk_overhead(size: Size) -> Figure:
 
 def start_up(size: Size) -> Figure:
     """How long the command line keeps a person waiting before it does anything."""
-    command = [sys.executable, "-m", f"{__name__.rpartition('.bench')[0]}.cli", "--help"]
+    command = [sys.executable, "-P", "-m", f"{__name__.rpartition('.bench')[0]}.cli", "--help"]
     pair = interleaved(
         lambda: subprocess.run(command, check=True, stdout=subprocess.DEVNULL),
-        lambda: subprocess.run([sys.executable, "-c", "pass"], check=True),
+        lambda: subprocess.run([sys.executable, "-P", "-c", "pass"], check=True),
         size.repeats,
     )
     return Figure("start-up", "truebreak --help / python -c pass", *pair)

@@ -20,7 +20,11 @@ from truebreak.exact import ExactEngine
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build
 
-OPTIONAL = {"gas-billiards": "billiards", "galperin-perfect-physics": "perfect_physics"}
+OPTIONAL = {
+    "gas-billiards": "billiards",
+    "double-billiards": "billiards",
+    "galperin-perfect-physics": "perfect_physics",
+}
 
 
 @pytest.mark.parametrize(
