@@ -59,8 +59,10 @@ def embedded(data: Mapping[str, Any]) -> Markup:
     return Markup(text.replace("<", "\\u003c"))
 
 
-WHOLE = re.compile(r"\([-\d.e+]+, [-\d.e+]+\)|[-−]?\d[\d.]*e[-+]?\d+")
-"""Vectors, and numbers with an exponent, whose minus would let a line end."""
+NUMBER = re.compile(r"[-−]?\d[\d.]*e[-+]?\d+")
+"""A number with an exponent, whose minus would let a line end."""
+
+VECTOR = re.compile(r"\([-\d.e+]+, [-\d.e+]+\)")
 
 
 def unbroken(text: str) -> Markup:
@@ -68,11 +70,14 @@ def unbroken(text: str) -> Markup:
 
     >>> print(unbroken("<a> is off by 1e-40"))
     &lt;a&gt; is off by <span class="whole">1e-40</span>
+    >>> print(unbroken("v = (0, 1)"))
+    v = <span class="vector">(0, 1)</span>
     >>> unbroken("event 3, t = 12") == "event 3, t\u00a0=\u00a012"
     True
     """
     told = str(escape(text.replace("t = ", "t\u00a0=\u00a0")))
-    return Markup(WHOLE.sub(lambda number: f'<span class="whole">{number[0]}</span>', told))
+    told = VECTOR.sub(lambda vector: f'<span class="vector">{vector[0]}</span>', told)
+    return Markup(NUMBER.sub(lambda number: f'<span class="whole">{number[0]}</span>', told))
 
 
 def longest_word(text: str) -> int:
