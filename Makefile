@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow stress stress-map coverage lint format bench docs lowest sdist picture reference-set clean
+.PHONY: demo test slow stress stress-map coverage lint format bench docs lowest pythons sdist picture reference-set clean
 
 .venv/ready: pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -41,16 +41,25 @@ docs: .venv/ready
 	$(BIN)/python -m pytest -n auto tests/test_docs.py
 	$(BIN)/python docs/site/build.py
 
-# The oldest versions that pyproject.toml declares, in an environment of their own: a test of each of them.
+# Tests that touch each dependency: for other versions of them, and of Python, than those of .venv.
+TOUCHING = tests/exact/laws/test_laws.py tests/exact/literal/test_symbolic.py tests/exact/replay/test_ball_state.py \
+    tests/exact/results/test_exact_values.py tests/floating/pymunk/test_pymunk_engine.py tests/compare/chaos/test_chaos.py \
+    tests/compare/cli/test_cli.py tests/compare/cli/test_command_line.py tests/compare/ensemble/test_sweep_extras.py \
+    tests/compare/report/test_page.py tests/compare/report/test_terminal.py tests/compare/report/test_widget.py \
+    tests/test_face.py tests/test_notebook.py tests/test_site.py
+
+# The oldest versions that pyproject.toml declares, in an environment of their own.
 lowest:
 	mkdir -p build
 	$(PYTHON) tests/lowest.py > build/lowest.txt
 	$(PYTHON) -m venv build/lowest
-	build/lowest/bin/pip install -q -c build/lowest.txt -e . pytest pytest-timeout pytest-xdist hypothesis jsonschema setuptools
-	build/lowest/bin/python -m pytest -n auto tests/exact/laws/test_laws.py tests/exact/literal/test_symbolic.py \
-	    tests/exact/replay/test_ball_state.py tests/exact/results/test_exact_values.py tests/floating/pymunk/test_pymunk_engine.py \
-	    tests/compare/chaos/test_chaos.py tests/compare/cli/test_cli.py tests/compare/cli/test_command_line.py \
-	    tests/compare/report/test_page.py tests/compare/report/test_terminal.py
+	build/lowest/bin/pip install -q -c build/lowest.txt -e '.[dask,docs,notebook,plots,tables]' \
+	    hypothesis jsonschema pytest pytest-timeout pytest-xdist 'setuptools>=77'
+	build/lowest/bin/python -m pytest -n auto $(TOUCHING)
+
+# Every Python that this machine has, from 3.11 on, each in an environment of its own.
+pythons:
+	$(PYTHON) tests/pythons.py build/pythons $(TOUCHING)
 
 # The distribution of sources, unpacked: its tests pass there, against the wheel that is built from it.
 sdist:

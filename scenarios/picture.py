@@ -24,8 +24,10 @@ STYLE = """
 .other { fill: none; stroke: var(--engine); stroke-dasharray: var(--dash); } .marked { stroke-width: 3; }
 .velocity { stroke: #2b6cb0; } .othervelocity { stroke: var(--engine); }
 text { font: 11px system-ui, sans-serif; fill: #222; text-anchor: middle; dominant-baseline: central; }
+.name { paint-order: stroke; stroke: #fbfaf7; stroke-width: 3; stroke-linejoin: round; }
 @media screen and (prefers-color-scheme: dark) {
   .frame { fill: #1b1d21; } .wall { stroke: #aaa; } .pocket { fill: #3a3d44; } text { fill: #eee; }
+  .name { stroke: #1b1d21; }
   .circle { fill: #63b3ed33; stroke: #63b3ed; } .fixed { fill: #aaa5; stroke: #aaa; } .velocity { stroke: #63b3ed; }
 }
 """
@@ -179,6 +181,7 @@ def draw(
     parts += [_wall(view, wall_line(w), w.id in names, str(w.id)) for w in scene.walls]
     fastest = max((math.hypot(d.vx, d.vy) for d in discs), default=0.0)
     arrow = 0.12 * max(view.width, view.height) / fastest if fastest else 0.0
+    labels: list[str] = []
     for disc in discs:
         parts.append(_round(disc.classes, view, disc.x, disc.y, disc.r))
         if disc.vx or disc.vy:
@@ -186,9 +189,9 @@ def draw(
             start = view.x(disc.x), view.y(disc.y)
             parts.append(_arrow(kind, start, (disc.vx * arrow * view.scale, -disc.vy * arrow * view.scale)))
         if disc.label and disc.r * view.scale >= 3 * len(disc.id) + 2:
-            parts.append(f'<text x="{view.x(disc.x):.2f}" y="{view.y(disc.y):.2f}">{escape(disc.id)}</text>')
-    parts.append("</svg>")
-    return "\n".join(parts) + "\n"
+            place = f'x="{view.x(disc.x):.2f}" y="{view.y(disc.y):.2f}"'
+            labels.append(f'<text class="name" {place}>{escape(disc.id)}</text>')
+    return "\n".join([*parts, *labels, "</svg>"]) + "\n"
 
 
 def _round(classes: str, view: View, x: float, y: float, r: float) -> str:

@@ -11,7 +11,7 @@ from counted import wait_for_work
 
 from truebreak.compare.cli import main
 
-COMMAND = [sys.executable, "-m", "truebreak.compare.cli"]
+COMMAND = [sys.executable, "-P", "-m", "truebreak.compare.cli"]
 
 
 def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:

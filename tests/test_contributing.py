@@ -83,6 +83,13 @@ def test_there_are_recipes() -> None:
     ]
 
 
+def test_the_rooms_that_it_names_are_there() -> None:
+    house = PAGE.partition("\n## The house")[2].partition("\n## ")[0]
+    rooms = re.findall(r"`([a-z]+/[a-z]+)`", house)
+    assert len(rooms) > 8
+    assert [room for room in rooms if not (ROOT / room).is_dir()] == []
+
+
 def add_line(top: Path, table: str, name: str, row: str) -> None:
     """Adds a line at the head of a table."""
     assert len(row.splitlines()) == 1

@@ -15,10 +15,14 @@ import pytest
 from test_docs import BLOCK
 
 import truebreak as tb
+import truebreak.exact
 
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("scenarios", "tools", "exact", "floating", "compare")
 FOLDERS = (*LAYERS, "truebreak")
+HERE = Path(str(truebreak.exact.__file__)).parents[1]
+"""What holds the packages of the installation that runs these tests: the sources, or `truebreak` of its own wheel."""
+
 COMMAND = "import sys; sys.argv[:] = ['truebreak', '--help']; from truebreak.compare.cli import main; main()"
 SETTINGS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
 
@@ -117,13 +121,13 @@ def user_project(folder: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("installed", ["wheel", "editable"])
+@pytest.mark.parametrize("installed", ["wheel", "this one"])
 def test_users_keep_their_own_folders_of_the_same_names(
     installed: str, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     project = user_project(tmp_path)
     environment = dict(os.environ)
-    expected = ROOT
+    expected = HERE
     if installed == "wheel":
         expected = request.getfixturevalue("site")
         environment["PYTHONPATH"] = str(expected)
@@ -145,7 +149,7 @@ def test_general_names_are_not_importable_from_elsewhere(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("entry", [["-c", COMMAND], ["-m", "truebreak", "--help"]], ids=["command", "module"])
-@pytest.mark.parametrize("where", ["wheel", "editable"])
+@pytest.mark.parametrize("where", ["wheel", "this one"])
 def test_command_runs_from_anywhere(
     where: str, entry: list[str], tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
@@ -154,7 +158,7 @@ def test_command_runs_from_anywhere(
     assert "Usage: truebreak" in done.stdout
 
 
-@pytest.mark.parametrize("where", ["wheel", "editable"])
+@pytest.mark.parametrize("where", ["wheel", "this one"])
 def test_the_face_hands_its_names_on(where: str, tmp_path: Path, request: pytest.FixtureRequest) -> None:
     code = (
         "import truebreak as tb\n"
@@ -166,7 +170,7 @@ def test_the_face_hands_its_names_on(where: str, tmp_path: Path, request: pytest
     done = python(where, ["-c", code], tmp_path, request)
     assert done.returncode == 0, done.stderr
     file, *rest = done.stdout.split()
-    assert Path(file).is_relative_to(ROOT if where == "editable" else request.getfixturevalue("site"))
+    assert Path(file).is_relative_to(request.getfixturevalue("site") if where == "wheel" else HERE)
     assert rest == [SETTINGS["project"]["version"], "2", "3"]
 
 
@@ -232,7 +236,7 @@ def strictly(site: Path, folder: Path, *files: str) -> list[tuple[str, int, str]
 def python(
     where: str, arguments: list[str], folder: Path, request: pytest.FixtureRequest
 ) -> subprocess.CompletedProcess[str]:
-    """Python in an empty folder, with the wheel or with the editable installation."""
+    """Python in an empty folder, with the wheel or with the installation that runs these tests."""
     environment = dict(os.environ)
     if where == "wheel":
         environment["PYTHONPATH"] = str(request.getfixturevalue("site"))

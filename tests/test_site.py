@@ -52,6 +52,23 @@ def test_the_laws_are_printed_by_sympy(site: Path) -> None:
     assert all(form.name in text for form in FORMS)
     assert "hat</mi>" not in text
     assert text.count('<mover accent="true">') > 4
+    assert "\u2062" not in text and "InvisibleTimes" not in text, "names of several letters run together"
+
+
+def test_a_long_formula_is_the_sum_of_its_parts() -> None:
+    """Numerator, denominator and radicand put together again are what SymPy derived."""
+    from laws import in_parts
+    from sympy import simplify
+
+    from truebreak.exact.laws import derivation, tangent
+
+    for found in (derivation.pair_times(), derivation.fixed_circle_velocities(), tangent.pair_displacement()[2]):
+        expressions = found if isinstance(found, tuple) else (found,)
+        shown, names = in_parts(expressions)
+        assert len(names) > 1
+        values = {symbol: expression for expression, symbol in names.items()}
+        for formula, expression in zip(shown, expressions, strict=True):
+            assert simplify(formula.subs(values).subs(values) - expression) == 0
 
 
 def test_every_name_of_the_face_is_in_the_api(site: Path) -> None:
@@ -74,6 +91,30 @@ def test_a_link_that_leads_nowhere_is_found(tmp_path: Path) -> None:
         "b.html: loads https://far.example/x.png",
         "b.html: c.html leads to no file",
     ]
+
+
+@pytest.mark.parametrize(
+    ("address", "good"),
+    [
+        ("https://far.example/a/b-1.html?q=1#x", True),
+        ("https://far.example", True),
+        ("data:text/plain,x", True),
+        ("http://far.example/", False),
+        ("https://far/", False),
+        ("https:///a", False),
+        ("https://far.example/a.", False),
+        ("https://far.example/a b", False),
+        ("https://far.example)", False),
+        ("//far.example/a", False),
+        ("javascript:alert(1)", False),
+        ("file:///home/someone/a.html", False),
+    ],
+)
+def test_a_foreign_link_is_a_whole_address(address: str, good: bool, tmp_path: Path) -> None:
+    from links import broken
+
+    (tmp_path / "a.html").write_text(f'<a href="{address}">a</a>', "utf-8")
+    assert broken(tmp_path) == ([] if good else [f"a.html: {address} is no address of another site"])
 
 
 @pytest.mark.slow

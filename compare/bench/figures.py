@@ -241,7 +241,7 @@ def start_up(size: Size) -> Figure:
     Modules are compiled before, as those of an installed package are.
     """
     package = __name__.partition(".compare")[0]
-    run, nothing = ["-m", package, "run", "gas", "--events", "5"], ["-c", "pass"]
+    run, nothing = ["-P", "-m", package, "run", "gas", "--events", "5"], ["-P", "-c", "pass"]
     processor_time(run)
     taken = [(processor_time(run), processor_time(nothing)) for _ in range(4 * size.repeats + 1)]
     ours, least = (statistics.median(each) for each in zip(*taken, strict=True))

@@ -60,7 +60,12 @@ def measure(spec: str, engine: str, until: str, seconds: float = SECONDS) -> Pro
     asked = json.dumps({"scene": spec, "engine": engine, "until": until, "seconds": seconds})
     environment = {**os.environ, "PYTHONHASHSEED": "0", **dict.fromkeys(THREADS, "1")}
     done = subprocess.run(
-        [sys.executable, "-m", __name__], input=asked, capture_output=True, text=True, check=False, env=environment
+        [sys.executable, "-P", "-m", __name__],
+        input=asked,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
     )
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]

@@ -84,9 +84,18 @@ def changed_outcomes(reference: Mapping[str, Any], candidate: Mapping[str, Any],
         if not same_outcome(
             reference.get(name),
             candidate.get(name),
-            math.inf if agrees else SAME_NUMBER * _largest(reference.get(name)),
+            math.inf if agrees else room_of(reference.get(name)),
         )
     ]
+
+
+def room_of(value: Any) -> float:
+    """How far numbers may differ from those of a reference's outcome and be the same.
+
+    >>> room_of({"a": [0.0, -2.0], "b": [1.0, 0.0]}) == 2 * SAME_NUMBER
+    True
+    """
+    return SAME_NUMBER * _largest(value)
 
 
 def _largest(value: Any) -> float:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ..documents.chaos import chaos_json
-from .page.provenance import Download, download, limits_of, provenance_of, scene_file, stem_of
+from .page.provenance import Download, download, file_name, limits_of, provenance_of, scene_file, stem_of
 from .page.recording import played
 from .page.rendering import rendered
 from .pictures.curves import Band, Curve, plot
@@ -119,7 +119,7 @@ def _command(chaos: Chaos) -> str:
     """A command that measures it again, from the scene as saved from the page."""
     engines = ",".join([*(h.engine for h in chaos.horizons), *chaos.exact]) or "none"
     limits = [] if chaos.events < len(chaos.reference.events) else limits_of(chaos.reference)
-    return shlex.join(["truebreak", "chaos", f"{stem_of(chaos.scene)}.toml", "--engines", engines, *limits])
+    return shlex.join(["truebreak", "chaos", file_name(chaos.scene), "--engines", engines, *limits])
 
 
 def _files(chaos: Chaos) -> Iterator[Download]:

@@ -15,7 +15,7 @@ from ..documents.orders import choices_phrase, orders_json, orders_sentence, vel
 from ..outcomes.break_pattern import pattern
 from .counting import counted
 from .page.patterns import MOST_DRAWN, difference, small_picture
-from .page.provenance import Download, download, provenance_of, scene_file, stem_of
+from .page.provenance import Download, download, file_name, provenance_of, scene_file, stem_of
 from .page.recording import Played, played
 from .page.rendering import rendered
 from .text.listing import laid_out
@@ -75,7 +75,7 @@ def orders_html(scene: Scene, tree: OrderTree, stop: Stop | None = None, *, comm
         provenance=provenance_of(
             scene,
             [(first.engine, settings)],
-            command or shlex.join(["truebreak", "orders", f"{stem_of(scene)}.toml", "--cap", str(tree.cap)]),
+            command or shlex.join(["truebreak", "orders", file_name(scene), "--cap", str(tree.cap)]),
             _files(scene, tree, stop),
         ),
         player=PLAYER,

@@ -11,6 +11,7 @@ source_suffix = {".md": "markdown"}
 root_doc = "index"
 myst_heading_anchors = 4
 myst_all_links_external = False
+smartquotes = False  # a prime is no quotation mark
 html_theme = "furo"
 html_title = f"truebreak {version}"
 html_show_copyright = False

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from sympy import Eq
+from sympy import Add, Eq, Pow, Rational, Symbol, count_ops, fraction
 from sympy.printing.mathml import mathml
 
 from truebreak.exact.laws import derivation, tangent
@@ -25,6 +25,9 @@ hat a velocity after the collision.
 
 HAT = re.compile("<mi>([a-z])hat</mi>")
 """A name with a hat, as SymPy has it in letters."""
+
+LONG = 40
+"""Operations beyond which a formula is shown in parts that have names, and a sum goes over several lines."""
 
 STABLE = """\
 ## The forms that the engines run
@@ -87,11 +90,51 @@ def _told(place: int, statement: Statement) -> list[str]:
 
 
 def _formulas(found: Any) -> list[str]:
-    return [_math(expression) for expression in (found if isinstance(found, tuple) else (found,))]
+    expressions = found if isinstance(found, tuple) else (found,)
+    if max(map(count_ops, expressions)) <= LONG:
+        return [_math(expression) for expression in expressions]
+    shown, names = in_parts(expressions)
+    return [*map(_math, shown), "where", *(_sum(symbol, expression) for expression, symbol in names.items())]
+
+
+def in_parts(expressions: Sequence[Any]) -> tuple[list[Any], dict[Any, Any]]:
+    """Fractions of a numerator N and a denominator C, roots of a D; and the names of what SymPy has for these."""
+    names: dict[Any, Any] = {}
+
+    def name(expression: Any, letter: str) -> Any:
+        if expression not in names:
+            taken = sum(str(other)[0] == letter for other in names.values())
+            names[expression] = Symbol(f"{letter}_{taken + 1}")
+        return names[expression]
+
+    def under_root(power: Any) -> Any:
+        return Pow(name(power.base, "D"), power.exp)
+
+    def is_root(part: Any) -> bool:
+        return isinstance(part, Pow) and part.exp == Rational(1, 2) and isinstance(part.base, Add)
+
+    shown = []
+    for expression in expressions:
+        above, below = fraction(expression.replace(is_root, under_root))
+        shown.append(name(above, "N") / (1 if below == 1 else name(below, "C")))
+    return shown, names
+
+
+def _sum(name: Any, expression: Any) -> str:
+    """What a name stands for, with a line that can end before each term."""
+    first, *rest = expression.as_ordered_terms() if isinstance(expression, Add) else [expression]
+    terms = [f"<span>{_inside(Eq(name, first, evaluate=False))}</span>"]
+    for term in rest:
+        negative = term.could_extract_minus_sign()
+        terms.append(f"<span>{'−' if negative else '+'} {_inside(-term if negative else term)}</span>")
+    return f'<div class="law sum">{" ".join(terms)}</div>'
 
 
 def _named(names: Sequence[str], found: Sequence[Any]) -> list[str]:
-    return [f'<div class="law">{name}: {_inside(value)}</div>' for name, value in zip(names, found, strict=True)]
+    told: list[str] = []
+    for name, value in zip(names, found, strict=True):
+        told += [f"{name}:", *_formulas(value)]
+    return told
 
 
 def _form(form: StableForm) -> list[str]:
@@ -111,5 +154,8 @@ def _math(expression: Any) -> str:
 
 
 def _inside(expression: Any) -> str:
-    text = HAT.sub(r'<mover accent="true"><mi>\1</mi><mo>^</mo></mover>', mathml(expression, printer="presentation"))
+    text = HAT.sub(
+        r'<mover accent="true"><mi>\1</mi><mo>^</mo></mover>',
+        mathml(expression, printer="presentation", mul_symbol="dot"),
+    )
     return f'<math xmlns="http://www.w3.org/1998/Math/MathML">{text}</math>'

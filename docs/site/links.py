@@ -1,10 +1,16 @@
-"""Every link of a built site that stays within it leads somewhere: to a file, and to a place in it."""
+"""Every link of a built site that stays within it leads somewhere; every other one is an address, well formed."""
 
 from __future__ import annotations
 
+import re
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
+
+FOREIGN = re.compile(
+    r"https://([a-z0-9]([a-z0-9-]*[a-z0-9])?\.)+[a-z]{2,}(/[\w./~@:+,=&%-]*)?(\?[\w./~=&%+-]+)?(#[\w./~=&%+-]+)?"
+)
+"""An address of another site: encrypted, with a name, and with nothing in it that only a slip brings there."""
 
 
 class _Page(HTMLParser):
@@ -28,7 +34,7 @@ class _Page(HTMLParser):
 
 
 def broken(folder: Path) -> list[str]:
-    """What is wrong with a site: links that lead nowhere, and whatever is loaded over a network."""
+    """What is wrong with a site: links that lead nowhere or are malformed, and whatever is loaded over a network."""
     pages: dict[Path, _Page] = {}
     for path in sorted(folder.rglob("*.html")):
         pages[path] = _Page()
@@ -41,7 +47,11 @@ def broken(folder: Path) -> list[str]:
         ]
         for link in page.links:
             parts = urlsplit(link)
+            if parts.scheme == "data":
+                continue
             if parts.scheme or parts.netloc:
+                if FOREIGN.fullmatch(link) is None or link[-1] in ".,:":
+                    wrong.append(f"{told}: {link[:80]} is no address of another site")
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
             if not target.is_file():

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...outcomes.table import changed_outcomes
+from ...outcomes.table import room_of, same_outcome
 
 if TYPE_CHECKING:
     from ...candidate import Candidate
@@ -83,14 +83,14 @@ def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
     parts = [_parts(value) for value in (expected, *values)]
     keys = list(dict.fromkeys(key for part in parts for key in part))
     rows: list[Row] = []
-    counts = [0] * len(values)
+    counts, room = [0] * len(values), room_of(expected)
     for key in keys:
         cells = []
         for number, candidate in enumerate(comparison.candidates):
             mine, theirs = parts[0].get(key), parts[number + 1].get(key)
             if not settled(candidate):
                 cells.append(UNTOLD)
-            elif not changed_outcomes({name: mine}, {name: theirs}) or value_text(mine) == value_text(theirs):
+            elif name not in candidate.changed or same_outcome(mine, theirs, room) or _alike(mine, theirs):
                 cells.append(SAME)
             else:
                 counts[number] += 1
@@ -104,6 +104,11 @@ def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
     ]
     summary = "; ".join(told) if len(keys) > 1 else ""
     return ChangedOutcome(words(name), tuple(rows[:SHOWN_ROWS]), len(keys), summary)
+
+
+def _alike(mine: Any, theirs: Any) -> bool:
+    """Whether two values read the same."""
+    return value_text(mine) == value_text(theirs)
 
 
 def _parts(value: Any) -> Mapping[str, Any]:

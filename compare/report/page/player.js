@@ -5,6 +5,7 @@ const part = (name) => document.getElementById(name);
 const motions = data.runs.map((run) => new Motion(run, data.bodies));
 const panes = { truth: new Pane(part("pane-truth"), data), engine: new Pane(part("pane-engine"), data) };
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
+const ONE_INSTANT = 1e-9; // share of the time by which two events may lie apart and still be shown as one instant
 const SECONDS = 30; // a whole run at speed 1
 const alone = data.runs.length === 1;
 const SMALL = 9; // radius in pixels below which the bodies of the divergence are shown close up at first
@@ -80,10 +81,16 @@ function motionOf(side) {
   return side === "truth" ? motions[0] : motions[state.chosen];
 }
 
-// The place in a side's list: of the event that was picked, if it is of this time, else of the last one by now.
+// The place in a side's list: of the event that was picked, if it is of this time but for rounding, else of the last
+// one by now.
 function placeOf(side) {
   const [motion, picked] = [motionOf(side), state.picked[side]];
-  return motion.eventTimes[picked] === state.time ? picked : motion.eventAt(state.time);
+  return near(motion.eventTimes[picked], state.time) ? picked : motion.eventAt(state.time);
+}
+
+// Whether two times are one instant but for rounding.
+function near(one, other) {
+  return Math.abs(one - other) <= ONE_INSTANT * Math.abs(other);
 }
 
 function follow(side) {
@@ -170,20 +177,20 @@ function click(ear) {
   tone.stop(from + 0.05);
 }
 
-// To the event after or before, on any of the sides given; of several at one time, one after the other.
+// To the event after or before, on any of the sides given; of several at one instant, one after the other.
 function step(way, among = sides) {
   if (state.playing) stop();
   const [places, picked] = [Object.fromEntries(sides.map((side) => [side, placeOf(side)])), {}];
   for (const side of among) {
     const other = places[side] + way;
-    if (places[side] >= 0 && motionOf(side).eventTimes[other] === state.time) picked[side] = other;
+    if (places[side] >= 0 && near(motionOf(side).eventTimes[other], state.time)) picked[side] = other;
   }
   if (Object.keys(picked).length) return seek(state.time, false, { ...places, ...picked });
   const times = among.flatMap((side) => motionOf(side).eventTimes);
-  const ahead = times.filter((t) => (way > 0 ? t > state.time : t < state.time));
+  const ahead = times.filter((t) => !near(t, state.time) && (way > 0 ? t > state.time : t < state.time));
   if (!ahead.length) return seek(way > 0 ? data.end : data.begin);
   const time = way > 0 ? Math.min(...ahead) : Math.max(...ahead);
-  const first = way > 0 ? Object.fromEntries(sides.map((side) => [side, motionOf(side).eventTimes.indexOf(time)])) : {};
+  const first = way > 0 ? Object.fromEntries(sides.map((side) => [side, motionOf(side).eventTimes.findIndex((t) => near(t, time))])) : {};
   return seek(time, false, first);
 }
 

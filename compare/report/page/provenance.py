@@ -103,10 +103,12 @@ def day() -> str:
 
 def versions() -> tuple[tuple[str, str], ...]:
     """Names and versions of what computed."""
+    import flint
     import pymunk
 
     rows = [("truebreak", metadata.version("truebreak")), ("Python", platform.python_version())]
     rows += [(name, metadata.version(name)) for name in LIBRARIES]
+    rows.append(("FLINT", flint.__FLINT_VERSION__))
     rows.append(("Chipmunk", pymunk.chipmunk_version.partition("-")[0]))
     rows.append(("machine", f"{platform.system()} {platform.machine()}"))
     return tuple(rows)
@@ -147,7 +149,7 @@ def settings_phrase(settings: Mapping[str, Any]) -> str:
 
 def _command(comparison: Comparison) -> str:
     """A command that runs the scene, saved from the page, to where this run ended."""
-    words = ["truebreak", "compare", f"{stem_of(comparison.scene)}.toml"]
+    words = ["truebreak", "compare", file_name(comparison.scene)]
     words += ["--engines", ",".join(c.engine for c in comparison.candidates)]
     words += ["--reference", comparison.reference.engine, *limits_of(comparison.reference)]
     return shlex.join(words)
@@ -161,7 +163,7 @@ def minimise_command(comparison: Comparison, candidate: Candidate) -> str | None
     """
     if candidate.engine.partition(":")[0] not in ENGINES or comparison.reference.engine != "exact":
         return None
-    words = ["truebreak", "minimise", f"{stem_of(comparison.scene)}.toml", "--engine", candidate.engine]
+    words = ["truebreak", "minimise", file_name(comparison.scene), "--engine", candidate.engine]
     return shlex.join([*words, *limits_of(comparison.reference)])
 
 
@@ -195,6 +197,17 @@ def scene_file(scene: Scene) -> Download | None:
         name, label = f"{stem_of(scene)}.{kind}", f"the scene ({kind.upper()})"
         return download(name, label, f"application/{kind}", text, again)
     return None
+
+
+def file_name(scene: Scene) -> str:
+    """What the page's file of the scene is saved as.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> file_name(catalogue.build("lee"))
+    'lee.toml'
+    """
+    file = scene_file(scene)
+    return f"{stem_of(scene)}.toml" if file is None else file.name
 
 
 def downloads(comparison: Comparison) -> Iterator[Download]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
 import jinja2
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from ....scenarios.picture import STYLE
 from ..pictures.engine_style import engine_css
@@ -58,13 +59,25 @@ def embedded(data: Mapping[str, Any]) -> Markup:
     return Markup(text.replace("<", "\\u003c"))
 
 
-def unbroken(text: str) -> str:
-    """A sentence of which no line ends within `t = 12`.
+NUMBER = re.compile(r"[-−]?\d[\d.]*e[-+]?\d+")
+"""A number with an exponent, whose minus would let a line end."""
 
+VECTOR = re.compile(r"\([-\d.e+]+, [-\d.e+]+\)")
+
+
+def unbroken(text: str) -> Markup:
+    """A text of which no line ends within `t = 12`, `1e-40` or `(0, 1)`.
+
+    >>> print(unbroken("<a> is off by 1e-40"))
+    &lt;a&gt; is off by <span class="whole">1e-40</span>
+    >>> print(unbroken("v = (0, 1)"))
+    v = <span class="vector">(0, 1)</span>
     >>> unbroken("event 3, t = 12") == "event 3, t\u00a0=\u00a012"
     True
     """
-    return text.replace("t = ", "t\u00a0=\u00a0")
+    told = str(escape(text.replace("t = ", "t\u00a0=\u00a0")))
+    told = VECTOR.sub(lambda vector: f'<span class="vector">{vector[0]}</span>', told)
+    return Markup(NUMBER.sub(lambda number: f'<span class="whole">{number[0]}</span>', told))
 
 
 def longest_word(text: str) -> int:

@@ -19,7 +19,7 @@ from truebreak.compare.engines import engine, split_engines
 from truebreak.compare.saved import cache as certified_cache
 from truebreak.scenarios import SceneError, catalogue
 
-COMMAND = [sys.executable, "-m", "truebreak.compare.cli"]
+COMMAND = [sys.executable, "-P", "-m", "truebreak.compare.cli"]
 
 
 class Said:
@@ -301,7 +301,7 @@ def test_a_full_disk_is_one_line(words: list[str]) -> None:
 @pytest.mark.parametrize("closed", [">&-", "2>&-", ">&- 2>&-"])
 @pytest.mark.parametrize(("words", "code"), [("run lee", 0), ("run lee --json", 0), ("run nonesuch", 2)])
 def test_a_closed_stream_does_not_change_the_code(words: str, closed: str, code: int) -> None:
-    command = f"{shlex.quote(sys.executable)} -m truebreak.compare.cli {words} {closed}"
+    command = f"{shlex.quote(sys.executable)} -P -m truebreak.compare.cli {words} {closed}"
     done = subprocess.run(["sh", "-c", command], capture_output=True, text=True, check=False)
     assert done.returncode == code
     assert "Traceback" not in done.stderr

@@ -245,7 +245,7 @@ def test_a_worker_that_is_killed_costs_nothing_but_time() -> None:
 
 def killed_again_and_again(folder: Path, kills: int, scenes: int) -> None:
     """A sweep that is killed with SIGKILL at moments all over its course has the table of one that never was."""
-    command = [sys.executable, "-m", "truebreak", "sweep", "gas:n=3", "--vary", f"seed=1..{scenes}", "--engines",
+    command = [sys.executable, "-P", "-m", "truebreak", "sweep", "gas:n=3", "--vary", f"seed=1..{scenes}", "--engines",
                "single,double", "--events", "60", "--jobs", "2", "--store"]  # fmt: skip
     whole, broken = str(folder / "whole.db"), str(folder / "broken.db")
     assert subprocess.run([*command, whole], capture_output=True, check=False).returncode == 0

@@ -21,11 +21,12 @@ from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.report.page.outcome_tables import SAME, UNTOLD, changed, kept, value_text
+from truebreak.compare.report.page import provenance as page_provenance
+from truebreak.compare.report.page.outcome_tables import SAME, UNTOLD, changed, kept, settled, value_text
 from truebreak.compare.report.page.provenance import events_csv, provenance, whole_name
 from truebreak.compare.report.page.recording import JUMP, MOST_EVENTS, recording
 from truebreak.compare.report.pictures.engine_style import engine_style
-from truebreak.scenarios import Circle, Scene, catalogue
+from truebreak.scenarios import Circle, Scene, SceneError, catalogue
 from truebreak.scenarios.files import loads_toml
 
 VOID = ("meta", "link", "img", "br", "input", "hr")
@@ -178,9 +179,12 @@ def test_events_are_saved_one_line_an_impulse() -> None:
 def test_the_provenance_names_what_counted() -> None:
     told = provenance(comparison("gas"), COMMAND)
     assert told.command == COMMAND
-    assert COMMAND in page("gas")
+    (shown,) = re.findall(r'<pre id="command">(.*?)</pre>', page("gas"))
+    assert re.sub(r"</?span[^>]*>", "", shown) == COMMAND
     assert told.scene.startswith("gas:n=10,seed=1")
-    assert {"truebreak", "Python", "python-flint", "pymunk", "machine"} <= dict(told.versions).keys()
+    assert {"truebreak", "Python", "python-flint", "FLINT", "pymunk", "Chipmunk", "machine"} <= dict(
+        told.versions
+    ).keys()
     assert "iterations" in dict(told.engines)["pymunk"]
     assert told.digest == catalogue.build(told.scene).digest
 
@@ -194,6 +198,21 @@ def test_a_comparison_from_python_has_a_command_too() -> None:
     assert provenance(comparison("gas")).command == (
         "truebreak compare gas.toml --engines double,pymunk,interval:bits=30 --reference exact --events 40"
     )
+
+
+def test_commands_name_the_file_that_the_page_saves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A scene too large for TOML is saved as JSON."""
+
+    def refused(scene: Scene) -> str:
+        raise SceneError(f"{scene.name}: too large")
+
+    monkeypatch.setattr(page_provenance, "dump_toml", refused)
+    found = comparison("near-tie")
+    told = provenance(found)
+    assert told.files[0].name == "near-tie-k-40.json"
+    assert told.command.startswith("truebreak compare near-tie-k-40.json ")
+    shorter = page_provenance.minimise_command(found, found.candidates[0])
+    assert shorter is not None and shorter.startswith("truebreak minimise near-tie-k-40.json ")
 
 
 def test_a_changed_scene_is_not_told_as_the_catalogue_has_it() -> None:
@@ -210,6 +229,17 @@ def test_only_changed_values_are_shown() -> None:
             assert row.got[2] == UNTOLD
     names = {name for name, _ in kept(comparison("gas"))}
     assert names.isdisjoint(outcome.name for outcome in found)
+
+
+@pytest.mark.parametrize("kind", ["rack", "gas", "galperin", "thirty"])
+def test_an_engine_that_agrees_changed_nothing(kind: str) -> None:
+    """Rounding of a velocity that is exactly 0 is none of an outcome, in no cell."""
+    found = comparison(kind)
+    for outcome in changed(found):
+        for number, candidate in enumerate(found.candidates):
+            told = any(row.got[number] not in (SAME, UNTOLD) for row in outcome.rows)
+            assert told == (settled(candidate) and outcome.name.replace(" ", "_") in candidate.changed)
+            assert told or candidate.engine not in outcome.summary
 
 
 def test_values_are_told_in_words() -> None:

@@ -80,8 +80,8 @@ def test_a_finished_map_runs_nothing(whole: bytes, tmp_path: Path, monkeypatch: 
 
 def killed(folder: Path, kills: int) -> None:
     """A map that is killed with SIGKILL again and again has the file of one that never was."""
-    words = [sys.executable, "-m", "truebreak", "stress", "near-ties", "grazes", "--levels", "10..19", "--engines"]
-    command = [*words, "double", "--store"]
+    words = ["stress", "near-ties", "grazes", "--levels", "10..19", "--engines", "double", "--store"]
+    command = [sys.executable, "-P", "-m", "truebreak", *words]
     full, broken = folder / "whole.jsonl", folder / "broken.jsonl"
     assert subprocess.run([*command, str(full)], capture_output=True, check=False).returncode == 0
     deaths, before = 0, 0

@@ -255,14 +255,14 @@ def test_command_reports_a_wrong_form_and_writes_nothing(monkeypatch, capsys):
 
 
 def test_help_teaches_how_to_change_a_formula():
-    command = [sys.executable, "-m", "truebreak.exact.laws", "--help"]
+    command = [sys.executable, "-P", "-m", "truebreak.exact.laws", "--help"]
     text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     assert "--check" in text
     assert "stable_forms.py" in text
 
 
 def test_check_exits_with_zero_on_the_current_file():
-    command = [sys.executable, "-m", "truebreak.exact.laws", "--check"]
+    command = [sys.executable, "-P", "-m", "truebreak.exact.laws", "--check"]
     done = subprocess.run(command, check=False, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "current" in done.stderr
