@@ -180,6 +180,23 @@ def test_golden_runs(pytester: pytest.Pytester) -> None:
     pytester.runpytest().stdout.fnmatch_lines(["E *lee.json is damaged*"])
 
 
+def test_each_run_is_compared_with_a_golden_one(pytester: pytest.Pytester) -> None:
+    """One golden run may stand beside several: what the first came to says nothing of the next."""
+    pytester.makepyfile(
+        """
+        import truebreak as tb
+
+        def test_golden(truebreak):
+            golden = truebreak.golden("lee")
+            assert tb.run(tb.scene("lee"), events=1) == golden
+            assert tb.run(tb.scene("lee:tie=sequential"), events=1) != golden
+            assert tb.run(tb.scene("lee"), events=1) == golden
+        """
+    )
+    pytester.runpytest().assert_outcomes(failed=1)
+    pytester.runpytest().assert_outcomes(passed=1)
+
+
 def test_workers_of_xdist_tell_the_same(pytester: pytest.Pytester) -> None:
     pytest.importorskip("xdist")
     pytester.makepyfile(test_one=PASSING, test_two=FAILING, test_three=GOLDEN, test_four=GOLDEN)
