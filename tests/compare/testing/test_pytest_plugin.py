@@ -297,3 +297,53 @@ def test_without_any_extra(pytester: pytest.Pytester) -> None:
     done = pytester.runpytest_subprocess(*without, "-p", "no:cacheprovider", "--truebreak-report=reports")
     done.assert_outcomes(passed=2)
     done.stdout.fnmatch_lines(["truebreak: 1 check: 1 passed"])
+
+
+def test_the_command_that_shows_it_again(pytester: pytest.Pytester) -> None:
+    """An engine of one's own is named by its class where the command line finds it; else Python is told."""
+    pytester.makepyfile(
+        mine="""
+            from dataclasses import dataclass
+            from truebreak.floating import DoubleEngine
+
+            @dataclass(frozen=True)
+            class Mine(DoubleEngine):
+                width: int = 3
+            """,
+        test_it="""
+            import pytest
+            import truebreak as tb
+            from mine import Mine
+            from truebreak.floating import PymunkEngine
+
+            SCENE = tb.scene("near-tie:k=40")
+
+            class Here(Mine):
+                pass
+
+            def made():
+                class Local(Mine):
+                    pass
+                return Local()
+
+            @pytest.mark.parametrize(
+                "engine", [Mine(), Mine(4), PymunkEngine(dt=1 / 64), Here(), made()], ids=["a", "b", "c", "d", "e"]
+            )
+            def test_it(truebreak, engine):
+                truebreak.check(engine, SCENE, events=2)
+
+            def test_a_scene_of_its_own(truebreak):
+                truebreak.check(Mine(), tb.Scene(SCENE.circles, events=2), events=2)
+            """,
+    )
+    told = pytester.runpytest()
+    told.assert_outcomes(failed=6)
+    text = told.stdout.str()
+    command = "reproduce: truebreak compare near-tie:k=40 --engines"
+    for engine in ("mine:Mine", "mine:Mine:width=4", "pymunk:dt=0.015625", "test_it:Here"):
+        assert f"{command} {engine} --events 2" in text
+    assert "reproduce: truebreak.comparison(truebreak.scene('near-tie:k=40'), [engine], events=2)" in text
+    assert "reproduce: truebreak.comparison(scene, ['mine:Mine'], events=2)" in text
+    words = ["compare", "near-tie:k=40", "--engines", "mine:Mine:width=4", "--events", "2"]
+    done = pytester.run(sys.executable, "-m", "truebreak", *words)
+    assert done.ret == 1
