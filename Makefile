@@ -48,7 +48,7 @@ lowest:
 	$(PYTHON) -m venv build/lowest
 	build/lowest/bin/pip install -q -c build/lowest.txt -e . pytest pytest-timeout pytest-xdist hypothesis jsonschema setuptools
 	build/lowest/bin/python -m pytest -n auto tests/exact/laws/test_laws.py tests/exact/literal/test_symbolic.py \
-	    tests/exact/replay/test_ball_state.py tests/exact/results/test_exact_values.py tests/floating/test_pymunk_engine.py \
+	    tests/exact/replay/test_ball_state.py tests/exact/results/test_exact_values.py tests/floating/pymunk/test_pymunk_engine.py \
 	    tests/compare/chaos/test_chaos.py tests/compare/cli/test_cli.py tests/compare/cli/test_command_line.py \
 	    tests/compare/report/test_page.py tests/compare/report/test_terminal.py
 

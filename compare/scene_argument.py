@@ -56,7 +56,7 @@ def changed(
     if changes:
         loaded = loaded.with_changes(**changes)
     if symmetric:
-        from ..exact.predicates.scene_symmetry import require_symmetry
+        from ..exact.symmetry.scene_symmetry import require_symmetry
 
         require_symmetry(loaded)
     return loaded

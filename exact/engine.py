@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError, TimeIsUp
@@ -21,7 +20,7 @@ from .policies import Policy
 from .predicates.ties import TieRule
 from .replay.contact import Named
 from .results.home import return_note
-from .results.motion import ExactMotion
+from .results.motion import ExactMotion, RunTime
 from .results.resumed import NOT_ITS_LOG, farther, restore, tape_of, within
 from .results.run_log import RunLog
 from .results.times import time_of, time_of_return, time_zero
@@ -219,13 +218,14 @@ def _events(log: RunLog, records: Sequence[Record[Known]]) -> Iterator[Event]:
         yield Event(index, time_of(log, mark), named(links), named(impulses), ties, coupled)
 
 
-def _end(log: RunLog, history: History[Known], limits: Limits, stop: Stop) -> Any:
+def _end(log: RunLog, history: History[Known], limits: Limits, stop: Stop) -> RunTime:
     """The time of the final state."""
     if stop.reason is StopReason.HORIZON and limits.to_return and history.reversal is not None:
         mark = history.reversal[1]
         last = history.last.number if history.last is not None else mark.number
         return time_of_return(log, mark, last)
     if stop.reason is StopReason.HORIZON:
+        assert limits.until is not None
         return limits.until
     if history.last is None:
         return time_zero(log, history.knots[0][0][0])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .double import DoubleEngine
     from .interval import IntervalEngine
-    from .pymunk_engine import PymunkEngine
+    from .pymunk.engine import PymunkEngine
     from .quad import QuadEngine
     from .rounded import RoundedEngine
     from .single import SingleEngine
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "DoubleEngine": ".double",
     "IntervalEngine": ".interval",
-    "PymunkEngine": ".pymunk_engine",
+    "PymunkEngine": ".pymunk.engine",
     "QuadEngine": ".quad",
     "RoundedEngine": ".rounded",
     "SingleEngine": ".single",

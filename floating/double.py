@@ -6,19 +6,20 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from math import nan, sqrt
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from ..exact.numbers.system import NumberSystem
 from ..exact.policies import Policy
 from ..exact.replay.state import State
 from ..scenarios.late import Late
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
+from ..scenarios.numbers.real import Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, Trajectory
 from .event_engine import EventEngine
 from .flat.loop import FlatDecider, FlatLoop, follows
 from .knots import DoubleMotion
-from .plain_run import run_plain
+from .plain_run import Passed, run_plain
 
 
 class Doubles:
@@ -51,7 +52,7 @@ DOUBLES = Doubles()
 
 
 @dataclass(frozen=True)
-class DoubleEngine(EventEngine):
+class DoubleEngine(EventEngine[float]):
     """The event loop of the exact engine, fed doubles (see `EventEngine`).
 
     >>> from truebreak.scenarios import Circle, Scene
@@ -70,12 +71,12 @@ class DoubleEngine(EventEngine):
         return 53
 
     @property
-    def numbers(self) -> NumberSystem:
+    def numbers(self) -> NumberSystem[float]:
         """Doubles."""
         return DOUBLES
 
-    def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
-        """See `EventEngine.motion`."""
+    def motion(self, knots: Sequence[Sequence[Passed[float]]], end: Real) -> Motion:
+        """See `EventEngine.motion`; made when it is first asked."""
         return DoubleMotion(Late(len(knots), lambda: ([knot[:5] for knot in row] for row in knots)), float(end))
 
     def run_with(

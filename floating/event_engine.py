@@ -4,21 +4,30 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Generic, Protocol, SupportsFloat, TypeVar
 
-from ..exact.numbers.system import NumberSystem
+from ..exact.numbers.system import NumberSystem, Ordered
 from ..exact.policies import Policy
 from ..exact.replay.state import State
 from ..scenarios.engine import EventDriven
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.numbers.quantity import QuantityLike
+from ..scenarios.numbers.real import Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, Trajectory
+from .knots import DoubleMotion
 from .plain_decider import PlainDecider
-from .plain_run import run_plain
+from .plain_run import Passed, run_plain
 
 
-class EventEngine(EventDriven, ABC):
+class Counted(Ordered, SupportsFloat, Protocol):
+    """A number of finite precision, which has a double next to it."""
+
+
+F = TypeVar("F", bound=Counted)
+
+
+class EventEngine(EventDriven, ABC, Generic[F]):
     """The event loop of the exact engine in one number system.
 
     Inputs are rounded to the system's nearest numbers; every sign is taken at its word; equal event times are a tie;
@@ -32,7 +41,7 @@ class EventEngine(EventDriven, ABC):
 
     @property
     @abstractmethod
-    def numbers(self) -> NumberSystem:
+    def numbers(self) -> NumberSystem[F]:
         """The system."""
 
     @property
@@ -45,11 +54,12 @@ class EventEngine(EventDriven, ABC):
         """True: a scene is rounded to the system's nearest numbers."""
         return True
 
-    @abstractmethod
-    def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
-        """The motion, from knots (t, x, y, vx, vy, number of the instant) and the last time that may be asked for."""
+    def motion(self, knots: Sequence[Sequence[Passed[F]]], end: Real) -> Motion:
+        """The motion, from the knots of each circle and the last time that may be asked for: here, in doubles."""
+        rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
+        return DoubleMotion(rows, float(end))
 
-    def shown(self, time: Any, instant: int) -> Any:
+    def shown(self, time: F, instant: int) -> Real:
         """A time of the trajectory, from a number and the number of its instant."""
         return Double(float(time))
 

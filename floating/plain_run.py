@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 from ..exact.numbers.system import M
 from ..exact.policies import Policy
@@ -14,9 +14,13 @@ from ..exact.simulation.loop import Loop
 from ..scenarios.event import Event, Pocketing, Reversal
 from ..scenarios.late import Late
 from ..scenarios.numbers.quantity import QuantityLike
+from ..scenarios.numbers.real import Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, StopReason, Trajectory
 from .plain_decider import PlainDecider
+
+Passed: TypeAlias = tuple[M, M, M, M, M, int]
+"""(t, x, y, vx, vy) of a circle from a knot on, and the number of the knot's instant."""
 
 
 def run_plain(
@@ -24,8 +28,8 @@ def run_plain(
     engine: str,
     parameters: Mapping[str, Any],
     decider: PlainDecider[M],
-    motion: Callable[[Sequence[Sequence[tuple[Any, ...]]], Any], Motion],
-    shown: Callable[[Any, int], Any],
+    motion: Callable[[Sequence[Sequence[Passed[M]]], Real], Motion],
+    shown: Callable[[M, int], Real],
     *,
     until: QuantityLike | None,
     events: int | None,
@@ -39,8 +43,7 @@ def run_plain(
         engine: its name.
         parameters: its settings.
         decider: keeps the state and decides.
-        motion: makes the motion from knots (t, x, y, vx, vy, number of the instant) and the last time that may be
-            asked for.
+        motion: makes the motion from the knots of each circle, and the last time that may be asked for.
         loop: makes the loop, where it is not the general one.
         shown: makes a time of the trajectory from a number and the number of its instant.
     """
@@ -48,7 +51,7 @@ def run_plain(
     stop = (Loop(scene, decider, limits, progress, policy) if loop is None else loop(limits)).run()
     ids, history, named = scene.ids, decider.history, Named(scene)
 
-    def at(mark: Mark[M]) -> Any:
+    def at(mark: Mark[M]) -> Real:
         return shown(mark.time, mark.number)
 
     def events_of() -> Iterator[Event]:
@@ -57,15 +60,15 @@ def run_plain(
             impulses = named(record.impulses)
             yield Event(index, at(record.mark), named(record.links), impulses, record.ties, record.coupled)
 
-    def knots_of() -> Iterator[list[tuple[Any, ...]]]:
+    def knots_of() -> Iterator[list[Passed[M]]]:
         decider.finish()
         for row in history.knots:
-            yield [(*knot[:5], knot[-1]) for knot in row]
+            yield [(t, x, y, vx, vy, number) for t, x, y, vx, vy, _, number in row]
 
     reversal = None
     if history.reversal is not None:
         reversal = Reversal(history.reversal[0], at(history.reversal[1]))
-    end: Any
+    end: Real
     if stop.reason is StopReason.HORIZON and limits.to_return:
         assert history.reversal is not None
         assert history.last is not None

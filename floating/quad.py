@@ -8,7 +8,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, nan, nextafter
-from typing import Any, ClassVar
+from typing import ClassVar, SupportsFloat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from ..exact.numbers.system import NumberSystem
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.numbers.quantity import Quantity
+from ..scenarios.numbers.real import Real
 from ..scenarios.trajectory import Motion
 from .double_double import DoubleDouble
 from .event_engine import EventEngine
+from .plain_run import Passed
 
 ZERO = DoubleDouble(0.0)
 
@@ -84,11 +86,11 @@ class QuadMotion:
         end: the last time that may be asked for.
     """
 
-    def __init__(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> None:
+    def __init__(self, knots: Sequence[Sequence[Passed[DoubleDouble]]], end: Real) -> None:
         self.knots = knots
         self.end = end
 
-    def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
+    def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
         """(x, y, vx, vy) of every circle, rounded to doubles; at a time of this run, as its event leaves it.
 
         Raises:
@@ -97,7 +99,7 @@ class QuadMotion:
         at, end = _quad(time), _quad(self.end)
         if at < ZERO or at > end:
             raise ValueError(f"time {float(time)!r} is outside of the run: it lasts from 0 to {float(self.end)!r}")
-        rows: list[tuple[Any, Any, Any, Any]] = []
+        rows: list[tuple[float, float, float, float]] = []
         for knots in self.knots:
             if isinstance(time, QuadTime):
                 k = bisect_right(knots, time.instant, key=_instant) - 1
@@ -117,22 +119,22 @@ class QuadMotion:
         return np.array([self.state(time) for time in times], dtype=np.float64).reshape(len(times), len(self.knots), 4)
 
 
-def _instant(knot: tuple[Any, ...]) -> int:
+def _instant(knot: Passed[DoubleDouble]) -> int:
     return knot[-1]
 
 
-def _time(knot: tuple[Any, ...]) -> DoubleDouble:
+def _time(knot: Passed[DoubleDouble]) -> DoubleDouble:
     return knot[0]
 
 
-def _quad(time: Any) -> DoubleDouble:
+def _quad(time: SupportsFloat) -> DoubleDouble:
     if isinstance(time, QuadTime):
         return time.value
     return QUADS.constant(time) if isinstance(time, Quantity) else DoubleDouble(float(time))
 
 
 @dataclass(frozen=True)
-class QuadEngine(EventEngine):
+class QuadEngine(EventEngine[DoubleDouble]):
     """The event loop of the exact engine, fed double-doubles (see `EventEngine`).
 
     >>> from truebreak.scenarios import Circle, Scene
@@ -152,14 +154,14 @@ class QuadEngine(EventEngine):
         return 106
 
     @property
-    def numbers(self) -> NumberSystem:
+    def numbers(self) -> NumberSystem[DoubleDouble]:
         """Double-doubles."""
         return QUADS
 
-    def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
+    def motion(self, knots: Sequence[Sequence[Passed[DoubleDouble]]], end: Real) -> Motion:
         """See `EventEngine.motion`."""
         return QuadMotion(knots, end)
 
-    def shown(self, time: Any, instant: int) -> QuadTime:
+    def shown(self, time: DoubleDouble, instant: int) -> QuadTime:
         """See `EventEngine.shown`."""
         return QuadTime.of(time, instant)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
@@ -14,9 +14,7 @@ from typing import Any, ClassVar
 from ..exact.numbers.system import NumberSystem
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import Quantity
-from ..scenarios.trajectory import Motion
 from .event_engine import EventEngine
-from .knots import DoubleMotion
 
 MIN_BITS, MAX_BITS = 4, 53
 """Bits of a significand: with fewer than four no gas keeps its discs apart; a double has 53."""
@@ -133,7 +131,7 @@ class Rounding:
 
 
 @dataclass(frozen=True)
-class RoundedEngine(EventEngine):
+class RoundedEngine(EventEngine[float]):
     """The event loop of the exact engine, every operation rounded to so many bits (see `EventEngine`).
 
     With 53 bits it is `double`, with 24 `single` (but for its range), number for number.
@@ -163,15 +161,10 @@ class RoundedEngine(EventEngine):
         return {"bits": self.bits}
 
     @property
-    def numbers(self) -> NumberSystem:
+    def numbers(self) -> NumberSystem[float]:
         """Numbers of so many bits."""
         return Rounding(self.bits)
 
     def wider(self) -> RoundedEngine | None:
         """The same with twice the bits; None beyond those of a double."""
         return RoundedEngine(2 * self.bits) if 2 * self.bits <= MAX_BITS else None
-
-    def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
-        """See `EventEngine.motion`."""
-        rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, *_ in row] for row in knots]
-        return DoubleMotion(rows, float(end))

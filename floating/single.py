@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
@@ -16,9 +15,8 @@ from ..exact.policies import Policy
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Motion, OnProgress, Trajectory
+from ..scenarios.trajectory import OnProgress, Trajectory
 from .event_engine import EventEngine
-from .knots import DoubleMotion
 
 
 class Singles:
@@ -69,7 +67,7 @@ SINGLES = Singles()
 
 
 @dataclass(frozen=True)
-class SingleEngine(EventEngine):
+class SingleEngine(EventEngine[Any]):
     """The event loop of the exact engine, fed singles (see `EventEngine`); states between events in doubles.
 
     >>> from truebreak.scenarios import Circle, Scene
@@ -88,14 +86,9 @@ class SingleEngine(EventEngine):
         return 24
 
     @property
-    def numbers(self) -> NumberSystem:
+    def numbers(self) -> NumberSystem[Any]:
         """Singles."""
         return SINGLES
-
-    def motion(self, knots: Sequence[Sequence[tuple[Any, ...]]], end: Any) -> Motion:
-        """See `EventEngine.motion`."""
-        rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, *_ in row] for row in knots]
-        return DoubleMotion(rows, float(end))
 
     def run_with(
         self,

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from .compare.run import run
     from .compare.saved.comparisons import load_comparison, save_comparison
     from .compare.saved.going_on import resume
+    from .compare.saved.run_file import load_run
     from .compare.saved.runs import save_run
     from .compare.scene_argument import scene_from as scene
-    from .exact.results.saved import load_run
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
     from .scenarios.things import Circle, Pocket, Wall
@@ -54,7 +54,7 @@ _HOMES = {
     "comparison": ("compare.comparison", "compare"),
     "load": ("scenarios.files", "load_scene"),
     "load_comparison": ("compare.saved.comparisons", "load_comparison"),
-    "load_run": ("exact.results.saved", "load_run"),
+    "load_run": ("compare.saved.run_file", "load_run"),
     "resume": ("compare.saved.going_on", "resume"),
     "run": ("compare.run", "run"),
     "save_comparison": ("compare.saved.comparisons", "save_comparison"),

@@ -6,12 +6,12 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ...exact.results.impacts import NoTangentMap, impacts
 from ..chaos.errors import ErrorModel, model_of
 from ..chaos.horizon import Forecaster
 from ..chaos.levels import LEVELS
 from ..comparison import candidate_of, explained
 from ..outcomes.table import outcomes_of
+from ..tangent.impacts import NoTangentMap, impacts
 
 if TYPE_CHECKING:
     from ..study import Study

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def margin_of(lab: Laboratory) -> Margin:
     """The margin of a candidate's divergence: as much of it as the user's seconds leave time for."""
-    from ...exact.results.growth import error_growth
+    from ..tangent.growth import error_growth
 
     divergence = lab.divergence
     gap = distance = None

@@ -17,9 +17,9 @@ from pathlib import Path
 import numpy as np
 
 from ...exact.engine import ExactEngine
-from ...exact.results.impacts import impacts
 from ...scenarios import catalogue
 from ..engines import engine as engine_named
+from ..tangent.impacts import impacts
 from .errors import ErrorModel
 from .horizon import Forecaster
 

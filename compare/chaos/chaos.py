@@ -10,20 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...exact.engine import ExactEngine
-from ...exact.results.growth import CertifiedGrowth, Displacements, certified_growth, unit_displacements
-from ...exact.results.impacts import NoTangentMap, impacts
 from ...scenarios.errors import SceneError
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
+from ..tangent.growth import CertifiedGrowth, Displacements, certified_growth, unit_displacements
+from ..tangent.impacts import NoTangentMap, impacts
 from ..validation import check_engine
 from .horizon import Forecaster, Horizon
 from .spectrum import Spectrum, spectrum
 
 if TYPE_CHECKING:
-    from ...exact.results.impacts import Impact
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Trajectory
+    from ..tangent.impacts import Impact
 
 DEFAULT_ENGINES = ("single", "double", "quad", "interval", "pymunk")
 

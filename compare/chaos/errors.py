@@ -16,19 +16,19 @@ from flint import arb
 from ...exact.laws.formulas import pair_impulse, wall_bounce
 from ...exact.numbers import ball
 from ...exact.replay.state import State
-from ...exact.results.growth import Displacements
-from ...exact.results.impacts import LEAST_BITS, moving
 from ...exact.results.motion import motion_of, steps_through
+from ..tangent.growth import Displacements
+from ..tangent.impacts import LEAST_BITS, moving
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from ...exact.results.impacts import Impact
     from ...scenarios.engine import Engine
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
+    from ..tangent.impacts import Impact
 
 
 class ErrorModel(Enum):

@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...exact.results.impacts import NoTangentMap, impacts
 from ...exact.results.motion import motion_of
+from ..tangent.impacts import NoTangentMap, impacts
 from .horizon import Forecaster, Horizon
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ...exact.results.impacts import Impact
     from ..comparison import Comparison
+    from ..tangent.impacts import Impact
 
 MOST_WORK = 400_000
 """Events times circles along which displacements are carried: about a second of time."""

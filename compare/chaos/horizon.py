@@ -13,10 +13,10 @@ from .levels import LEVELS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ...exact.results.impacts import Impact
     from ...scenarios.engine import Engine
     from ...scenarios.trajectory import Trajectory
     from ..alignment.align import Verdict
+    from ..tangent.impacts import Impact
 
 BAND = 0.9
 """Share of engines' departures that the band is to hold."""

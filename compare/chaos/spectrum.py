@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...exact.results.growth import Displacements
-from ...exact.results.impacts import moving
+from ..tangent.growth import Displacements
+from ..tangent.impacts import moving
 from .blocks import Rate, rate
 
 if TYPE_CHECKING:
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from ...exact.results.impacts import Impact
     from ...scenarios.scene import Scene
+    from ..tangent.impacts import Impact
 
 SEED = 1
 """Of the displacements that are carried at first: any will do but a set of measure zero."""
@@ -127,7 +127,7 @@ def spectrum(scene: Scene, struck: Sequence[Sequence[Impact]], exponents: int | 
     Phys. Rev. E 53 (1996), 1485.
 
     Args:
-        struck: the run's impacts, event by event (`exact.results.impacts`).
+        struck: the run's impacts, event by event (`compare.tangent.impacts`).
         exponents: how many, the largest first; by default all, or `FEW` of a large scene.
     """
     count = len(moving(scene))

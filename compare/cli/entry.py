@@ -12,12 +12,12 @@ from typing import Any
 
 import click
 
-from .advise import advise
-from .commands import cli
+from .commands.advise import advise
+from .commands.foreign import export, judge
+from .commands.stress import stress
+from .commands.suite import suite, survey
 from .exit_codes import DONE, ExitCode
-from .foreign import export, judge
-from .stress import stress
-from .suite import suite, survey
+from .group import cli
 
 cli.add_command(advise)
 cli.add_command(judge)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import click
 
 from . import completion
@@ -67,6 +69,43 @@ NO_CACHE = click.option(
     help="Make every certified run anew: use none that was kept by an earlier call, and keep none.",
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
+REFERENCE = click.option(
+    "--reference",
+    default="exact",
+    show_default=True,
+    metavar="E",
+    shell_complete=completion.engine,
+    help="The engine taken as the truth.",
+)
+HTML = click.option(
+    "--html", metavar="FILE", shell_complete=completion.files, help="Also write the report as one offline HTML file."
+)
+CERTIFY = click.option(
+    "--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked."
+)
+
+HELD_AGAINST = (
+    REFERENCE,
+    UNTIL,
+    EVENTS,
+    REVERSE,
+    POLICY,
+    TIES,
+    WORK,
+    SECONDS,
+    SYMMETRIC,
+    NO_CACHE,
+    JSON,
+    HTML,
+    CERTIFY,
+)
+
+
+def held_against(command: Callable[..., int]) -> Callable[..., int]:
+    """Gives a command the options of all that hold runs against a reference, as `--help` lists them."""
+    for option in reversed(HELD_AGAINST):
+        command = option(command)
+    return command
 
 
 def required(scene: str | None) -> str:

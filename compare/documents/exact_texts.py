@@ -84,7 +84,7 @@ class ExactTexts:
         """Fills in the values put off, and gives the definitions that their texts refer to, in order."""
         if not self.deep:
             return {}
-        from ...exact.results.written import definitions
+        from .definitions import definitions
 
         found = definitions([value for _, _, value in self.deep])
         for (row, key, _), text in zip(self.deep, found.values, strict=True):

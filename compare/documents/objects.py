@@ -18,7 +18,6 @@ from mpmath.ctx_iv import ivmpf
 from mpmath.libmp import MPZ
 
 from ...exact.results.ball_parts import from_parts, parts_of
-from ...exact.results.saved_numbers import NumberReader, NumberWriter, set_time_data, step_data, step_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
 from ...scenarios.late import Late
@@ -26,6 +25,7 @@ from ...scenarios.numbers.doubles import Double
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower.element import Element
 from ...scenarios.scene import Scene
+from ..saved.run_numbers import NumberReader, NumberWriter, set_time_data, step_data, step_of
 
 STEPS = ("Flip", "Go", "Kick", "Take")
 

@@ -1,4 +1,4 @@
-"""Plots of a sweep by matplotlib (`pip install 'truebreak[plots]'`); without it: `report.sweep_plots`."""
+"""Plots of a sweep by matplotlib (`pip install 'truebreak[plots]'`); without it: `report.pictures.sweep_plots`."""
 
 from __future__ import annotations
 
@@ -81,5 +81,7 @@ def _axes(ax: Any) -> Any:
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise SceneError("plots need matplotlib; pip install 'truebreak[plots]', or use report.sweep_plots") from None
+        raise SceneError(
+            "plots need matplotlib; pip install 'truebreak[plots]', or use compare.report.pictures.sweep_plots"
+        ) from None
     return Figure().add_subplot()

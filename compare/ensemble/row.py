@@ -10,7 +10,6 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from ...exact.engine import ExactEngine
-from ...exact.results.impacts import NoTangentMap, impacts
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ..alignment.separation import separation
@@ -25,6 +24,7 @@ from ..engines import engine as engine_named
 from ..outcomes.matched import matched_history
 from ..outcomes.table import changed_outcomes, outcome
 from ..scene_argument import scene_from
+from ..tangent.impacts import NoTangentMap, impacts
 from .perturbed import Perturbed
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...floating.knots import DoubleMotion, Knot
-from ...floating.pymunk_pockets import entries
+from ...floating.pymunk.pockets import entries
 from ...scenarios.event import Contact, Event, Reversal, Tie, TieProof
 from ...scenarios.limits import positive_count, positive_time
 from ...scenarios.numbers.doubles import Double

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...exact.numbers import ball
 from ...exact.policies.all_orders import Runner, all_orders
-from ...exact.policies.guided import Guided
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.real import real
 from ...scenarios.trajectory import StopReason, Trajectory
 from ..deadline import OutOfTime
 from .break_pattern import pattern as pattern_of
+from .guided import Guided
 from .nearby import Witness, nearby_scenes
 from .order_search import Attended
 

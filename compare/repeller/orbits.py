@@ -12,12 +12,12 @@ import numpy as np
 from flint import arb, arb_mat
 
 from ...exact.numbers import ball
-from ...exact.results.growth import Displacements, unit_displacements
-from ...exact.results.impacts import Impact
 from ...scenarios import catalogue
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
+from ..tangent.growth import Displacements, unit_displacements
+from ..tangent.impacts import Impact
 
 BITS = 320
 """Precision of the search; the proof leaves some three quarters of it."""

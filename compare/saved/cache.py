@@ -145,7 +145,7 @@ def _kept(path: Path, scene: Scene) -> Trajectory | None:
         return _damaged(path, str(error))
     import gzip
 
-    from ...exact.results.saved import run_of
+    from .run_file import run_of
 
     try:
         text = gzip.decompress(packed).decode()
@@ -175,7 +175,7 @@ def _keep(path: Path, run: Trajectory) -> None:
     import gzip
     import tempfile
 
-    from ...exact.results.saved import saved_run
+    from .run_file import saved_run
 
     try:
         data = gzip.compress(saved_run(run).encode(), compresslevel=1, mtime=0)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...exact.engine import ExactEngine
 from ...exact.results.resumed import tape_of
-from ...exact.results.saved import load_run
 from ...scenarios.trajectory import Trajectory
+from .run_file import load_run
 
 if TYPE_CHECKING:
     from ...scenarios.numbers.quantity import QuantityLike

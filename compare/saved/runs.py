@@ -33,6 +33,6 @@ def save_run(trajectory: Trajectory, path: str | os.PathLike[str]) -> None:
     Raises:
         SceneError: for a run of another engine, one that no file can hold, or a place that cannot be written to.
     """
-    from ...exact.results.saved import saved_run
+    from .run_file import saved_run
 
     write_whole(os.fspath(path), saved_run(trajectory))

@@ -7,7 +7,7 @@ from enum import Enum
 from math import exp2, hypot, sqrt
 from typing import TYPE_CHECKING
 
-from ...exact.results.impacts import moving
+from ..tangent.impacts import moving
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -14,8 +14,8 @@ from ...exact.replay.body import Flight
 from ...exact.replay.contact import AtWall, Pair, Touch
 from ...exact.replay.state import State
 from ...exact.replay.steps import Go, Kick
-from ...exact.results.growth import Displacements, unit_displacements
-from ...exact.results.impacts import Impact, moving
+from ..tangent.growth import Displacements, unit_displacements
+from ..tangent.impacts import Impact, moving
 from .record import Link, Record
 
 if TYPE_CHECKING:

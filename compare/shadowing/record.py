@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...exact.results.impacts import NoTangentMap, check_start, moving
+from ..tangent.impacts import NoTangentMap, check_start, moving
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory

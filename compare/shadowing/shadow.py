@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from ...exact.engine import ExactEngine
 from ...exact.numbers import ball
-from ...exact.results.impacts import NoTangentMap, moving
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import rational
 from ...scenarios.things import Circle
@@ -16,6 +15,7 @@ from ..chaos.following import follow
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
+from ..tangent.impacts import NoTangentMap, moving
 from ..validation import check_engine, check_trajectory
 from .distance import Distance, StartDistance, distance, start_distance
 from .obstacle import Blocked, Obstacle, drift, not_closed, other_history, units

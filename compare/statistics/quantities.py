@@ -8,12 +8,12 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from ...exact.engine import ExactEngine
-from ...exact.results.impacts import NoTangentMap, impacts
 from ...scenarios import catalogue
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import StopReason
 from ..chaos.spectrum import spectrum
+from ..tangent.impacts import NoTangentMap, impacts
 from ..truths.ensembles import directions, met
 from .boltzmann import h_returned
 

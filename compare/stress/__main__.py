@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from ...scenarios.errors import SceneError
-from ..cli.stress import how_far
+from ..cli.commands.stress import how_far
 from ..cli.writing import check_writable, write_whole
 from ..report.pictures.heat_map import heat_map
 from .ladder import ladders

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...exact.results.growth import Displacements
-from ...exact.results.impacts import Impact, NoTangentMap, impacts, moving
+from ..tangent.growth import Displacements
+from ..tangent.impacts import Impact, NoTangentMap, impacts, moving
 
 if TYPE_CHECKING:
     from ...scenarios.event import Contact

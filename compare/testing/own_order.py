@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from ...exact.engine import ExactEngine
 from ...exact.numbers.ball import double_bounds
 from ...exact.policies.complementarity import Ask, pushing_contacts
-from ...exact.policies.guided import Guided
 from ...exact.replay.contact import Touch
 from ..alignment.align import UNKNOWING, align
 from ..causes.decision.decisions import decisions
 from ..causes.decision.reader import Reader
+from ..outcomes.guided import Guided
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

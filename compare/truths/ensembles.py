@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...exact.engine import ExactEngine
-from ...exact.results.impacts import impacts
 from ...scenarios import catalogue
 from ...scenarios.catalogue.draw import Draw
 from ..chaos.spectrum import TURNING, spectrum
+from ..tangent.impacts import impacts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,7 +10,6 @@ from itertools import takewhile
 from ...exact.engine import ExactEngine
 from ...exact.numbers import ball
 from ...exact.policies.all_orders import all_orders
-from ...exact.results.growth import certified_growth
 from ...scenarios import catalogue
 from ...scenarios.catalogue.scenes.billiards import CHALLENGE, PINBALL
 from ...scenarios.catalogue.scenes.impacts import EE_AND_LEE, MURPHY
@@ -20,6 +19,7 @@ from ...scenarios.things import Circle, Wall
 from ...scenarios.tie_policy import TiePolicy
 from ..repeller.expansion import ladder, settled
 from ..repeller.orbits import BITS, orbit, pinball
+from ..tangent.growth import certified_growth
 from .truth import OURS, Measured, NotReproduced, Truth, near, only, same
 
 SIAM_DIGITS = "0.9952629194433541608903118094267216210294669227341543498032088580729861796228306"

@@ -7,8 +7,6 @@ from fractions import Fraction
 from functools import cache
 
 from ...exact.engine import ExactEngine
-from ...exact.results.growth import Displacements, unit_displacements
-from ...exact.results.impacts import impacts
 from ...scenarios import catalogue
 from ...scenarios.catalogue.scenes.billiards import FOLDED, IN_A_BOX, PINBALL
 from ...scenarios.numbers.quantity import Quantity
@@ -16,6 +14,8 @@ from ..chaos.following import follow
 from ..chaos.spectrum import spectrum
 from ..engines import engine
 from ..repeller.escape import escape
+from ..tangent.growth import Displacements, unit_displacements
+from ..tangent.impacts import impacts
 from . import ensembles
 from .ensembles import Record, directions, estimate, recorded
 from .exactly import CHAOSBOOK, ESCAPE_RATE, REPELLER

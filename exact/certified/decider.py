@@ -8,17 +8,13 @@ from flint import arb
 
 from ...scenarios.event import Assumption
 from ...scenarios.scene import Scene
+from ..cascade.cascade import Cascade
+from ..cascade.enclosures import InBalls
+from ..cascade.grounds import Grounds
 from ..numbers import ball
 from ..numbers.field import Known
 from ..numbers.undecided import BudgetSpent
-from ..predicates.cascade import Cascade
-from ..predicates.enclosures import InBalls
-from ..predicates.grounds import Grounds
-from ..predicates.held import Held
-from ..predicates.log_symmetry import LogSymmetry
-from ..predicates.past import Past
 from ..predicates.question import Decision, Question
-from ..predicates.retrace import Retrace
 from ..predicates.ties import TieRule
 from ..replay.body import Body
 from ..replay.contact import Entry, Link, name_of
@@ -28,6 +24,10 @@ from ..simulation.history import History
 from ..simulation.initial import touching_at_start
 from ..simulation.limits import Limits
 from ..simulation.queue import ArrivalQueue
+from ..symmetry.held import Held
+from ..symmetry.log_symmetry import LogSymmetry
+from ..symmetry.past import Past
+from ..symmetry.retrace import Retrace
 from .meetings import CertifiedMeetings
 from .precision import FIRST_BITS, Precision
 from .reading import CertifiedReading

@@ -9,8 +9,8 @@ from typing import Protocol
 from flint import arb
 
 from ...scenarios.scene import Scene
+from ..cascade.enclosures import InBalls
 from ..numbers import ball
-from ..predicates.enclosures import InBalls
 from ..predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
 from ..predicates.question import Decision, Question
 from ..replay.body import Body

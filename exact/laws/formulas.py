@@ -29,7 +29,7 @@ N = TypeVar("N", bound=Number)
 def pair_approach(dx: N, dy: N, vx: N, vy: N) -> N:
     """d.v, negative while the circles come nearer.
 
-    Stable form of `laws.pair_instant_speed`, which it equals up to the factor -1/|d|: the
+    Stable form of `derivation.pair_instant_speed`, which it equals up to the factor -1/|d|: the
     sign needs no square root.
 
     >>> from fractions import Fraction as Q
@@ -42,7 +42,7 @@ def pair_approach(dx: N, dy: N, vx: N, vy: N) -> N:
 def pair_gap(dx: N, dy: N, R: N) -> N:
     """|d|^2 - R^2, positive while the circles are apart and 0 when they touch.
 
-    The last equation of `laws.pair_touch`, at time 0.
+    The last equation of `derivation.pair_touch`, at time 0.
 
     >>> from fractions import Fraction as Q
     >>> pair_gap(Q(4), Q(0), Q(2))
@@ -54,7 +54,7 @@ def pair_gap(dx: N, dy: N, R: N) -> N:
 def pair_discriminant(dx: N, dy: N, vx: N, vy: N, R: N) -> N:
     """|v|^2 R^2 - (d x v)^2: positive if the paths bring the circles to a hit, 0 if they graze.
 
-    Equals the radicand in `laws.pair_times`, which as (d.v)^2 - |v|^2 (|d|^2 - R^2) would
+    Equals the radicand in `derivation.pair_times`, which as (d.v)^2 - |v|^2 (|d|^2 - R^2) would
     cancel for distant circles; the two are equal by Lagrange's identity.
 
     >>> from fractions import Fraction as Q
@@ -68,7 +68,7 @@ def pair_discriminant(dx: N, dy: N, vx: N, vy: N, R: N) -> N:
 def pair_hit_time(gap: N, approach: N, root: N) -> N:
     """Time until two approaching circles touch.
 
-    Equals the earlier of `laws.pair_times`, freed from the cancellation in -d.v - root.
+    Equals the earlier of `derivation.pair_times`, freed from the cancellation in -d.v - root.
     `gap` is `pair_gap`, `approach` is `pair_approach` (negative), `root` is the square
     root of `pair_discriminant`.
 
@@ -82,7 +82,7 @@ def pair_hit_time(gap: N, approach: N, root: N) -> N:
 def pair_nearest_time(approach: N, vx: N, vy: N) -> N:
     """Time until two circles are nearest, which is when they touch if they graze.
 
-    The mean of the two of `laws.pair_times`, which are equal where the discriminant is 0.
+    The mean of the two of `derivation.pair_times`, which are equal where the discriminant is 0.
 
     >>> from fractions import Fraction as Q
     >>> pair_nearest_time(Q(-8), Q(-2), Q(0))
@@ -95,7 +95,7 @@ def pair_meeting(approach: N, cross: N, square: N, root: N, vx: N, vy: N) -> tup
     """Time until two circles that approach touch, and their d then, which no time enters.
 
     `approach` is d.v, `cross` d x v, `square` |v|^2, `root` the square root of
-    `pair_discriminant`. The time equals the earlier of `laws.pair_times`; d then has the
+    `pair_discriminant`. The time equals the earlier of `derivation.pair_times`; d then has the
     d x v of before, and d.v = -root. Sharp in absolute terms, and in balls beside the
     circles' positions that is what counts.
 
@@ -135,7 +135,7 @@ def pair_impulse(dx: N, dy: N, vx: N, vy: N, R: N, wa: N, wb: N) -> tuple[N, N]:
 
     So b's velocity gains wb times this, a's loses wa times this. Valid at contact, where
     |d| is R. With an inverse mass of 0 it is the impulse off a fixed circle. Equals the change
-    of velocities in `laws.pair_velocities` and `laws.fixed_circle_velocities`.
+    of velocities in `derivation.pair_velocities` and `derivation.fixed_circle_velocities`.
 
     >>> from fractions import Fraction as Q
     >>> pair_impulse(Q(2), Q(0), Q(-1), Q(-2), Q(2), Q(1), Q(1))
@@ -152,7 +152,7 @@ def pair_mix(dx: N, dy: N, R: N, wa: N, wb: N) -> tuple[N, N, N, N, N, N, N, N]:
     Valid at contact, where |d| is R. The velocity of a becomes (I - A) va + A vb, and the line
     on which it flies, told by its point at any one time, goes through (I - A) pa + A pb - k d,
     k the factor; for b with the roles exchanged, and + k d. In interval arithmetic these lose
-    less than `pair_impulse`. Equals `laws.pair_velocities`.
+    less than `pair_impulse`. Equals `derivation.pair_velocities`.
 
     >>> from fractions import Fraction as Q
     >>> pair_mix(Q(2), Q(0), Q(2), Q(1), Q(1))[:4]
@@ -170,7 +170,7 @@ def wall_gap(x: N, y: N, x0: N, y0: N, nx: N, ny: N, rL: N) -> N:
     """n.(p - p0) - r |n|: |n| times the distance between circle and wall, 0 when they touch.
 
     (x0, y0) is any point of the wall; rL is the radius times the length of n.
-    The numerator of `laws.wall_times`.
+    The numerator of `derivation.wall_times`.
 
     >>> from fractions import Fraction as Q
     >>> wall_gap(Q(0), Q(5), Q(0), Q(0), Q(0), Q(2), Q(2))
@@ -182,7 +182,7 @@ def wall_gap(x: N, y: N, x0: N, y0: N, nx: N, ny: N, rL: N) -> N:
 def wall_approach(vx: N, vy: N, nx: N, ny: N) -> N:
     """n.v, negative while the circle comes nearer to the wall.
 
-    Has the sign opposite to that of `laws.wall_instant_speed` on the side that n points to.
+    Has the sign opposite to that of `derivation.wall_instant_speed` on the side that n points to.
 
     >>> from fractions import Fraction as Q
     >>> wall_approach(Q(3), Q(-2), Q(0), Q(2))
@@ -194,7 +194,7 @@ def wall_approach(vx: N, vy: N, nx: N, ny: N) -> N:
 def wall_hit_time(gap: N, approach: N) -> N:
     """Time until a circle touches the wall that it approaches.
 
-    Equals the one of `laws.wall_times` that lies on the side that n points to. `gap` is
+    Equals the one of `derivation.wall_times` that lies on the side that n points to. `gap` is
     `wall_gap`, `approach` is `wall_approach` (negative).
 
     >>> from fractions import Fraction as Q
@@ -207,7 +207,7 @@ def wall_hit_time(gap: N, approach: N) -> N:
 def wall_bounce(vx: N, vy: N, nx: N, ny: N, nn: N) -> tuple[N, N]:
     """The velocity after a bounce off a wall; nn is |n|^2.
 
-    Equals `laws.wall_velocities`, the limit of a wall of infinite mass.
+    Equals `derivation.wall_velocities`, the limit of a wall of infinite mass.
 
     >>> from fractions import Fraction as Q
     >>> wall_bounce(Q(3), Q(-2), Q(0), Q(2), Q(4))
@@ -222,7 +222,7 @@ def wall_mirror(nx: N, ny: N, nn: N) -> tuple[N, N, N]:
     """The bounce off a wall as a symmetric matrix (xx, xy, yy): v' = H v, H = I - 2 n n^T / |n|^2.
 
     The line on which the circle flies is mirrored too: its point p at any one time becomes
-    H p + 2 (n.p0 + r |n|) n / |n|^2. Equals `laws.wall_velocities`.
+    H p + 2 (n.p0 + r |n|) n / |n|^2. Equals `derivation.wall_velocities`.
 
     >>> from fractions import Fraction as Q
     >>> wall_mirror(Q(0), Q(2), Q(4))
@@ -236,7 +236,7 @@ def wall_mirror(nx: N, ny: N, nn: N) -> tuple[N, N, N]:
 def advance(x: N, v: N, dt: N) -> N:
     """A coordinate after a flight of duration dt.
 
-    The first equation of `laws.pair_touch`.
+    The first equation of `derivation.pair_touch`.
 
     >>> from fractions import Fraction as Q
     >>> advance(Q(1), Q(-2), Q(3))

@@ -1,6 +1,6 @@
 """The laws in the form that loses no digits, and how they are written as Python.
 
-`proofs.py` proves each form equal to the law that `laws.py` derives.
+`verification.py` proves each form equal to the law that `derivation.py` derives.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ FORMS = (
         (dx * vx + dy * vy,),
         """d.v, negative while the circles come nearer.
 
-        Stable form of `laws.pair_instant_speed`, which it equals up to the factor -1/|d|: the
+        Stable form of `derivation.pair_instant_speed`, which it equals up to the factor -1/|d|: the
         sign needs no square root.""",
         ("pair_approach(Q(4), Q(0), Q(-2), Q(1))", "Fraction(-8, 1)"),
     ),
@@ -59,7 +59,7 @@ FORMS = (
         (dx**2 + dy**2 - R**2,),
         """|d|^2 - R^2, positive while the circles are apart and 0 when they touch.
 
-        The last equation of `laws.pair_touch`, at time 0.""",
+        The last equation of `derivation.pair_touch`, at time 0.""",
         ("pair_gap(Q(4), Q(0), Q(2))", "Fraction(12, 1)"),
     ),
     StableForm(
@@ -69,7 +69,7 @@ FORMS = (
         ((vx**2 + vy**2) * R**2 - cross**2,),
         """|v|^2 R^2 - (d x v)^2: positive if the paths bring the circles to a hit, 0 if they graze.
 
-        Equals the radicand in `laws.pair_times`, which as (d.v)^2 - |v|^2 (|d|^2 - R^2) would
+        Equals the radicand in `derivation.pair_times`, which as (d.v)^2 - |v|^2 (|d|^2 - R^2) would
         cancel for distant circles; the two are equal by Lagrange's identity.""",
         ("pair_discriminant(Q(4), Q(0), Q(-2), Q(0), Q(2))", "Fraction(16, 1)"),
     ),
@@ -80,7 +80,7 @@ FORMS = (
         (gap / (root - approach),),
         """Time until two approaching circles touch.
 
-        Equals the earlier of `laws.pair_times`, freed from the cancellation in -d.v - root.
+        Equals the earlier of `derivation.pair_times`, freed from the cancellation in -d.v - root.
         `gap` is `pair_gap`, `approach` is `pair_approach` (negative), `root` is the square
         root of `pair_discriminant`.""",
         ("pair_hit_time(Q(12), Q(-8), Q(4))", "Fraction(1, 1)"),
@@ -92,7 +92,7 @@ FORMS = (
         (-approach / (vx**2 + vy**2),),
         """Time until two circles are nearest, which is when they touch if they graze.
 
-        The mean of the two of `laws.pair_times`, which are equal where the discriminant is 0.""",
+        The mean of the two of `derivation.pair_times`, which are equal where the discriminant is 0.""",
         ("pair_nearest_time(Q(-8), Q(-2), Q(0))", "Fraction(2, 1)"),
     ),
     StableForm(
@@ -103,7 +103,7 @@ FORMS = (
         """Time until two circles that approach touch, and their d then, which no time enters.
 
         `approach` is d.v, `cross` d x v, `square` |v|^2, `root` the square root of
-        `pair_discriminant`. The time equals the earlier of `laws.pair_times`; d then has the
+        `pair_discriminant`. The time equals the earlier of `derivation.pair_times`; d then has the
         d x v of before, and d.v = -root. Sharp in absolute terms, and in balls beside the
         circles' positions that is what counts.""",
         (
@@ -143,7 +143,7 @@ FORMS = (
 
         So b's velocity gains wb times this, a's loses wa times this. Valid at contact, where
         |d| is R. With an inverse mass of 0 it is the impulse off a fixed circle. Equals the change
-        of velocities in `laws.pair_velocities` and `laws.fixed_circle_velocities`.""",
+        of velocities in `derivation.pair_velocities` and `derivation.fixed_circle_velocities`.""",
         ("pair_impulse(Q(2), Q(0), Q(-1), Q(-2), Q(2), Q(1), Q(1))", "(Fraction(1, 1), Fraction(0, 1))"),
     ),
     StableForm(
@@ -162,7 +162,7 @@ FORMS = (
         Valid at contact, where |d| is R. The velocity of a becomes (I - A) va + A vb, and the line
         on which it flies, told by its point at any one time, goes through (I - A) pa + A pb - k d,
         k the factor; for b with the roles exchanged, and + k d. In interval arithmetic these lose
-        less than `pair_impulse`. Equals `laws.pair_velocities`.""",
+        less than `pair_impulse`. Equals `derivation.pair_velocities`.""",
         (
             "pair_mix(Q(2), Q(0), Q(2), Q(1), Q(1))[:4]",
             "(Fraction(1, 1), Fraction(0, 1), Fraction(0, 1), Fraction(1, 1))",
@@ -176,7 +176,7 @@ FORMS = (
         """n.(p - p0) - r |n|: |n| times the distance between circle and wall, 0 when they touch.
 
         (x0, y0) is any point of the wall; rL is the radius times the length of n.
-        The numerator of `laws.wall_times`.""",
+        The numerator of `derivation.wall_times`.""",
         ("wall_gap(Q(0), Q(5), Q(0), Q(0), Q(0), Q(2), Q(2))", "Fraction(8, 1)"),
     ),
     StableForm(
@@ -186,7 +186,7 @@ FORMS = (
         (vx * nx + vy * ny,),
         """n.v, negative while the circle comes nearer to the wall.
 
-        Has the sign opposite to that of `laws.wall_instant_speed` on the side that n points to.""",
+        Has the sign opposite to that of `derivation.wall_instant_speed` on the side that n points to.""",
         ("wall_approach(Q(3), Q(-2), Q(0), Q(2))", "Fraction(-4, 1)"),
     ),
     StableForm(
@@ -196,7 +196,7 @@ FORMS = (
         (-gap / approach,),
         """Time until a circle touches the wall that it approaches.
 
-        Equals the one of `laws.wall_times` that lies on the side that n points to. `gap` is
+        Equals the one of `derivation.wall_times` that lies on the side that n points to. `gap` is
         `wall_gap`, `approach` is `wall_approach` (negative).""",
         ("wall_hit_time(Q(8), Q(-4))", "Fraction(2, 1)"),
     ),
@@ -207,7 +207,7 @@ FORMS = (
         (vx - scale * nx, vy - scale * ny),
         """The velocity after a bounce off a wall; nn is |n|^2.
 
-        Equals `laws.wall_velocities`, the limit of a wall of infinite mass.""",
+        Equals `derivation.wall_velocities`, the limit of a wall of infinite mass.""",
         ("wall_bounce(Q(3), Q(-2), Q(0), Q(2), Q(4))", "(Fraction(3, 1), Fraction(2, 1))"),
     ),
     StableForm(
@@ -218,7 +218,7 @@ FORMS = (
         """The bounce off a wall as a symmetric matrix (xx, xy, yy): v' = H v, H = I - 2 n n^T / |n|^2.
 
         The line on which the circle flies is mirrored too: its point p at any one time becomes
-        H p + 2 (n.p0 + r |n|) n / |n|^2. Equals `laws.wall_velocities`.""",
+        H p + 2 (n.p0 + r |n|) n / |n|^2. Equals `derivation.wall_velocities`.""",
         ("wall_mirror(Q(0), Q(2), Q(4))", "(Fraction(1, 1), Fraction(0, 1), Fraction(-1, 1))"),
     ),
     StableForm(
@@ -228,7 +228,7 @@ FORMS = (
         (x + v * dt,),
         """A coordinate after a flight of duration dt.
 
-        The first equation of `laws.pair_touch`.""",
+        The first equation of `derivation.pair_touch`.""",
         ("advance(Q(1), Q(-2), Q(3))", "Fraction(-5, 1)"),
     ),
 )

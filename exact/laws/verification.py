@@ -1,14 +1,14 @@
 """Proofs that the stable forms, as written, are the laws that SymPy derives.
 
 What is proved is the text itself: the functions as written are run on the article's symbols, and
-what they return must equal, identically, what `laws.py` derived.
+what they return must equal, identically, what `derivation.py` derived.
 """
 
 from __future__ import annotations
 
 import textwrap
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TextIO
@@ -50,7 +50,7 @@ from .derivation import (
     y1,
 )
 from .elimination import is_zero
-from .stable_forms import FORMS, render
+from .stable_forms import FORMS, StableForm, render
 
 FORMULAS = Path(__file__).with_name("formulas.py")
 
@@ -61,7 +61,7 @@ class Proof:
 
     Attributes:
         name: the law, in words.
-        law: the function of `laws.py` that derives it.
+        law: the function of `derivation.py` that derives it.
         difference: from the written functions by name to expressions that must be zero.
     """
 
@@ -245,11 +245,11 @@ PROOFS = (
 )
 
 
-def functions(text: str) -> dict[str, Callable[..., Any]]:
-    """The functions that a text of `formulas.py` defines, by name."""
-    namespace: dict[str, Any] = {"__name__": "formulas"}
+def functions(text: str, forms: Sequence[StableForm] = FORMS) -> dict[str, Callable[..., Any]]:
+    """The functions of these forms that a text of this room defines, by name."""
+    namespace: dict[str, Any] = {"__name__": "formulas", "__package__": __package__}
     exec(compile(text, "formulas.py", "exec"), namespace)
-    return {form.name: namespace[form.name] for form in FORMS}
+    return {form.name: namespace[form.name] for form in forms}
 
 
 def prove(proof: Proof, formulas: Mapping[str, Callable[..., Any]]) -> None:
@@ -262,7 +262,7 @@ def prove(proof: Proof, formulas: Mapping[str, Callable[..., Any]]) -> None:
         if not is_zero(difference):
             raise LawError(
                 f"{proof.name}: component {number} of what stable_forms.py states is not what "
-                f"laws.{proof.law.__name__} derives; correct the one that is wrong"
+                f"derivation.{proof.law.__name__} derives; correct the one that is wrong"
             )
 
 
@@ -281,7 +281,7 @@ def derive_and_prove(shown: TextIO, progress: TextIO) -> str:
     start = time.perf_counter()
     for proof in PROOFS:
         law = proof.law()
-        shown.write(f"{proof.name} (laws.{proof.law.__name__}):\n{_readable(law)}\n\n")
+        shown.write(f"{proof.name} (derivation.{proof.law.__name__}):\n{_readable(law)}\n\n")
         prove(proof, written)
         progress.write(f"{time.perf_counter() - start:5.1f} s  proved: {proof.name}\n")
         progress.flush()
@@ -299,12 +299,12 @@ def _readable(law: Any) -> str:
     return "\n".join(textwrap.fill(str(part), initial_indent="  ", subsequent_indent="    ") for part in law)
 
 
-def is_current(text: str, path: Path = FORMULAS) -> bool:
+def is_current(text: str, path: Path) -> bool:
     """Whether the file holds exactly this text."""
     return path.exists() and path.read_text(encoding="utf-8") == text
 
 
-def write(text: str, path: Path = FORMULAS) -> Path:
+def write(text: str, path: Path) -> Path:
     """Writes the file in one step, so that no reader sees half of it; its path."""
     part = path.with_suffix(".part")
     part.write_text(text, encoding="utf-8")

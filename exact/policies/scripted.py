@@ -105,16 +105,13 @@ class Scripted:
             return
         exact = state()
         key = (self.node, self.instant, made if exact is None else exact)
-        new = len(self.choices) > len(self.script) or not self.script or self._ends_script(made)
+        # The script's last choice is one that no branch had taken there.
+        new = len(self.choices) >= len(self.script)
         if key in self.seen and new and exact is not None:
             raise BranchDone("merged")
         self.node = self.seen.setdefault(key, len(self.seen) + 1)
         if len(self.choices) >= len(self.script):
             self.asleep = frozenset()
-
-    def _ends_script(self, made: tuple[Touch, ...]) -> bool:
-        """Whether the script's last choice, the one that no branch had taken there, was made in this instant."""
-        return len(self.choices) == len(self.script) and bool(made)
 
     def _still_asleep(self, chosen: Touch) -> frozenset[Touch]:
         """The sleepers that do not depend on the contact kicked."""

@@ -1,1 +1,1 @@
-"""What a run must know of its numbers, and how it comes to know it: filters, balls, fields, proofs of zero."""
+"""What a run must know of its numbers: questions, each a sign, and the filter that foresees most of them in doubles."""

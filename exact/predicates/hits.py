@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import N
@@ -11,12 +12,14 @@ from ..replay.contact import AtWall, Entry, Link, Round
 from ..replay.state import State
 from .question import Form, Plain, RootFree, RootSum, circles_of
 
+L = TypeVar("L", Link, Round, Entry)
+
 
 @dataclass(frozen=True)
-class _OfLink(RootFree):
+class _OfOne(RootFree, Generic[L]):
     """A root-free question about one contact."""
 
-    link: Link
+    link: L
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -24,18 +27,7 @@ class _OfLink(RootFree):
 
 
 @dataclass(frozen=True)
-class _OfRound(RootFree):
-    """A root-free question about two circles, or a centre and a pocket."""
-
-    link: Round
-
-    @property
-    def bodies(self) -> tuple[int, ...]:
-        return self.link.circles
-
-
-@dataclass(frozen=True)
-class Approach(_OfLink):
+class Approach(_OfOne[Link]):
     """Do the two of a contact come nearer (negative) or part (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -49,7 +41,7 @@ class Approach(_OfLink):
 
 
 @dataclass(frozen=True)
-class Closing(_OfLink):
+class Closing(_OfOne[Link]):
     """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -63,7 +55,7 @@ class Closing(_OfLink):
 
 
 @dataclass(frozen=True)
-class Gap(_OfLink):
+class Gap(_OfOne[Link]):
     """Are the two of a contact apart (positive) or touching (zero)?"""
 
     def value(self, state: State[N]) -> N:
@@ -74,7 +66,7 @@ class Gap(_OfLink):
 
 
 @dataclass(frozen=True)
-class Discriminant(_OfRound):
+class Discriminant(_OfOne[Round]):
     """Do the paths of two circles hit (positive), graze (zero) or miss (negative)?"""
 
     def value(self, state: State[N]) -> N:
@@ -85,7 +77,7 @@ class Discriminant(_OfRound):
 
 
 @dataclass(frozen=True)
-class RelativeSpeed(_OfRound):
+class RelativeSpeed(_OfOne[Round]):
     """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -100,14 +92,8 @@ class RelativeSpeed(_OfRound):
 
 
 @dataclass(frozen=True)
-class Rim(RootFree):
+class Rim(_OfOne[Entry]):
     """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
-
-    link: Entry
-
-    @property
-    def bodies(self) -> tuple[int, ...]:
-        return self.link.circles
 
     def value(self, state: State[N]) -> N:
         return state.rim(self.link)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.real import Real
 from ...scenarios.numbers.tower.element import AnyTower, Element
 from ...scenarios.numbers.tower.field import TowerLimit
 from ...scenarios.trajectory import StopReason, Trajectory
@@ -56,7 +56,7 @@ def farther(run: Trajectory, again: Trajectory, limits: Limits) -> Trajectory:
     return replace(run, stop=stopped(reason, had) if reason is StopReason.INTERRUPTED else again.stop)
 
 
-def _number(time: Any) -> int:
+def _number(time: Real) -> int:
     assert isinstance(time, ExactValue)
     assert time.instant is not None
     return time.instant
@@ -96,11 +96,13 @@ def restore(history: History[Known], run: Trajectory, limits: Limits, tower: Any
     history.last = None if history.last is None else timed(history.last)
     if history.reversal is not None:
         history.reversal = (history.reversal[0], timed(history.reversal[1]))
-    knots: list[list[Any]] = [
-        [(*map(number, knot[:5]), *knot[5:]) for knot in row[: len(mine)]]
+    history.knots = [
+        [
+            (number(t), number(x), number(y), number(vx), number(vy), step, instant)
+            for t, x, y, vx, vy, step, instant in row[: len(mine)]
+        ]
         for mine, row in zip(history.knots, motion.knots, strict=True)
     ]
-    history.knots = knots
     history.plan.clear()
     history.plan.update(reached.plan)
     history.assumptions[:] = run.assumptions[: reached.assumed]

@@ -9,14 +9,8 @@ from random import Random
 
 from flint import fmpz  # type: ignore[attr-defined]
 
-from fuzz import kinds_alike as alike
-from fuzz import kinds_brinks as brinks
-from fuzz import kinds_contacts as contacts
-from fuzz import kinds_cruel as cruel
-from fuzz import kinds_pockets as pockets
-from fuzz import kinds_rooms as rooms
-from fuzz import kinds_symmetry as symmetry
 from fuzz.draft import Case, Draft, F, finish, flaw
+from fuzz.kinds import alike, brinks, contacts, cruel, pockets, rooms, symmetry
 from fuzz.referee import Told, referee
 from truebreak.scenarios import Quantity
 from truebreak.scenarios.errors import SceneError
@@ -74,7 +68,7 @@ TWINS = ("instant", "graze_blow", "near_ties", "entry_ties", "on_rim", "points",
 
 
 def twins(draw: Random) -> Draft:
-    """See `kinds_symmetry.twins`."""
+    """See `kinds.symmetry.twins`."""
     return symmetry.twins(draw, [PLAIN[name] for name in TWINS])
 
 

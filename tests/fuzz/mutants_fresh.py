@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from fuzz.mutant import Mutant
 
-SIMULATION, PREDICATES = "exact/simulation", "exact/predicates"
+SIMULATION, SYMMETRY = "exact/simulation", "exact/symmetry"
 INSTANT, ROUNDS, LOOP = (f"{SIMULATION}/{name}.py" for name in ("instant", "rounds", "loop"))
 GATHERING = f"{SIMULATION}/gathering.py"
 MEETINGS, DECIDER = "exact/certified/meetings.py", "exact/certified/decider.py"
 QUEUE, PREDICTION, HISTORY = (f"{SIMULATION}/{name}.py" for name in ("queue", "prediction", "history"))
-LOG, PAST, ISOMETRY, RETRACE = (f"{PREDICATES}/{n}.py" for n in ("log_symmetry", "past", "isometry", "retrace"))
-HELD, CASCADE, FILTER = (f"{PREDICATES}/{name}.py" for name in ("held", "cascade", "double_filter"))
+LOG, PAST, ISOMETRY, RETRACE = (f"{SYMMETRY}/{n}.py" for n in ("log_symmetry", "past", "isometry", "retrace"))
+HELD, CASCADE, FILTER = f"{SYMMETRY}/held.py", "exact/cascade/cascade.py", "exact/predicates/double_filter.py"
 FILTERED, BALLS, LIVE = (
     "exact/certified/prediction.py",
     "exact/replay/ball_state.py",

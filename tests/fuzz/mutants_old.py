@@ -33,7 +33,7 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w03_home_despite_capture",
-        "exact/predicates/retrace.py",
+        "exact/symmetry/retrace.py",
         "self.levels = [block.places.get(i, level) for i, level in enumerate(self.levels)]",
         """for i, place in block.places.items():
                     self.levels[i] = sum(not b.kind for b in self.past.rows[i][:place])""",
@@ -54,7 +54,7 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w05_pocket_for_wall",
-        "exact/predicates/isometry.py",
+        "exact/symmetry/isometry.py",
         "return None if k is None else Entry(a, k)",
         "return AtWall(a, 0) if k is None else Entry(a, k)",
         "the image of a pocket that has none is taken for wall 0",

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from flint import arb
 
 from ....exact.numbers import ball
+from ....scenarios.numbers.real import Real
 
 FIRST_BITS, MOST_BITS = 256, 1 << 14
 """Precision at which a decision is first looked at, and the most: beyond it is called zero to so many bits."""
@@ -18,11 +19,11 @@ FIRST_BITS, MOST_BITS = 256, 1 << 14
 class Flight:
     """One circle from its last meeting on: x, y, vx, vy at time t, in the engine's own numbers."""
 
-    t: Any
-    x: Any
-    y: Any
-    vx: Any
-    vy: Any
+    t: Real
+    x: Real
+    y: Real
+    vx: Real
+    vy: Real
 
 
 @dataclass(frozen=True)

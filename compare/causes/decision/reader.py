@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb
 
 from ....exact.laws import formulas as law
 from ....exact.numbers import ball
+from ....scenarios.numbers.quantity import Quantity
 from ....scenarios.numbers.real import real
 from .decision import FIRST_BITS, MOST_BITS, Decision, Flight, Pairing
 from .zeros import grazes_exactly
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
-    from ....scenarios.trajectory import Trajectory
+    from ....scenarios.trajectory import State, Trajectory
     from ...alignment.walk import Walk
 
 
@@ -45,7 +46,7 @@ class Reader:
         self.scene = run.scene if scene is None else scene
         self.turned_after = turned_after
         self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
-        self._states: dict[int, Any] = {}
+        self._states: dict[int, State] = {}
 
     def follows(self, pairing: Pairing) -> bool:
         """Whether the run has every meeting that leads to a pairing."""
@@ -67,12 +68,10 @@ class Reader:
         if turned and reversal is not None:
             time, key = reversal.time, -2
         else:
-            time, key = (0, -1) if index is None else (self.run.events[index].time, index)
+            time, key = (Quantity.of(0), -1) if index is None else (self.run.events[index].time, index)
         if key not in self._states:
             self._states[key] = self.run.at(time)
         state = self._states[key][name]
-        if key == -1:
-            return Flight(0, state.x, state.y, state.vx, state.vy)
         return Flight(time, state.x, state.y, state.vx, state.vy)
 
     def value(self, decision: Decision, bits: int = FIRST_BITS) -> arb | None:

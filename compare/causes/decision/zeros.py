@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ....exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
 from ....scenarios.numbers.quantity import Quantity
-from ....scenarios.numbers.real import real
+from ....scenarios.numbers.real import Real, real
 from ...alignment.streams import history
 from .decision import Flight
 
@@ -83,7 +83,7 @@ def _exact(flight: Flight) -> _Exact | None:
     return None if None in values else _Exact(*(q for q in values if q is not None))
 
 
-def _short(value: object) -> Quantity | None:
+def _short(value: Real) -> Quantity | None:
     """A number as a `Quantity`, if it is exact and short."""
     text = real(value).text()
     return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)

@@ -22,8 +22,8 @@ from truebreak.compare.cli import main
 from truebreak.compare.documents.chaos import chaos_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import engine
+from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
-from truebreak.exact.results.impacts import impacts
 from truebreak.scenarios import Circle, Scene, SceneError, Wall, catalogue
 
 GAS = catalogue.build("gas")

@@ -14,8 +14,8 @@ import click
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.cli.commands import cli
 from truebreak.compare.cli.examples import LINES
+from truebreak.compare.cli.group import cli
 from truebreak.compare.cli.progress import Goal, Pace, goal_of
 from truebreak.compare.cli.retold import command_of
 from truebreak.scenarios import catalogue

@@ -1,19 +1,17 @@
-"""`truebreak judge`, `truebreak export`, and engines named by their class."""
+"""`truebreak judge` and `truebreak export`."""
 
 from __future__ import annotations
 
 import json
-import sys
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 import jsonschema
 import pytest
+from command_line import said
 from logs import lines_of, triples, without_limits, written
 
-from truebreak.compare import compare, engine
-from truebreak.compare.cli import main
+from truebreak.compare import compare
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.foreign import LogEngine
 from truebreak.compare.foreign import log as log_module
@@ -21,15 +19,6 @@ from truebreak.compare.foreign.floats import floats_csv, floats_json
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Trajectory, Wall, catalogue
 from truebreak.scenarios.files import loads_json
-
-
-def shell(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    """A command's exit code, stdout and stderr."""
-    with pytest.raises(SystemExit) as stop:
-        main([*words])
-    out, err = capsys.readouterr()
-    assert isinstance(stop.value.code, int)
-    return stop.value.code, out, err
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +45,7 @@ def test_a_log_is_judged_as_its_engine_is(states: bool, gas: Trajectory, tmp_pat
 
 def test_the_json_is_that_of_compare(gas: Trajectory, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path / "log.jsonl", lines_of(gas))
-    code, out, _ = shell(capsys, "judge", "gas", path, "--events", "50", "--json")
+    code, out, _ = said(capsys, "judge", "gas", path, "--events", "50", "--json")
     assert code == 0
     data = json.loads(out)
     jsonschema.Draft202012Validator(schema("comparison-2")).validate(data)
@@ -69,7 +58,7 @@ def test_csv_says_the_same(gas: Trajectory, tmp_path: Path, capsys: pytest.Captu
     rows = [f"{time!r},{a},{b}" for time, a, b in triples(gas)]
     path.write_text("\n".join(["time,a,b", *rows]) + "\n", "utf-8")
     assert LogEngine.of(path, gas.scene).last.events == LogEngine.of(triples(gas), gas.scene).last.events
-    code, out, _ = shell(capsys, "judge", "gas", str(path), "--events", "180")
+    code, out, _ = said(capsys, "judge", "gas", str(path), "--events", "180")
     assert code == 1
     assert "first differs at event 161" in " ".join(out.split())
 
@@ -86,7 +75,7 @@ def test_as_far_as_the_log_goes_unless_asked_for_more(
     gas: Trajectory, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = written(tmp_path / "log.jsonl", [*lines_of(gas)[:40], {"end": float(gas.events[40].time) - 1e-3}])
-    code, out, _ = shell(capsys, "judge", "gas", path)
+    code, out, _ = said(capsys, "judge", "gas", path)
     assert code == 0
     assert "all 40 events" in out
     for far in (60, 150):
@@ -95,7 +84,7 @@ def test_as_far_as_the_log_goes_unless_asked_for_more(
 
 def _what_is_enough(far: int, path: str, gas: Trajectory, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A log of 40 events is held against so many: how far it says to record settles it."""
-    code, out, _ = shell(capsys, "judge", "gas", path, "--events", str(far))
+    code, out, _ = said(capsys, "judge", "gas", path, "--events", str(far))
     assert code == 4
     end, enough = float(gas.events[40].time) - 1e-3, float(gas.events[far - 1].time)
     assert f"Not settled: the runs at hand do not tell whether {path} leaves the exact run near its end" in " ".join(
@@ -105,7 +94,7 @@ def _what_is_enough(far: int, path: str, gas: Trajectory, tmp_path: Path, capsys
     told = float(out.replace("\n", " ").split("(t = ")[1].split()[0])
     assert told > enough
     lines = [*lines_of(DoubleEngine().run(gas.scene, until=told)), {"end": told}]
-    code, *_ = shell(capsys, "judge", "gas", written(tmp_path / "more.jsonl", lines), "--events", str(far))
+    code, *_ = said(capsys, "judge", "gas", written(tmp_path / "more.jsonl", lines), "--events", str(far))
     assert code == 0, "what it says is enough is enough"
 
 
@@ -113,11 +102,11 @@ def test_a_quiet_scene_wants_the_word_of_the_log(tmp_path: Path, capsys: pytest.
     lines = lines_of(DoubleEngine().run(catalogue.build("near-tie:k=4")))
     open_end = written(tmp_path / "open.jsonl", [*lines, {"end": 50}])
     quiet = written(tmp_path / "quiet.jsonl", [*lines, {"end": 50, "quiet": True}])
-    code, out, _ = shell(capsys, "judge", "near-tie:k=4", open_end, "--events", "20")
+    code, out, _ = said(capsys, "judge", "near-tie:k=4", open_end, "--events", "20")
     assert code == 4
     assert "record it until nothing is left to happen, and say so at its end" in " ".join(out.split())
-    assert shell(capsys, "judge", "near-tie:k=4", open_end)[0] == 0
-    code, out, _ = shell(capsys, "judge", "near-tie:k=4", quiet)
+    assert said(capsys, "judge", "near-tie:k=4", open_end)[0] == 0
+    code, out, _ = said(capsys, "judge", "near-tie:k=4", quiet)
     assert code == 0
     assert "for all time" in out
 
@@ -129,10 +118,10 @@ def test_two_logs_say_whether_a_change_changed_a_verdict(
     old = written(tmp_path / "old.jsonl", lines)
     same = written(tmp_path / "same.jsonl", [{**line, "time": line["time"] + 1e-12} for line in lines])
     dropped = written(tmp_path / "dropped.jsonl", lines[:30] + lines[31:])
-    code, out, _ = shell(capsys, "judge", "gas", old, same)
+    code, out, _ = said(capsys, "judge", "gas", old, same)
     assert code == 0
     assert "The change changed no verdict" in out
-    code, out, _ = shell(capsys, "judge", "gas", old, dropped, "--events", "50", "--json")
+    code, out, _ = said(capsys, "judge", "gas", old, dropped, "--events", "50", "--json")
     assert code == 1
     data = json.loads(out)
     jsonschema.Draft202012Validator(schema("comparison-2")).validate(data)
@@ -145,7 +134,7 @@ def test_two_logs_say_whether_a_change_changed_a_verdict(
 def test_a_log_of_steps_is_judged_with_its_step(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     run = PymunkEngine().run(catalogue.build("tennis"), until=20)
     path = written(tmp_path / "log.jsonl", lines_of(run, states=True))
-    assert shell(capsys, "judge", "tennis", path, "--step", "1/256", "--events", "3")[0] == 0
+    assert said(capsys, "judge", "tennis", path, "--step", "1/256", "--events", "3")[0] == 0
 
 
 WRONG = [
@@ -174,7 +163,7 @@ def test_a_log_that_cannot_be_judged_is_one_line(
 ) -> None:
     path = tmp_path / "log.jsonl"
     path.write_bytes(f'{{"time": 0.5, "contact": ["c1", "c2"]}}\n{line}\n'.encode("utf-8", "surrogateescape"))
-    code, out, err = shell(capsys, "judge", "gas", str(path))
+    code, out, err = said(capsys, "judge", "gas", str(path))
     assert (code, out) == (2, "")
     assert told in err
     assert err.startswith("truebreak: error: file ")
@@ -194,7 +183,7 @@ def test_a_log_that_cannot_be_judged_is_one_line(
 def test_so_is_a_csv_log(text: str, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "log.csv"
     path.write_text(text, "utf-8")
-    code, _, err = shell(capsys, "judge", "gas", str(path))
+    code, _, err = said(capsys, "judge", "gas", str(path))
     assert code == 2
     assert told in err
 
@@ -204,14 +193,14 @@ def test_a_log_too_long_or_missing_is_refused(
 ) -> None:
     path = tmp_path / "log.jsonl"
     path.write_text("x" * (log_module.MOST_LINE + 1), "utf-8")
-    assert "is longer than 1,048,576 bytes" in shell(capsys, "judge", "gas", str(path))[2]
+    assert "is longer than 1,048,576 bytes" in said(capsys, "judge", "gas", str(path))[2]
     path.write_text('{"time": 0.5, "contact": ["c1", "c2"]}\n' * 100, "utf-8")
     monkeypatch.setattr(log_module, "MOST_BYTES", 1000)
-    code, _, err = shell(capsys, "judge", "gas", str(path))
+    code, _, err = said(capsys, "judge", "gas", str(path))
     assert code == 2
     assert "log.jsonl': the log is longer than 1,000 bytes; judge its beginning" in err
-    assert "No such file" in shell(capsys, "judge", "gas", str(tmp_path / "none.jsonl"))[2]
-    assert "--lacks: 'wnd' is no key" in shell(capsys, "judge", "gas", str(path), "--lacks", "wnd")[2]
+    assert "No such file" in said(capsys, "judge", "gas", str(tmp_path / "none.jsonl"))[2]
+    assert "--lacks: 'wnd' is no key" in said(capsys, "judge", "gas", str(path), "--lacks", "wnd")[2]
 
 
 def test_export_gives_the_nearest_doubles_with_their_errors() -> None:
@@ -237,129 +226,12 @@ def test_a_fixed_circle_has_no_mass_in_doubles() -> None:
 
 
 def test_export_without_floats_is_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    _, out, _ = shell(capsys, "export", "inscribed:n=5")
+    _, out, _ = said(capsys, "export", "inscribed:n=5")
     assert loads_json(out).digest == catalogue.build("inscribed:n=5").digest
     path = tmp_path / "scene.json"
-    assert shell(capsys, "export", "lee", "--floats", "--out", str(path))[0] == 0
+    assert said(capsys, "export", "lee", "--floats", "--out", str(path))[0] == 0
     assert json.loads(path.read_text("utf-8"))["schema"] == "truebreak/floats-1"
-    assert "add --floats" in shell(capsys, "export", "lee", "--csv")[2]
-
-
-MODULE = """
-from dataclasses import dataclass, replace
-from truebreak.floating import DoubleEngine
-from truebreak.compare.foreign import RecordedEngine
-from truebreak.scenarios import Declared
-
-@dataclass(frozen=True)
-class Mine(Declared):
-    name: str = "own"
-    wrong: bool = False
-    def run(self, scene, **limits):
-        if self.wrong:
-            raise ZeroDivisionError("a mass")
-        return replace(DoubleEngine().run(scene, **limits), engine=self.name)
-
-class Plain(Declared):
-    name = "plain"
-    def run(self, scene, **limits):
-        return DoubleEngine().run(scene, **limits)
-
-class Hangs(Plain):
-    def run(self, scene, **limits):
-        while True:
-            pass
-
-class Stuck(RecordedEngine):
-    name = "stuck"
-    def play(self, scene, recording):
-        recording.hits(1.0, [("left", "middle"), ("middle", "right")])
-        while recording.open:
-            pass
-
-class Unmade(Plain):
-    def __init__(self, depth):
-        pass
-
-def made():
-    return Plain()
-
-class Nothing:
-    pass
-"""
-
-
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    (tmp_path / "ownengines.py").write_text(MODULE, "utf-8")
-    (tmp_path / "brokenengines.py").write_text("1 / 0", "utf-8")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", [*sys.path])
-    monkeypatch.delitem(sys.modules, "ownengines", raising=False)
-    return tmp_path
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("text", "labels"),
-    [
-        ("ownengines:Mine", ["ownengines:Mine"]),
-        ("double,mine=ownengines:Mine:wrong=no", ["double", "mine"]),
-        ("ownengines:Plain,ownengines:made", ["ownengines:Plain", "ownengines:made"]),
-    ],
-)
-def test_engines_are_named_by_their_class(text: str, labels: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, err = shell(capsys, "compare", "lee", "--engines", text, "--json")
-    assert code == 0, err
-    assert [row["engine"] for row in json.loads(out)["candidates"]] == labels
-
-
-@pytest.mark.usefixtures("folder")
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("nowhere:Mine", "engine 'nowhere:Mine': ModuleNotFoundError"),
-        ("brokenengines:Mine", "engine 'brokenengines:Mine': ZeroDivisionError: division by zero"),
-        ("ownengines:Mien", "ownengines has no 'Mien'"),
-        ("ownengines:Mine:wrnog=yes", "has no parameter 'wrnog'; did you mean 'wrong'?"),
-        ("ownengines:Plain:a=1", "takes no parameters"),
-        ("ownengines:Unmade", "cannot be made: TypeError"),
-        ("ownengines:Nothing", "declares no name"),
-        ("ownengines:Mine:wrong=yes", "engine 'own': run raised ZeroDivisionError: a mass"),
-        ("ownengine", "engine 'ownengine' is not known"),
-    ],
-)
-def test_an_engine_that_cannot_be_had_is_one_line(text: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, err = shell(capsys, "compare", "lee", "--engines", text)
-    assert (code, out) == (2, "")
-    assert told in err
-    assert err.count("\n") == 1
-
-
-@pytest.mark.usefixtures("folder")
-def test_an_engine_that_hangs_is_ended(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = shell(capsys, "compare", "lee", "--engines", "ownengines:Hangs", "--max-seconds", "1")
-    assert code == 4
-    assert "(--max-seconds)" in out
-
-
-@pytest.mark.usefixtures("folder")
-def test_a_recorded_engine_that_hangs_keeps_what_it_has(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = shell(capsys, "run", "lee", "--engine", "ownengines:Stuck", "--max-seconds", "1", "--json")
-    data = json.loads(out)
-    assert (code, data["stop"]["reason"], len(data["events"])) == (4, "budget", 1)
-
-
-def test_an_entry_point_is_a_name(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    info = folder / "own-1.0.dist-info"
-    info.mkdir()
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: own\nVersion: 1.0\n", "utf-8")
-    (info / "entry_points.txt").write_text("[truebreak.engines]\nown = ownengines:Mine\nlost = none:X\n", "utf-8")
-    monkeypatch.syspath_prepend(str(folder))
-    chosen: Any = engine("own:wrong=yes")
-    assert (chosen.name, chosen.wrong) == ("own", True)
-    with pytest.raises(SceneError, match="engine 'lost', offered as none:X: ModuleNotFoundError"):
-        engine("lost")
+    assert "add --floats" in said(capsys, "export", "lee", "--csv")[2]
 
 
 def test_a_log_is_of_one_scene(gas: Trajectory) -> None:

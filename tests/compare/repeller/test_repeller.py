@@ -14,10 +14,10 @@ from truebreak.compare.repeller.__main__ import main
 from truebreak.compare.repeller.escape import escape, fan, rate_between
 from truebreak.compare.repeller.expansion import averages, determinant, ladder
 from truebreak.compare.repeller.orbits import NotProved, Orbit, _found, _Path, _proved, orbit, pinball, visited, words
+from truebreak.compare.tangent.growth import Displacements, unit_displacements
+from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
-from truebreak.exact.results.growth import Displacements, unit_displacements
-from truebreak.exact.results.impacts import impacts
 from truebreak.scenarios import Circle, Quantity, SceneError
 
 SIX = pinball(Quantity.of(6))

@@ -17,8 +17,8 @@ from command_line import said
 from truebreak.compare import trajectory_json
 from truebreak.compare.saved import cache as certified_cache
 from truebreak.compare.saved.cache import CachedEngine, CacheWarning, cache_folder, cached
+from truebreak.compare.saved.run_file import saved_run
 from truebreak.exact import ExactEngine
-from truebreak.exact.results.saved import saved_run
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Scene, Trajectory, catalogue
 

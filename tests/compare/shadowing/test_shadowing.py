@@ -20,9 +20,9 @@ from truebreak.compare.shadowing.order import FixedOrder, segments
 from truebreak.compare.shadowing.record import recorded
 from truebreak.compare.shadowing.refine import refined, shortest
 from truebreak.compare.shadowing.shadow import longest, shadow
+from truebreak.compare.tangent.impacts import NoTangentMap
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
-from truebreak.exact.results.impacts import NoTangentMap
 from truebreak.floating.knots import DoubleMotion
 from truebreak.scenarios import Circle, Contact, Event, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.engine import Declared

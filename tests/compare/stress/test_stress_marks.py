@@ -11,8 +11,8 @@ import pytest
 
 from truebreak.compare.certificates import Certified, verdict
 from truebreak.compare.cli import main
+from truebreak.compare.cli.commands.stress import code_of
 from truebreak.compare.cli.exit_codes import ExitCode
-from truebreak.compare.cli.stress import code_of
 from truebreak.compare.stress import witness as witnessing
 from truebreak.compare.stress.cell import Job, row_of
 from truebreak.compare.stress.family import Place

@@ -251,7 +251,7 @@ def test_an_engine_whose_steps_are_dear_has_a_shorter_series() -> None:
 
 def test_only_changes_needs_an_earlier_report(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match="--against"):
-        from truebreak.compare.cli.suite import suite
+        from truebreak.compare.cli.commands.suite import suite
 
         suite.main([str(tmp_path / "mine.toml"), "--only-changes"], standalone_mode=False)
 

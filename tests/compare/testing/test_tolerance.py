@@ -11,13 +11,13 @@ from bugs import BUGS, Planted, heavier
 from logs import triples
 
 from truebreak.compare import engine
+from truebreak.compare.tangent.growth import error_growth
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.compare.testing.errors_grown import GrownErrors
 from truebreak.compare.testing.local_error import ROUNDINGS, LocalError, local_error
 from truebreak.compare.testing.reach import reach_of
 from truebreak.exact import ExactEngine
 from truebreak.exact.laws import formulas
-from truebreak.exact.results.growth import error_growth
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Declared, Scene, SceneError, catalogue
 

@@ -224,7 +224,7 @@ def test_no_wrong_form_passes_the_proofs(right, wrong):
 
 
 def test_file_is_what_the_forms_render_to():
-    assert proofs.is_current(TEXT), "run: python -m truebreak.exact.laws"
+    assert proofs.is_current(TEXT, proofs.FORMULAS), "run: python -m truebreak.exact.laws"
 
 
 def test_check_tells_a_stale_file_from_a_current_one(tmp_path):
@@ -251,7 +251,7 @@ def test_command_reports_a_wrong_form_and_writes_nothing(monkeypatch, capsys):
     monkeypatch.setattr(proofs, "render", lambda: wrong)
     assert command.main([]) == 1
     assert "straight flight" in capsys.readouterr().err
-    assert proofs.is_current(TEXT)
+    assert proofs.is_current(TEXT, proofs.FORMULAS)
 
 
 def test_help_teaches_how_to_change_a_formula():

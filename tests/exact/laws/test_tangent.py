@@ -7,14 +7,15 @@ from fractions import Fraction as Q
 import numpy as np
 import pytest
 
+from truebreak.compare.tangent import growth
+from truebreak.compare.tangent.growth import Displacements, certified_growth, error_growth, unit_displacements
+from truebreak.compare.tangent.impacts import NoTangentMap, impacts, moving
 from truebreak.exact import ExactEngine
 from truebreak.exact.laws import tangent as tangent_laws
 from truebreak.exact.laws.derivation import LawError
 from truebreak.exact.laws.formulas import wall_bounce
 from truebreak.exact.laws.tangent_formulas import pair_tangent
-from truebreak.exact.results import growth
-from truebreak.exact.results.growth import Displacements, certified_growth, error_growth, unit_displacements
-from truebreak.exact.results.impacts import NoTangentMap, impacts, moving
+from truebreak.exact.laws.verification import functions
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Trajectory, Wall, catalogue
 
@@ -22,11 +23,11 @@ TEXT = tangent_laws.text()
 
 
 def test_the_file_is_current() -> None:
-    assert tangent_laws.FORMULAS.read_text("utf-8") == TEXT, "run: python -m truebreak.exact.laws.tangent"
+    assert tangent_laws.FORMULAS.read_text("utf-8") == TEXT, "run: python -m truebreak.exact.laws"
 
 
 def test_what_is_written_is_what_the_laws_lead_to() -> None:
-    tangent_laws.prove(tangent_laws.written(TEXT), wall_bounce)
+    tangent_laws.prove(functions(TEXT, tangent_laws.FORMS), wall_bounce)
 
 
 @pytest.mark.parametrize(
@@ -41,12 +42,12 @@ def test_what_is_written_is_what_the_laws_lead_to() -> None:
 def test_a_wrong_form_is_not_proved(right: str, wrong: str) -> None:
     assert right in TEXT
     with pytest.raises(LawError):
-        tangent_laws.prove(tangent_laws.written(TEXT.replace(right, wrong)), wall_bounce)
+        tangent_laws.prove(functions(TEXT.replace(right, wrong), tangent_laws.FORMS), wall_bounce)
 
 
 def test_a_displacement_that_is_not_mirrored_is_not_proved() -> None:
     with pytest.raises(LawError, match="mirrored"):
-        tangent_laws.prove(tangent_laws.written(TEXT), lambda vx, vy, nx, ny, nn: (vx, vy))
+        tangent_laws.prove(functions(TEXT, tangent_laws.FORMS), lambda vx, vy, nx, ny, nn: (vx, vy))
 
 
 def test_it_is_the_map_of_dellago_posch_and_hoover() -> None:

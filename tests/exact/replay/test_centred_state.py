@@ -5,6 +5,7 @@ from math import log, log2
 
 import pytest
 
+from truebreak.compare.tangent.growth import error_growth
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import precision
 from truebreak.exact.numbers import ball
@@ -12,7 +13,6 @@ from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.exact.replay.errors import Fly, Meet, Spent
-from truebreak.exact.results.growth import error_growth
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 FEW, MANY = 500, 4096

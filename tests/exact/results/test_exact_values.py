@@ -7,8 +7,8 @@ import math
 import pytest
 from flint import arb, ctx
 
+from truebreak.compare.documents.definitions import definitions
 from truebreak.exact import ExactEngine
-from truebreak.exact.results.written import definitions
 from truebreak.scenarios import Circle, Quantity, Scene, catalogue
 
 SCENE = Scene([Circle(0, 0, 1, 1, 0), Circle(4, 1), Circle("9/2", -3)])

@@ -1,0 +1,202 @@
+"""The commands for engines that are not truebreak's own: `judge` and `export`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .. import completion
+from ..examples import examples
+from ..exit_codes import DONE, of_comparison
+from ..numbers import Whole
+from ..options import SCENE, SCENE_HELP, held_against
+
+if TYPE_CHECKING:
+    from ....scenarios.scene import Scene
+    from ...foreign.log_engine import LogEngine
+
+LOG_HELP = f"""{SCENE_HELP}
+
+\b
+LOG is JSON lines, one event a line; or CSV, if its name ends in .csv:
+  {{"time": 1.25, "contact": ["a", "b"]}}
+  {{"time": 2.5, "contact": ["b", "w1"], "states": {{"b": [7.0, 0.5, -1, 0]}}}}
+  {{"time": 3.0, "contacts": [["a", "b"], ["b", "c"]]}}  at one instant
+  {{"end": 290.7}}                                     nothing happened up to it
+  {{"end": 290.7, "quiet": true}}                      nor will ever anything
+\b
+  time,a,b                                           CSV begins like this
+  1.25,a,b
+  290.7,,                                            the end
+
+A state is x, y, vx, vy as the event leaves a circle. Without states, where circles are is reckoned from the times
+by the laws. A log without an end ends at its last event.
+
+\b
+Examples:
+  truebreak export gas:seed=3 --floats > scene.json  what it starts from
+  truebreak judge gas:seed=3 log.jsonl --events 200
+  truebreak judge gas:seed=3 log.csv --bits 24       one in single precision
+  truebreak judge cradle steps.jsonl --step 1/256    one that goes by steps
+  truebreak judge gas:seed=3 old.jsonl new.jsonl     did a change matter?
+
+Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be judged, 4 undecided or not settled.
+"""
+
+
+@click.command(epilog=LOG_HELP)
+@SCENE
+@click.argument("logs", metavar="LOG...", shell_complete=completion.files, nargs=-1, required=True)
+@click.option("--bits", type=Whole(1), default=53, show_default=True, metavar="N", help="Of its numbers.")
+@click.option("--step", metavar="DT", help="Its time step, if it has one: exact text such as 1/240.")
+@click.option("--exact-input", is_flag=True, help="It does not round the scene's numbers to its bits.")
+@click.option(
+    "--lacks",
+    default="capture",
+    show_default=True,
+    metavar="KEY,...",
+    help="Keys of a scene that it does not follow: wall, pocket, capture, reverse_at, reverse_after, tie_policy.",
+)
+@held_against
+@click.option("--exit-zero", is_flag=True, help="Exit with 0 even if a log diverged or is undecided.")
+def judge(
+    scene: str,
+    logs: tuple[str, ...],
+    bits: int,
+    step: str | None,
+    exact_input: bool,
+    lacks: str,
+    reference: str,
+    until: str | None,
+    events: int | None,
+    reverse_after: int | None,
+    tie_policy: str | None,
+    ties: str | None,
+    work: int | None,
+    max_seconds: float | None,
+    symmetric: bool,
+    no_cache: bool,
+    as_json: bool,
+    html: str | None,
+    certify: bool,
+    exit_zero: bool,
+) -> int:
+    """Judge the log of any engine, in any language. Does it tell the scene's history?
+
+    The report is that of `compare`. Without --until and --events, a log is judged as far as it goes. A log cannot be
+    run on: where it ends too early to tell, the verdict is "not settled", and the report says how far to record.
+    With several logs, it says from each to the next whether the verdict changed.
+    """
+    from ...comparison import compare
+    from ...documents.comparison import comparison_json
+    from ...foreign.change import changes_of
+    from ...report.text.listing import console, print_json, say
+    from ...report.text.terminal import print_comparison
+    from ...saved.cache import reference_named
+    from ...scene_argument import changed, with_settings
+    from ..progress import showing_progress
+    from ..writing import check_writable, write_whole
+
+    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
+    if html is not None:
+        check_writable(html)
+    engines = [_log(path, loaded, bits, step, exact_input, lacks) for path in logs]
+    limits: dict[str, Any] = {"until": until, "events": events}
+    if until is None and events is None:
+        limits = _as_far_as(engines, loaded)
+    with showing_progress(loaded.name) as progress:
+        comparison = compare(
+            loaded,
+            engines,
+            **limits,
+            reference=reference_named(with_settings(reference, ties=ties, work=work), cache=not no_cache),
+            max_seconds=max_seconds,
+            progress=progress,
+        )
+    if certify:
+        from ...certificates import certified
+
+        comparison = replace(comparison, certificate=certified(comparison.reference))
+    changes = changes_of(comparison)
+    if html is not None:
+        from ...report.html import html_report
+        from ..retold import command_of
+
+        write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
+    if as_json:
+        data = comparison_json(comparison)
+        print_json({**data, "changes": [change.data() for change in changes]} if changes else data)
+    else:
+        print_comparison(comparison)
+        out = console()
+        for candidate in comparison.candidates:
+            for note in candidate.trajectory.notes:
+                say(out, f"{candidate.engine}: {note}.")
+        for change in changes:
+            say(out, change.sentence, "bold")
+    return DONE if exit_zero else of_comparison(comparison)
+
+
+def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool, lacks: str) -> LogEngine:
+    """The engine of one log, with what the command line declares of it."""
+    from ....scenarios.engine import SCENE_KEYS
+    from ....scenarios.errors import SceneError
+    from ....scenarios.limits import positive_time
+    from ...engines import suggestion
+    from ...foreign.log_engine import LogEngine
+
+    missing = frozenset(filter(None, (key.strip() for key in lacks.split(","))))
+    for key in sorted(missing - SCENE_KEYS):
+        raise SceneError(f"--lacks: {key!r} is no key; {suggestion(key, sorted(SCENE_KEYS))}")
+    length = positive_time("--step", step)
+    dt = None if length is None else float(length)
+    return LogEngine.of(path, scene, bits=bits, step=dt, rounds_input=not exact_input, lacks=missing)
+
+
+def _as_far_as(engines: list[LogEngine], scene: Scene) -> dict[str, Any]:
+    """Limits that no log goes beyond: the earliest end of those that are not over, and the scene's own."""
+    from ....scenarios.errors import SceneError
+
+    ends = {log.name: float(log.last.final_time) for log in engines if not log.over}
+    if not ends:
+        return {}
+    name = min(ends, key=lambda key: ends[key])
+    if ends[name] <= 0:
+        raise SceneError(f"file {name!r}: ends at time 0, so that there is nothing to judge; record it farther")
+    if scene.until is not None and float(scene.until) <= ends[name]:
+        return {}
+    return {"until": ends[name], "events": scene.events}
+
+
+@click.command(epilog=examples("export"))
+@SCENE
+@click.option(
+    "--floats", is_flag=True, help="In the nearest doubles, each with its error, for a program that counts so."
+)
+@click.option("--csv", "as_csv", is_flag=True, help="With --floats: rows instead of JSON, easy to read in C.")
+@click.option("--out", metavar="FILE", shell_complete=completion.files, help="Write there instead of to stdout.")
+def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
+    """Write a scene for another program, exactly or in doubles. Exactly, it is a scene file in JSON.
+
+    With --floats every number is the nearest double, and comes with its error: the exact number less the double. With
+    --csv a row is `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1` or `pocket,ID,x,y,r`, and the errors follow in the
+    same order; the mass of a fixed circle is `inf` there, and null in JSON.
+    """
+    from ....scenarios.errors import SceneError
+    from ....scenarios.files import dump_json
+    from ...foreign.floats import floats_csv, floats_json
+    from ...report.text.listing import laid_out
+    from ...scene_argument import scene_from
+    from ..writing import write_whole
+
+    if as_csv and not floats:
+        raise SceneError("--csv: rows hold doubles; add --floats")
+    loaded = scene_from(scene)
+    text = floats_csv(loaded) if as_csv else laid_out(floats_json(loaded)) if floats else dump_json(loaded)
+    if out is not None:
+        write_whole(out, text if text.endswith("\n") else f"{text}\n")
+    else:
+        click.echo(text, nl=not text.endswith("\n"))
+    return DONE

@@ -1,0 +1,131 @@
+"""`truebreak minimise`: the smallest scene on which an engine still diverges."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import click
+
+from .. import completion
+from ..exit_codes import DONE, ExitCode
+from ..numbers import Seconds, Whole
+from ..options import EVENTS, SCENE, SCENE_HELP, UNTIL
+
+if TYPE_CHECKING:
+    from ...reduction.minimise import Searching
+
+EPILOG = f"""
+{SCENE_HELP}
+
+\b
+Examples:
+  truebreak minimise gas:n=6 --engine double -o small.toml
+  truebreak compare small.toml --engines double   by an independent call
+  truebreak minimise rack:rows=2 --engine pymunk --runs 50
+
+\b
+Exit codes:
+  0 the smallest scene is 1-minimal
+  2 the engine does not diverge, or bad input
+  4 a limit came first
+  130 interrupted: the smallest scene so far is written
+"""
+
+
+class WithDefaultRuns(click.Option):
+    """An option whose help ends with the default number of comparisons; it is loaded when that is read."""
+
+    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
+        from ...reduction.minimise import DEFAULT_RUNS
+
+        names, text = super().get_help_record(ctx) or ("", "")
+        return names, f"{text} ({DEFAULT_RUNS:,})."
+
+
+@click.command(epilog=EPILOG)
+@SCENE
+@click.option(
+    "--engine", "engine_text", required=True, metavar="E", shell_complete=completion.engine, help="What diverges."
+)
+@UNTIL
+@EVENTS
+@click.option(
+    "-o",
+    "--out",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Write the scene there (TOML) instead of to stdout.",
+)
+@click.option(
+    "--same",
+    type=click.Choice(["any", "cause"]),
+    default="any",
+    show_default=True,
+    help="What must remain: any divergence, or one of the same cause (many times the work).",
+)
+@click.option("--runs", type=Whole(1), cls=WithDefaultRuns, metavar="N", help="The most comparisons to make")
+@click.option(
+    "--max-seconds",
+    type=Seconds(),
+    metavar="S",
+    help="End after about S seconds with the smallest scene by then, and exit with 4.",
+)
+def minimise(
+    scene: str,
+    engine_text: str,
+    until: str | None,
+    events: int | None,
+    out: str | None,
+    same: str,
+    runs: int | None,
+    max_seconds: float | None,
+) -> int:
+    """Find the smallest scene on which an engine still diverges.
+
+    Circles, walls, pockets, events, a reversal and the digits of numbers are left out as long as the engine still
+    leaves the certified history (delta debugging). Ctrl-C ends the search with the smallest scene so far.
+    """
+    from ....scenarios.files import dump_toml
+    from ...reduction.minimise import DEFAULT_RUNS
+    from ...reduction.minimise import minimise as search
+    from ...reduction.smallest import End
+    from ...report.text.smallest import print_smallest
+    from ...scene_argument import scene_from
+    from ..progress import showing_search
+    from ..writing import check_writable, write_whole
+
+    loaded = scene_from(scene)
+    if out is not None:
+        check_writable(out)
+    with showing_search(loaded.name, searched) as progress:
+        found = search(
+            loaded,
+            engine_text,
+            until=until,
+            events=events,
+            same_cause=same == "cause",
+            runs=DEFAULT_RUNS if runs is None else runs,
+            max_seconds=max_seconds,
+            progress=progress,
+        )
+    text = dump_toml(found.scene)
+    if out is not None:
+        write_whole(out, text)
+    print_smallest(found)
+    click.echo(f"Written to {out}." if out is not None else f"\n{text}", nl=out is not None)
+    codes = {End.MINIMAL: DONE, End.INTERRUPTED: ExitCode.INTERRUPTED}
+    return codes.get(found.end, ExitCode.UNDECIDED)
+
+
+def searched(state: Searching, seconds: float) -> str:
+    """How far a search is.
+
+    >>> from truebreak.compare.reduction.minimise import Searching
+    >>> from truebreak.compare.reduction.smallest import Size
+    >>> searched(Searching(30, 1000, Size(2, 4, 0, 75, 39)), 3.0)
+    '30 of at most 1,000 comparisons, 10 a second; left: 2 circles, 4 walls, 75 events, 39 characters'
+    """
+    from ...report.text.smallest import size_phrase
+
+    rate = f", {state.runs / seconds:.3g} a second" if state.runs and seconds else ""
+    return f"{state.runs:,} of at most {state.limit:,} comparisons{rate}; left: {size_phrase(state.size)}"

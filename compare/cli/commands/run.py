@@ -1,0 +1,134 @@
+"""`truebreak run`: one scene in one engine, from the beginning or from what was saved."""
+
+from __future__ import annotations
+
+import click
+
+from .. import completion
+from ..examples import examples
+from ..exit_codes import of_stop
+from ..options import (
+    EVENTS,
+    JSON,
+    NO_CACHE,
+    OPTIONAL_SCENE,
+    POLICY,
+    REVERSE,
+    SECONDS,
+    SYMMETRIC,
+    TIES,
+    UNTIL,
+    WORK,
+    refuse_beside,
+    required,
+)
+
+
+@click.command(epilog=examples("run"))
+@OPTIONAL_SCENE
+@click.option(
+    "--engine",
+    "engine_text",
+    default="exact",
+    show_default=True,
+    metavar="E",
+    shell_complete=completion.engine,
+    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30; "
+    "or package.module:Class, your own.",
+)
+@UNTIL
+@EVENTS
+@click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
+@JSON
+@click.option(
+    "--certificate",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Also write a certificate that `truebreak verify` checks.",
+)
+@click.option(
+    "--save",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Also save the run, or what there is of it, for `truebreak.load_run`.",
+)
+@click.option(
+    "--resume",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Go on from a run that --save wrote, in place of a SCENE: to the limits that it had, or to those given now.",
+)
+@TIES
+@WORK
+@SECONDS
+@REVERSE
+@POLICY
+@SYMMETRIC
+@NO_CACHE
+def run(
+    scene: str | None,
+    engine_text: str,
+    until: str | None,
+    events: int | None,
+    exact: bool,
+    as_json: bool,
+    certificate: str | None,
+    save: str | None,
+    resume: str | None,
+    ties: str | None,
+    work: int | None,
+    max_seconds: float | None,
+    reverse_after: int | None,
+    tie_policy: str | None,
+    symmetric: bool,
+    no_cache: bool,
+) -> int:
+    """Run a scene in one engine and print its history.
+
+    What comes of --resume is what one run from the beginning would have given, but for the counts of its plan.
+    """
+    from ...deadline import time_limit
+    from ...documents.trajectory import trajectory_json
+    from ...foreign.guard import is_own, run_guarded
+    from ...report.text.listing import print_json, print_trajectory
+    from ...saved.cache import reference_named
+    from ...scene_argument import changed, with_settings
+    from ...validation import check_trajectory, check_until
+    from ..progress import goal_of, showing_progress
+
+    if resume is None:
+        loaded = changed(required(scene), reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
+        chosen = reference_named(with_settings(engine_text, ties=ties, work=work), cache=not no_cache)
+        goal = goal_of(loaded, until, events)
+    else:
+        refuse_beside("--resume", ("scene", "engine_text", "reverse_after", "tie_policy", "symmetric"))
+        from ...saved.going_on import GoingOn, load_run
+
+        chosen = GoingOn.after(load_run(resume), ties=ties, work=work)
+        loaded = chosen.earlier.scene
+        goal = goal_of(loaded, *((until, events) if until or events else chosen.limits))
+    check_until(chosen, loaded, until)
+    if certificate is not None:
+        from ...certificates import check_certifiable
+
+        check_certifiable(chosen.name, certificate)
+    if save is not None:
+        from ...saved.runs import check_savable
+
+        check_savable(chosen.name, loaded, save)
+    with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
+        told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
+        trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)
+    if save is not None:
+        from ...saved.runs import save_run
+
+        save_run(trajectory, save)
+    if certificate is not None:
+        from ...certificates import write_certificate
+
+        write_certificate(trajectory, certificate)
+    if as_json:
+        print_json(trajectory_json(trajectory, exact=exact, watch=watch))
+    else:
+        print_trajectory(trajectory, exact=exact, watch=watch)
+    return of_stop(trajectory.stop)

@@ -1,0 +1,223 @@
+"""`truebreak sweep`: a comparison for each scene of a family, kept in a file, and what the family says."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .. import completion
+from ..exit_codes import DONE, ExitCode
+from ..numbers import Whole
+from ..options import EVENTS, JSON, SCENE_HELP, WORK
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from ...ensemble.sweep import Done
+
+EPILOG = f"""
+{SCENE_HELP}
+
+\b
+Examples:
+  truebreak sweep gas --vary n=3..5 --vary seed=1..20 --store gas.db
+  truebreak sweep --store gas.db --csv -   the table, without running anything
+  truebreak sweep gas --vary seed=1..100 --perturb 1e-12 --csv gas.csv
+  truebreak sweep gas --vary seed=1..50 --engines double,pymunk:dt=1/256
+  truebreak sweep gas --vary seed=1..4000 --shard 3/40 --store part3.db
+  truebreak sweep gas --vary seed=1..4000 --executor dask://10.0.0.7:8786
+
+Call it again with the same store, and it goes on where it stopped, whatever
+ended it.
+"""
+
+
+@click.command(epilog=EPILOG)
+@click.argument("scene", metavar="[SCENE]", required=False, shell_complete=completion.scenes)
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="KEY=VALUES",
+    help="A parameter of the scene: n=3..20, seed=0..90:10 or gap=0,1/10. Several make a grid.",
+)
+@click.option(
+    "--engines",
+    default="double",
+    show_default=True,
+    metavar="A,B,...",
+    shell_complete=completion.engines,
+    help="What to hold against the truth.",
+)
+@click.option(
+    "--perturb",
+    multiple=True,
+    metavar="D",
+    help="Also the certified run of each scene with its circles displaced by up to D (1e-12, or 10**-20).",
+)
+@click.option(
+    "--outcome",
+    multiple=True,
+    metavar="NAME",
+    help="Whether this outcome changes too; engines then run to the end, and not only until they diverge.",
+)
+@click.option(
+    "--causes", is_flag=True, help="Also find out why each engine diverged, by experiment: many times the work."
+)
+@EVENTS
+@WORK
+@click.option(
+    "--store",
+    multiple=True,
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Keep the rows in this SQLite file, and resume from it.",
+)
+@click.option(
+    "--csv", "csv_file", metavar="FILE", shell_complete=completion.files, help="Write the table here; - is stdout."
+)
+@click.option("--shard", default="1/1", metavar="K/N", help="Do only the Kth of N parts.")
+@click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
+@click.option(
+    "--executor",
+    "executor_text",
+    metavar="dask://HOST:PORT",
+    help="Workers of a Dask cluster, in place of processes here.",
+)
+@click.option(
+    "--svg",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Draw how long each engine's histories stay true, as one SVG file.",
+)
+@click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
+@JSON
+def sweep(
+    scene: str | None,
+    vary: tuple[str, ...],
+    engines: str,
+    perturb: tuple[str, ...],
+    outcome: tuple[str, ...],
+    causes: bool,
+    events: int | None,
+    work: int | None,
+    store: tuple[str, ...],
+    csv_file: str | None,
+    shard: str,
+    jobs: int | None,
+    executor_text: str | None,
+    svg: str | None,
+    yes: bool,
+    as_json: bool,
+) -> int:
+    """Hold engines against the truth for a whole family of scenes.
+
+    Each scene runs in a worker process; each engine only until it leaves the history. Rows go into the store as soon
+    as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.
+    """
+    from ...documents.sweep import print_sweep, sweep_json
+    from ...engines import split_engines
+    from ...ensemble.store import Store, merged
+    from ...ensemble.survival import summaries
+    from ...ensemble.sweep import plan, run
+    from ...ensemble.table import csv_text
+    from ...ensemble.uncertainty import uncertainty
+    from ...report.pictures.sweep_plots import survival_svg
+    from ...report.text.listing import print_json
+    from ..writing import check_writable, write_whole
+
+    for file in (csv_file, svg):
+        if file not in (None, "-"):
+            check_writable(file)
+    if executor_text is not None and (jobs is not None or scene is None):
+        raise click.UsageError("--executor brings its own workers, to run a SCENE: leave --jobs out, and give a SCENE")
+    if csv_file == "-" and as_json:
+        raise click.UsageError("--csv - and --json both want stdout; write one of them to a file")
+    if scene is None:
+        if not store:
+            raise click.UsageError("nothing to do: give a SCENE to run, or a --store to read")
+        rows, settings, failures = merged(store)
+    else:
+        if len(store) > 1:
+            raise click.UsageError("several stores can be read, and one be written to; give one --store")
+        asked = plan(scene, vary, split_engines(engines), events=events, perturb=perturb, outcomes=outcome,
+                     causes=causes, work=work, shard=shard)  # fmt: skip
+        _ask(len(asked.family), yes)
+        base = Store(store[0] if store else ":memory:", asked.settings)
+        with _workers(executor_text, jobs) as (executor, count), _showing(asked.family.scene) as show:
+            run(asked, base, jobs=count, executor=executor, progress=show)
+        rows, settings, failures = list(base.rows()), base.settings, base.failures()
+        base.close()
+    keys = [text.partition("=")[0] for text in settings["vary"]]
+    scenes = len({row["index"] for row in rows})
+    if csv_file == "-":
+        sys.stdout.write(csv_text(rows, keys))
+    elif csv_file is not None:
+        write_whole(csv_file, csv_text(rows, keys))
+    if svg is not None:
+        write_whole(svg, survival_svg(summaries(rows)))
+    unsure = {name: uncertainty(rows, name) for name in settings["outcomes"] if _displaced(settings)}
+    if as_json:
+        print_json(sweep_json(settings, scenes, summaries(rows), failures, unsure))
+    elif csv_file != "-":
+        print_sweep(settings, scenes, summaries(rows), unsure)
+    for index, attempt, note in failures:
+        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}", err=True)
+    return ExitCode.UNDECIDED if failures else DONE
+
+
+def _displaced(settings: Mapping[str, Any]) -> bool:
+    """Whether a sweep displaces its scenes."""
+    from ...ensemble.row import PERTURBED
+
+    return any(label.startswith(PERTURBED) for label in settings["engines"])
+
+
+def _ask(scenes: int, yes: bool) -> None:
+    """Asks before a very large sweep.
+
+    Raises:
+        UsageError: where nobody is there to answer, or the answer is no.
+    """
+    from ...ensemble.sweep import ASK_FIRST
+
+    if scenes <= ASK_FIRST or yes:
+        return
+    if not sys.stdin.isatty() or not click.confirm(f"{scenes:,} scenes: run them all?", err=True):
+        raise click.UsageError(f"{scenes:,} scenes are to be run; add --yes to do so, or take narrower ranges")
+
+
+@contextmanager
+def _workers(text: str | None, jobs: int | None) -> Iterator[tuple[Executor | None, int | None]]:
+    """The executor that was named, and how many jobs it takes; None for processes here."""
+    if text is None:
+        yield None, jobs
+        return
+    from ...ensemble.executors import executor_named
+
+    with executor_named(text) as found:
+        yield found
+
+
+@contextmanager
+def _showing(title: str) -> Iterator[Callable[[Done], None] | None]:
+    """A line on stderr with the rate and the time left; None, and no output, where stderr is not a terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.markup import escape
+
+    with Console(stderr=True).status(escape(title)) as status:
+
+        def show(done: Done) -> None:
+            rate = done.fresh / done.seconds if done.seconds else 0.0
+            left = "" if done.left is None else f", {done.left:.0f} s left"
+            failed = f", {done.failed} failed" if done.failed else ""
+            text = f"{title}: {done.there:,} of {done.wanted:,} scenes, {rate:.1f} a second{left}{failed}"
+            status.update(escape(text))
+
+        yield show

@@ -1,0 +1,241 @@
+"""The impacts of a run, one after the other, with the numbers that its tangent map needs."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+from flint import arb
+
+from ...exact.laws.formulas import pair_impulse, wall_bounce
+from ...exact.numbers import ball
+from ...exact.replay.ball_state import BallState
+from ...exact.replay.centred_state import CentredState
+from ...exact.replay.contact import AtWall, Touch
+from ...exact.replay.steps import Go, Kick
+from ...exact.results.motion import ExactMotion, steps_through
+
+if TYPE_CHECKING:
+    from ...scenarios.event import Event
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+
+
+class NoTangentMap(ValueError):
+    """Where a run has no tangent map: nearby runs are not its image under one linear map.
+
+    Attributes:
+        events: how many events at the start have one.
+    """
+
+    def __init__(self, message: str, events: int = 0) -> None:
+        super().__init__(message)
+        self.events = events
+
+
+Real: TypeAlias = arb | float
+
+
+class Impact(NamedTuple):
+    """Two circles, or a circle and a wall, at the moment before their impulse.
+
+    Attributes:
+        time: of the impact.
+        a, b: the circles by index; for a wall b is None.
+        dx, dy: from a's centre to b's; for a wall its normal, of any length.
+        vx, vy: the velocity of b less that of a, before the impulse; for a wall that of a.
+        reach: r_a + r_b; for a wall |n|.
+        wa, wb: inverse masses; for a wall 0.
+    """
+
+    time: Real
+    a: int
+    b: int | None
+    dx: Real
+    dy: Real
+    vx: Real
+    vy: Real
+    reach: Real
+    wa: Real
+    wb: Real
+
+
+def moving(scene: Scene) -> list[int]:
+    """The circles that can move, by index: those whose displacements a tangent map carries."""
+    return [k for k, circle in enumerate(scene.circles) if not circle.fixed]
+
+
+def check_start(scene: Scene) -> None:
+    """Refuses a scene whose nearby scenes are no scenes, or capture circles.
+
+    Raises:
+        NoTangentMap: if circles go out of play, or touch at time 0 and go on touching.
+    """
+    if scene.capture:
+        raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
+    free = moving(scene)
+    for i, j in scene.touching:
+        a = scene.circles[i]
+        if i not in free and j not in free:
+            continue
+        if j >= len(scene.circles):
+            nx, ny = scene.walls[j - len(scene.circles)].normal
+            closing = nx * a.vx + ny * a.vy
+        else:
+            b = scene.circles[j]
+            closing = (b.x - a.x) * (b.vx - a.vx) + (b.y - a.y) * (b.vy - a.vy)
+        if closing.sign() == 0:
+            names = f"{scene.ids[i]} and {scene.ids[j]}"
+            raise NoTangentMap(f"{names} touch from the start on: a displacement would make them overlap")
+
+
+def check_event(scene: Scene, event: Event) -> None:
+    """Refuses an instant that nearby runs take in orders which differ in their outcome to the first order.
+
+    Several contacts at one instant have a tangent map where no moving circle takes part in two of them, and where
+    one that does meets nothing but walls and fixed circles in directions at right angles to each other: reflections
+    that commute. With a moving partner they do not, for the time between two impacts then turns the second.
+
+    Raises:
+        NoTangentMap: naming the event and the circle.
+    """
+    if len(event.contacts) == 1:
+        return
+    free = {str(circle.id) for circle in scene.circles if not circle.fixed}
+    met = Counter(name for pair in event.contacts for name in pair if name in free)
+    for name, count in met.items():
+        if count == 1:
+            continue
+        partners = {other for pair in event.contacts if name in pair for other in pair if other != name}
+        if event.coupled or partners & free or len(event.impulses) != len(event.contacts):
+            raise NoTangentMap(
+                f"event {event.index}: {name} has several contacts at one instant, whose order matters to nearby runs",
+                event.index,
+            )
+
+
+def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> list[list[Impact]]:
+    """The impacts of the first events of a run, event by event.
+
+    Of an exact run they are balls, read off a replay of its log; of any other run floats, read off its states.
+
+    Args:
+        bits: the precision of the replay; by default as many as it takes for each number to be told to a double.
+
+    Raises:
+        NoTangentMap: where there is none (see `check_start`, `check_event`), and from a reversal on.
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> [[impact]] = impacts(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 0)])), 1)
+    >>> impact.a, impact.b, float(impact.time), float(impact.dx)
+    (0, 1, 2.0, 2.0)
+    """
+    scene = trajectory.scene
+    check_start(scene)
+    turned = events if trajectory.reversal is None else trajectory.reversal.after
+    for event in trajectory.events[: min(turned, events)]:
+        check_event(scene, event)
+    if turned < events:
+        raise NoTangentMap(f"the run turns back after {turned} events", turned)
+    if isinstance(trajectory.motion, ExactMotion):
+        if bits is not None:
+            return _replayed(trajectory, trajectory.motion, events, bits)
+        bits = trajectory.motion.log.lost + LEAST_BITS
+        while True:
+            found = _replayed(trajectory, trajectory.motion, events, bits)
+            with ball.precision(bits):
+                if all(_sharp(impact) for mine in found for impact in mine):
+                    return found
+            bits *= 2
+    return list(_read(trajectory, events))
+
+
+LEAST_BITS = 320
+"""Bits of the replay beyond what the run lost, at first."""
+
+SHARP_BITS = 60
+"""Accuracy of an impact's numbers at which doubles lose nothing by it."""
+
+
+def _sharp(impact: Impact) -> bool:
+    """Whether the numbers of an impact are accurate, each against what it is added to, and the approach by itself."""
+    time, dx, dy, vx, vy, reach = (arb(number) for number in (impact.time, *impact[3:8]))
+    if (dx * vx + dy * vy).rel_accuracy_bits() < SHARP_BITS:
+        return False
+    small = arb(2) ** -SHARP_BITS
+    speed = abs(vx) + abs(vy)
+    return bool(
+        dx.rad() + dy.rad() < small * reach
+        and vx.rad() + vy.rad() < small * speed
+        and time.rad() * speed < small * reach
+    )
+
+
+def _replayed(trajectory: Trajectory, motion: ExactMotion, events: int, bits: int) -> list[list[Impact]]:
+    log = motion.log
+    found: list[list[Impact]] = []
+    with ball.precision(bits):
+        state = CentredState(trajectory.scene, log.centred)
+        done = 0
+        for event in trajectory.events[:events]:
+            upto = steps_through(event)
+            mine: list[Impact] = []
+            for step in log.steps[done:upto]:
+                if isinstance(step, Kick):
+                    mine += _struck(state, step.links)
+                elif not isinstance(step, Go):
+                    raise NoTangentMap(f"event {event.index}: the run turns back at it", event.index)
+                state.do(step)
+            done = upto
+            found.append(mine)
+    return found
+
+
+def _struck(state: BallState, links: Sequence[Touch]) -> Iterator[Impact]:
+    """The impacts of one round, one after the other: the later ones see the velocities that the former leave."""
+    speeds = {i: state.bodies[i].flight[2:4] for link in links for i in link.circles}
+    for link in links:
+        i, j, *_ = link
+        ux, uy = speeds[i]
+        if isinstance(link, AtWall):
+            line = state.line(link.circle, link.wall)
+            yield Impact(state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero)
+            speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
+            continue
+        (a, b), (dx, dy), (vx, vy) = link.ends(state), state.span(link), speeds[j]
+        reach = state.reach(a, b)
+        yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
+        jx, jy = pair_impulse(dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
+        speeds[i] = ux - a.w * jx, uy - a.w * jy
+        speeds[j] = vx + b.w * jx, vy + b.w * jy
+
+
+def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
+    scene = trajectory.scene
+    place = {str(c.id): k for k, c in enumerate(scene.circles)}
+    walls = {str(w.id): (float(w.normal[0]), float(w.normal[1])) for w in scene.walls}
+    radii, weights = [float(c.r) for c in scene.circles], [float(c.inverse_mass) for c in scene.circles]
+    speeds = [(float(c.vx), float(c.vy)) for c in scene.circles]
+    for event in trajectory.events[:events]:
+        time, after = float(event.time), trajectory.at(event.time).array()
+        mine: list[Impact] = []
+        for first, second in event.contacts:
+            i = place[first]
+            ux, uy = speeds[i]
+            if second in walls:
+                nx, ny = walls[second]
+                mine.append(Impact(time, i, None, nx, ny, ux, uy, (nx * nx + ny * ny) ** 0.5, 0.0, 0.0))
+                speeds[i] = wall_bounce(ux, uy, nx, ny, nx * nx + ny * ny)
+                continue
+            j = place[second]
+            dx, dy = (float(value) for value in after[j, :2] - after[i, :2])
+            reach, wa, wb, (vx, vy) = radii[i] + radii[j], weights[i], weights[j], speeds[j]
+            mine.append(Impact(time, i, j, dx, dy, vx - ux, vy - uy, reach, wa, wb))
+            jx, jy = pair_impulse(dx, dy, vx - ux, vy - uy, reach, wa, wb)
+            speeds[i] = ux - wa * jx, uy - wa * jy
+            speeds[j] = vx + wb * jx, vy + wb * jy
+        for name in {name for pair in event.contacts for name in pair if name in place}:
+            speeds[place[name]] = (float(after[place[name], 2]), float(after[place[name], 3]))
+        yield mine

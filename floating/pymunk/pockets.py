@@ -1,0 +1,55 @@
+"""Entries into pockets of a run in pymunk, which knows none: they follow from the flights between its knots."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+from ...scenarios.event import Pocketing
+from ...scenarios.numbers.doubles import Double
+from ...scenarios.scene import Scene
+from ..knots import Knot
+
+
+def entries(scene: Scene, knots: Sequence[Sequence[Knot]], end: float) -> tuple[Pocketing, ...]:
+    """Every time that a centre comes within a pocket's radius, in order.
+
+    Between two knots a centre flies straight, and enters a pocket (X, Y, R) when |p + v t - (X, Y)|^2 = R^2 has its
+    smaller root within the flight.
+    """
+    found = [
+        Pocketing(str(circle.id), str(pocket.id), Double(time))
+        for circle, row in zip(scene.circles, knots, strict=True)
+        if not circle.fixed
+        for pocket in scene.pockets
+        for time in _times(row, float(pocket.x), float(pocket.y), float(pocket.r), end)
+    ]
+    return tuple(sorted(found, key=lambda entry: float(entry.time)))
+
+
+def _times(row: Sequence[Knot], x0: float, y0: float, r: float, end: float) -> Iterator[float]:
+    """When one circle enters one pocket."""
+    inside = False
+    for (t, x, y, vx, vy), after in pairwise([*row, (end, 0.0, 0.0, 0.0, 0.0)]):
+        wait = time_to_enter(x - x0, y - y0, vx, vy, r)
+        if wait is not None and t + wait <= after[0] and not (inside and wait == 0):
+            yield t + wait
+        lag = after[0] - t
+        inside = math.hypot(x + vx * lag - x0, y + vy * lag - y0) <= r
+
+
+def time_to_enter(dx: float, dy: float, vx: float, vy: float, r: float) -> float | None:
+    """Time until a point comes within r of the origin; 0 if it is there already, None if it never does.
+
+    >>> time_to_enter(-3.0, 0.0, 1.0, 0.0, 1.0), time_to_enter(-3.0, 2.0, 1.0, 0.0, 1.0)
+    (2.0, None)
+    """
+    gap = dx * dx + dy * dy - r * r
+    if gap <= 0:
+        return 0.0
+    approach, speed2 = dx * vx + dy * vy, vx * vx + vy * vy
+    discriminant = speed2 * r * r - (dx * vy - dy * vx) ** 2
+    if approach >= 0 or discriminant < 0:
+        return None
+    return gap / (-approach + math.sqrt(discriminant))
