@@ -42,7 +42,8 @@ SERIES_STEPS = 1_000_000
 """Time steps of the longest run by which a series in the step is told: about a second of pymunk."""
 
 SERIES_MICROSECONDS = 2_000_000
-"""What such a run may cost by the `step_microseconds` that an engine declares: fewer steps, where each costs much."""
+"""What such a run may cost, where it is to tell a cause, by the `step_microseconds` that an engine declares. A verdict
+is never told by fewer steps than another engine's would be."""
 
 SERIES_MORE = 64
 """Steps of the engine in question by which such a run goes on past the instant: as many as an impact through a dozen
@@ -192,7 +193,7 @@ class Study:
             if chosen is None or chosen.step is None:
                 return None
             until = float(mine.events[instant.mine[-1]].time) + SERIES_MORE * (engine.step or 0.0)
-            if until > series_steps(chosen) * chosen.step:
+            if until > SERIES_STEPS * chosen.step:
                 return None
             if halvings not in runs or float(runs[halvings][0].final_time) < until:
                 if self.pay is not None:
@@ -209,7 +210,7 @@ class Study:
 
 
 def series_steps(engine: Engine) -> int:
-    """Time steps of the longest run by which a series in the step is told.
+    """Time steps of the longest run by which a series in the step tells a cause.
 
     >>> from .engines import engine
     >>> series_steps(engine("pymunk")), series_steps(engine("mujoco"))
