@@ -57,7 +57,7 @@ one file (`compare/adapters/`). Send them, and the page is made again.
 | time | processor time of its run alone, as a multiple of the certified run's just before it in the same process |
 
 Times are ratios, and a hint, since other programs ran on the machine that made this page. Each engine has played a
-scene of two discs before, so that loading and compiling it do not count. What cannot play a scene has no time.
+scene of two discs before, so that loading and compiling it do not count. Where there is no time, none was measured.
 """
 
 OWN = "truebreak's own"
