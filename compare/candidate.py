@@ -25,7 +25,7 @@ class Candidate:
         alignment: the causal comparison.
         separation: how far its circles are from the reference's, over time.
         outcomes: its outcomes over the span compared.
-        changed: names of the outcomes that differ from the reference's.
+        changed: names of the outcomes that differ from the reference's; of a run that stopped early, up to there.
         diagnosis: why it diverged, or could not decide; None if it agrees, or if causes were not asked for.
         margin: how close the competing events were, at a divergence.
         return_miss: after a reversal, the largest distance from the start at the return.

@@ -22,7 +22,7 @@ from .engines import engine as engine_named
 from .foreign.guard import run_guarded
 from .foreign.loading import label_of
 from .outcomes.break_pattern import pattern as pattern_of
-from .outcomes.matched import matched_history
+from .outcomes.matched import decided_part, matched_history
 from .outcomes.permitted import PermittedPatterns, permitted_patterns
 from .outcomes.table import changed_outcomes, outcomes_of
 from .study import Study, run_or_unable
@@ -259,6 +259,9 @@ def candidate_of(
     reference = study.longest or study.reference
     matched = matched_history(run, reference, alignment, study.span)
     values = outcomes_of(matched, outcomes)
+    settled = alignment.verdict in ("agree", "diverged")
+    if not settled:
+        expected = outcomes_of(decided_part(reference, alignment, float(matched.final_time)), outcomes)
     end = min(study.span.time, float(study.reference.final_time)) or float(run.final_time)
     try:
         with time_to_read(study.watch):
@@ -271,7 +274,9 @@ def candidate_of(
         alignment=alignment,
         separation=apart,
         outcomes=values,
-        changed=tuple(changed_outcomes(expected, values, agrees=_only_error(engine, run, alignment, study))),
+        changed=tuple(
+            changed_outcomes(expected, values, agrees=not settled or _only_error(engine, run, alignment, study))
+        ),
         return_miss=return_miss(run, study.reference),
         seconds=seconds,
         processor=study.took,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import types
 import typing
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from fractions import Fraction
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
+
+from ..scenarios.frozen import frozen
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 ROOT = __name__.rpartition(".compare")[0]
 
 
-@dataclass(frozen=True)
+@frozen
 class EngineEntry:
     """Where an engine lives and what it is, without importing it.
 
@@ -82,11 +82,12 @@ def engine(text: str) -> Engine:
     truebreak.scenarios.errors.SceneError: engine 'duoble' is not known; did you mean 'double'?
     """
     from ..scenarios.errors import SceneError
-    from .foreign.loading import class_path, load_class, load_offered, offered
 
     name, _, settings = text.strip().partition(":")
     if name in ENGINES:
         return build(name, ENGINES[name].load(), parsed_settings(f"engine {name!r}", settings))
+    from .foreign.loading import class_path, load_class, load_offered, offered
+
     path = class_path(text)
     if path is not None:
         return build(path.told, load_class(path), parsed_settings(f"engine '{path.told}'", path.settings))
@@ -177,6 +178,8 @@ def parsed_settings(label: str, text: str) -> dict[str, str]:
 
 def suggestion(word: str, known: list[str]) -> str:
     """The end of an error about an unknown word: the nearest known one, or all of them."""
+    import difflib
+
     near = difflib.get_close_matches(word, known, n=1)
     if near:
         return f"did you mean {near[0]!r}?"

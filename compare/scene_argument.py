@@ -68,9 +68,11 @@ def with_settings(engine_text: str, **settings: str | int | None) -> str:
     >>> with_settings("exact:max_bits=4096", ties=None, work=10)
     'exact:max_bits=4096,work=10'
     """
+    given = ",".join(f"{key}={value}" for key, value in settings.items() if value is not None)
+    if not given:
+        return engine_text
     from .foreign.loading import class_path
 
     path = class_path(engine_text)
     begun = path.settings != "" if path is not None else ":" in engine_text
-    given = ",".join(f"{key}={value}" for key, value in settings.items() if value is not None)
-    return f"{engine_text}{',' if begun else ':'}{given}" if given else engine_text
+    return f"{engine_text}{',' if begun else ':'}{given}"

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
+from .frozen import frozen
 from .numbers.real import Real
 
 
@@ -34,7 +34,7 @@ class TieProof(Enum):
         return self not in (TieProof.ASSUMED, TieProof.FLOAT)
 
 
-@dataclass(frozen=True)
+@frozen
 class Tie:
     """Several contacts on one instant, and how that is known.
 
@@ -49,7 +49,7 @@ class Tie:
     bound: int | None = None
 
 
-@dataclass(frozen=True)
+@frozen
 class Assumption:
     """A decision that rests on less than proof; everything from its event on rests on it.
 
@@ -72,7 +72,7 @@ class Assumption:
         )
 
 
-@dataclass(frozen=True)
+@frozen
 class Event:
     """One instant at which contacts collide.
 
@@ -95,7 +95,7 @@ class Event:
     coupled: bool = False
 
 
-@dataclass(frozen=True)
+@frozen
 class Reversal:
     """The one moment at which every velocity was negated.
 
@@ -108,7 +108,7 @@ class Reversal:
     time: Real
 
 
-@dataclass(frozen=True)
+@frozen
 class Pocketing:
     """The centre of a circle enters a pocket.
 

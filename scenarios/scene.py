@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable
 from copy import copy
-from dataclasses import dataclass, field, fields
+from dataclasses import field, fields
 from functools import cached_property
 from typing import Any, TypeVar
 
 from .errors import SceneError
+from .frozen import frozen
 from .limits import checked_truth, positive_count, positive_time
-from .notebook import html_table, shown
 from .numbers.quantity import Quantity, QuantityLike
-from .picture import scene_picture
-from .showing import shortened
 from .things import Circle, Pocket, Wall
 from .tie_policy import TiePolicy
 from .validation import check_apart
@@ -25,7 +22,7 @@ MAX_CIRCLES = 100_000
 THINGS = frozenset({"circles", "walls", "pockets"})
 
 
-@dataclass(frozen=True)
+@frozen
 class Scene:
     """Circles and walls at time 0, with the tie policy and, optionally, a reversal and a default horizon.
 
@@ -192,6 +189,10 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """The circles as a table, and a picture of them at time 0, for a notebook."""
+        from .notebook import html_table, shown
+        from .picture import scene_picture
+        from .showing import shortened
+
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)
         counts = {"circle": len(self.circles), "wall": len(self.walls), "pocket": len(self.pockets)}
@@ -208,6 +209,7 @@ class Scene:
     @property
     def digest(self) -> str:
         """SHA-256 of what decides the history: everything but name, description, source and default horizon."""
+        import json
         from hashlib import sha256
 
         told = {"name", "description", "source", "until", "events"}

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from .errors import SceneError
+from .frozen import frozen
 
 POLICIES: dict[str, str] = {
     "simultaneous": "..exact.policies.simultaneous:Simultaneous",
@@ -14,7 +13,7 @@ POLICIES: dict[str, str] = {
 one line here."""
 
 
-@dataclass(frozen=True)
+@frozen
 class TiePolicy:
     """The chosen order of impulses among contacts at one instant.
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import Enum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
 
 from .event import Assumption, Event, Pocketing, Reversal
-from .notebook import html_table, shown
+from .frozen import frozen
 from .numbers.quantity import Quantity
 from .numbers.real import Real, real
-from .picture import state_picture
 from .scene import Scene
 
 if TYPE_CHECKING:
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-@dataclass(frozen=True)
+@frozen
 class CircleState:
     """Where a circle is and how fast it goes, in the engine's own numbers."""
 
@@ -31,7 +30,7 @@ class CircleState:
     vy: Real
 
 
-@dataclass(frozen=True)
+@frozen
 class State:
     """All circles at one time, in scene order."""
 
@@ -62,7 +61,7 @@ class StopReason(Enum):
     INTERRUPTED = "interrupted"
 
 
-@dataclass(frozen=True)
+@frozen
 class Stop:
     """The reason for the end of a run, with the particulars."""
 
@@ -82,7 +81,7 @@ class Motion(Protocol):
         ...
 
 
-@dataclass(frozen=True)
+@frozen
 class Progress:
     """How far a run is: instants done, and the time reached."""
 
@@ -94,7 +93,7 @@ class Progress:
 OnProgress: TypeAlias = Callable[[Progress], None]
 
 
-@dataclass(frozen=True)
+@frozen
 class Trajectory:
     """The history of one scene in one engine.
 
@@ -163,6 +162,9 @@ class Trajectory:
 
     def _repr_html_(self) -> str:
         """The events as a table, and a picture of the state that they lead to, for a notebook."""
+        from .notebook import html_table, shown
+        from .picture import state_picture
+
         rows = (
             [event.index, float(event.time), ", ".join(f"{first} and {second}" for first, second in event.impulses)]
             for event in self.events

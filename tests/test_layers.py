@@ -285,23 +285,6 @@ def test_heavy_packages_are_not_imported_before_they_are_needed(code: str, absen
     assert not loaded & set(absent.split())
 
 
-@pytest.mark.parametrize("engine", ["exact", "double"])
-def test_what_a_short_run_loads(engine: str, tmp_path: Path) -> None:
-    """Of other people's packages, what the command line, exact numbers and tables need; of Python's, nothing slow."""
-    script = (
-        "import atexit, sys\n"
-        "names = lambda: sorted({m.partition('.')[0] for m in sys.modules})\n"
-        "atexit.register(lambda: print('LOADED', *names()))\n"
-        f"from truebreak.compare.cli import main; main(['run', 'gas', '--events', '5', '--engine', {engine!r}])"
-    )
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=False)
-    assert done.returncode == 0, done.stderr
-    loaded = set(done.stdout.rpartition("LOADED")[2].split())
-    strangers = {name for name in loaded - sys.stdlib_module_names if not name.startswith("_")}
-    assert strangers <= {"click", "cython_runtime", "flint", "org", "platformdirs", "rich", "truebreak"}
-    assert not loaded & {"email", "gzip", "multiprocessing", "subprocess", "tempfile", "unittest", "zipfile"}
-
-
 @pytest.mark.parametrize("layer", [layer for layer in LAYERS if (ROOT / "tests" / layer).is_dir()])
 def test_the_tests_lie_in_rooms_of_the_house(layer: str) -> None:
     """Each folder of tests of a layer has the name of one of its rooms."""

@@ -26,7 +26,7 @@ function read(path) {
     let size = 0
     for (let got = -1; got !== 0 && size < buffer.length; size += got) got = readSync(file, buffer, size, buffer.length - size, null)
     if (size > MAX_BYTES) throw new NoCertificate(`more than ${MAX_BYTES} bytes`)
-    return new TextDecoder('utf-8', { fatal: true }).decode(buffer.subarray(0, size))
+    return new TextDecoder('utf-8', { fatal: true, ignoreBOM: true }).decode(buffer.subarray(0, size))
   } catch (error) {
     if (error.code === 'ERR_ENCODING_INVALID_ENCODED_DATA') throw new NoCertificate('not UTF-8')
     throw error

@@ -67,8 +67,8 @@ def _needed(study: Study, setting: Setting) -> str | None:
         curve = Forecaster(reference, impacts(reference, len(reference.events))).curve(declared[0])
     except NoTangentMap:
         return None
-    unit = LEVELS[declared[0].name][1] - float(curve.hazard[-1])
-    if unit >= declared[1]:
+    unit = curve.unit_at(LEVELS[declared[0].name][1])
+    if unit >= declared[1] or math.isinf(unit):
         return None
     rate = "Errors grow along the certified run so that it would take"
     if declared[0] is ErrorModel.STEPPED:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -16,7 +15,7 @@ from ...scenarios.errors import SceneError
 from ..adapters.package import NotInstalled
 from ..cli.exit_codes import DONE, ExitCode
 from ..cli.numbers import Whole
-from ..cli.progress import duration
+from ..cli.progress import duration, showing
 from ..cli.writing import check_writable, write_whole
 from ..engines import split_engines, suggestion
 from .against import Against, against
@@ -123,9 +122,6 @@ def run(
     Raises:
         SceneError: for an unknown name, a file that cannot be used, and one of other scenes or another version.
     """
-    from rich.console import Console
-
-    notes = Console(stderr=True)
     then = None if compared is None else load(compared, "--against")
     kept = None if keep is None else load(keep, "--keep")
     asked = {s.name: digest_of(s) for s in subjects(scenes)} if TRADEOFFS in chosen(only) else {}
@@ -148,7 +144,7 @@ def run(
     held = None if then is None else against(report, then)
     _print(report, held, as_json)
     for name, reason in report.skipped.items():
-        notes.print(f"{name}: not measured: {reason}", markup=False)
+        click.echo(f"{name}: not measured: {reason}", err=True)
     return report, held
 
 
@@ -176,7 +172,7 @@ def _check_files(
 
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
-    from ..report.text.listing import console, say
+    from ..report.text.output import console, say
     from .tables import tables
 
     out = console()
@@ -272,19 +268,16 @@ def command(
 @contextmanager
 def _showing() -> Iterator[Callable[[str, int, int], None]]:
     """A line on stderr: what is measured, how many are done, their rate and the time left."""
-    from rich.console import Console
-    from rich.markup import escape
+    began = clock.monotonic()
+    with showing("measuring") as show:
 
-    notes, began = Console(stderr=True), clock.monotonic()
-    if not sys.stderr.isatty():
-        yield lambda name, done, total: notes.print(f"measuring {name} ({done} of {total} done)", markup=False)
-        return
-    with notes.status("measuring") as status:
-
-        def show(name: str, done: int, total: int) -> None:
-            seconds, told = clock.monotonic() - began, f"measuring {name}: {done} of {total} done"
+        def told(name: str, done: int, total: int) -> None:
+            if show is None:
+                click.echo(f"measuring {name} ({done} of {total} done)", err=True)
+                return
+            seconds, text = clock.monotonic() - began, f"measuring {name}: {done} of {total} done"
             if done:
-                told += f", {60 * done / seconds:.0f} a minute, {duration(seconds / done * (total - done))} left"
-            status.update(escape(told))
+                text += f", {60 * done / seconds:.0f} a minute, {duration(seconds / done * (total - done))} left"
+            show(text)
 
-        yield show
+        yield told

@@ -6,17 +6,14 @@ import math
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from rich.markup import escape
-
-from ..report.text.listing import grid
+from ..report.text.output import grid
 from .subjects import SUBJECTS
 from .tradeoff import told_digits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rich.table import Table
-
+    from ..report.text.output import Table
     from .report import Report
     from .tradeoff import Tradeoff
 
@@ -30,12 +27,9 @@ def tables(report: Report) -> Iterator[Table]:
 
 
 def _figures(report: Report) -> Table:
-    from rich.table import Table
-
-    table = Table("first / second", title="Ratios, each of two things timed in one run", title_justify="left")
-    for heading in ("first (s)", "second (s)", "ratio"):
-        table.add_column(heading, justify="right", no_wrap=True)
-    table.add_column("target")
+    right = ("first (s)", "second (s)", "ratio")
+    title = "Ratios, each of two things timed in one run"
+    table = grid("first / second", *right, "target", title=title, whole=right, right=right)
     for figure in report.figures:
         table.add_row(
             f"{figure.what}\n{figure.answer}" if figure.answer else figure.what,
@@ -54,12 +48,12 @@ def _scene(name: str, rows: list[Tradeoff]) -> Table:
                  title=title, whole=("engine", "/ exact", "seconds", "agreed", "digits", "memory"))  # fmt: skip
     for row in rows:
         if row.refused is not None:
-            table.add_row("", escape(row.engine), "", "", "", "", "", escape(row.refused), "")
+            table.add_row("", row.engine, "", "", "", "", "", row.refused, "")
             continue
         digits = told_digits(row.digits)
         table.add_row(
             "*" if row.front else "",
-            escape(row.engine),
+            row.engine,
             f"{row.ratio:.3g}",
             f"{row.seconds:.3g}",
             f"{row.agreed:,}",

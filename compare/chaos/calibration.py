@@ -99,7 +99,7 @@ def measured(seeds: range) -> dict[str, tuple[float, float, float]]:
             seen = None if horizon is None else forecaster.watch(horizon, engine)
             if horizon is None or seen is None or seen.place is None or seen.place.event is None:
                 continue
-            hazard, event = forecaster.curve(horizon.model).hazard + horizon.unit, seen.place.event
+            hazard, event = forecaster.curve(horizon.model).hazard(horizon.unit), seen.place.event
             at[horizon.model].append(float(hazard[event]))
             before[horizon.model].append(float(hazard[event - 1]) if event else -1e3)
     return {

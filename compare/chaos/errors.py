@@ -1,24 +1,25 @@
 """How large an engine's error is expected to be at each event of a certified run, before the engine is run.
 
 Each model says what error an engine commits, and the tangent map says what becomes of it. What comes out is the error
-that decisions meet: its size beside the reach of the impacts, event by event, for an engine of unit error.
+that decisions meet: its size beside the margin of each decision, event by event, for an engine of unit error.
 """
 
 from __future__ import annotations
 
 from enum import Enum
-from math import log2
+from math import hypot, inf, log2, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
 from flint import arb
 
-from ...exact.laws.formulas import pair_impulse, wall_bounce
+from ...exact.laws.formulas import pair_impulse
 from ...exact.numbers import ball
 from ...exact.replay.state import State
 from ...exact.results.motion import motion_of, steps_through
 from ..tangent.growth import Displacements
 from ..tangent.impacts import LEAST_BITS, moving
+from .margins import Course, margins
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -65,61 +66,122 @@ PROBE_STEP = 2.0**-20
 proportional to the step."""
 
 
-class ErrorCurve:
-    """The expected error of an engine of unit error along a run, as `log2` of what each event adds to the hazard.
+TOSS = 8.0
+"""What a decision adds to the hazard at most: one whose margin is far below the error is a coin toss, and half of the
+engines get it right. By this hazard half of them have left (the median levels in `levels.py` are its logarithm, but for
+a fraction of a bit)."""
 
-    Attributes:
+FARTHEST = 1000.0
+"""Powers of two beyond which a share is nothing, or more than any level: a double ends at 2**1024."""
+
+HALVINGS = 60
+"""Steps of bisection to an engine's unit: beyond the last bit of a double."""
+
+
+class ErrorCurve:
+    """The expected error of an engine along a run, beside the margins of the run's decisions.
+
+    Args:
         model: what commits the error.
-        hazard: shape (events,): log2 of the sum, over the events so far, of the error of those who meet, as a share
-            of the reach. A decision is overturned with a probability proportional to the error that it meets, so this
-            plus log2 of the unit says how likely the history is left by then.
+        events: how many there are.
+        decisions: for each decision its event, and log2 of the error that an engine of unit error brings to it as a
+            share of its margin.
     """
 
-    def __init__(self, model: ErrorModel, shares: Sequence[float]) -> None:
+    def __init__(self, model: ErrorModel, events: int, decisions: Sequence[tuple[int, float]]) -> None:
         self.model = model
-        logs = np.array(shares, dtype=float)
-        self.hazard: NDArray[np.float64] = np.logaddexp2.accumulate(logs) if len(logs) else logs
+        self._events = events
+        self._at = np.array([event for event, _ in decisions], dtype=int)
+        self._shares: NDArray[np.float64] = np.array([share for _, share in decisions], dtype=float)
+
+    def hazard(self, unit: float) -> NDArray[np.float64]:
+        """Shape (events,): log2 of the sum, over the decisions so far, of an engine's errors as shares of the margins.
+
+        A decision is overturned with a probability proportional to the error that it meets, but never more often than
+        a coin toss; so this says how likely the history is left by then. Where an enclosure leaves a decision open the
+        run ends for sure: no toss.
+
+        Args:
+            unit: log2 of the engine's unit of error.
+
+        >>> ErrorCurve(ErrorModel.ROUNDING, 3, [(0, 0.0), (1, 0.0), (1, 1.0), (2, 99.0)]).hazard(0.0).tolist()
+        [0.0, 2.0, 3.584962500721156]
+        """
+        most = inf if self.model is ErrorModel.ENCLOSED else TOSS
+        shares = np.minimum(most, np.exp2(np.clip(self._shares + unit, -FARTHEST, FARTHEST)))
+        sums = np.bincount(self._at, shares, minlength=self._events).cumsum()
+        return np.log2(np.maximum(sums, 2.0**-FARTHEST))
 
     def reaches(self, level: float, unit: float) -> int | None:
         """The first event at which the hazard of an engine with that log2 unit reaches a level; None if none does."""
-        above = np.nonzero(self.hazard + unit >= level)[0]
+        above = np.nonzero(self.hazard(unit) >= level)[0]
         return int(above[0]) if len(above) else None
+
+    def unit_at(self, level: float) -> float:
+        """log2 of the unit of error with which the hazard at the last event is at a level.
+
+        Infinite if no error is large enough for that, minus infinity if none is small enough.
+        """
+        finite = self._shares[np.isfinite(self._shares)]
+        low, high = -float(finite.max(initial=0.0)) - FARTHEST, FARTHEST
+        if self.hazard(high)[-1] < level:
+            return inf
+        if self.hazard(low)[-1] >= level:
+            return -inf
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            low, high = (low, middle) if self.hazard(middle)[-1] >= level else (middle, high)
+        return high
 
 
 def error_curve(trajectory: Trajectory, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> ErrorCurve:
     """The curve of one model along the first events of a certified run, those of `struck`."""
-    if model is ErrorModel.ENCLOSED:
-        return ErrorCurve(model, _widths(trajectory, struck))
-    return ErrorCurve(model, _carried(trajectory.scene, struck, model))
+    scene = trajectory.scene
+    free = moving(scene)
+    errors = _widths(trajectory, struck) if model is ErrorModel.ENCLOSED else _carried(scene, struck, model)
+    decisions: list[tuple[int, float]] = []
+    for event, (told, margin_of) in enumerate(zip(errors, margins(scene, struck, free), strict=True)):
+        for i, found in margin_of:
+            decisions += [(event, told[i] - log2(margin) if margin else inf) for margin in found.tolist()]
+    return ErrorCurve(model, len(struck), decisions)
 
 
-def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> list[float]:
-    """log2 of the error of those who meet at each event, as a share of the reach, for a unit of 1."""
+def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> list[dict[int, float]]:
+    """log2 of the error of each circle's place at the events in which it takes part, for a unit of 1."""
     draw = np.random.default_rng(SEED)
     free = moving(scene)
     row = {i: k for k, i in enumerate(free)}
-    state = np.array([[float(v) for v in (c.x, c.y, c.vx, c.vy)] for c in (scene.circles[i] for i in free)])
+    course = Course(scene)
     start = np.zeros((len(free), 4, SAMPLES))
     if model is ErrorModel.ROUNDING:
+        state = np.hstack([course.places, course.speeds])[free]
         start = state[:, :, None] * draw.uniform(-1, 1, start.shape)
-    carried, now, shares = Displacements(scene, start), 0.0, []
-    reach = _usual_reach(scene)
+    carried, told = Displacements(scene, start), []
     for impacts in struck:
         time = float(impacts[0].time)
-        state[:, :2] += (time - now) * state[:, 2:]
-        now = time
+        course.fly(time)
         carried.fly(time)
-        met = [row[i] for impact in impacts for i in (impact.a, impact.b) if i in row]
-        errors = np.sqrt((carried.columns[met, :2] ** 2).sum(axis=1).mean(axis=1))
-        shares.append(carried.scale + log2(max(float(errors.max()), 1e-300) / reach))
+        errors: dict[int, float] = {}
         for impact in impacts:
-            _strike(carried, state, row, impact, model, draw)
-    return shares
+            for i in (i for i in (impact.a, impact.b) if i in row):
+                error = sqrt(float((carried.columns[row[i], :2] ** 2).sum(axis=0).mean()))
+                errors[i] = carried.scale + log2(max(error, LEAST))
+                if model is ErrorModel.STEPPED:
+                    late = log2(max(hypot(float(impact.vx), float(impact.vy)) / sqrt(3), LEAST))
+                    errors[i] = float(np.logaddexp2(2 * errors[i], 2 * late)) / 2
+        told.append(errors)
+        for impact in impacts:
+            _strike(carried, course, row, impact, model, draw)
+    return told
+
+
+LEAST = 2.0**-FARTHEST
+"""In place of no error at all: its logarithm is a number."""
 
 
 def _strike(
     carried: Displacements,
-    state: NDArray[np.float64],
+    course: Course,
     row: dict[int, int],
     impact: Impact,
     model: ErrorModel,
@@ -130,39 +192,26 @@ def _strike(
     time, dx, dy, vx, vy, reach, wa, wb = (float(v) for v in (impact.time, *impact[3:]))
     shrink = 2.0**-carried.scale
     late = draw.uniform(0, 1, SAMPLES) if model is ErrorModel.STEPPED else np.zeros(SAMPLES)
-    for i, weight, sign in ((impact.a, wa, -1.0), (impact.b, wb, 1.0)):
+    for (i, change), weight in zip(course.push(impact), (-wa, wb), strict=False):
         if i not in row:
             continue
         k = row[i]
-        before = state[k, 2:].copy()
-        if impact.b is None:
-            state[k, 2:] = wall_bounce(before[0], before[1], dx, dy, reach * reach)
-            turned = np.zeros((2, SAMPLES))
-        else:
-            here = pair_impulse(dx, dy, vx, vy, reach, wa, wb)
-            state[k, 2:] += sign * weight * np.array(here)
-            lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
-            px, py = dx + vx * lag, dy + vy * lag
-            there = pair_impulse(px, py, vx, vy, float(np.hypot(px, py)), wa, wb)
-            turned = sign * weight * (np.array(there) - np.array(here))[:, None] / lag * late
-        change = state[k, 2:] - before
         if model is ErrorModel.STEPPED:
             carried.columns[k, :2] -= shrink * change[:, None] * late
-            carried.columns[k, 2:] += shrink * turned
-        else:
-            size = np.abs(state[k]) + np.array([abs(change[0]), abs(change[1]), 0.0, 0.0]) * time
-            speed = float(np.abs(change).max())
-            room = np.array([size[0], size[1], abs(state[k, 2]) + speed, abs(state[k, 3]) + speed])
-            carried.columns[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
+            if impact.b is not None:
+                lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
+                px, py = dx + vx * lag, dy + vy * lag
+                there = pair_impulse(px, py, vx, vy, hypot(px, py), wa, wb)
+                turned = (weight * np.array(there) - change)[:, None] / lag * late
+                carried.columns[k, 2:] += shrink * turned
+            continue
+        (x, y), (ux, uy), speed = course.places[i], course.speeds[i], float(np.abs(change).max())
+        room = np.abs([x, y, ux, uy]) + np.array([abs(change[0]) * time, abs(change[1]) * time, speed, speed])
+        room[2:][(course.speeds[i] == 0) & (change == 0)] = 0.0  # a zero to which a zero is added is exact
+        carried.columns[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
 
 
-def _usual_reach(scene: Scene) -> float:
-    """The mean diameter of what can be met: against this an error is large or small."""
-    sizes = [float(c.r) for c in scene.circles if float(c.r) > 0]
-    return 2 * sum(sizes) / len(sizes) if sizes else 1.0
-
-
-def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[float]:
+def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[dict[int, float]]:
     """log2 of the width of the places of those who meet, for one unit in the last of the bits.
 
     Interval arithmetic forgets how errors depend on each other, so its widths grow faster than any displacement. They
@@ -170,26 +219,23 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
     """
     motion = motion_of(trajectory)
     assert motion is not None, "foreseen of an exact run only"
-    log = motion.log
-    reach, circles = _usual_reach(trajectory.scene), trajectory.scene.circles
+    log, circles = motion.log, trajectory.scene.circles
     bits = 2 * (log.lost + LEAST_BITS)
     while True:
         with ball.precision(bits):
             state = State(trajectory.scene, ball.BALLS)
-            shares: list[float] = []
+            told: list[dict[int, float]] = []
             done = 0
             for event, impacts in zip(trajectory.events, struck, strict=False):
                 upto = steps_through(event)
                 for step in log.steps[done:upto]:
                     state.do(step)
                 done = upto
-                met = [state.bodies[i] for impact in impacts for i in (impact.a, impact.b) if i is not None]
-                widths = [
-                    _log2(body.flight.x.rad() + body.flight.y.rad()) for body in met if not circles[body.index].fixed
-                ]
-                shares.append(bits + max(widths) - log2(reach))
-        if all(share < bits / 2 for share in shares):
-            return shares
+                met = {i: state.bodies[i].flight for impact in impacts for i in (impact.a, impact.b) if i is not None}
+                widths = [_log2(flight.x.rad() + flight.y.rad()) for i, flight in met.items() if not circles[i].fixed]
+                told.append(dict.fromkeys(met, bits + max(widths)))
+        if all(width < bits / 2 for errors in told for width in errors.values()):
+            return told
         bits *= 2
 
 

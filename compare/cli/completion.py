@@ -2,17 +2,11 @@
 
 from __future__ import annotations
 
-import dataclasses
+from typing import TYPE_CHECKING
 
-import click
-from click.shell_completion import CompletionItem, FishComplete, add_completion_class
-
-
-@add_completion_class
-class Fish(FishComplete):
-    """Fish's script, which would cut a list of engines, or of settings, at its first comma."""
-
-    source_template = FishComplete.source_template.replace('string split ","', 'string split --max 1 ","')
+if TYPE_CHECKING:
+    import click
+    from click.shell_completion import CompletionItem
 
 
 def scenes(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
@@ -29,8 +23,8 @@ def scenes(context: click.Context, parameter: click.Parameter, typed: str) -> li
 
     name, colon, rest = typed.partition(":")
     if not colon:
-        found = [CompletionItem(n, help=catalogue.entry(n).summary) for n in catalogue.names() if n.startswith(name)]
-        return [CompletionItem(typed, type="file"), *found]
+        found = [_offer(n, told=catalogue.entry(n).summary) for n in catalogue.names() if n.startswith(name)]
+        return [_offer(typed, "file"), *found]
     if name not in catalogue.names():
         return []
     parameters = [(p.name, p.default, p.help) for p in catalogue.entry(name).parameters]
@@ -43,11 +37,13 @@ def engine(context: click.Context, parameter: click.Parameter, typed: str) -> li
     >>> [item.value for item in engine(None, None, "pymunk:it")]
     ['pymunk:iterations=64']
     """
+    import dataclasses
+
     from ..engines import ENGINES
 
     name, colon, rest = typed.partition(":")
     if not colon:
-        return [CompletionItem(n, help=e.summary) for n, e in ENGINES.items() if n.startswith(name)]
+        return [_offer(n, told=e.summary) for n, e in ENGINES.items() if n.startswith(name)]
     if name not in ENGINES:
         return []
     fields = dataclasses.fields(ENGINES[name].load())
@@ -63,17 +59,17 @@ def engines(context: click.Context, parameter: click.Parameter, typed: str) -> l
     """
     before, comma, last = typed.rpartition(",")
     whole = f"{before}{comma}"
-    return [CompletionItem(f"{whole}{item.value}", help=item.help) for item in engine(context, parameter, last)]
+    return [_offer(f"{whole}{item.value}", told=item.help) for item in engine(context, parameter, last)]
 
 
 def files(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
     """Files; the shell looks them up."""
-    return [CompletionItem(typed, type="file")]
+    return [_offer(typed, "file")]
 
 
 def folders(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
     """Folders; the shell looks them up."""
-    return [CompletionItem(typed, type="dir")]
+    return [_offer(typed, "dir")]
 
 
 def _settings(start: str, rest: str, known: list[tuple[str, str, str]]) -> list[CompletionItem]:
@@ -82,7 +78,14 @@ def _settings(start: str, rest: str, known: list[tuple[str, str, str]]) -> list[
     given = {part.partition("=")[0] for part in before.split(",")}
     start = f"{start}{before}{comma}"
     return [
-        CompletionItem(f"{start}{key}={value}", help=told or None)
+        _offer(f"{start}{key}={value}", told=told or None)
         for key, value, told in known
         if key not in given and key.startswith(last)
     ]
+
+
+def _offer(value: str, kind: str = "plain", told: str | None = None) -> CompletionItem:
+    """One thing to choose; click's module for it is imported when a shell asks."""
+    from click.shell_completion import CompletionItem
+
+    return CompletionItem(value, type=kind, help=told)

@@ -1,20 +1,11 @@
-"""The commands: `scenes | show | run | compare | verify | orders | bench`. Data on stdout, progress on stderr."""
+"""The commands, by name: each is imported when it is asked for. Data on stdout, progress on stderr."""
 
 from __future__ import annotations
 
-import click
+from collections.abc import Iterator, MutableMapping
+from importlib import import_module
 
-from . import completion
-from .commands.chaos import chaos
-from .commands.compare import compare
-from .commands.minimise import minimise
-from .commands.orders import orders
-from .commands.run import run
-from .commands.shadow import shadow
-from .commands.sweep import sweep
-from .examples import examples
-from .exit_codes import DONE, ExitCode
-from .options import JSON, SCENE
+import click
 
 EXAMPLES = """
 \b
@@ -42,8 +33,64 @@ Exit codes:
   4 undecided, or budget spent    130 interrupted
 """
 
+PLACES = {
+    "advise": "advise",
+    "bench": "bench",
+    "chaos": "chaos",
+    "compare": "compare",
+    "export": "foreign",
+    "judge": "foreign",
+    "minimise": "minimise",
+    "orders": "orders",
+    "run": "run",
+    "scenes": "catalogue",
+    "shadow": "shadow",
+    "show": "catalogue",
+    "stress": "stress",
+    "suite": "suite",
+    "survey": "suite",
+    "sweep": "sweep",
+    "verify": "verify",
+}
+"""The module of each command in `commands`, where it is called as here. A new command adds its file and one line."""
 
-@click.group(epilog=EXAMPLES, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+
+class Commands(MutableMapping[str, click.Command]):
+    """The commands of a table such as `PLACES`.
+
+    >>> sorted(Commands({"show": "catalogue"}))
+    ['show']
+    >>> Commands({"show": "catalogue"})["show"].name
+    'show'
+    """
+
+    def __init__(self, places: dict[str, str]) -> None:
+        self._places, self._loaded = dict(places), dict[str, click.Command]()
+
+    def __getitem__(self, name: str) -> click.Command:
+        if name not in self._loaded:
+            self._loaded[name] = getattr(import_module(f".commands.{self._places[name]}", __package__), name)
+        return self._loaded[name]
+
+    def __setitem__(self, name: str, command: click.Command) -> None:
+        self._places[name], self._loaded[name] = name, command
+
+    def __delitem__(self, name: str) -> None:
+        del self._places[name]
+        self._loaded.pop(name, None)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._places)
+
+    def __len__(self) -> int:
+        return len(self._places)
+
+
+@click.group(
+    commands=Commands(PLACES),
+    epilog=EXAMPLES,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+)
 @click.option("--debug", is_flag=True, help="Show the traceback of an internal error.")
 @click.version_option(package_name="truebreak", message="%(prog)s %(version)s")
 def cli(debug: bool) -> None:
@@ -53,67 +100,3 @@ def cli(debug: bool) -> None:
     exact one as the truth, and reports the first event where another engine's history leaves it, why, and
     what that did to the outcome.
     """
-
-
-@cli.command(epilog=examples("scenes"))
-@JSON
-def scenes(as_json: bool) -> int:
-    """List the catalogue: names, parameters, sources."""
-    from ..report.text.listing import print_catalogue
-
-    print_catalogue(as_json)
-    return DONE
-
-
-@cli.command(epilog=examples("show"))
-@SCENE
-@click.option("--plot", metavar="FILE", shell_complete=completion.files, help="Write a picture of the scene (.svg).")
-@JSON
-def show(scene: str, plot: str | None, as_json: bool) -> int:
-    """Show a scene, exactly, and where it comes from."""
-    from ..report.text.listing import print_scene
-    from ..scene_argument import scene_from
-
-    loaded = scene_from(scene)
-    if plot is not None:
-        from ...scenarios.picture import scene_picture
-        from ..report.pictures.picture import svg_path
-        from .writing import write_whole
-
-        write_whole(svg_path(plot), scene_picture(loaded, standalone=True))
-    print_scene(loaded, as_json)
-    return DONE
-
-
-@cli.command(epilog=examples("verify"))
-@click.argument("file", metavar="FILE", shell_complete=completion.files)
-def verify(file: str) -> int:
-    """Check a certificate by a program of its own.
-
-    It shares nothing with the engines. `truebreak run --certificate FILE` writes certificates.
-
-    Exit codes: 0 verified, 1 refuted, 2 no certificate, 4 not decided with the bits that it allows.
-    """
-    from ..certificates import verdict_on
-
-    code, sentence = verdict_on(file)
-    click.echo(sentence, err=code == ExitCode.USAGE)
-    return code
-
-
-@cli.command(context_settings={"ignore_unknown_options": True, "help_option_names": []}, add_help_option=False)
-@click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
-def bench(arguments: tuple[str, ...]) -> int:
-    """Measure speed, and print the figures."""
-    from ..bench.command import main as bench_main
-
-    return bench_main(list(arguments)) or DONE
-
-
-cli.add_command(run)
-cli.add_command(compare)
-cli.add_command(chaos)
-cli.add_command(minimise)
-cli.add_command(orders)
-cli.add_command(shadow)
-cli.add_command(sweep)

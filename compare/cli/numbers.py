@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import click
@@ -10,7 +9,6 @@ import click
 from ...scenarios.showing import shortened
 
 
-@dataclass(frozen=True)
 class Whole(click.ParamType):
     """A whole number, perhaps no less than some other.
 
@@ -26,8 +24,10 @@ class Whole(click.ParamType):
     click.exceptions.BadParameter: '0' is too small; write a whole number from 1
     """
 
-    least: int | None = None
-    name: str = "whole number"
+    name = "whole number"
+
+    def __init__(self, least: int | None = None) -> None:
+        self.least = least
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> int:
         text = str(value).strip()
@@ -54,7 +54,6 @@ def _meant(text: str) -> int | None:
     return int(value) if abs(value) < 10.0**MOST_DIGITS and value == int(value) else None
 
 
-@dataclass(frozen=True)
 class Seconds(click.ParamType):
     """A number of seconds above zero.
 
@@ -66,7 +65,7 @@ class Seconds(click.ParamType):
     click.exceptions.BadParameter: 'soon' is not a number of seconds above 0; write one such as 2.5
     """
 
-    name: str = "seconds"
+    name = "seconds"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         try:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 if TYPE_CHECKING:
+    from rich.status import Status
+
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Progress
 
@@ -19,29 +21,26 @@ UNTOTALLED = ("why", "orders")
 """First words of notes on work that has limits of its own."""
 
 
-@dataclass(frozen=True)
-class Goal:
+class Goal(NamedTuple):
     """Where a run will end: after so many events, or at a time; neither, where it is not known."""
 
     events: int | None = None
     until: float | None = None
 
 
-@dataclass
 class Pace:
     """Tells progress in words; the rate is that of the engine at work.
 
-    Attributes:
+    Args:
         title: what is run.
         goal: where it will end.
         now: a clock, in seconds.
     """
 
-    title: str
-    goal: Goal = field(default_factory=Goal)
-    now: Callable[[], float] = clock.monotonic
-    _phase: str | None = None
-    _began: tuple[float, int, float] = (0.0, 0, 0.0)
+    def __init__(self, title: str, goal: Goal | None = None, now: Callable[[], float] = clock.monotonic) -> None:
+        self.title, self.goal, self.now = title, goal or Goal(), now
+        self._phase: str | None = None
+        self._began = 0.0, 0, 0.0
 
     def told(self, progress: Progress) -> str:
         """One line: done, total, rate, and the seconds left as far as they can be told.
@@ -109,19 +108,67 @@ def goal_of(scene: Scene, until: str | None, events: int | None) -> Goal:
         return Goal(events)
 
 
+QUIET_SECONDS = 0.25
+"""What takes less shows no line."""
+
+
 @contextmanager
-def showing_progress(title: str, goal: Goal | None = None) -> Iterator[OnProgress | None]:
-    """A line on stderr that follows a run; None, and no output, where stderr is not a terminal."""
+def showing(title: str) -> Iterator[Callable[[str], None] | None]:
+    """A line on stderr that is written anew with each text; None, and no output, where stderr is not a terminal."""
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
-    from rich.markup import escape
+    line = Line(title)
+    timer = threading.Timer(QUIET_SECONDS, line.begin)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield line.write
+    finally:
+        timer.cancel()
+        line.end()
 
-    console = Console(stderr=True)
-    pace = Pace(title, goal or Goal())
-    with console.status(escape(title)) as status:
-        yield lambda progress: status.update(escape(pace.told(progress)))
+
+class Line:
+    """The line; what is over before it begins shows nothing, and needs no rich."""
+
+    def __init__(self, title: str) -> None:
+        self._text, self._over = title, False
+        self._status: Status | None = None
+        self._lock = threading.Lock()
+
+    def begin(self) -> None:
+        """Shows it from now on."""
+        from rich.console import Console
+        from rich.text import Text
+
+        with self._lock:
+            if not self._over:
+                self._status = Console(stderr=True).status(Text(self._text))
+                self._status.start()
+
+    def write(self, text: str) -> None:
+        """Another text."""
+        self._text = text
+        if self._status is not None:
+            from rich.text import Text
+
+            self._status.update(Text(text))
+
+    def end(self) -> None:
+        """Takes it away."""
+        with self._lock:
+            self._over = True
+            if self._status is not None:
+                self._status.stop()
+
+
+@contextmanager
+def showing_progress(title: str, goal: Goal | None = None) -> Iterator[OnProgress | None]:
+    """A line on stderr that follows a run; None, and no output, where stderr is not a terminal."""
+    pace = Pace(title, goal)
+    with showing(title) as show:
+        yield None if show is None else lambda progress: show(pace.told(progress))
 
 
 @contextmanager
@@ -131,12 +178,6 @@ def showing_search(title: str, told: Callable[[S, float], str]) -> Iterator[Call
     Args:
         told: the line, from what the search says of itself and the seconds since it began.
     """
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.markup import escape
-
     began = clock.monotonic()
-    with Console(stderr=True).status(escape(title)) as status:
-        yield lambda state: status.update(escape(f"{title}: {told(state, clock.monotonic() - began)}"))
+    with showing(title) as show:
+        yield None if show is None else lambda state: show(f"{title}: {told(state, clock.monotonic() - began)}")

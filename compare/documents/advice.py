@@ -163,9 +163,7 @@ def _left_out(advice: Advice) -> list[str]:
 
 def print_advice(advice: Advice) -> None:
     """The sentences, and one row for each of the last settings."""
-    from rich.markup import escape
-
-    from ..report.text.listing import console, grid, say
+    from ..report.text.output import console, grid, say
 
     out = console()
     first, *others = sentences(advice)
@@ -177,11 +175,11 @@ def print_advice(advice: Advice) -> None:
     for tried in shown:
         wrong = tried.wrong
         table.add_row(
-            escape(tried.setting.text),
+            tried.setting.text,
             f"{tried.setting.work:,}",
             "" if tried.setting.steps is None else f"{tried.setting.steps:,}",
             f"{len(tried.judged) - len(wrong)} of {len(tried.judged)}",
-            escape(f"{_scene(wrong[0])}: {tried.judged[wrong[0]].told}") if wrong else "",
+            f"{_scene(wrong[0])}: {tried.judged[wrong[0]].told}" if wrong else "",
         )
     if shown:
         out.print(table)

@@ -57,9 +57,7 @@ def _outcome_json(outcome: Leaf) -> dict[str, Any]:
 
 def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> None:
     """The outcomes, one a row, with the choices that lead to each and the velocities at the end."""
-    from rich.markup import escape
-
-    from ..report.text.listing import console, grid, say
+    from ..report.text.output import console, grid, say
 
     out = console()
     say(out, orders_sentence(scene, tree, stop), "bold")
@@ -67,7 +65,7 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> Non
     table = grid("outcome", "first among several", "collisions", "velocities at the end")
     for number, outcome in enumerate(tree.outcomes):
         cells = (str(number), choices_phrase(outcome), str(outcome.trajectory.collisions), velocities_phrase(outcome))
-        table.add_row(*map(escape, cells))
+        table.add_row(*cells)
     out.print(table)
 
 

@@ -73,9 +73,7 @@ def exact_sentence(rows: Sequence[Row]) -> str:
 
 def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
     """One table a family, a row for each engine and lane, a letter for each k, in tens."""
-    from rich.markup import escape
-
-    from ..report.text.listing import console, grid, say
+    from ..report.text.output import console, grid, say
     from ..stress.family import Place
     from ..stress.marks import Mark
     from ..stress.table import family
@@ -89,7 +87,7 @@ def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
         for ladder in lanes:
             wrong = "" if ladder.first_wrong is None else ladder.first_told
             tens = [ladder.signs[k : k + 10] for k in range(0, len(ladder.signs), 10)]
-            table.add_row(escape(ladder.engine), escape(ladder.lane), wrong, " ".join(tens))
+            table.add_row(ladder.engine, ladder.lane, wrong, " ".join(tens))
         out.print(table)
     for mark in Mark:
         say(out, f"{mark.sign}  {mark.meaning}")

@@ -63,10 +63,8 @@ def print_sweep(
     settings: Mapping[str, Any], scenes: int, told: Sequence[Summary], unsure: Mapping[str, Uncertainty]
 ) -> None:
     """One row an engine, and a line for each outcome that displacements of several sizes change."""
-    from rich.markup import escape
-
     from ..report.counting import counted
-    from ..report.text.listing import console, grid, say
+    from ..report.text.output import console, grid, say
 
     out = console()
     asked = " ".join([settings["scene"], *settings["vary"]])
@@ -77,7 +75,7 @@ def print_sweep(
         inside, left = summary.inside
         law, changed = summary.law, summary.changed
         table.add_row(
-            escape(summary.engine),
+            summary.engine,
             ", ".join(f"{count} {verdict}" for verdict, count in summary.verdicts.items()),
             "" if summary.median is None else f"event {summary.median}",
             f"{inside} of {left}" if left else "",

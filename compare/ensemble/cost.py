@@ -9,16 +9,24 @@ import argparse
 import resource
 import sys
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from statistics import median
 
 from ...scenarios import catalogue
 from ..comparison import compare
-from .sweep import sweep
+from .row import Job
+from .sweep import pool, sweep
+from .worker import carry_out
 
 SCENES, EVENTS = 500, 300
 
 ENGINES = ("double", "pymunk:dt=1/256")
+
+TURNS = 5
+"""Times that the ways are gone through, each with its share of the gases; ratios are medians over the turns, so that a
+machine that is slow for a while says nothing."""
 
 
 @dataclass(frozen=True)
@@ -46,36 +54,73 @@ def _processor() -> float:
     return sum(mine.ru_utime + mine.ru_stime for mine in usage)
 
 
-def loop(scenes: int) -> None:
+def loop(seeds: range) -> None:
     """A comparison of each gas, one after the other."""
-    for seed in range(1, scenes + 1):
+    for seed in seeds:
         compare(catalogue.build(f"gas:seed={seed}"), list(ENGINES), events=EVENTS)
 
 
-def swept(scenes: int, jobs: int) -> None:
+def swept(seeds: range, jobs: int) -> None:
     """The same by a sweep."""
-    sweep("gas", [f"seed=1..{scenes}"], ENGINES, events=EVENTS, jobs=jobs)
+    sweep("gas", [f"seed={seeds[0]}..{seeds[-1]}"], ENGINES, events=EVENTS, jobs=jobs)
+
+
+def apart(seeds: range, processes: int) -> None:
+    """The jobs of the sweep without it: each process is handed its part at once, and nobody waits for another.
+
+    What two such processes gain over one is what the machine's second processor gives, and no sweep gains more.
+    """
+    jobs = [Job(seed, f"gas:seed={seed}", {}, ENGINES, EVENTS) for seed in seeds]
+    with pool(processes) as workers:
+        list(workers.map(_carry_out, [jobs[k::processes] for k in range(processes)]))
+
+
+def _carry_out(jobs: list[Job]) -> None:
+    for job in jobs:
+        carry_out(job)
+
+
+WAYS: dict[str, Callable[[range], None]] = {
+    "a loop over compare": loop,
+    "a sweep, one worker": lambda seeds: swept(seeds, 1),
+    "a sweep, two workers": lambda seeds: swept(seeds, 2),
+    "one process, no sweep": lambda seeds: apart(seeds, 1),
+    "two processes, no sweep": lambda seeds: apart(seeds, 2),
+}
 
 
 def table(scenes: int) -> str:
-    """The three ways, one after the other, and their ratios."""
-    ways: dict[str, Callable[[], object]] = {
-        "a loop over compare": lambda: loop(scenes),
-        "a sweep, one worker": lambda: swept(scenes, 1),
-        "a sweep, two workers": lambda: swept(scenes, 2),
-    }
-    told = {name: cost(work) for name, work in ways.items()}
-    looped, one, two = told.values()
-    lines = [f"{scenes} gases of ten discs, {EVENTS} events, {', '.join(ENGINES)}", "",
+    """The ways, in turns, and their ratios."""
+    turns = min(TURNS, scenes)
+    ends = [1 + scenes * k // turns for k in range(turns + 1)]
+    told: dict[str, list[Cost]] = {name: [] for name in WAYS}
+    for first, stop in pairwise(ends):
+        for name, work in WAYS.items():
+            told[name].append(cost(lambda work=work, seeds=range(first, stop): work(seeds)))
+    looped, one, two, alone, both = told.values()
+    lines = [f"{scenes} gases of ten discs, {EVENTS} events, {', '.join(ENGINES)}, in {turns} turns", "",
              "| way | seconds | seconds of processors |", "|---|---|---|"]  # fmt: skip
-    lines += [f"| {name} | {mine.wall:.1f} | {mine.processor:.1f} |" for name, mine in told.items()]
+    lines += [
+        f"| {name} | {sum(mine.wall for mine in costs):.1f} | {sum(mine.processor for mine in costs):.1f} |"
+        for name, costs in told.items()
+    ]
     return "\n".join([
         *lines,
         "",
-        f"The sweep takes {two.wall / looped.wall:.2f} of the loop's time by the clock, "
-        f"{one.processor / looped.processor:.2f} of its processor time; two workers are {one.wall / two.wall:.2f} "
-        f"times as fast as one, for {two.processor / one.processor:.2f} times its processor time.",
+        f"The sweep takes {ratio(two, looped):.2f} of the loop's time by the clock, "
+        f"{ratio(one, looped, 'processor'):.2f} of its processor time. Two workers are {ratio(one, two):.2f} times as "
+        f"fast as one, two separate processes {ratio(alone, both):.2f} times as fast as one: two workers reach "
+        f"{100 * ratio(both, two):.0f} % of what two separate processes reach.",
     ])  # fmt: skip
+
+
+def ratio(costs: Sequence[Cost], others: Sequence[Cost], of: str = "wall") -> float:
+    """The median over the turns of what one way costs as a share of another.
+
+    >>> ratio([Cost(1, 1), Cost(9, 9), Cost(3, 3)], [Cost(2, 2), Cost(1, 1), Cost(3, 3)])
+    1.0
+    """
+    return median(getattr(a, of) / getattr(b, of) for a, b in zip(costs, others, strict=True))
 
 
 def main(arguments: list[str] | None = None) -> int:

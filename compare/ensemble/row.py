@@ -133,7 +133,7 @@ def _row(
     if divergence is not None:
         row |= {"event": divergence.event, "at": divergence.time, "body": divergence.body,
                 "expected": divergence.expected, "got": divergence.got, "kind": divergence.kind.value}  # fmt: skip
-    if job.outcomes:
+    if job.outcomes and told.alignment.verdict in ("agree", "diverged"):
         row["changed"] = _changed(job, told, reference)
     if job.causes:
         row |= {"cause": DISPLACED} if divergence and label.startswith(PERTURBED) else _why(told, label, engine)

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import json
 import sqlite3
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from ...scenarios.errors import SceneError
 from .row import COLUMNS, Row, text_of
 
-FORMAT = "truebreak/sweep-1"
+FORMAT = "truebreak/sweep-store-2"
 
 SETTINGS = ("scene", "vary", "engines", "events", "outcomes", "causes", "work", "shard")
 """What a sweep asks for, as a store keeps it: see `Sweep.settings`."""
 
 TABLES = """
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE rows (scene INTEGER NOT NULL, engine INTEGER NOT NULL, row TEXT NOT NULL, PRIMARY KEY (scene, engine));
+CREATE TABLE rows (scene INTEGER NOT NULL, engine INTEGER NOT NULL, row TEXT NOT NULL, digest TEXT NOT NULL,
+                   PRIMARY KEY (scene, engine));
 CREATE TABLE times (scene INTEGER PRIMARY KEY, seconds REAL NOT NULL);
 CREATE TABLE failures (scene INTEGER NOT NULL, attempt INTEGER NOT NULL, note TEXT NOT NULL);
 """
@@ -50,7 +53,8 @@ class Store:
             if fresh and settings is not None:
                 with self.base:
                     self.base.executescript("BEGIN;" + TABLES)
-                    known = {"format": FORMAT, "settings": _text(settings)}
+                    text = _text(settings)
+                    known = {"format": FORMAT, "settings": text, "digest": _digest(text)}
                     self.base.executemany("INSERT INTO meta VALUES (?, ?)", known.items())
         self.settings = self._checked(settings)
 
@@ -63,7 +67,7 @@ class Store:
         if meta.get("format") != FORMAT:
             told = meta.get("format", "of no version")
             raise SceneError(f"--store {self.path!r}: is {told}, and this is {FORMAT}; choose another file")
-        mine = self._kept(meta.get("settings", ""), SETTINGS)
+        mine = self._kept(meta.get("settings", ""), meta.get("digest"), SETTINGS)
         for key, value in json.loads(_text(settings or mine)).items():
             if mine.get(key) != value:
                 raise SceneError(
@@ -84,14 +88,14 @@ class Store:
                 ) from None
             remedy = "make room, and call again: what is in it stays" if "full" in str(error) else "see that it is free"
             raise SceneError(f"--store {self.path!r}: {error}; {remedy}") from None
-        except sqlite3.DatabaseError as error:
+        except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             raise SceneError(f"--store {self.path!r}: is no store of a sweep, or damaged ({error}); "
                              "choose another file") from None  # fmt: skip
 
-    def _kept(self, text: str, keys: Iterable[str]) -> dict[str, Any]:
-        """What was written as JSON, which others may have changed since."""
+    def _kept(self, text: str, digest: str | None, keys: Iterable[str], *place: int) -> dict[str, Any]:
+        """What was written as JSON; SQLite does not see it if some of its letters are others now, the digest does."""
         try:
-            told = json.loads(text)
+            told = json.loads(text) if digest == _digest(text, *place) else None
         except ValueError:
             told = None
         if not isinstance(told, dict) or not set(keys) <= set(told):
@@ -99,15 +103,16 @@ class Store:
         return told
 
     def done(self) -> set[int]:
-        """The scenes that are there."""
-        with self._told():
-            return {scene for (scene,) in self.base.execute("SELECT scene FROM times")}
+        """The scenes that are there, each with all of its rows."""
+        there = Counter(scene for scene, _, _ in self._read())
+        return {scene for scene, count in there.items() if count == len(self.settings["engines"])}
 
     def add(self, scene: int, rows: Iterable[Row], seconds: float) -> None:
         """A scene's rows and wall time, all or nothing: on disk when this returns."""
         with self._told(), self.base:
-            told = [(scene, engine, text_of(row)) for engine, row in enumerate(rows)]
-            self.base.executemany("INSERT OR REPLACE INTO rows VALUES (?, ?, ?)", told)
+            told = [(scene, engine, text, _digest(text, scene, engine))
+                    for engine, text in enumerate(map(text_of, rows))]  # fmt: skip
+            self.base.executemany("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, ?)", told)
             self.base.execute("INSERT OR REPLACE INTO times VALUES (?, ?)", (scene, seconds))
             self.base.execute("DELETE FROM failures WHERE scene = ?", (scene,))
 
@@ -118,9 +123,12 @@ class Store:
 
     def rows(self) -> Iterator[Row]:
         """Every row, in the order of the scenes and of the engines."""
+        return (row for _, _, row in self._read())
+
+    def _read(self) -> Iterator[tuple[int, int, Row]]:
         with self._told():
-            for (text,) in self.base.execute("SELECT row FROM rows ORDER BY scene, engine"):
-                yield self._kept(text, COLUMNS)
+            for scene, engine, text, digest in self.base.execute("SELECT * FROM rows ORDER BY scene, engine"):
+                yield scene, engine, self._kept(text, digest, COLUMNS, scene, engine)
 
     def failures(self) -> list[tuple[int, int, str]]:
         """Scene, attempt and what went wrong."""
@@ -157,6 +165,11 @@ def merged(paths: Iterable[str]) -> tuple[list[Row], dict[str, Any], list[tuple[
 
 def _text(settings: Mapping[str, Any]) -> str:
     return json.dumps(settings, sort_keys=True)
+
+
+def _digest(text: str, *place: int) -> str:
+    """Of a text and the place where it belongs."""
+    return sha256("\n".join(map(str, [*place, text])).encode()).hexdigest()
 
 
 def _short(value: object) -> str:

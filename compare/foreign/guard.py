@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError, TimeIsUp
@@ -91,7 +91,6 @@ def _raised(engine: Engine, what: str, error: BaseException, remedy: str = "") -
     return EngineError(f"engine {engine.name!r}: {what} raised {type(error).__name__}: {reason}{place}{remedy}")
 
 
-@dataclass(frozen=True)
 class GuardedMotion:
     """Somebody else's motion, each reading of which is checked.
 
@@ -101,9 +100,8 @@ class GuardedMotion:
         circles: the ids of the circles of the scene.
     """
 
-    engine: Engine
-    motion: Any
-    circles: Sequence[str]
+    def __init__(self, engine: Engine, motion: Any, circles: Sequence[str]) -> None:
+        self.engine, self.motion, self.circles = engine, motion, circles
 
     def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
         """As `Motion.state`.

@@ -51,6 +51,17 @@ def matched_history(candidate: Trajectory, reference: Trajectory, alignment: Ali
     return replace(candidate, events=events, final_time=end, motion=Left(candidate, events))
 
 
+def decided_part(reference: Trajectory, alignment: Alignment, end: float) -> Trajectory:
+    """What of the reference a run that stopped early has told too: the meetings that are matched, up to its end."""
+    known = sorted({m for walked in alignment.walks.values() for m, _ in walked.pairs})
+    events = tuple(replace(reference.events[m], index=place) for place, m in enumerate(known))
+    entries = tuple(entry for entry in reference.pocketings if float(entry.time) <= end)
+    cut = replace(reference, events=events, final_time=end, pocketings=entries)
+    if reference.scene.capture or reference.reversal is not None:
+        return cut
+    return replace(cut, motion=Left(reference, events))
+
+
 def _end(reference: Trajectory, span: Span) -> float:
     return span.time if math.isfinite(span.time) else float(reference.final_time)
 

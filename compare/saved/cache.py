@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
+import sys
 import time as clock
 import warnings
 import zlib
@@ -21,6 +21,7 @@ from ...scenarios.version import VERSION
 from ..engines import engine as engine_named
 
 if TYPE_CHECKING:
+    from ...exact.simulation.limits import Limits
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
@@ -62,6 +63,12 @@ def cache_folder() -> Path | None:
     named = os.environ.get(FOLDER)
     if named is not None:
         return Path(named) if named else None
+    if sys.platform == "linux":  # what platformdirs says too, whose import takes longer than a short run
+        home, base = os.environ.get("HOME", ""), os.environ.get("XDG_CACHE_HOME", "")
+        if base.startswith("/"):
+            return Path(base, "truebreak")
+        if not base and home.startswith("/"):
+            return Path(home, ".cache", "truebreak")
     from platformdirs import user_cache_path
 
     return user_cache_path("truebreak", appauthor=False)
@@ -98,17 +105,20 @@ class CachedEngine(ExactEngine):
         folder = cache_folder()
         if folder is None:
             return super().run(scene, until=until, events=events, progress=progress)
-        path = folder / f"{self.key(scene, until, events)}.json.gz"
-        kept = _kept(path, scene)
-        if kept is not None:
-            return kept
+        if _some(folder, _start(scene, run_limits(scene, until, events))):
+            kept = _kept(self._path(folder, scene, until, events), scene)
+            if kept is not None:
+                return kept
         began = clock.process_time()
         run = super().run(scene, until=until, events=events, progress=progress)
         cost = clock.process_time() - began
         ended = run.stop.reason not in (StopReason.INTERRUPTED, StopReason.BUDGET)
         if ended and cost >= max(LEAST_SECONDS, SHARE * LOAD_SECONDS * len(run.events)):
-            _keep(path, run)
+            _keep(self._path(folder, scene, until, events), run)
         return run
+
+    def _path(self, folder: Path, scene: Scene, until: QuantityLike | None, events: int | None) -> Path:
+        return folder / f"{self.key(scene, until, events)}.json.gz"
 
     def key(self, scene: Scene, until: QuantityLike | None = None, events: int | None = None) -> str:
         """What tells a run from every other: scene, policy, limits, settings and version.
@@ -120,6 +130,9 @@ class CachedEngine(ExactEngine):
         >>> CachedEngine().key(lee, events=2) == CachedEngine().key(lee, events=3)
         False
         """
+        import json
+        from hashlib import sha256
+
         limits = run_limits(scene, until, events)
         told = [
             VERSION,
@@ -130,9 +143,22 @@ class CachedEngine(ExactEngine):
             limits.to_return,
             [self.max_bits, self.ties, self.work],
         ]
-        from hashlib import sha256
+        return f"{_start(scene, limits)}{sha256(json.dumps(told).encode()).hexdigest()}"
 
-        return sha256(json.dumps(told).encode()).hexdigest()
+
+def _start(scene: Scene, limits: Limits) -> str:
+    """What a key begins with: told without the scene's digest, so that most short runs need none."""
+    return f"{len(scene.circles)}-{len(scene.walls)}-{limits.events}-"
+
+
+def _some(folder: Path, start: str) -> bool:
+    """Whether some kept run has a key that begins so."""
+    try:
+        return any(path.name.startswith(start) for path in folder.iterdir())
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except OSError:
+        return True
 
 
 def _kept(path: Path, scene: Scene) -> Trajectory | None:

@@ -27,7 +27,7 @@ truebreak survey --from survey.json --page survey.md
 The first may be ended and called again, or called for one engine after the other (`--engines`): it goes on from the
 rows in its store. Every row is bounded by counted work, not by seconds: an engine of time steps ends its run after
 `max_steps`, and a series of finer steps, which tells causes, goes no farther than some steps, the fewer the more one
-costs. What that leaves open says so in its row.
+costs. What that leaves open says so in its row: a cause is *not determined* where the series would take more.
 
 It is a table of what suits what, not a ranking. Most of these engines were not made for perfectly elastic,
 frictionless, hard discs: a game wants no drift, no sinking and 60 frames a second; a robot wants forces that can be

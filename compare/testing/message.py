@@ -7,6 +7,7 @@ from math import isfinite, log10
 from typing import TYPE_CHECKING
 
 from ..report.sentences import divergence_phrase, listed, margin_phrase, middle, short
+from ..report.sentences import off as off_by
 
 if TYPE_CHECKING:
     from ..comparison import Comparison
@@ -46,8 +47,11 @@ def failure(
     lines += [f"  amiss:    {told}" for told in amiss]
     if candidate.margin is not None:
         exact = candidate.margin.gap or candidate.margin.distance
-        beside = "" if exact is None else f"margin {short(abs(middle(exact)))} beside an error of "
-        lines.append(f"  decision: {beside}{short(candidate.margin.error)}; {margin_phrase(candidate)}")
+        margin = [] if exact is None else [f"margin {short(abs(middle(exact)))}"]
+        by = candidate.margin.error
+        beside = [] if by is None else [f"{'beside ' if margin else ''}an error of {off_by(by)}"]
+        told = filter(None, (" ".join([*margin, *beside]), margin_phrase(candidate)))
+        lines.append(f"  decision: {'; '.join(told)}")
     error = None if candidate.margin is None else candidate.margin.error
     if error is not None and bits is not None:
         expected = int(bits * log10(2))

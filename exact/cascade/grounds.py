@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 
+from ...scenarios.frozen import frozen
 from ...scenarios.scene import Scene
 from ..predicates.ties import TieRule
 from ..replay.contact import Link
@@ -14,7 +14,7 @@ from ..symmetry.log_symmetry import LogSymmetry
 from ..symmetry.retrace import Retrace
 
 
-@dataclass(frozen=True)
+@frozen
 class Grounds:
     """One run, as its rungs see it.
 

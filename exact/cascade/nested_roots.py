@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
+from ...scenarios.frozen import frozen
 from ...scenarios.numbers.tower import TowerLimit, sign_of_root_sum
 from ...scenarios.scene import Scene
 from ...scenarios.work import Work
@@ -18,7 +18,7 @@ MAX_DEPTH = 7
 second and seven half of one; longer numbers take more, so the work is bounded too."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Hopeless:
     """A past that could not be replayed, and the work that did not suffice; None: no work does, it is too deep."""
 

@@ -18,14 +18,14 @@ class Candidates:
     """Finds isometries of a scene and says what they map to what.
 
     Args:
-        bodies: circles, and then pockets from the last to the first, in exact numbers, as the checker reads them.
-        walls: likewise, each a point and a normal.
-        n: how many of the bodies are circles.
+        things: circles, walls and pockets by index, in exact numbers, as the checker reads them.
+        n: how many of them are circles.
     """
 
-    def __init__(self, bodies: list[list[Exact]], walls: list[list[Exact]], n: int) -> None:
-        self.circles, self.walls, self.n = bodies[:n], walls, n
-        self.pockets = [[x, y, r] for x, y, _, _, r, _ in reversed(bodies[n:])]
+    def __init__(self, things: dict[int, list[Exact]], n: int) -> None:
+        self.circles, self.n = [things[i] for i in range(n)], n
+        self.walls = [row[:4] for k, row in things.items() if k >= n]
+        self.pockets = [[things[k][0], things[k][1], things[k][4]] for k in sorted(things, reverse=True) if k < 0]
         self._circle_of = {_key(row): i for i, row in enumerate(self.circles)}
         self._wall_of = {_key(_line(*row)): k for k, row in enumerate(self.walls)}
         self._pocket_of = {_key(row): k for k, row in enumerate(self.pockets)}

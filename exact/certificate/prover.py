@@ -39,7 +39,7 @@ class Prover(Checker):
         self.contacts = contacts
         self.digits = digits
         self.known_isometries: dict[str, int] = {}
-        self.candidates = Candidates(self.bodies, [line[:4] for line in self.lines], self.n)
+        self.candidates = Candidates(self.things, self.n)
         self.drops: list[list[int]] = []
         self.upto: Ball | None = None
         self.idle = False
@@ -89,7 +89,7 @@ class Prover(Checker):
     def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
         self.number += 1
-        width = max(x.r.bit_length() for flight in self.flights for x in cast(tuple[Ball, ...], flight[:5]))
+        width = max(x.r.bit_length() for flight in self.flights.values() for x in cast(tuple[Ball, ...], flight[:5]))
         if width > 2 * GUARD and Ball.bits > LEAST:
             self.fall(max(Ball.bits - (width - GUARD), LEAST))
             self.drops.append([self.number, Ball.bits])
@@ -152,10 +152,10 @@ class Prover(Checker):
         kind, when = self.next(c)
         return kind == "graze" and (when - time).sign() in (None, 0)
 
-    def close(self, reason: str) -> None:
+    def close(self, end: dict[str, Any]) -> None:
         """The end."""
-        self.upto = self.due.get("until") if reason != "quiet" else None
-        super().close(reason)
+        self.upto = self.due.get("until")
+        super().close(end)
 
     # -- witnesses
 
@@ -194,7 +194,7 @@ class Prover(Checker):
             for other in others:
                 at = other[0] if other else self.clock
                 known = range(len(self.told["isometries"]))
-                yield from ((k, *other) for k in known if self.image(self.isometry(k)[1], c) == at)
+                yield from ((k, *other) for k in known if self.image(self.isometries[k][1], c) == at)
         elif question in ("still", "together"):
             yield from ((k,) for k in range(len(self.told["isometries"])))
         yield from self._exact(CHEAP_ROOTS, CHEAP_WORK)
@@ -221,6 +221,7 @@ class Prover(Checker):
         for told in found:
             key = repr((told["matrix"], told["shift"]))
             if key not in self.known_isometries:
-                self.known_isometries[key] = len(self.told["isometries"])
+                k = self.known_isometries[key] = len(self.told["isometries"])
+                self.isometries[k] = self.isometry(told)
                 self.told["isometries"].append(told)
             yield self.known_isometries[key]

@@ -93,8 +93,7 @@ class FilteredPredictor(Predictor[arb]):
 
     def refresh(self, bodies: Iterable[Body[arb]]) -> None:
         """Short copies of the states."""
-        refinable = self.refinable
-        refinable.sync_for(bodies)
+        self.refinable.sync_for(bodies)
         ball.use_bits(QUICK_BITS)
         admit, last, t = self.filter.admit, None, None
         for body in bodies:

@@ -56,6 +56,7 @@ class Stride:
         self._precision = precision
         self._begin = begin
         self._do = do
+        self._refresh = meetings.predictor.refresh
         self._steps: dict[Touch, tuple[Go, Kick]] = {}
 
     def __call__(
@@ -107,10 +108,10 @@ class Stride:
         note(link)
         if precision is not None and state.lowest < SAFE_BITS:
             precision.secure()
-        circles = link.circles
-        moved = [state.bodies[i] for i in circles]
-        self._meetings.predictor.refresh(moved)
-        done, alone = len(state.steps), both[1].links
+        bodies, circles, alone = state.bodies, both[0].bodies, both[1].links
+        moved = [bodies[i] for i in circles]
+        self._refresh(moved)
+        done = len(state.steps)
         first = moved[0]
         time = +first.flight.instant if in_balls else reading.now(first)  # short, as `refresh` has left it
         mark = _new(Mark, (number, time, done, circles[0]))

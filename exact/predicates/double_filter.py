@@ -100,11 +100,13 @@ class DoubleFilter:
         place = px if px > py else py
         speed = sx if sx > sy else sy
         if not (place < BIG and speed < BIG and ft < BIG) or (
-            0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY or 0.0 < ft < TINY
+            not (px > TINY and py > TINY and sx > TINY and sy > TINY and ft > TINY)
+            and (0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY or 0.0 < ft < TINY)
         ):
             body.f = None
             return
-        late = 0.0 if body.flight.late is None else float(body.flight.late.abs_upper()) * ROUND_UP
+        beside = body.flight.late
+        late = 0.0 if beside is None else float(beside.abs_upper()) * ROUND_UP
         if not late < BIG:
             body.f = None
             return

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from ...scenarios.frozen import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import N
 from ..replay.contact import AtWall, Entry, Link, Round
@@ -15,7 +15,7 @@ from .question import Form, Plain, RootFree, RootSum, circles_of
 L = TypeVar("L", Link, Round, Entry)
 
 
-@dataclass(frozen=True)
+@frozen
 class _OfOne(RootFree, Generic[L]):
     """A root-free question about one contact."""
 
@@ -26,7 +26,6 @@ class _OfOne(RootFree, Generic[L]):
         return self.link.circles
 
 
-@dataclass(frozen=True)
 class Approach(_OfOne[Link]):
     """Do the two of a contact come nearer (negative) or part (positive)?"""
 
@@ -40,7 +39,6 @@ class Approach(_OfOne[Link]):
         return form.alike(self.link)
 
 
-@dataclass(frozen=True)
 class Closing(_OfOne[Link]):
     """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
 
@@ -54,7 +52,6 @@ class Closing(_OfOne[Link]):
         return form.alike(self.link)
 
 
-@dataclass(frozen=True)
 class Gap(_OfOne[Link]):
     """Are the two of a contact apart (positive) or touching (zero)?"""
 
@@ -65,7 +62,6 @@ class Gap(_OfOne[Link]):
         return f"whether {name(self.link)} touch"
 
 
-@dataclass(frozen=True)
 class Discriminant(_OfOne[Round]):
     """Do the paths of two circles hit (positive), graze (zero) or miss (negative)?"""
 
@@ -76,7 +72,6 @@ class Discriminant(_OfOne[Round]):
         return f"whether {name(self.link)} hit, graze or miss"
 
 
-@dataclass(frozen=True)
 class RelativeSpeed(_OfOne[Round]):
     """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
 
@@ -91,7 +86,6 @@ class RelativeSpeed(_OfOne[Round]):
         return form.alike(self.link)
 
 
-@dataclass(frozen=True)
 class Rim(_OfOne[Entry]):
     """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
 
@@ -102,7 +96,7 @@ class Rim(_OfOne[Entry]):
         return f"whether the centre of {name(self.link)} stands on the rim"
 
 
-@dataclass(frozen=True)
+@frozen
 class Moment:
     """When two touch next: by a hit, or by a graze, which touches without pushing."""
 
@@ -123,7 +117,7 @@ class Moment:
         return self.link.parts(state)
 
 
-@dataclass(frozen=True)
+@frozen
 class Sooner:
     """Does `first` come before (negative), with (zero) or after (positive) `second`?"""
 
@@ -153,7 +147,7 @@ class Sooner:
         return f"whether {name(self.first.link)} meet before, with or after {name(self.second.link)}"
 
 
-@dataclass(frozen=True)
+@frozen
 class BeforeTime(Plain):
     """Does a meeting come before (negative), at (zero) or after (positive) a given time?
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
+from ...scenarios.frozen import frozen
 from ..numbers.system import N
 from ..replay.contact import Link, Touch
 from ..replay.linear import solve_positive
@@ -12,7 +12,7 @@ from ..replay.state import State
 from .question import RootFree, circles_of
 
 
-@dataclass(frozen=True)
+@frozen
 class Strength(RootFree):
     """In a set of contacts kicked together, how strong is one impulse?"""
 
@@ -34,7 +34,6 @@ class Strength(RootFree):
         return f"whether {name(self.link)} push each other at all"
 
 
-@dataclass(frozen=True)
 class Slack(Strength):
     """Kicking `basis` together, by how much more than needed does a contact outside of it separate?"""
 
@@ -51,7 +50,6 @@ class Slack(Strength):
         return f"whether {name(self.link)} separate fast enough"
 
 
-@dataclass(frozen=True)
 class Pivot(Strength):
     """Is a contact's push independent of those in `basis` (positive) or already made of them (zero)?"""
 
@@ -68,7 +66,7 @@ class Pivot(Strength):
         return f"whether the contact of {name(self.link)} depends on its neighbours"
 
 
-@dataclass(frozen=True)
+@frozen
 class Share(Strength):
     """How much of `entering`'s push is made of `link`'s, among the contacts of `basis`?"""
 
@@ -83,7 +81,7 @@ class Share(Strength):
         return f"how the contacts of {name(self.entering)} and {name(self.link)} depend on each other"
 
 
-@dataclass(frozen=True)
+@frozen
 class Coupling(RootFree):
     """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ...scenarios.errors import SceneError
+from ...scenarios.frozen import frozen
 
 MAX_ASSUMED = 1_000_000
 """Most bits that agreement may be asked to."""
 
 
-@dataclass(frozen=True)
+@frozen
 class TieRule:
     """What is taken for a zero once every proof has failed.
 

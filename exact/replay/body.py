@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
-from typing import Generic, NamedTuple
+from typing import Any, Generic, NamedTuple
 
 from ..numbers.system import N
 
@@ -27,6 +28,10 @@ class Flight(NamedTuple, Generic[N]):
     late: N | None = None
     last: int = 0
     rest: bool = False
+
+
+new_flight: Callable[[type[Flight[Any]], tuple[object, ...]], Flight[Any]] = tuple.__new__  # pyright: ignore[reportUnknownMemberType, reportUnknownVariableType]
+"""Makes a `Flight` of nine numbers: what its own constructor does, in a third of the time."""
 
 
 class Body(Generic[N]):

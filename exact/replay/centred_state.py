@@ -22,7 +22,7 @@ from .ball_state import BallState, Told
 from .body import Body
 from .contact import AtWall, Entry, Link, Touch
 from .deviations import Deviations, Numbers, is_finite, numbers_of
-from .errors import Blocks
+from .errors import Collision
 
 MOST_MOVERS = 24
 """Circles that move: a block costs the cube of their number, and balls lose little where each is hit seldom."""
@@ -39,14 +39,14 @@ class Pending(NamedTuple):
         centres: each flying body's (x, y, vx, vy) at the clock, from midpoints alone.
         central: late, told and root as `BallState` has them, from midpoints alone.
         shown: the first two as others see them.
-        blocks: of two circles, the derivative of their collision.
+        hit: of two circles, the derivative of their collision.
     """
 
     link: Touch
     centres: dict[int, Numbers]
     central: tuple[arb | None, Told, arb | None]
     shown: tuple[arb | None, Told]
-    blocks: Blocks | None
+    hit: Collision | None
 
 
 class CentredState(BallState):
@@ -111,7 +111,7 @@ class CentredState(BallState):
             self.loosen()
             super().go(source, bodies)
             return
-        time, place, blocks = told
+        time, place, hit = told
         for body, flight in zip(flying, before, strict=True):
             held.show_place(body, flight)
         late, met = self.late, self._told
@@ -122,7 +122,7 @@ class CentredState(BallState):
         for i in bodies:
             body = self.bodies[i]
             body.flight = body.flight._replace(instant=self.instant, late=self.late)
-        self._pending = Pending(source, centres, (late, met, self._root), (self.late, self._told), blocks)
+        self._pending = Pending(source, centres, (late, met, self._root), (self.late, self._told), hit)
 
     def kick(self, links: tuple[Touch, ...]) -> None:
         """As `State.kick`."""
@@ -149,16 +149,15 @@ class CentredState(BallState):
         for body in movers:
             body.flight = body.flight._replace(rest=False)
             held.show(body)
-        if held.errors.full:
-            self._renew(held)
+        self.renew()
 
     def _carried(self, held: Deviations, pending: Pending, movers: list[Body[arb]]) -> bool:
         """Carries the deviations through an impulse; whether that could be done."""
         link = pending.link
         if isinstance(link, AtWall):
-            return held.mirror(movers[0], self.mirror_of(link))
-        assert pending.blocks is not None
-        return held.meet(link, movers, pending.blocks)
+            return held.mirror(held.face(self, link), movers[0])
+        assert pending.hit is not None
+        return held.meet(link, movers, pending.hit)
 
     def forget_contact(self) -> None:
         """As `BallState.forget_contact`."""
@@ -205,14 +204,36 @@ class CentredState(BallState):
                 self.loosen()
                 return
 
-    def _renew(self, held: Deviations) -> None:
-        """Ends a block; all bodies get their balls by it."""
+    # -- contacts carried out elsewhere, in one go (see `LoneCentred`)
+
+    def ready(self, link: Touch) -> Deviations | None:
+        """The deviations, if they can be carried to this contact as it stands."""
+        if self._pending is not None:
+            self._land()
+        held = self._deviations
+        if held is None:
+            return None
+        for i in link.circles:
+            flight = self.bodies[i].flight
+            if i not in held.place or flight.rest or flight.vx.is_exact() or flight.vy.is_exact():
+                return None
+        return held
+
+    def spread(self, time: arb, bits: int) -> int:
+        """Widens the instant by what the deviations make of it; gives how many bits of it are known, of so many."""
+        instant = self.instant = self.instant + time
+        self.late = time if self.late is None else self.late + time
+        return max(0, min(bits, instant.rel_accuracy_bits()))
+
+    def renew(self) -> None:
+        """Ends a block that is full; bodies keep the balls that they have until they are next struck."""
+        held = self._deviations
+        if held is None or not held.errors.full:
+            return
         if not held.close():
             self.loosen()
             return
         self._next_break = 1
-        for i in held.place:
-            held.show(self.bodies[i])
 
 
 def _is_inexact(body: Body[arb]) -> bool:

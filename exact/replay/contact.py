@@ -257,5 +257,6 @@ def name_of(scene: Scene, link: Link) -> str:
     'a and b'
     """
     if isinstance(link, Entry):
-        return f"{scene.ids[link.circle]} and pocket {scene.pockets[link.pocket].id}"
+        pocket = str(scene.pockets[link.pocket].id)
+        return f"{scene.ids[link.circle]} and {'' if pocket.startswith('pocket') else 'pocket '}{pocket}"
     return " and ".join(contact_of(scene, link))

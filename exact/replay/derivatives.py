@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
 
-from ..laws.tangent_formulas import pair_tangent_blocks
-from .errors import UP, Blocks
+from .errors import UP, Collision
 
 SMALL_WAIT = 2.0**-48
 """The most that a clock may stand beside its instant, in the set's unit of time, to be a mere perturbation."""
@@ -19,33 +17,25 @@ OFF = 2.0**-44
 three products of at most six factors, and two entries are a row: 36 times `CLOSE` and the roundings, 2**-53 each."""
 
 
-class PairDerivative(NamedTuple):
-    """What is known of the collision of two circles wherever the truth may be.
-
-    Attributes:
-        steep: by how much, at most, the instant moves for a deviation of one in d and v.
-        apart: a bound of what d at the hit may be off.
-        blocks: the derivative.
-    """
-
-    steep: float
-    apart: float
-    blocks: Blocks
+OFF_BESIDE = OFF + 2.0 * SMALL_WAIT
+"""The same, at a clock beside the instant."""
 
 
 def pair_derivative(
-    d: tuple[float, float],
-    v: tuple[float, float],
+    dx: float,
+    dy: float,
+    vx: float,
+    vy: float,
     speed: float,
     strength: float,
     unit: float,
     spread: float,
     near: float,
-) -> PairDerivative | None:
+) -> Collision | None:
     """The derivative of a collision, at the clock beside its instant, or None where the truth may be too far.
 
     Args:
-        d, v: at the hit, from midpoints, rounded.
+        dx, dy, vx, vy: d and v at the hit, from midpoints, rounded.
         speed: -d.v at the hit.
         strength: -2 / (R^2 (wa + wb)); 0 where it is not to be had.
         unit: the set's unit of time.
@@ -56,21 +46,20 @@ def pair_derivative(
     moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
     |d + tau v| = R (see `laws/tangent.py`).
     """
-    size_d, size_v = abs(d[0]) + abs(d[1]), abs(v[0]) + abs(v[1])
+    size_d, size_v = abs(dx) + abs(dy), abs(vx) + abs(vy)
     if not strength < 0.0 < speed < inf:
         return None
     steep = size_d / speed * UP
     apart = (1.0 + size_v * steep) * spread * UP
-    if not max(apart / size_d, spread / (unit * size_v), (apart * size_v + size_d * spread / unit) / speed) < near:
+    far = apart * size_v + size_d * spread / unit
+    if not (apart < near * size_d and spread < near * unit * size_v and far < near * speed):
         return None
-    square, cross = v[0] * v[0] + v[1] * v[1], d[0] * v[1] - d[1] * v[0]
-    xx, xy, yy, *a = pair_tangent_blocks(*d, -speed, cross, square, strength)
-    norm_b = -strength * size_d * size_d
-    norm_a = unit * (-strength * (speed + size_d * size_v) + square / speed * norm_b)
-    norm = (norm_a + norm_b) * UP
-    pxx, pxy, pyx, pyy = (part * unit for part in a)
-    blocks = Blocks(((xx, xy), (xy, yy)), ((pxx, pxy), (pyx, pyy)), norm, norm * (OFF + 2.0 * SMALL_WAIT))
-    return PairDerivative(steep, apart, blocks)
+    square, cross, push = vx * vx + vy * vy, abs(dx * vy - dy * vx), -strength
+    size_b = push * size_d * size_d
+    size = size_b + unit * (push * (speed + size_d * size_v) + square / speed * size_b)
+    norm_b = push * max(abs(dx), abs(dy)) * size_d
+    norm = (norm_b + unit * (push * (speed + cross) + square / speed * norm_b)) * UP
+    return Collision(steep, apart, norm, size * OFF_BESIDE * UP, dx, dy, vx, vy, speed, strength)
 
 
 def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:

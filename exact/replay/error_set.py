@@ -29,7 +29,8 @@ from math import frexp, inf, ldexp
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import MOST, UP, ErrorStep, Fly, Meet, Mirror, Spent, grow
+from ..laws.tangent_formulas import pair_tangent_blocks
+from .errors import MOST, UP, Bounds, Collision, Leg, Spent
 
 Floats = NDArray[np.float64]
 
@@ -40,12 +41,11 @@ LEAST = 2.0**-300
 """Added to each edge of a box: products of doubles that vanish below 2**-1074 are far less."""
 
 MOST_GROWTH = 2.0**35
-"""By how much nu may grow within a block: twice that is what doubles lose of M, and they have 53 bits."""
+"""By how much nu may grow within a block: what is beside M grows alike, from 2**-49, so that it stays below the box. M
+itself grows by less than half as many bits, as norms know nothing of directions."""
 
-
-STEPS_A_BODY = 20
-"""Steps in a block for each body, some three collisions: there the cost of making the basis anew is no more than that
-of carrying it."""
+CONTACTS_A_BODY = 12
+"""Contacts in a block for each body, at most: making the basis anew then costs less than carrying it."""
 
 
 class ErrorSet:
@@ -54,41 +54,64 @@ class ErrorSet:
     Args:
         radii: for each body, bounds of its four deviations, divided by 2**shift.
         shift: see the module.
+        unit: the time in which velocities are counted.
 
     Attributes:
-        nu: for each body, a bound of its deviations, divided by 2**shift; 0 at last, for what is fixed.
+        bounds: see there.
     """
 
-    def __init__(self, radii: Sequence[Sequence[float]], shift: int) -> None:
+    def __init__(self, radii: Sequence[Sequence[float]], shift: int, unit: float = 1.0) -> None:
         count = len(radii)
         self.shift = shift
+        self._unit = unit
         self._basis: Floats = np.eye(4 * count)
         self._box: Floats = np.array(radii, dtype=np.float64).reshape(-1) * UP + LEAST
         self._count = count
-        self._steps: list[tuple[ErrorStep, float, float]] = []
         self._open()
 
     def _open(self) -> None:
-        """The bounds at the start of a block."""
-        self.nu = self._bounds()
-        self._limit = max(self.nu) * MOST_GROWTH
-
-    def _bounds(self) -> list[float]:
-        """For each body, the largest coordinate of any deviation in the set at the start of the block; 0 at last, for
-        what is fixed."""
+        """The bounds at the start of a block: the largest coordinate of any deviation in the set."""
         rows = (np.abs(self._basis) @ self._box).reshape(self._count, 4).max(axis=1) * UP
-        return [*rows.tolist(), 0.0]
+        self.bounds = Bounds([*rows.tolist(), 0.0])
+        self._limit = max(self.bounds.nu) * MOST_GROWTH
+        self._grown = False
+        self._legs: list[tuple[float, ...]] = []
+        self._hits: list[tuple[int, tuple[float, float], tuple[float, float], Collision]] = []
+        self._pairs: list[tuple[int, int]] = []
+        self._layers: list[int] = []
+        self._layer = [0] * (self._count + 1)
 
-    def do(self, step: ErrorStep) -> None:
-        """Carries nu through a step; what M needs is done at the end of the block."""
-        nu, j = self.nu, step.j
-        self._steps.append((step, nu[step.i], nu[j]))
-        grow(nu, step)
+    # -- steps: bounds are carried at once, what M needs at the end of the block
+
+    def fly(self, leg: Leg, off: float = 0.0, rounding: float = 0.0) -> None:
+        """See `Bounds.fly`."""
+        self.bounds.fly(leg, off, rounding)
+        i, lag, xx, xy, yy = leg
+        self._legs.append((len(self._pairs), lag, xx, xy, yy))
+        self._grown |= self.bounds.nu[i] > self._limit
+        self._pairs.append((i, -1))
+        self._layers.append(self._layer[i])
+        self._layer[i] += 1
+
+    def meet(
+        self, i: int, j: int, lags: tuple[float, float], weights: tuple[float, float], hit: Collision, rounding: float
+    ) -> None:
+        """See `Bounds.meet`."""
+        self.bounds.meet(i, j, lags, weights, hit, rounding)
+        self._hits.append((len(self._pairs), lags, weights, hit))
+        nu = self.bounds.nu
+        self._grown |= nu[i] > self._limit or nu[j] > self._limit
+        self._pairs.append((i, j))
+        layer = self._layer
+        layer[-1] = 0  # what is fixed waits for nothing
+        later = max(layer[i], layer[j])
+        self._layers.append(later)
+        layer[i] = layer[j] = later + 1
 
     @property
     def full(self) -> bool:
         """Whether the block should end."""
-        return len(self._steps) >= STEPS_A_BODY * self._count or max(self.nu) > self._limit
+        return self._grown or len(self._pairs) >= CONTACTS_A_BODY * self._count
 
     # -- the end of a block
 
@@ -99,67 +122,75 @@ class ErrorSet:
             Spent: if the doubles do not carry it.
         """
         with np.errstate(over="ignore", invalid="ignore"):  # told by what comes out
-            basis, mu = self._carried()
-        size = basis.shape[0]
-        order = np.argsort(-np.linalg.norm(basis, axis=0) * self._box)
-        ordered, box = basis[:, order], self._box[order]
-        if not np.isfinite(ordered).all():
-            raise Spent
-        q, r = np.linalg.qr(ordered)
-        size_q, size_r = np.abs(q), np.abs(r)
-        gamma = (size + 8) * 4 * UNIT
-        rest = np.abs(ordered - q @ r) * UP + gamma * (size_q @ size_r + np.abs(ordered))
-        x = (rest @ box + np.repeat(mu[:-1], 4)) * UP
-        skew = float(np.abs(np.eye(size) - q.T @ q).sum(axis=1).max()) * UP + gamma * size * 2
-        if not skew < 2.0**-20:
-            raise Spent
-        y = size_q.T @ x * UP
-        new = (size_r @ box + y + skew / (1.0 - skew) * float(y.max())) * UP
+            basis = self._carried()
+            order = np.argsort(-np.linalg.norm(basis, axis=0) * self._box)
+            ordered, box = basis[:, order], self._box[order]
+            if not np.isfinite(ordered).all():
+                raise Spent
+            size = len(box)
+            q, r = np.linalg.qr(ordered)
+            size_q, inner = np.abs(q), np.abs(r) @ box
+            gamma = (size + 8) * 4 * UNIT
+            rest = np.abs(ordered - q @ r) @ box + gamma * (size_q @ inner + np.abs(ordered) @ box)
+            x = (rest * UP + np.repeat(np.array(self.bounds.mu[:-1]), 4)) * UP
+            skew = float(np.abs(np.eye(size) - q.T @ q).sum(axis=1).max()) * UP + gamma * size * 2
+            if not skew < 2.0**-20:
+                raise Spent
+            y = size_q.T @ x * UP
+            new = (inner + y + skew / (1.0 - skew) * float(y.max())) * UP
         top = float(new.max())
         if not 0.0 < top < inf:
             raise Spent
         up = frexp(top)[1]
         self._basis, self._box, self.shift = q, new * 2.0**-up + LEAST, self.shift + up
-        self._steps = []
         self._open()
 
-    def _carried(self) -> tuple[Floats, list[float]]:
-        """M at the end of the block, and for each body a bound of what it does not tell.
+    def _carried(self) -> Floats:
+        """M at the end of the block: rows of fours, each step a matrix on those of its two bodies.
 
-        What M loses in a step is bounded by its norm and by nu before it, which bounds |M| box as well.
+        Steps of bodies that share none are carried together; one body more, whose rows are zero, is all that is fixed.
         """
-        rows = list(self._basis.copy().reshape(self._count, 4, -1))
-        mu = [0.0] * (self._count + 1)
-        c = np.zeros((4, 4))
-        top, low = c[:2, :2], c[2:, 2:]
-        turn = c[2:, :2]
-        for step, nu_i, nu_j in self._steps:
-            i = step.i
-            if isinstance(step, Fly):
-                own, lag = rows[i], step.lag
-                own[:2] += lag * own[2:]
-                grow(mu, step)
-                mu[i] += 5 * UNIT * (1.0 + abs(lag)) * nu_i
-            elif isinstance(step, Meet):
-                j, wi, wj, blocks = step.j, step.wi, step.wj, step.blocks
-                top[:] = low[:] = blocks.b
-                turn[:] = blocks.a
-                gain = c @ (-rows[i] if j < 0 else rows[j] if i < 0 else rows[j] - rows[i])
-                slip = (blocks.off + 32 * UNIT * blocks.norm) * (nu_i + nu_j) * UP
-                grow(mu, step)
-                if i >= 0:
-                    rows[i] -= gain if wi == 1.0 else wi * gain
-                    mu[i] = (mu[i] + wi * slip + 8 * UNIT * nu_i) * UP
-                if j >= 0:
-                    rows[j] += gain if wj == 1.0 else wj * gain
-                    mu[j] = (mu[j] + wj * slip + 8 * UNIT * nu_j) * UP
-            elif isinstance(step, Mirror):
-                _mirror(rows[i], step.xx, step.xy, step.yy)
-                grow(mu, step)
-                mu[i] = (mu[i] + (step.off + 16 * UNIT) * nu_i) * UP
-            else:
-                grow(mu, step)
-        return np.array(rows).reshape(4 * self._count, -1), mu
+        rows = np.zeros((self._count + 1, 4, 4 * self._count))
+        rows[:-1] = self._basis.reshape(self._count, 4, -1)
+        layers = np.array(self._layers, dtype=np.intp)
+        order = np.argsort(layers, kind="stable")
+        pairs, maps = np.array(self._pairs, dtype=np.intp).reshape(-1, 2)[order], self._maps()[order]
+        start = 0
+        for end in np.cumsum(np.bincount(layers)).tolist():
+            those, part = pairs[start:end], maps[start:end]
+            rows[those] = (part @ rows[those].reshape(end - start, 8, -1)).reshape(end - start, 2, 4, -1)
+            start = end
+        return rows[:-1].reshape(4 * self._count, -1)
+
+    def _maps(self) -> Floats:
+        """The matrix of each step: flights, then a mirror or a collision."""
+        maps = np.zeros((len(self._pairs), 8, 8))
+        if self._legs:
+            k, lag, xx, xy, yy = np.array(self._legs).T
+            own = maps[at := k.astype(np.intp)]
+            own[:, 0, 0] = own[:, 2, 2] = xx
+            own[:, 0, 1] = own[:, 1, 0] = own[:, 2, 3] = own[:, 3, 2] = xy
+            own[:, 1, 1] = own[:, 3, 3] = yy
+            own[:, :2, 2:4] = own[:, :2, :2] * lag[:, None, None]
+            maps[at] = own
+        if self._hits:
+            hits = np.array([(k, *lags, *weights, *hit[4:]) for k, lags, weights, hit in self._hits])
+            k, lag_i, lag_j, wi, wj, dx, dy, vx, vy, speed, strength = hits.T
+            cross, square = dx * vy - dy * vx, vx * vx + vy * vy
+            xx, xy, yy, *turn = pair_tangent_blocks(dx, dy, -speed, cross, square, strength)
+            c = np.zeros((len(k), 4, 4))
+            c[:, 0, 0] = c[:, 2, 2] = xx
+            c[:, 0, 1] = c[:, 1, 0] = c[:, 2, 3] = c[:, 3, 2] = xy
+            c[:, 1, 1] = c[:, 3, 3] = yy
+            c[:, 2, 0], c[:, 2, 1], c[:, 3, 0], c[:, 3, 1] = (part * self._unit for part in turn)
+            both = np.empty((len(k), 8, 8))
+            own, other = wi[:, None, None] * c, wj[:, None, None] * c
+            both[:, :4, :4], both[:, :4, 4:] = np.eye(4) + own, -own
+            both[:, 4:, :4], both[:, 4:, 4:] = -other, np.eye(4) + other
+            both[:, :, 2:4] += lag_i[:, None, None] * both[:, :, :2]
+            both[:, :, 6:] += lag_j[:, None, None] * both[:, :, 4:6]
+            maps[k.astype(np.intp)] = both
+        return maps
 
     def doubles(self, bound: float) -> float:
         """A bound as the set counts it: divided by 2**shift, and no more than doubles hold."""
@@ -167,7 +198,7 @@ class ErrorSet:
 
     def power(self, i: int) -> int:
         """A k with all deviations of body i at most 2**k."""
-        return self.power_of(self.nu[i])
+        return self.power_of(self.bounds.nu[i])
 
     def power_of(self, bound: float) -> int:
         """A k with bound * 2**shift at most 2**k.
@@ -178,12 +209,3 @@ class ErrorSet:
         if not bound < MOST:
             raise Spent
         return frexp(bound)[1] + self.shift
-
-
-def _mirror(own: Floats, xx: float, xy: float, yy: float) -> None:
-    """Mirrors four rows in place."""
-    if xy == 0.0:
-        own *= np.array(((xx,), (yy,), (xx,), (yy,)))
-    else:
-        matrix = np.array(((xx, xy), (xy, yy)))
-        own[:2], own[2:] = matrix @ own[:2], matrix @ own[2:]

@@ -9,19 +9,22 @@ discriminant that may vanish) is left to the steps, with nothing changed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
 from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
 from .ball_state import BallState
-from .body import Body, Flight
+from .body import Body, Flight, new_flight
 from .contact import AtWall, Pair, Touch
 
 SPARE_BITS = 64
 """Bits of working precision kept beyond the accuracy of the numbers at hand."""
+
+
+Met: TypeAlias = tuple[arb, arb, arb, arb, arb]
+"""d, v and -d.v of two circles as they meet."""
 
 
 class Partners(NamedTuple):
@@ -77,10 +80,14 @@ class LoneContacts:
 
     Args:
         state: whose bodies fly.
+
+    Attributes:
+        met: of two circles carried out last, not on one line: d, v and -d.v at the hit.
     """
 
     def __init__(self, state: BallState) -> None:
         self._state = state
+        self.met: Met | None = None
         self._bits = 0
         self._partners: dict[Pair, Partners] = {}
         self._shares: dict[Pair, Shares] = {}
@@ -133,6 +140,7 @@ class LoneContacts:
             return None
         root = disc.sqrt()
         wait, ex, ey = pair_meeting(dx * vx + dy * vy, cross, square, root, vx, vy)
+        self.met = ex, ey, vx, vy, root
         instant = base + wait
         clock = instant.mid()
         lag = clock - base
@@ -142,14 +150,14 @@ class LoneContacts:
         wx, wy = avx - jx, avy - jy
         rest = wx.is_zero() and wy.is_zero()
         x, y = ax + avx * lag + jx * late, ay + avy * lag + jy * late
-        one = _flight(Flight, (x, y, wx, wy, clock, instant, late, step, rest))
+        one = new_flight(Flight, (x, y, wx, wy, clock, instant, late, step, rest))
         if not alike:
             strength = share_b * root
             jx, jy = strength * ex, strength * ey
         wx, wy = bvx + jx, bvy + jy
         rest = wx.is_zero() and wy.is_zero()
         x, y = bx + bvx * lag - jx * late, by + bvy * lag - jy * late
-        a.flight, b.flight = one, _flight(Flight, (x, y, wx, wy, clock, instant, late, step, rest))
+        a.flight, b.flight = one, new_flight(Flight, (x, y, wx, wy, clock, instant, late, step, rest))
         accuracy = self._stand(instant, late, step, bits)
         a.acc = b.acc = accuracy
         return accuracy
@@ -197,8 +205,8 @@ class LoneContacts:
             one, two = (p, ay, u, avy), (q, by, v, bvy)
         else:
             one, two = (ax, p, avx, u), (bx, q, bvx, v)
-        a.flight = _flight(Flight, (*one, clock, instant, late, step, still[0]))
-        b.flight = _flight(Flight, (*two, clock, instant, late, step, still[1]))
+        a.flight = new_flight(Flight, (*one, clock, instant, late, step, still[0]))
+        b.flight = new_flight(Flight, (*two, clock, instant, late, step, still[1]))
         a.acc = b.acc = accuracy = self._stand(instant, late, step, bits)
         return accuracy
 
@@ -231,7 +239,7 @@ class LoneContacts:
         else:
             x, vx = wall.twice - x, -vx
         rest = vx.is_zero() and vy.is_zero()
-        body.flight = _flight(Flight, (x, y, vx, vy, clock, instant, late, step, rest))
+        body.flight = new_flight(Flight, (x, y, vx, vy, clock, instant, late, step, rest))
         body.acc = accuracy = self._stand(instant, late, step, bits)
         return accuracy
 
@@ -250,9 +258,15 @@ class LoneContacts:
         square = reach * reach
         whole = square * (a.w + b.w)
         shares = (a.w + a.w) / whole, (b.w + b.w) / whole
-        circles = self._state.scene.circles
-        found = self._partners[link] = Partners(square, *shares, circles[link.a].m == circles[link.b].m)
+        found = self._partners[link] = Partners(square, *shares, self._are_alike(a, b))
         return found
+
+    def _are_alike(self, a: Body[arb], b: Body[arb]) -> bool:
+        """Whether two circles have one mass: told by the balls of their inverse masses where these are exact."""
+        if a.w.is_exact() and b.w.is_exact():
+            return (a.w - b.w).is_zero()
+        circles = self._state.scene.circles
+        return circles[a.index].m == circles[b.index].m
 
     def _share(self, link: Pair, bits: int) -> Shares:
         ball.use_bits(bits)
@@ -282,7 +296,3 @@ class LoneContacts:
         mirror = self._state.mirror_of(link)
         found = self._walls[link] = Oblique(x0, y0, nx, ny, offset, *mirror, shift * nx, shift * ny)
         return found
-
-
-_flight: Callable[[type[Flight[arb]], tuple[object, ...]], Flight[arb]] = tuple.__new__  # pyright: ignore[reportUnknownMemberType, reportUnknownVariableType]
-"""Makes a `Flight` of nine numbers: what its own constructor does, in a third of the time."""

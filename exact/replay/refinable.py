@@ -19,7 +19,8 @@ from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
 from .body import Body, Flight
 from .centred_state import CentredState
 from .contact import AtWall, Pair, Touch
-from .lone import SPARE_BITS, LoneContacts
+from .lone import SPARE_BITS
+from .lone_centred import lone_contacts
 from .state import State
 from .steps import Flip, Go, Kick, Step, circles_of
 
@@ -55,7 +56,7 @@ class RefinableState:
         ball.use_bits(bits)
         self.balls = CentredState(scene, centred=False)
         self.bodies = self.balls.bodies
-        self._lone = LoneContacts(self.balls)
+        self._lone = lone_contacts(self.balls)
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
@@ -152,8 +153,6 @@ class RefinableState:
             steps: to it, and its impulse.
         """
         self._tried.add(len(self.steps))
-        if self.balls.centred:
-            return False
         if self._in_play and not self._all_leave(link.circles):
             return False
         accuracy = self._lone.strike(link, self.bits, len(self.steps))
@@ -259,12 +258,12 @@ class RefinableState:
             body.acc = bits
         if self.field is not None:
             state.outside.update(range(self.n))
-        lone = LoneContacts(state)
+        lone = lone_contacts(state)
         k, count = 0, len(self.steps)
         while k < count:
             if k in self._left:
                 self._arrive(state, k)
-            link = None if centred else self._alone(k)
+            link = self._alone(k)
             accuracy = None if link is None else lone.strike(link, bits, k)
             if accuracy is not None:
                 self.lowest = min(self.lowest, accuracy)
@@ -284,6 +283,7 @@ class RefinableState:
             if self._in_field[last]:
                 state.flip_time = field_ball(self.field.flip_time, bits)
         self.balls.become(state)
+        self._lone = lone_contacts(self.balls)
         self._stale = {i for i in range(self.n) if self.exact[i]}
         self.sync(tuple(self._stale))
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
 
+from ...scenarios.frozen import frozen
 from ...scenarios.numbers.doubles import certain_double
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.numbers.tower.element import Element
@@ -42,7 +42,7 @@ READ_BITS = 192
 """Precision at which stored states (short balls) are carried on to a time asked for."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Place:
     """Computes a coordinate of a circle at a time, from the state after its last change of velocity before it."""
 
@@ -59,7 +59,7 @@ class Place:
         return advance(place, speed, when - flight.t)
 
 
-@dataclass(frozen=True)
+@frozen
 class Velocity:
     """Computes a component of a circle's velocity."""
 
@@ -71,7 +71,7 @@ class Velocity:
         return flight.vx if self.axis == 0 else flight.vy
 
 
-@dataclass(frozen=True)
+@frozen
 class Constant:
     """A number that the scene gives."""
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TypeAlias
 
+from ...scenarios.frozen import frozen
 from ..numbers.field import Known
 from ..numbers.system import N
 from ..replay.contact import Link
@@ -23,7 +23,7 @@ Source: TypeAlias = int | Link | str
 """The circle whose clock stands at a time; or the meeting that comes at it; or `REVERSAL`, RETURN, START."""
 
 
-@dataclass(frozen=True)
+@frozen
 class TimeFormula:
     """Computes a time from the state at the end of its instant."""
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from ...scenarios.engine import horizon
+from ...scenarios.frozen import frozen
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.scene import Scene
 
 
-@dataclass(frozen=True)
+@frozen
 class Limits:
     """The limits of a run.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from heapq import heappop, heappush
 from math import inf
 from typing import Generic, NamedTuple, Protocol
@@ -98,9 +98,11 @@ class ArrivalQueue(Generic[N]):
                 heappush(heap, _new(Arrival, (low, order, high, True, None, link, serials, False)))
         self._order = order
 
-    def push_walls(self, a: Body[N], found: Iterable[tuple[float, float, int]], standing: Collection[Link]) -> None:
+    def push_walls(self, a: Body[N], found: Sequence[tuple[float, float, int]], standing: Collection[Link]) -> None:
         """Queues arrivals of a at walls, the earliest first, until one of them ends its flight."""
-        for low, high, wall in sorted(found):
+        if len(found) > 1:
+            found = sorted(found)
+        for low, high, wall in found:
             if low > a.until:
                 return
             link = _new(AtWall, (a.index, wall, "wall"))

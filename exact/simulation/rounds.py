@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
+from ...scenarios.frozen import frozen
 from ..numbers.undecided import BudgetSpent
 from ..policies.complementarity import Ask
 from ..policies.policy import Policy
@@ -35,7 +35,7 @@ class Touching:
         return self._links
 
 
-@dataclass(frozen=True)
+@frozen
 class Component:
     """Contacts that hang together through shared circles of finite or infinite mass, and those circles."""
 
@@ -70,7 +70,7 @@ def components(links: Sequence[Touch], touching: Touching) -> list[Component]:
     return found
 
 
-@dataclass(frozen=True)
+@frozen
 class Rounds:
     """The outcome of the rounds in one component.
 

@@ -7,12 +7,12 @@ asks for. That a history keeps a symmetry is proved on its log (`symmetry.log_sy
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from functools import lru_cache
 from math import inf
 from typing import TypeAlias
 
 from ...scenarios.errors import SceneError
+from ...scenarios.frozen import frozen
 from ...scenarios.scene import Scene
 from ..numbers.field import LeavesField
 from .isometry import Isometry, Matrix, Vector, from_vectors, minus, scene_data, turned
@@ -26,7 +26,7 @@ Likely: TypeAlias = tuple[int, bool, int, bool]
 """A circle, whether by its velocity (else by its place), the circle whose velocity or place is its image; mirror?"""
 
 
-@dataclass(frozen=True)
+@frozen
 class Symmetry:
     """An isometry that maps the scene to itself.
 

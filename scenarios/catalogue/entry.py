@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SceneError
+from ..frozen import frozen
 from ..scene import Scene
 from ..showing import cut
 from .settings import Reader
 
 
-@dataclass(frozen=True)
+@frozen
 class Parameter:
     """A setting of a catalogue scene.
 
@@ -30,7 +29,7 @@ class Parameter:
     read: Reader
 
 
-@dataclass(frozen=True)
+@frozen
 class Entry:
     """A scene of the catalogue.
 
@@ -60,6 +59,8 @@ class Entry:
         known = {parameter.name: parameter for parameter in self.parameters}
         for key in settings:
             if key not in known:
+                import difflib
+
                 near = difflib.get_close_matches(key, known, n=1)
                 hint = f"did you mean {near[0]!r}? " if near else ""
                 raise SceneError(f"{label} has no parameter {cut(key)}; {hint}it has: {', '.join(known)}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from importlib import import_module
 from typing import Any
 
@@ -59,6 +58,8 @@ def entry(name: str) -> Entry:
     ['n']
     """
     if name not in FAMILIES:
+        import difflib
+
         near = difflib.get_close_matches(name, FAMILIES, n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise SceneError(f"no scene {cut(name)} in the catalogue; {hint}it has: {', '.join(FAMILIES)}")

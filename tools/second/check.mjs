@@ -234,9 +234,8 @@ export class Check {
     if (apart(time, instant.time)) throw new Refuted(`[${contact}] does not come at that time`)
     if (sameSingle(time, instant.time)) return
     const shown = instant.witnesses.shows('tie', contact, ({ other = clock }) => {
-      const otherKind = listed.get(this.scene.key(other))
-      if (!otherKind) throw new Refuted(`[${other}] is not listed before [${contact}]`)
-      return { kind, other, otherKind }
+      const otherKind = this.scene.has(other) && listed.get(this.scene.key(other))
+      return otherKind ? { kind, other, otherKind } : null
     })
     if (!shown) throw new Undecided(`whether [${contact}] comes at that time`)
   }
@@ -262,7 +261,6 @@ export class Check {
     this.#last(instant, all)
     new Entries(this, instant).run(afterReversal)
     if (instant.rounds.length) this.events++
-    instant.witnesses.close()
   }
 
   #limited() {

@@ -89,7 +89,7 @@ export class Rounds {
     const keysApproaching = new Set(approaching.map((contact) => this.scene.key(contact)))
     if (keys.size < push.length) throw new Refuted('a contact pushes twice in one round')
     for (const contact of push) {
-      if (!keysApproaching.has(this.scene.key(contact))) {
+      if (!this.scene.has(contact) || !keysApproaching.has(this.scene.key(contact))) {
         throw new Refuted(`[${contact}] is said to push, and does not approach`)
       }
     }

@@ -66,7 +66,7 @@ export class Sweep {
   // Before an instant
 
   #open(contact) {
-    return this.scene.meets(contact) && this.clear[this.scene.key(contact)] !== null
+    return this.scene.has(contact) && this.scene.meets(contact) && this.clear[this.scene.key(contact)] !== null
   }
 
   /** Doubts that witnesses `graze` and `still` resolve. */
@@ -90,7 +90,7 @@ export class Sweep {
       const [i, j] = contact
       const other = this.scene.isPair(contact) ? flights[j] : flights[i]
       const later = other.at > flights[i].at ? other : flights[i]
-      if (witnesses.shows('still', contact, { time: later.start })) this.#never(this.scene.key(contact))
+      if (witnesses.shows('still', contact, { time: later.start }, false)) this.#never(this.scene.key(contact))
     }
   }
 
@@ -105,6 +105,7 @@ export class Sweep {
 
   /** When a contact grazes. */
   graze(contact) {
+    if (!this.scene.has(contact)) throw new Refuted(`[${contact}] is no contact`)
     const key = this.scene.key(contact)
     if (this.#open(contact) && this.#look(contact, this.check.fine).kind === 'doubt') {
       throw new Undecided(`whether [${contact}] grazes`)

@@ -67,7 +67,7 @@ export class Prover {
   }
 }
 
-/** The witnesses at hand. One that is asked has to show something in the end; one that nothing asks is of no effect. */
+/** The witnesses at hand; one that nothing asks is of no effect. */
 class Witnesses {
   constructor(prover, zeros) {
     this.prover = prover
@@ -76,7 +76,7 @@ class Witnesses {
       if (!prover.scene.has(contact)) continue // nothing asks about it
       const name = `${question} ${contact}`
       if (!this.byQuestion.has(name)) this.byQuestion.set(name, [])
-      this.byQuestion.get(name).push({ question, contact, how, other, asked: false, used: false })
+      this.byQuestion.get(name).push({ question, contact, how, other })
     }
   }
 
@@ -89,24 +89,17 @@ class Witnesses {
     return [...this.byQuestion.values()].filter(([first]) => first.question === question).map(([first]) => first.contact)
   }
 
-  /** Whether a witness shows the number to be zero; `given`, or what it returns for a witness, is as in `Prover`. */
-  shows(question, contact, given = {}) {
-    for (const witness of this.#of(question, contact)) {
-      witness.asked = true
-      if (witness.other && !this.prover.scene.has(witness.other)) throw new Refuted(`[${witness.other}] is no contact`)
+  /**
+   * Whether a witness shows the number to be zero; `given`, or what it returns for a witness, is as in `Prover`, or null
+   * for one that can show nothing. Where there are witnesses, one of them must, or else the certificate is false.
+   */
+  shows(question, contact, given = {}, must = true) {
+    const witnesses = this.#of(question, contact)
+    for (const witness of witnesses) {
       const facts = typeof given === 'function' ? given(witness) : given
-      if (this.prover.shows(question, contact, witness.how, facts)) {
-        witness.used = true
-        return true
-      }
+      if (facts && this.prover.shows(question, contact, witness.how, facts)) return true
     }
+    if (must && witnesses.length) throw new Refuted(`the witness ${question} of [${contact}] shows nothing`)
     return false
-  }
-
-  /** Throws if a witness was asked in vain. */
-  close() {
-    for (const { question, contact, asked, used } of [...this.byQuestion.values()].flat()) {
-      if (asked && !used) throw new Refuted(`the witness ${question} of [${contact}] shows nothing`)
-    }
   }
 }

@@ -92,7 +92,8 @@ def judge(
     from ...comparison import compare
     from ...documents.comparison import comparison_json
     from ...foreign.change import changes_of
-    from ...report.text.listing import console, print_json, say
+    from ...report.text.listing import print_json
+    from ...report.text.output import console, say
     from ...report.text.terminal import print_comparison
     from ...saved.cache import reference_named
     from ...scene_argument import changed, with_settings

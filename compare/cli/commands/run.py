@@ -88,9 +88,7 @@ def run(
     What comes of --resume is what one run from the beginning would have given, but for the counts of its plan.
     """
     from ...deadline import time_limit
-    from ...documents.trajectory import trajectory_json
     from ...foreign.guard import is_own, run_guarded
-    from ...report.text.listing import print_json, print_trajectory
     from ...saved.cache import reference_named
     from ...scene_argument import changed, with_settings
     from ...validation import check_trajectory, check_until
@@ -128,7 +126,12 @@ def run(
 
         write_certificate(trajectory, certificate)
     if as_json:
+        from ...documents.trajectory import trajectory_json
+        from ...report.text.listing import print_json
+
         print_json(trajectory_json(trajectory, exact=exact, watch=watch))
     else:
+        from ...report.text.listing import print_trajectory
+
         print_trajectory(trajectory, exact=exact, watch=watch)
     return of_stop(trajectory.stop)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -13,6 +12,7 @@ from .. import completion
 from ..exit_codes import DONE, ExitCode
 from ..numbers import Whole
 from ..options import JSON
+from ..progress import duration, showing
 
 if TYPE_CHECKING:
     from ...stress.cell import Row
@@ -134,7 +134,7 @@ def code_of(rows: Sequence[Row]) -> ExitCode:
 
 def _list() -> None:
     """The families, what happens in each, and what k is."""
-    from ...report.text.listing import console, grid
+    from ...report.text.output import console, grid
     from ...stress.table import FAMILIES, family
 
     table = grid("family", "what happens", "k", "scenes", whole=("family",))
@@ -160,14 +160,8 @@ def _show(families: Sequence[str], k: int, side: str | None, seed: int | None) -
 @contextmanager
 def _showing() -> Iterator[Callable[[Done], None] | None]:
     """A line on stderr with the rate and the time left; None, and no output, where stderr is not a terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.markup import escape
-
-    with Console(stderr=True).status("stress") as status:
-        yield lambda done: status.update(escape(how_far(done)))
+    with showing("stress") as show:
+        yield None if show is None else lambda done: show(how_far(done))
 
 
 def how_far(done: Done) -> str:
@@ -178,8 +172,6 @@ def how_far(done: Done) -> str:
     >>> how_far(Done(30, 80, 12.0, 20, Place("near-ties", 7, "left")))
     'stress: near-ties, left, k = 7: 30 of 80 places, 1.67 a second, 30 s left'
     """
-    from ..progress import duration
-
     rate = f", {done.fresh / done.seconds:.3g} a second" if done.seconds else ""
     left = "" if done.left is None else f", {duration(done.left)} left"
     where = f"{done.place.family}, {done.place.lane}, k = {done.place.k}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -13,6 +12,7 @@ from .. import completion
 from ..exit_codes import DONE, ExitCode
 from ..numbers import Seconds
 from ..options import JSON
+from ..progress import duration, showing
 
 SUITE_HELP = """
 \b
@@ -177,19 +177,13 @@ def survey(
 @contextmanager
 def showing_cells(title: str) -> Iterator[Callable[[int, int, str], None] | None]:
     """A line on stderr: done, of how many, which is next, the time left; None where stderr is no terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.markup import escape
-
     began = clock.monotonic()
-    with Console(stderr=True).status(escape(title)) as status:
-
-        def show(done: int, total: int, label: str) -> None:
-            status.update(escape(f"{title}: {counted(done, total, clock.monotonic() - began)}: {label}"))
-
-        yield show
+    with showing(title) as show:
+        yield (
+            None
+            if show is None
+            else lambda done, total, label: show(f"{title}: {counted(done, total, clock.monotonic() - began)}: {label}")
+        )
 
 
 def counted(done: int, total: int, seconds: float) -> str:
@@ -198,8 +192,6 @@ def counted(done: int, total: int, seconds: float) -> str:
     >>> counted(0, 12, 0.5), counted(3, 12, 6.0)
     ('0 of 12', '3 of 12, 0.5 a second, 18 s left')
     """
-    from ..progress import duration
-
     if not done or not seconds:
         return f"{done:,} of {total:,}"
     rate = done / seconds

@@ -13,6 +13,7 @@ from .. import completion
 from ..exit_codes import DONE, ExitCode
 from ..numbers import Whole
 from ..options import EVENTS, JSON, SCENE_HELP, WORK
+from ..progress import duration, showing
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -205,19 +206,12 @@ def _workers(text: str | None, jobs: int | None) -> Iterator[tuple[Executor | No
 @contextmanager
 def _showing(title: str) -> Iterator[Callable[[Done], None] | None]:
     """A line on stderr with the rate and the time left; None, and no output, where stderr is not a terminal."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.markup import escape
+    with showing(title) as show:
 
-    with Console(stderr=True).status(escape(title)) as status:
-
-        def show(done: Done) -> None:
+        def told(done: Done) -> str:
             rate = done.fresh / done.seconds if done.seconds else 0.0
-            left = "" if done.left is None else f", {done.left:.0f} s left"
+            left = "" if done.left is None else f", {duration(done.left)} left"
             failed = f", {done.failed} failed" if done.failed else ""
-            text = f"{title}: {done.there:,} of {done.wanted:,} scenes, {rate:.1f} a second{left}{failed}"
-            status.update(escape(text))
+            return f"{title}: {done.there:,} of {done.wanted:,} scenes, {rate:.1f} a second{left}{failed}"
 
-        yield show
+        yield None if show is None else lambda done: show(told(done))

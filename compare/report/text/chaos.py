@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..counting import counted
 from ..sentences import listed
-from .listing import console, grid, say
+from .output import console, grid, say
 
 if TYPE_CHECKING:
     from ...chaos.blocks import Rate
@@ -63,6 +63,11 @@ def sentences(chaos: Chaos) -> list[str]:
     listed_values = ", ".join(f"{found.per_time(k).value:.4g}" for k in range(min(count, SHOWN_EXPONENTS)))
     more = f", and {count - SHOWN_EXPONENTS} more" if count > SHOWN_EXPONENTS else ""
     told.append(f"Spectrum, {count} of {found.dimension}: {listed_values}{more}.")
+    if chaos.horizons and not found.chaotic:
+        told.append(
+            "The events foreseen hold where small errors change who meets next. Here growth that goes on is not told, "
+            "and engines may hold out longer."
+        )
     if chaos.exact:
         told.append(f"No horizon: {listed([*chaos.exact])}, whose numbers are exact.")
     return told
@@ -74,12 +79,12 @@ def horizon_rows(chaos: Chaos) -> list[tuple[str, ...]]:
 
 
 def _row(horizon: Horizon, events: int) -> tuple[str, ...]:
-    band = f"{_event(horizon.low, events)} to {_event(horizon.high, events)}"
+    ends = dict.fromkeys(_event(end, events) for end in (horizon.low, horizon.high))
     time = "" if horizon.expected.time is None else f"{horizon.expected.time:.5g}"
     return (
         horizon.engine,
         _event(horizon.expected, events),
-        band,
+        " to ".join(ends),
         time,
         "-" if horizon.by_exponent is None else f"{horizon.by_exponent:.5g}",
         _seen(horizon, events),
@@ -102,8 +107,6 @@ def _seen(horizon: Horizon, events: int) -> str:
 
 def print_chaos(chaos: Chaos) -> None:
     """Prints all of it on stdout."""
-    from rich.markup import escape
-
     out = console()
     first, *others = sentences(chaos)
     say(out, f"{chaos.scene.name}: {first}", "bold")
@@ -112,5 +115,5 @@ def print_chaos(chaos: Chaos) -> None:
     if chaos.horizons:
         table = grid(*HORIZON_HEADINGS)
         for row in horizon_rows(chaos):
-            table.add_row(*map(escape, row))
+            table.add_row(*row)
         out.print(table)

@@ -2,79 +2,26 @@
 
 from __future__ import annotations
 
-import json
-import os
 import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ....scenarios.numbers.real import real
 from ...documents.amounts import bounds, double
 from ..counting import counted
+from .output import Table, console, grid, say
 
 if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
     from ....scenarios.catalogue import Entry
     from ....scenarios.event import Event
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Trajectory
     from ...deadline import Clock
 
-PLAIN_WIDTH = 110
-"""Columns of a table where the output is not a terminal."""
-
 SHOWN_EVENTS = 40
 """Rows of events printed for people: three quarters of them from the start, the rest from the end."""
 
 SHOWN_DIGITS = 60
 """Longest exact text in a table; of longer ones, which are in the JSON, the value and how long they are."""
-
-
-LEAST_WIDTH = 40
-"""Fewest columns that COLUMNS may ask for: a table of fewer is a heap of letters."""
-
-
-def columns() -> int | None:
-    """The columns that the variable COLUMNS asks for; None without one that makes sense."""
-    asked = os.environ.get("COLUMNS", "")
-    return max(int(asked), LEAST_WIDTH) if asked.isdecimal() and len(asked) < 6 and int(asked) > 0 else None
-
-
-def console() -> Console:
-    """Standard output: colours on a terminal, plain text elsewhere; as wide as COLUMNS says, if it says anything."""
-    from rich.console import Console
-
-    class Output(Console):
-        """A console that leaves a closed pipe to the caller, where rich would exit with code 1: diverged."""
-
-        def on_broken_pipe(self) -> None:
-            raise BrokenPipeError
-
-    width = columns() or (None if sys.stdout.isatty() else PLAIN_WIDTH)
-    return Output(width=width, highlight=False, soft_wrap=False)
-
-
-def say(out: Console, text: str, style: str | None = None) -> None:
-    """A line of text; where the output is not a terminal it stays one line, however long, unless COLUMNS is set."""
-    from rich.text import Text
-
-    out.print(Text(text, style=style or ""), soft_wrap=not out.is_terminal and columns() is None)
-
-
-def grid(*headings: str, title: str | None = None, whole: tuple[str, ...] = ()) -> Table:
-    """An empty table in the one style of all reports. Nothing in it is ever cut.
-
-    Args:
-        whole: headings of the columns whose cells stay on one line; others go on in the next.
-    """
-    from rich.box import SIMPLE
-    from rich.table import Table
-
-    table = Table(box=SIMPLE, title=title, title_justify="left", pad_edge=False)
-    for heading in headings:
-        table.add_column(heading, overflow="fold", no_wrap=heading in whole)
-    return table
 
 
 def print_json(data: dict[str, Any]) -> None:
@@ -105,6 +52,8 @@ def laid_out(data: dict[str, Any]) -> str:
 
 
 def _flat(value: Any) -> str:
+    import json
+
     return json.dumps(value, allow_nan=False, ensure_ascii=False)
 
 
@@ -148,8 +97,6 @@ def print_scene(scene: Scene, as_json: bool) -> None:
     if as_json:
         print_json(scene.data())
         return
-    from rich.markup import escape
-
     out = console()
     say(out, f"{scene.name}  {scene.description}", "bold")
     if scene.source:
@@ -171,7 +118,7 @@ def print_scene(scene: Scene, as_json: bool) -> None:
             continue
         table = grid(*keys, title=counted(len(rows), kind))
         for row in rows:
-            table.add_row(*(escape(cut(str(row[key]))) for key in keys))
+            table.add_row(*(cut(str(row[key])) for key in keys))
         out.print(table)
 
 
@@ -186,8 +133,6 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> No
     Args:
         exact: whether numbers are told as exact text, as long as the user's seconds last.
     """
-    from rich.markup import escape
-
     out = console()
     name, scene = trajectory.engine, trajectory.scene
     say(
@@ -209,7 +154,7 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> No
     table = grid("circle", "x", "y", "vx", "vy", title="at the end")
     for circle in trajectory.final.circles:
         cells = [number(getattr(circle, key), exact and not watch.over) for key in ("x", "y", "vx", "vy")]
-        table.add_row(escape(circle.id), *map(escape, cells))
+        table.add_row(circle.id, *cells)
     out.print(table)
     if trajectory.plan:
         told = ", ".join(f"{key}: {value}" for key, value in trajectory.plan.items())
@@ -218,8 +163,6 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> No
 
 def events_table(trajectory: Trajectory, exact: bool, watch: Clock) -> Table:
     """The first and last events of a run."""
-    from rich.markup import escape
-
     table = grid("event", "time", "contacts", "impulses", whole=("event", *(() if exact else ("time",))))
     events = trajectory.events
     head = SHOWN_EVENTS * 3 // 4
@@ -232,9 +175,7 @@ def events_table(trajectory: Trajectory, exact: bool, watch: Clock) -> Table:
             continue
         contacts = " ".join(f"{a}-{b}" for a, b in event.contacts)
         impulses = " ".join(f"{a}-{b}" for a, b in event.impulses) if event.impulses != event.contacts else ""
-        table.add_row(
-            str(event.index), escape(number(event.time, exact and not watch.over)), escape(contacts), escape(impulses)
-        )
+        table.add_row(str(event.index), number(event.time, exact and not watch.over), contacts, impulses)
     return table
 
 

@@ -6,7 +6,7 @@ from decimal import ROUND_CEILING, Context, Decimal
 from typing import TYPE_CHECKING
 
 from ..counting import counted
-from .listing import console, say
+from .output import console, say
 
 if TYPE_CHECKING:
     from ...shadowing.shadow import Proof, Shadow

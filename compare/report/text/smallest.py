@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from ...reduction.smallest import Size
 from ..counting import counted
 from ..sentences import divergence_phrase
-from .listing import console, grid, say
+from .output import console, grid, say
 from .terminal import print_comparison
 
 if TYPE_CHECKING:
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
 
 def print_smallest(found: Smallest) -> None:
     """Prints what was left out, step by step with the verdict on what was left, and the comparison of the last."""
-    from rich.markup import escape
-
     out = console()
     say(out, f"{found.original.name}: {size_phrase(Size.of(found.original))}")
     say(out, f"still shown by: {size_phrase(Size.of(found.scene))}", "bold")
@@ -26,7 +24,7 @@ def print_smallest(found: Smallest) -> None:
         table = grid("comparison", "left out", "on what is left", whole=("comparison",))
         for step in found.steps:
             phrase = divergence_phrase(step.comparison, step.comparison.candidates[0])
-            table.add_row(f"{step.runs:,}", escape(step.told), escape(phrase))
+            table.add_row(f"{step.runs:,}", step.told, phrase)
         out.print(table)
     print_comparison(found.comparison)
 

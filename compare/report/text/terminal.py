@@ -17,12 +17,10 @@ from ..sentences import (
     span_phrase,
     verdict_sentence,
 )
-from .listing import console, grid, say
+from .output import Table, Tinted, console, grid, say
 from .side_by_side import side_by_side
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from ...candidate import Candidate
     from ...comparison import Comparison
 
@@ -64,8 +62,6 @@ def print_comparison(comparison: Comparison) -> None:
 
 def engines_table(comparison: Comparison) -> Table:
     """One row an engine; a column for the return only after a reversal."""
-    from rich.markup import escape
-
     returns = comparison.return_miss is not None or any(c.return_miss is not None for c in comparison.candidates)
     headings = [
         "engine",
@@ -80,16 +76,16 @@ def engines_table(comparison: Comparison) -> Table:
     table = grid(*headings, whole=tuple({*headings} - {"engine", "cause"}))
     total = len(comparison.reference.events)
     reference = [comparison.reference.engine, "reference", f"{total:,}", "", "", "", ""]
-    table.add_row(*map(escape, reference), *([short(comparison.return_miss)] if returns else []))
+    table.add_row(*reference, *([short(comparison.return_miss)] if returns else []))
     for candidate in comparison.candidates:
         colour = COLOURS[candidate.verdict]
         divergence = candidate.alignment.divergence
         cells = [
-            escape(candidate.engine),
-            f"[{colour}]{candidate.verdict}[/]",
+            candidate.engine,
+            Tinted(candidate.verdict, colour),
             f"{candidate.alignment.agreed:,}",
             f"event {divergence.event:,}" if divergence else "",
-            escape(str(candidate.diagnosis)) if candidate.diagnosis else "",
+            str(candidate.diagnosis) if candidate.diagnosis else "",
             str(candidate.alignment.harmless_swaps),
             short(candidate.separation.maximum),
         ]
@@ -105,8 +101,6 @@ def changed_text(candidate: Candidate) -> str:
 
 
 def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
-    from rich.markup import escape
-
     out = console()
     divergence = candidate.alignment.divergence
     assert divergence is not None
@@ -129,7 +123,7 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
     if rows:
         experiments = grid("tried", "alone", "moves it by", "share", "result", whole=("alone", "moves it by", "share"))
         for cells in rows:
-            experiments.add_row(*map(escape, cells))
+            experiments.add_row(*cells)
         out.print(experiments)
     names = comparison.reference.engine, candidate.engine
     table = grid(
@@ -138,5 +132,5 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
     for row in side_by_side(comparison, candidate):
         style = "bold red" if row.differs else None
         cells = ("->" if row.differs else "", row.expected_time, row.expected, row.got_time, row.got)
-        table.add_row(*map(escape, cells), style=style)
+        table.add_row(*cells, style=style)
     out.print(table)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from typing import TYPE_CHECKING
+
 from flint import fmpz
 
 from ...work import Work
 from .element import Element, Rational, rational_number, reduced
 from .field import Field, TowerLimit
 from .ring import ONE, ZERO, Integral, Nested, masks_of, split_bit, subtract
-from .roots import Descent
-from .squares import split_square
+
+if TYPE_CHECKING:
+    from .roots import Descent
 
 
 class Tower:
@@ -27,11 +31,17 @@ class Tower:
     def __init__(self, max_depth: int | None = None, work: Work | None = None) -> None:
         self.max_depth = max_depth
         self.field = Field(work)
-        self._descent = Descent(self)
         self._roots: dict[Element, Element] = {}
 
     def __repr__(self) -> str:
         return f"Tower({', '.join(g.text() for g in self.generators)})"
+
+    @cached_property
+    def _descent(self) -> Descent:
+        """Finds roots. Most runs ask for none, so that its module is imported when one does."""
+        from .roots import Descent
+
+        return Descent(self)
 
     @property
     def work(self) -> Work | None:
@@ -87,6 +97,8 @@ class Tower:
             if isinstance(x, fmpz):
                 root = self._sqrt_whole(x)
             else:
+                from .squares import split_square
+
                 content = self.field.content(x)
                 factor, parts = split_square(content, self.field.spend)
                 primitive = self.field.quotient(x, content)
@@ -115,6 +127,8 @@ class Tower:
 
     def _sqrt_whole(self, n: fmpz) -> Element:
         """sqrt(n) for a whole n > 0."""
+        from .squares import split_square
+
         factor, parts = split_square(n, self.field.spend)
         root = self._root(_product(parts))
         if root is not None:

@@ -121,3 +121,14 @@ def test_a_scene_of_doubles_is_not_exact_in_fewer_bits() -> None:
     by_input = found["single"].diagnosis.experiments[0]
     assert by_input.cause is CauseName.INPUT and by_input.displacement != 0.0
     assert "24 bits" in by_input.result
+
+
+@pytest.mark.parametrize("spec", ["pinball", "rack:rows=2"])
+def test_a_law_to_which_shorter_steps_lead_is_not_another(spec: str) -> None:
+    """In chaos no step that can be run settles it; but the error before shrinks with the step."""
+    candidate = compare(catalogue.build(spec), ["pymunk"])["pymunk"]
+    assert candidate.verdict == "diverged"
+    assert candidate.diagnosis is not None
+    assert CauseName["MODEL"] not in candidate.diagnosis.sufficient
+    (row,) = [row for row in candidate.diagnosis.experiments if row.cause is CauseName["MODEL"]]
+    assert (row.suffices, "a shorter step brings its places nearer" in row.result) == (None, True)

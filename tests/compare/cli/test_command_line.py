@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import re
 import shlex
@@ -13,10 +14,10 @@ from pathlib import Path
 import click
 import pytest
 
-from truebreak.compare.cli import main
+from truebreak.compare.cli import main, progress
 from truebreak.compare.cli.examples import LINES
 from truebreak.compare.cli.group import cli
-from truebreak.compare.cli.progress import Goal, Pace, goal_of
+from truebreak.compare.cli.progress import Goal, Line, Pace, goal_of, showing
 from truebreak.compare.cli.retold import command_of
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.trajectory import Progress
@@ -229,3 +230,35 @@ def test_the_goal_is_that_of_the_command_or_of_the_scene() -> None:
     assert goal_of(gas, None, None) == Goal(gas.events, None if gas.until is None else float(gas.until))
     assert goal_of(gas, "9/4", 7) == Goal(7, 2.25)
     assert goal_of(gas, "nonsense", 7) == Goal(7)
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_a_line_on_a_terminal_comes_with_what_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is over at once writes nothing; what is not is told, with the last text, and taken away at its end."""
+    monkeypatch.setenv("TERM", "xterm")
+    quick, slow = Terminal(), Terminal()
+    monkeypatch.setattr(sys, "stderr", quick)
+    monkeypatch.setattr(progress, "QUIET_SECONDS", 3600.0)
+    with showing("quick") as show:
+        assert show is not None
+        show("done")
+    assert quick.getvalue() == ""
+    monkeypatch.setattr(sys, "stderr", slow)
+    line = Line("slow")
+    line.write("half of it")
+    line.begin()
+    line.write("nearly [all] :snake:")
+    line.end()
+    line.begin()
+    assert "nearly [all] :snake:" in slow.getvalue()
+    assert slow.getvalue().count("\x1b[?25l") == slow.getvalue().count("\x1b[?25h") == 1
+
+
+def test_no_line_where_nobody_looks(capsys: pytest.CaptureFixture[str]) -> None:
+    with showing("quiet") as show:
+        assert show is None
+    assert capsys.readouterr().err == ""

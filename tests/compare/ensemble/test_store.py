@@ -92,7 +92,7 @@ def test_bad_stores_are_refused(tmp_path: Path) -> None:
     Store(str(old), settings).close()
     with sqlite3.connect(old) as base:
         base.execute("UPDATE meta SET value = 'truebreak/sweep-0' WHERE key = 'format'")
-    with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-1"):
+    with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-store-2"):
         Store(str(old), settings)
     with pytest.raises(SceneError, match="unable to open"):
         Store(str(tmp_path / "no" / "folder.db"), settings)
@@ -116,17 +116,43 @@ def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:
         ("UPDATE meta SET value = '[1]' WHERE key = 'settings'", "is damaged: it holds"),
         ("UPDATE rows SET row = '{bad' WHERE scene = 1", "is damaged: it holds"),
         ("UPDATE rows SET row = '{}' WHERE scene = 1", "is damaged: it holds"),
+        ("UPDATE rows SET row = replace(row, '0', '1') WHERE scene = 1", "is damaged: it holds"),
+        ("UPDATE rows SET scene = 7 WHERE scene = 1", "is damaged: it holds"),
+        ("UPDATE meta SET value = replace(value, '10', '11') WHERE key = 'settings'", "is damaged: it holds"),
         ("DROP TABLE meta", "is no store"),
         ("DROP TABLE rows", "is no store"),
     ],
 )
 def test_a_store_that_somebody_changed_is_refused(change: str, message: str, tmp_path: Path, thread: Executor) -> None:
     path = str(tmp_path / "s.db")
-    sweep("gas:n=2", ["seed=1..3"], ["single"], events=10, executor=thread, store=path)
+    sweep("gas:n=2", ["seed=1..3"], ["rounded:bits=8"], events=10, executor=thread, store=path)
     with sqlite3.connect(path) as base:
-        base.execute(change)
+        assert base.execute(change).rowcount != 0
     with pytest.raises(SceneError, match=message):
         merged([path])
+
+
+def test_a_store_in_which_bytes_have_changed_gives_its_table_or_none(tmp_path: Path, thread: Executor) -> None:
+    path, near = tmp_path / "s.db", tmp_path / "near.db"
+    sweep("gas:n=2", ["seed=1..3"], ["single"], events=10, executor=thread, store=str(path))
+    good, data, draw, refused = rows(str(path)), path.read_bytes(), np.random.default_rng(5), 0
+    for _ in range(200):
+        at = int(draw.integers(len(data)))
+        near.write_bytes(data[:at] + draw.bytes(3) + data[at + 3 :])
+        try:
+            assert rows(str(near)) == good
+        except SceneError:
+            refused += 1
+    assert refused > 20
+
+
+def test_a_scene_without_all_of_its_rows_is_run_again(tmp_path: Path, thread: Executor) -> None:
+    path = str(tmp_path / "s.db")
+    args: dict[str, Any] = {"events": 10, "executor": thread, "store": path}
+    whole = sweep("gas:n=2", ["seed=1..3"], ["single", "double"], **args)
+    with sqlite3.connect(path) as base:
+        base.execute("DELETE FROM rows WHERE scene = 1 AND engine = 1")
+    assert sweep("gas:n=2", ["seed=1..3"], ["single", "double"], **args) == whole
 
 
 def test_a_store_left_in_the_middle_of_a_write_is_read_as_it_was_before(tmp_path: Path, thread: Executor) -> None:
@@ -137,7 +163,7 @@ def test_a_store_left_in_the_middle_of_a_write_is_read_as_it_was_before(tmp_path
     base.execute("PRAGMA cache_size = 1")
     base.execute("BEGIN")
     base.execute("DELETE FROM rows WHERE scene < 3")
-    base.executemany("INSERT INTO rows VALUES (?, 0, ?)", [(k, "x" * 3000) for k in range(10, 60)])
+    base.executemany("INSERT INTO rows VALUES (?, 0, ?, '')", [(k, "x" * 3000) for k in range(10, 60)])
     for end in ("", "-journal"):
         Path(f"{left}{end}").write_bytes(Path(f"{path}{end}").read_bytes())
     base.close()

@@ -10,7 +10,7 @@ from pages import comparison, page
 
 from truebreak.compare.cli import main
 from truebreak.compare.report.sentences import about, margin_phrase
-from truebreak.compare.report.text.listing import PLAIN_WIDTH, columns, console
+from truebreak.compare.report.text.output import PLAIN_WIDTH, columns, console
 from truebreak.compare.report.text.terminal import print_comparison
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import loads_json, loads_toml

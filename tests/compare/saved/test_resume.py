@@ -19,6 +19,7 @@ from truebreak.compare import trajectory_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.saved.run_file import run_of, saved_run
 from truebreak.exact import ExactEngine
+from truebreak.exact.certified import precision
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import Pair
 from truebreak.exact.simulation.loop import Loop
@@ -119,6 +120,20 @@ def test_a_run_that_was_interrupted_anywhere_goes_on_as_if_it_had_not_been(
         assert part.stop.reason is StopReason.INTERRUPTED
         again = ExactEngine().resume(run_of(saved_run(part)))
         assert all_but_plan(again) == told, place
+
+
+def test_a_run_that_keeps_its_deviations_in_a_set_goes_on_as_well(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(precision, "LONG_BITS", 512)
+
+    def run() -> Trajectory:
+        return ExactEngine().run(catalogue.build("gas:n=4,seed=2"), events=500)
+
+    whole, calls, draw = run(), calls_of(run, monkeypatch), random.Random(1)
+    assert saved_run(whole) == saved_run(run())
+    assert '"centred": true' in saved_run(whole).replace('":true', '": true')
+    for place in (calls - 1, calls - 2, *(draw.randrange(calls // 2, calls) for _ in range(4))):
+        part = interrupted_after(place, run, monkeypatch)
+        assert all_but_plan(ExactEngine().resume(run_of(saved_run(part)))) == all_but_plan(whole), place
 
 
 def test_what_goes_on_can_be_interrupted_again(monkeypatch: pytest.MonkeyPatch) -> None:

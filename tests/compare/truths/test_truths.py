@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import importlib
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from truebreak.compare.truths.__main__ import line, main, page
+from truebreak.compare.truths.__main__ import COLUMNS, PARTS, TAIL, line, main, put_together
 from truebreak.compare.truths.convergence import rows
 from truebreak.compare.truths.ensembles import Record, estimate, exponent, rate, recorded
 from truebreak.compare.truths.exactly import EXACT, SIAM_DIGITS, siam
@@ -33,8 +35,47 @@ def test_a_truth_is_reproduced_as_the_page_says(truth: Truth, root: Path) -> Non
 
 @pytest.mark.slow
 @pytest.mark.timeout(1800)
-def test_the_page_is_what_the_command_writes(root: Path) -> None:
-    assert page() == (root / "docs" / "truths.md").read_text("utf-8")
+@pytest.mark.parametrize("truth", [truth for truth in ALL if truth.long], ids=name)
+def test_a_long_truth_is_reproduced_as_the_page_says(truth: Truth, root: Path) -> None:
+    assert line(truth) in (root / "docs" / "truths.md").read_text("utf-8").splitlines()
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("part", PARTS)
+def test_what_stands_below_the_table_is_what_comes_out(part: str, root: Path) -> None:
+    text = (root / "docs" / "truths.md").read_text("utf-8")
+    assert cut_up(text)[1][part] == PARTS[part]()
+
+
+def test_the_page_is_put_together_of_what_is_measured(root: Path) -> None:
+    """Of nothing else: so it is current where each of its rows and parts is."""
+    text = (root / "docs" / "truths.md").read_text("utf-8")
+    rows, parts = cut_up(text)
+    assert [row.split(" | ")[0] for row in rows] == [f"| {truth.title}" for truth in ALL]
+    assert put_together(rows, parts) == text
+
+
+def test_the_command_measures_rows_and_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    module = importlib.import_module("truebreak.compare.truths.__main__")
+    short = Truth("two and two", "4", "nobody", "expr 2 + 2", lambda: same("4", "4"))
+    monkeypatch.setattr(module, "EXACT", (short,))
+    monkeypatch.setattr(module, "STATISTICAL", ())
+    monkeypatch.setattr(module, "PARTS", {part: part.upper for part in PARTS})
+    rows, parts = cut_up(module.page())
+    assert rows == ["| two and two | 4 | 4 | none | nobody | `expr 2 + 2` |"]
+    assert parts == {part: part.upper() for part in PARTS}
+
+
+def cut_up(text: str) -> tuple[list[str], dict[str, str]]:
+    """The rows of the page's first table, and its parts by name."""
+    table = text.split(f"{COLUMNS}\n", 1)[1].split("\n\n", 1)[0]
+    pattern = re.escape(TAIL)
+    for part in PARTS:
+        pattern = pattern.replace(re.escape(f"{{{part}}}"), f"(?P<{part}>.*?)")
+    found = re.search(f"{pattern}\\Z", text, re.DOTALL)
+    assert found is not None
+    return table.splitlines(), found.groupdict()
 
 
 @pytest.mark.parametrize("truth", ALL, ids=name)
@@ -48,8 +89,6 @@ def test_the_page_names_every_truth(truth: Truth, root: Path) -> None:
 def test_what_is_not_reproduced_stops_the_command(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    import importlib
-
     module = importlib.import_module("truebreak.compare.truths.__main__")
     wrong = Truth("two and two", "5", "nobody", "expr 2 + 2", lambda: same("4", "5"))
     monkeypatch.setattr(module, "EXACT", (wrong,))

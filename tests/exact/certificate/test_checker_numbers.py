@@ -81,11 +81,6 @@ def test_nested_roots_are_put_in_normal_form() -> None:
     assert not ((of(3) + two).sqrt() - of(1) - two).zero()
 
 
-def test_a_number_without_a_past_is_not_called_zero() -> None:
-    with pytest.raises(Undecided, match="too long ago"):
-        (Ball(1, 1) - of(0)).zero()
-
-
 def test_exact_numbers_are_bounded_in_work_and_roots() -> None:
     Exact.most = 1
     with pytest.raises(Undecided, match="too many roots"):

@@ -1,0 +1,52 @@
+"""What a short run of the command line loads: all that is loaded is paid for at every start."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SHORT_RUN = {
+    "compare": "deadline engines scene_argument validation "
+    "cli.commands.run cli.completion cli.entry cli.examples cli.exit_codes cli.group cli.numbers cli.options "
+    "cli.progress documents.amounts foreign.guard report.counting report.text.listing report.text.output saved.cache",
+    "scenarios": "engine errors event frozen late limits names neighbours scene showing things tie_policy trajectory "
+    "validation version work numbers.conversion numbers.doubles numbers.expression numbers.parsing numbers.precision "
+    "numbers.quantity numbers.rationals numbers.real numbers.sympy_form numbers.tower.element numbers.tower.field "
+    "numbers.tower.ring numbers.tower.sums numbers.tower.tower numbers.tower.written catalogue.draw "
+    "catalogue.entry catalogue.settings catalogue.table catalogue.scenes.article catalogue.scenes.gas",
+    "exact": "engine cascade certified laws.formulas laws.tangent_formulas numbers policies predicates replay results "
+    "simulation symmetry",
+    "floating": "double event_engine flat knots plain_decider plain_run",
+}
+"""What a short run of the command line may load of each layer: modules, and rooms with all that is in them."""
+
+
+@pytest.mark.parametrize("engine", ["exact", "double"])
+def test_what_a_short_run_loads(engine: str, tmp_path: Path) -> None:
+    """Of other people's packages, what reads words and counts; of Python's, nothing slow; here, what it uses."""
+    script = (
+        "import atexit, sys\n"
+        "atexit.register(lambda: print('LOADED', *sys.modules))\n"
+        f"from truebreak.compare.cli import main; main(['run', 'gas', '--events', '5', '--engine', {engine!r}])"
+    )
+    told = {**os.environ, "TRUEBREAK_CACHE": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, cwd=tmp_path, check=False, env=told
+    )
+    assert done.returncode == 0, done.stderr
+    loaded = set(done.stdout.rpartition("LOADED")[2].split())
+    tops = {name.partition(".")[0] for name in loaded}
+    strangers = {name for name in tops - sys.stdlib_module_names if not name.startswith("_")}
+    assert strangers <= {"click", "cython_runtime", "flint", "org", "truebreak"}
+    slow = "difflib email gzip hashlib html json multiprocessing subprocess tempfile unittest zipfile"
+    assert not tops & set(slow.split())
+    for layer, allowed in SHORT_RUN.items():
+        names = {name.removeprefix(f"truebreak.{layer}.") for name in loaded if name.startswith(f"truebreak.{layer}.")}
+        listed = set(allowed.split())
+        rooms = {name for name in names if any(one.startswith(f"{name}.") for one in listed)}
+        within = {name for name in names if any(f"{name}.".startswith(f"{one}.") for one in listed)}
+        assert names == rooms | within, f"{layer}: {sorted(names - rooms - within)}"
