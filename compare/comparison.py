@@ -234,14 +234,8 @@ def studied(
     with time_limit(watch.left(REFERENCE_SHARE), watch.seconds) as limit:
         ran = run_guarded(truth, scene, until=until, events=events, progress=limit.watched(progress))
     told = uninterrupted(check_trajectory(ran, scene, truth.name, truth.bits))
-    return Study(
-        scene,
-        truth,
-        told,
-        watch,
-        seconds=clock.perf_counter() - began,
-        processor=clock.process_time() - spent,
-    )
+    seconds, processor = clock.perf_counter() - began, clock.process_time() - spent
+    return Study(scene, truth, told, watch, seconds=seconds, processor=processor)
 
 
 def candidate_of(
