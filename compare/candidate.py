@@ -29,8 +29,8 @@ class Candidate:
         diagnosis: why it diverged, or could not decide; None if it agrees, or if causes were not asked for.
         margin: how close the competing events were, at a divergence.
         return_miss: after a reversal, the largest distance from the start at the return.
-        seconds: wall time of the run.
-        processor: processor time of the run, in seconds.
+        seconds: wall time of the run, and of those that helped to settle it.
+        processor: processor time of the run alone, in seconds.
         unable: whether the engine cannot take the scene at all.
         stepped: whether it declares a time step.
         pattern: whom each circle met, and on a table where it ended.

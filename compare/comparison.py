@@ -162,13 +162,8 @@ def compare(
     truth = check_engine(_engine(reference))
     for _, engine in [("", truth), *chosen]:
         check_until(engine, scene, until)
-    watch, began, spent = Clock(checked_seconds(max_seconds)), clock.perf_counter(), clock.process_time()
-    with time_limit(watch.left(REFERENCE_SHARE), max_seconds) as limit:
-        noted = limit.watched(_noted(progress, truth.name))
-        ran = run_guarded(truth, scene, until=until, events=events, progress=noted)
-    told = uninterrupted(check_trajectory(ran, scene, truth.name, truth.bits))
-    seconds, processor = clock.perf_counter() - began, clock.process_time() - spent
-    study = Study(scene, truth, told, watch)
+    study = studied(scene, truth, Clock(checked_seconds(max_seconds)), until, events, _noted(progress, truth.name))
+    told, watch = study.reference, study.watch
     found = outcomes_of(told, outcomes)
     cut: list[str] = []
     results = []
@@ -213,11 +208,34 @@ def compare(
         study.span.time,
         miss,
         permitted,
-        seconds,
-        processor,
+        study.seconds,
+        study.processor,
         tuple(cut),
         not truth.rounds_input,
     )
+
+
+def studied(
+    scene: Scene,
+    truth: Engine,
+    watch: Clock,
+    until: QuantityLike | None,
+    events: int | None,
+    progress: OnProgress | None = None,
+) -> Study:
+    """The reference's run, ready for engines to be held against it.
+
+    Raises:
+        SceneError: for a scene that the reference cannot run.
+        OutOfTime: if the user's seconds are over and there is nothing of it.
+        KeyboardInterrupt: if the user interrupts it.
+    """
+    began, spent = clock.perf_counter(), clock.process_time()
+    with time_limit(watch.left(REFERENCE_SHARE), watch.seconds) as limit:
+        ran = run_guarded(truth, scene, until=until, events=events, progress=limit.watched(progress))
+    told = uninterrupted(check_trajectory(ran, scene, truth.name, truth.bits))
+    seconds, processor = clock.perf_counter() - began, clock.process_time() - spent
+    return Study(scene, truth, told, watch, seconds=seconds, processor=processor)
 
 
 def candidate_of(
@@ -229,9 +247,9 @@ def candidate_of(
     progress: OnProgress | None,
 ) -> Candidate:
     """One engine held against the reference, without causes."""
-    began, spent = clock.perf_counter(), clock.process_time()
+    began = clock.perf_counter()
     run, alignment, unable = run_or_unable(study, engine, progress)
-    seconds, processor = clock.perf_counter() - began, clock.process_time() - spent
+    seconds = clock.perf_counter() - began
     reference = study.longest or study.reference
     matched = matched_history(run, reference, alignment, study.span)
     values = outcomes_of(matched, outcomes)
@@ -255,7 +273,7 @@ def candidate_of(
         ),
         return_miss=return_miss(run, study.reference),
         seconds=seconds,
-        processor=processor,
+        processor=study.took,
         unable=unable,
         stepped=engine.step is not None,
         pattern=pattern_of(matched),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import time as clock
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -39,6 +41,10 @@ RUN_SHARE = 7 / 8
 SERIES_STEPS = 1_000_000
 """Time steps of the longest run by which a series in the step is told: about a second of pymunk."""
 
+SERIES_MICROSECONDS = 2_000_000
+"""What such a run may cost, where it is to tell a cause, by the `step_microseconds` that an engine declares. A verdict
+is never told by fewer steps than another engine's would be."""
+
 SERIES_MORE = 64
 """Steps of the engine in question by which such a run goes on past the instant: as many as an impact through a dozen
 touching circles takes."""
@@ -54,6 +60,9 @@ class Study:
         watch: the seconds that the user allows for all.
         longest: the reference's longest run so far.
         share: of the seconds that are left, what one run may take: others are still to come.
+        seconds, processor: what the reference's run took, on the wall and of the processor.
+        took: processor time of the last run that was settled, in seconds, without the series that helped to settle it.
+        pay: called with an engine and the steps before each run of a series; what it raises ends all.
     """
 
     scene: Scene
@@ -62,6 +71,10 @@ class Study:
     watch: Clock = field(default_factory=lambda: Clock(None))
     longest: Trajectory | None = None
     share: float = 1.0
+    seconds: float = 0.0
+    processor: float = 0.0
+    took: float = 0.0
+    pay: Callable[[Engine, int], None] | None = None
 
     @property
     def span(self) -> Span:
@@ -141,7 +154,7 @@ class Study:
             end = patience.latest(float(self.reference.final_time))
         asked = self.past(end)
         past = asked - end
-        mine, run = self.reference, self.run(engine, self.scene, asked, progress)
+        mine, run = self.reference, self._timed(engine, asked, progress)
         finer = self._series(engine)
         while True:
             alignment = align(mine, run, span=self.span, step=step, bits=engine.bits, patience=patience, finer=finer)
@@ -157,9 +170,16 @@ class Study:
             mine = longer or mine
             if goal is not None:
                 try:
-                    run, asked = self.run(engine, self.scene, max(goal, end), progress), max(goal, end)
+                    run, asked = self._timed(engine, max(goal, end), progress), max(goal, end)
                 except OutOfTime:
                     return run, alignment
+
+    def _timed(self, engine: Engine, until: float, progress: OnProgress | None) -> Trajectory:
+        """A run that is to be settled, and what it took."""
+        spent = clock.process_time()
+        run = self.run(engine, self.scene, until, progress)
+        self.took = clock.process_time() - spent
+        return run
 
     def _series(self, engine: Engine) -> Finer | None:
         """Tells how far the velocities after an instant are from the reference's at a finer step."""
@@ -176,6 +196,8 @@ class Study:
             if until > SERIES_STEPS * chosen.step:
                 return None
             if halvings not in runs or float(runs[halvings][0].final_time) < until:
+                if self.pay is not None:
+                    self.pay(chosen, math.ceil(until / chosen.step))
                 run = self.whole_run(chosen, self.scene, until)
                 runs[halvings] = run, align(mine, run, span=self.span, step=chosen.step, instants=False)
             run, alignment = runs[halvings]
@@ -185,6 +207,18 @@ class Study:
             return None
 
         return difference
+
+
+def series_steps(engine: Engine) -> int:
+    """Time steps of the longest run by which a series in the step tells a cause.
+
+    >>> from .engines import engine
+    >>> series_steps(engine("pymunk")), series_steps(engine("mujoco"))
+    (1000000, 100000)
+    """
+    declared = getattr(engine, "step_microseconds", 1.0)
+    dear = isinstance(declared, int | float) and declared > SERIES_MICROSECONDS / SERIES_STEPS
+    return int(SERIES_MICROSECONDS / declared) if dear else SERIES_STEPS
 
 
 def finer_by(engine: Engine, halvings: int) -> Engine | None:

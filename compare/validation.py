@@ -192,7 +192,10 @@ def checked_event(where: str, event: Any, place: int, scene: Scene) -> float:
             for name in (first, second):
                 if not isinstance(name, str) or name not in places:
                     raise EngineError(f"{where}: {field} has {name!r}, which is not in the scene; use the scene's ids")
-            if not places[first] < places[second] or places[first] >= circles:
+            if first == second or min(places[first], places[second]) >= circles:
+                alone = "one thing" if first == second else "no circle"
+                raise EngineError(f"{where}: {field} has ({first!r}, {second!r}), which is {alone}; leave it out")
+            if places[first] > places[second]:
                 raise EngineError(
                     f"{where}: {field} has ({first!r}, {second!r}); "
                     "put the circle that comes first in the scene first, a wall last"

@@ -43,6 +43,7 @@ class Box2DEngine(SteppedAdapter):
     distribution = "box2d"
     name = "box2d"
     bits = 24
+    step_microseconds = 5.0
     iterations: int = 64
 
     def __post_init__(self) -> None:

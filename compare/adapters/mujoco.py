@@ -48,6 +48,7 @@ class MujocoEngine(SteppedAdapter):
     distribution = "mujoco"
     name = "mujoco"
     bits = 53
+    step_microseconds = 20.0
     dt: float = 1 / 2048
     contact_steps: int = 16
     iterations: int = 100

@@ -41,6 +41,7 @@ class RapierEngine(SteppedAdapter):
     distribution = "rapier3d"
     name = "rapier"
     bits = 24
+    step_microseconds = 35.0
     iterations: int = 4
 
     def __post_init__(self) -> None:

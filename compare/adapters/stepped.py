@@ -6,7 +6,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from ...scenarios.engine import SCENE_KEYS
 from .adapted import Adapted
@@ -52,13 +52,15 @@ class SteppedAdapter(Adapted):
     Attributes:
         dt: the time step, in the scene's unit of time.
         max_steps: steps after which a run stops with `StopReason.BUDGET`.
+        step_microseconds: what a step costs, measured: the more, the fewer steps are taken to tell a series.
 
     Raises:
         SceneError: for a parameter out of its range.
     """
 
     dt: float = 1 / 256
-    max_steps: int = 10_000_000
+    max_steps: int = 2_000_000
+    step_microseconds: ClassVar[float]
 
     def __post_init__(self) -> None:
         self.check_positive("dt")

@@ -83,7 +83,7 @@ class History:
     def judge(self, study: Study, label: str, engine: Engine) -> Judged:
         """Right if the histories agree; the run ends where they part."""
         try:
-            told = follow(study.reference, engine)
+            told = follow(study.reference, engine, pay=study.pay)
         except EngineError:
             raise
         except SceneError as error:

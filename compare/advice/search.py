@@ -23,6 +23,7 @@ from .ladder import Setting, Size, cost, ladder
 from .why import reasons
 
 if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
     from .goal import Goal, Judged
@@ -66,6 +67,7 @@ def advise(
     size: QuantityLike = DEFAULT_SIZE,
     seed: int = 1,
     budget: int = DEFAULT_BUDGET,
+    why: bool = True,
     progress: OnSearch | None = None,
 ) -> Advice:
     """Searches an engine's settings, from the cheapest up, for the first that is right.
@@ -81,6 +83,7 @@ def advise(
             `seed`, `seed` + 1, ...
         budget: the most units of work (about a microsecond each) that all runs of the engine may cost together. Each
             run is counted before it is begun, by its setting and by the length of the certified run.
+        why: whether to find out what stands in the way where no setting is right, by further runs beside the budget.
         progress: called before each run.
 
     Raises:
@@ -93,7 +96,7 @@ def advise(
     """
     goal = History() if goal is None else goal
     share = _checked(size, perturbed, budget)
-    return _Search(scene, goal, engine, until, share, range(seed, seed + perturbed), budget, progress).advice()
+    return _Search(scene, goal, engine, until, share, range(seed, seed + perturbed), budget, why, progress).advice()
 
 
 def _checked(size: QuantityLike, perturbed: int, budget: int) -> Quantity:
@@ -127,10 +130,11 @@ class _Search:
         size: Quantity,
         seeds: range,
         budget: int,
+        why: bool,
         progress: OnSearch | None,
     ) -> None:
         self.scene, self.goal, self.engine, self.until = scene, goal, engine, until
-        self.size, self.seeds, self.budget, self.progress = size, seeds, budget, progress
+        self.size, self.seeds, self.budget, self.why, self.progress = size, seeds, budget, why, progress
         self.spent, self.left_out = 0, list[int]()
         self.exact = ExactEngine()
         chosen = engine_named(engine)
@@ -152,7 +156,7 @@ class _Search:
         run = self.exact.run(scene, until=until, events=events)
         if run.stop.reason is StopReason.INTERRUPTED:
             raise KeyboardInterrupt
-        return Instance(seed, Study(scene, self.exact, run))
+        return Instance(seed, Study(scene, self.exact, run, pay=self._pay))
 
     @property
     def instances(self) -> list[Instance]:
@@ -223,6 +227,18 @@ class _Search:
         self.spent += work
         return self.goal.judge(near.study, setting.text, setting.engine)
 
+    def _pay(self, engine: Engine, steps: int) -> None:
+        """Counts a run at a finer step, by which it is told whether an instant of several contacts is the same.
+
+        Raises:
+            _Spent: if the budget does not suffice.
+        """
+        size = replace(Size.of(self.home.study.reference), time=steps * (engine.step or 0.0))
+        work = cost(engine, size)[1]
+        if self.spent + work > self.budget:
+            raise _Spent
+        self.spent += work
+
     def _found(self, tried: list[Tried], costlier: tuple[Setting, ...]) -> Advice:
         """Looks at what is one step cheaper on every scene, at what is costlier, and takes the time of the run."""
         end = float(self.home.study.reference.final_time)
@@ -241,7 +257,8 @@ class _Search:
     def _none(self, tried: list[Tried], end: End, after: Setting | None) -> Advice:
         seed = tried[-1].wrong[0] if tried else None
         near = next(one for one in (self.home, *(self._beside or ())) if one.seed == seed)
-        why = reasons(near.label, near.study, [(t.setting, t.judged.get(seed)) for t in tried])
+        free = replace(near.study, pay=None)
+        why = reasons(near.label, free, [(t.setting, t.judged.get(seed)) for t in tried]) if self.why else ()
         return self._told(tuple(tried), end, why=why, after=after)
 
     def _told(

@@ -175,7 +175,7 @@ def align(
     open_ones = [w for w in judge.open if w.before(before)]
     wanted = Wanted(
         max((w.until for w in open_ones if w.of_reference), default=None),
-        max((w.until for w in open_ones if not w.of_reference), default=judge.uncovered(first)),
+        max([*(w.until for w in open_ones if not w.of_reference), *judge.uncovered(first)], default=None),
     )
     whole = _complete(walks, {r for w in walks.values() for r, c in w.pairs if c in kept}, span.events)
     stuck = candidate.stop.reason in UNKNOWING and wanted.candidate is not None
@@ -306,8 +306,8 @@ class _Judge:
         kind = Kind.MISSING if theirs is None else Kind.EXTRA if mine is None else Kind.DIFFERENT
         return Divergence(event, time, body, mismatch.expected, mismatch.got, kind, mine, theirs, mismatch.theirs)
 
-    def uncovered(self, first: Divergence | None) -> float | None:
-        """The end of what is compared, if the candidate does not go that far."""
+    def uncovered(self, first: Divergence | None) -> list[float]:
+        """Where the candidate does not come to the end of what is compared: how far settles what may lie near that."""
         end = self.span.time if first is None else min(first.time, self.span.time)
         over = self.candidate.stop.reason is StopReason.QUIET
-        return None if over or float(self.candidate.final_time) >= end else end
+        return [] if over or float(self.candidate.final_time) >= end else [self.patience.latest(end)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -53,7 +53,12 @@ def prefix(trajectory: Trajectory, events: int) -> Trajectory:
     )
 
 
-def follow(reference: Trajectory, engine: Engine, foreseen: int | None = None) -> Followed:
+def follow(
+    reference: Trajectory,
+    engine: Engine,
+    foreseen: int | None = None,
+    pay: Callable[[Engine, int], None] | None = None,
+) -> Followed:
     """Runs an engine over ever more of a certified run, until it has left it or all is compared.
 
     A longer span takes no divergence back, and names no other as the first, so what is found early is what a
@@ -61,10 +66,11 @@ def follow(reference: Trajectory, engine: Engine, foreseen: int | None = None) -
 
     Args:
         foreseen: the event by which it is expected to have left.
+        pay: as `Study.pay`.
     """
     for events in _spans(reference, foreseen):
         part = reference if events == len(reference.events) else prefix(reference, events)
-        study = Study(reference.scene, ExactEngine(), part, longest=reference)
+        study = Study(reference.scene, ExactEngine(), part, longest=reference, pay=pay)
         run, alignment, unable = run_or_unable(study, engine, None)
         if unable or alignment.divergence is not None or alignment.undecided or part is reference:
             return Followed(study, run, alignment, unable)

@@ -93,7 +93,7 @@ class Impacts:
         return None
 
     def inferred(
-        self, rows: Sequence[Row], before: Sequence[tuple[float, float]], room: float
+        self, rows: Sequence[Row], before: Sequence[Row], room: float, way: float | None = None
     ) -> tuple[list[Link], float]:
         """The contacts that explain how velocities have changed, and the part of the change that they leave.
 
@@ -102,12 +102,35 @@ class Impacts:
 
         Args:
             rows: the circles now.
-            before: their velocities before.
+            before: where they would be without the change.
             room: the largest gap of a contact.
+            way: how long ago two may have met; their line of centres is then taken as it was at the meeting of their
+                flights before, if that explains more.
         """
-        change = np.array([[r[2] - v[0], r[3] - v[1]] for r, v in zip(rows, before, strict=True)])
+        change = np.array([[r[2] - v[2], r[3] - v[3]] for r, v in zip(rows, before, strict=True)])
         moved = [k for k in range(self.count) if change[k].any()]
         near = [(link, n) for link in self._pairs(moved) if (n := self.normal(link, rows)).gap <= room]
+        found = self._explaining(near, change)
+        if way is None or found[1] <= SOLVED:
+            return found
+        met = [(link, self._met(link, before, way) or normal) for link, normal in near]
+        return min(self._explaining(met, change), found, key=lambda told: told[1])
+
+    def _met(self, link: Link, rows: Sequence[Row], way: float) -> Normal | None:
+        """The line of centres at which two circles that flew straight on met, no longer ago than `way`."""
+        i, j = link
+        if j >= self.count:
+            return None
+        dx, dy, vx, vy = (one - other for one, other in zip(rows[i], rows[j], strict=True))
+        reach, speed, near = self._radii[i] + self._radii[j], vx * vx + vy * vy, dx * vx + dy * vy
+        root = speed * reach * reach - (dx * vy - dy * vx) ** 2
+        if root < 0.0 or speed == 0.0 or not 0.0 <= (near + math.sqrt(root)) / speed <= way:
+            return None
+        ago = (near + math.sqrt(root)) / speed
+        return Normal((dx - ago * vx) / reach, (dy - ago * vy) / reach, 0.0)
+
+    def _explaining(self, near: Sequence[tuple[Link, Normal]], change: NDArray[np.float64]) -> tuple[list[Link], float]:
+        """Those contacts of some whose impulses come nearest to a change, and the part of it that they leave."""
         with np.errstate(divide="ignore", invalid="ignore"):
             wanted = np.where(self.weights[:, None] > 0, change / np.sqrt(self.weights)[:, None], 0.0).reshape(-1)
         size = float(np.linalg.norm(wanted))

@@ -166,12 +166,13 @@ class Recording:
         """
         now = self._reports.time(time, self._now, self.bits)
         given = self._reports.states(states)
+        way = self.step if self.step is not None else now - self._now
         self._turn_before(now)
         before = self._rows(now)
         rows = [given.get(k, row) for k, row in enumerate(before)]
         changed = [k for k in range(len(rows)) if rows[k][2:] != before[k][2:]]
         if changed and not self._reported:
-            links = self._inferred(now, rows, before)
+            links = self._inferred(now, way, rows, before)
             self._add(now, links, rows)
         off = [
             k
@@ -291,11 +292,11 @@ class Recording:
             return
         self._tie(now, {k: row for k, row in enumerate(after) if row[2:] != rows[k][2:]})
 
-    def _inferred(self, now: float, rows: Sequence[Row], before: Sequence[Row]) -> list[Link]:
+    def _inferred(self, now: float, way: float, rows: Sequence[Row], before: Sequence[Row]) -> list[Link]:
+        """The contacts of the last `way` of time."""
         fastest = max(math.hypot(*row[2:]) for row in [*rows, *before])
-        way = self.step if self.step is not None else now - self._now
         room = 2 * fastest * way + FLIGHT * self._scale
-        links, left = self._impacts.inferred(rows, [row[2:] for row in before], room)
+        links, left = self._impacts.inferred(rows, before, room, None if self.step else way)
         if not links or left > UNEXPLAINED:
             changed = next(k for k in range(len(rows)) if rows[k][2:] != before[k][2:])
             raise EngineError(

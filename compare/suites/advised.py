@@ -55,7 +55,8 @@ def adjustable(name: str) -> bool:
 def advised(task: Task, name: str) -> Advised:
     """Searches for the cheapest setting with which an engine tells the whole history of a task, and beside it."""
     try:
-        found = advise(scene_from(task.scene), History(task.events), name, perturbed=PERTURBED, budget=BUDGET)
+        goal = History(task.events)
+        found = advise(scene_from(task.scene), goal, name, perturbed=PERTURBED, budget=BUDGET, why=False)
     except SceneError as error:
         return Advised(task.scene, name, None, str(error))
     if found.named is not None:

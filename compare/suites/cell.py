@@ -10,7 +10,8 @@ from ..documents.amounts import plain
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
     from ..alignment.align import Verdict
-    from ..comparison import Comparison
+    from ..candidate import Candidate
+    from ..study import Study
 
 
 @dataclass(frozen=True)
@@ -30,8 +31,8 @@ class Cell:
         drift: the energy that the engine gained by the end of its run, as a share; None where it has none.
         stop: how its run ended.
         unable: whether it cannot take the scene.
-        seconds: wall time of its run.
-        times: processor time of its run over that of the certified run made beside it; None where there is none.
+        seconds: wall time of its run, and of those that helped to settle the verdict.
+        times: processor time of its run alone over that of the certified run made beside it; None where there is none.
     """
 
     scene: str
@@ -60,9 +61,8 @@ class Cell:
         return {field.name: plain(getattr(self, field.name)) for field in fields(self)}
 
 
-def cell_of(comparison: Comparison, scene: str) -> Cell:
-    """The cell of a comparison with one candidate."""
-    (candidate,) = comparison.candidates
+def cell_of(study: Study, candidate: Candidate, scene: str) -> Cell:
+    """The cell of an engine that was held against a scene's certified run."""
     first = candidate.alignment.divergence
     divergence = None
     if first is not None:
@@ -76,12 +76,12 @@ def cell_of(comparison: Comparison, scene: str) -> Cell:
         }
     return Cell(
         scene=scene,
-        digest=comparison.scene.digest,
+        digest=study.scene.digest,
         engine=candidate.engine,
         settings=dict(plain(candidate.trajectory.parameters)),
         verdict=candidate.verdict,
         agreed=candidate.alignment.agreed,
-        events=len(comparison.reference.events),
+        events=len(study.reference.events),
         divergence=divergence,
         cause=None if candidate.diagnosis is None else str(candidate.diagnosis),
         changed=candidate.changed,
@@ -89,7 +89,7 @@ def cell_of(comparison: Comparison, scene: str) -> Cell:
         stop=candidate.trajectory.stop.message,
         unable=candidate.unable,
         seconds=candidate.seconds,
-        times=None if candidate.unable else candidate.processor / comparison.processor,
+        times=candidate.processor / study.processor if candidate.processor else None,
     )
 
 

@@ -36,10 +36,11 @@ def read_survey(paths: Sequence[str]) -> Survey:
         seconds = data["max_seconds"]
         mine: dict[tuple[str, str], list[Cell]] = {}
         for row in data["cells"]:
-            cell = _cell(path, row)
+            cell = cell_of_row(path, row)
             mine.setdefault((cell.scene, cell.engine.partition(":")[0]), []).append(cell)
         found |= mine
-        advice |= {(row.scene, row.engine): row for row in map(partial(_advised, path), data.get("advice", ()))}
+        advice = {key: told for key, told in advice.items() if key not in mine}
+        advice |= {(row.scene, row.engine): row for row in map(partial(advised_of, path), data.get("advice", ()))}
     entries = [
         Entry(label, one.name, tuple(found[task.scene, one.name]), advice.get((task.scene, one.name)))
         for label, task in SCENES.items()
@@ -49,7 +50,12 @@ def read_survey(paths: Sequence[str]) -> Survey:
     return Survey(versions, tuple(entries), tuple(sorted(missing)), seconds)
 
 
-def _cell(path: str, row: dict[str, Any]) -> Cell:
+def cell_of_row(path: str, row: dict[str, Any]) -> Cell:
+    """A cell from its JSON.
+
+    Raises:
+        SceneError: for one that lacks something.
+    """
     try:
         wanted = [field.name for field in fields(Cell) if field.name in row or field.default is MISSING]
         values = {name: row[name] for name in wanted}
@@ -58,7 +64,12 @@ def _cell(path: str, row: dict[str, Any]) -> Cell:
     return Cell(**{**values, "changed": tuple(values["changed"])})
 
 
-def _advised(path: str, row: Any) -> Advised:
+def advised_of(path: str, row: Any) -> Advised:
+    """What is advised, from its JSON.
+
+    Raises:
+        SceneError: for what is not that.
+    """
     try:
         return Advised(**row)
     except TypeError:

@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from ..adapters.package import NotInstalled
 from ..alignment.align import VERDICTS
-from ..comparison import compare
 from ..deadline import OutOfTime
 from ..engines import engine
 from ..foreign.loading import label_of
 from ..scene_argument import scene_from
 from ..validation import EngineError
-from .cell import Cell, cell_of
+from .cell import Cell
+from .holding import hold
 
 if TYPE_CHECKING:
-    from ...scenarios.scene import Scene
     from ..alignment.align import Verdict
     from .suite import Suite, Task
 
@@ -67,21 +66,21 @@ def run_suite(suite: Suite, *, max_seconds: float | None = None, progress: OnCel
 
 def run_cell(task: Task, text: str, *, causes: bool, max_seconds: float | None) -> Cell:
     """One engine on one scene; one that raises, or hands back nonsense, has a cell that says so."""
-    scene = scene_from(task.scene)
     try:
-        found = compare(scene, [text], until=task.until, events=task.events, causes=causes, max_seconds=max_seconds)
+        held = hold(task, text, max_seconds)
+        return (held.why() if causes else held).cell
     except NotInstalled:
         raise
     except (EngineError, OutOfTime) as error:
-        return _broken(task, scene, text, str(error))
-    return cell_of(found, task.scene)
+        return broken(task, text, str(error))
 
 
-def _broken(task: Task, scene: Scene, text: str, reason: str) -> Cell:
+def broken(task: Task, text: str, reason: str) -> Cell:
+    """The cell of an engine that raised, or handed back nonsense."""
     settings = {key: str(value) for key, value in getattr(engine(text), "parameters", {}).items()}
     return Cell(
         scene=task.scene,
-        digest=scene.digest,
+        digest=scene_from(task.scene).digest,
         engine=label_of(text),
         settings=settings,
         verdict="undecided",

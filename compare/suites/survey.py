@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.util import find_spec
@@ -10,14 +10,18 @@ from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
 from ..adapters.adapted import version_of
+from ..deadline import Clock, OutOfTime
 from ..engines import ENGINES, engine, suggestion
 from ..scene_argument import scene_from
+from ..validation import EngineError
 from .advised import Advised, adjustable, advised
-from .running import SuiteReport, run_cell
+from .holding import hold
+from .running import SuiteReport, broken, run_cell
 from .suite import Task
 
 if TYPE_CHECKING:
     from .cell import Cell
+    from .holding import Held
     from .running import OnCell
 
 SCENES: dict[str, Task] = {
@@ -56,6 +60,16 @@ class Surveyed:
     made_for: str
     home: str
     ladder: tuple[str, ...]
+
+    @property
+    def texts(self) -> list[str]:
+        """The engine at each of these, as the command line takes it."""
+        return [f"{self.name}:{settings}" if settings else self.name for settings in self.ladder]
+
+    @property
+    def first(self) -> str:
+        """As it comes."""
+        return self.texts[0]
 
 
 STEPS = ("", "dt=1/512", "dt=1/2048")
@@ -181,6 +195,8 @@ def survey(
     advice: bool = True,
     max_seconds: float | None = None,
     progress: OnCell | None = None,
+    kept: Mapping[tuple[str, str], Entry] | None = None,
+    keep: Callable[[Entry], None] | None = None,
 ) -> Survey:
     """Runs the survey, or a part of it.
 
@@ -190,27 +206,39 @@ def survey(
         causes: whether to find out why an engine diverged, of the settings that are shown.
         advice: whether to look for the cheapest setting that is right, as `truebreak advise` does.
         max_seconds: what one run may take, and as much again the search for its causes.
+        progress: called with how many of the rows to be made are done.
+        kept: rows that are there already, by label and engine: they are not made again.
+        keep: called with each row as soon as it is made.
 
     Raises:
         SceneError: for an unknown name or label.
+        KeyboardInterrupt: if the user interrupts it.
     """
     names = chosen(engines, [one.name for one in SURVEYED], "engine")
     labels = chosen(scenes, SCENES, "scene")
     there = tuple(one for one in installed() if one.name in names)
+    entries = {key: entry for key, entry in (kept or {}).items() if key[0] in labels}
+    todo = [(label, one) for label in labels for one in there if (label, one.name) not in entries]
     for one in there:
-        run_cell(FIRST, one.name, causes=False, max_seconds=None)
-    todo = [(label, one) for label in labels for one in there]
-    entries: list[Entry] = []
-    for label, one in todo:
-        told = partial(_tell, progress, len(entries), len(todo), label)
-        entries.append(_entry(label, one, causes, advice, max_seconds, told))
+        if any(one is other for _, other in todo):
+            run_cell(FIRST, one.name, causes=False, max_seconds=None)
+    for done, (label, one) in enumerate(todo):
+        told = partial(_tell, progress, done, len(todo), label)
+        entry = entries[label, one.name] = _entry(label, one, causes, advice, max_seconds, told)
+        if keep is not None:
+            keep(entry)
     missing = tuple(name for name in names if name not in {one.name for one in there})
     return Survey(
-        {one.name: version_of(one.distribution) if one.distribution else "" for one in there},
-        tuple(entries),
+        {one.name: installed_version(one) for one in there},
+        tuple(entries[label, one.name] for label in labels for one in there),
         missing,
         max_seconds,
     )
+
+
+def installed_version(one: Surveyed) -> str:
+    """The version of an engine's package; nothing for truebreak's own."""
+    return version_of(one.distribution) if one.distribution else ""
 
 
 def _tell(progress: OnCell | None, done: int, total: int, label: str, what: str) -> None:
@@ -223,35 +251,59 @@ def _entry(
 ) -> Entry:
     """One engine on one scene: its ladder up to what agrees, what is advised, and why what is shown diverged."""
     task = SCENES[label]
-    cells: list[Cell] = []
+    tried: dict[str, Tried] = {}
     for text in texts(one, label):
-        if cells and cells[-1].verdict == "agree":
+        if any(before.cell.verdict == "agree" for before in tried.values()):
             break
         told(text)
-        cells.append(run_cell(task, text, causes=False, max_seconds=max_seconds))
+        tried[text] = _try(task, text, max_seconds)
     found = None
-    if advice and adjustable(one.name) and not cells[0].unable:
+    if advice and adjustable(one.name) and not tried[one.first].cell.unable:
         told(f"{one.name}, advice")
         found = advised(task, one.name)
-        if found.setting is not None:
-            cells.append(run_cell(task, found.setting, causes=False, max_seconds=max_seconds))
-    entry = Entry(label, one.name, tuple(cells), found)
+        if found.setting is not None and found.setting not in tried:
+            tried[found.setting] = _try(task, found.setting, max_seconds)
+    entry = Entry(label, one.name, tuple(row.cell for row in tried.values()), found)
     if not causes:
         return entry
-    for cell in entry.shown:
-        if cell.verdict in ("diverged", "undecided") and not cell.unable and cell.events:
-            told(f"why {cell.engine}")
-            why = run_cell(task, cell.engine, causes=True, max_seconds=max_seconds).cause
-            cut = None if max_seconds is None else f"not found within {max_seconds:g} s"
-            cells[cells.index(cell)] = replace(cell, cause=why or cut)
-    return replace(entry, tried=tuple(cells))
+    shown = {cell.engine for cell in entry.shown}
+    for row in tried.values():
+        if row.cell.engine in shown and row.held is not None and row.cell.verdict in ("diverged", "undecided"):
+            told(f"why {row.cell.engine}")
+            row.cell = replace(row.cell, cause=_why(row.held, max_seconds))
+    return replace(entry, tried=tuple(row.cell for row in tried.values()))
+
+
+@dataclass
+class Tried:
+    """One setting on one scene: what is told of it, and what was run, unless the engine could not."""
+
+    cell: Cell
+    held: Held | None = None
+
+
+def _why(held: Held, max_seconds: float | None) -> str | None:
+    """The cause, or what stands in the way of one."""
+    try:
+        found = held.why(Clock(max_seconds)).cell.cause
+    except EngineError as error:
+        return f"not found: {error}"
+    return found or (None if max_seconds is None else f"not found within {max_seconds:g} s")
+
+
+def _try(task: Task, text: str, max_seconds: float | None) -> Tried:
+    try:
+        held = hold(task, text, max_seconds)
+    except (EngineError, OutOfTime) as error:
+        return Tried(broken(task, text, str(error)))
+    return Tried(held.cell, None if held.candidate.unable else held)
 
 
 def texts(one: Surveyed, label: str) -> list[str]:
     """The engine at the settings to try on a scene: those of its ladder that take no more than `MOST_STEPS` steps."""
     task = SCENES[label]
     scene = scene_from(task.scene)
-    listed = [f"{one.name}:{settings}" if settings else one.name for settings in one.ladder]
+    listed = one.texts
     stepped = engine(listed[0]).step is not None
     if not stepped or len(listed) == 1:
         return listed

@@ -20,9 +20,14 @@ Which engine tells the true history of which scene? {engines} engines on {scenes
 certified run. This page is made by two commands:
 
 ```sh
-truebreak survey --json > survey.json
+truebreak survey --store rows.jsonl --json > survey.json
 truebreak survey --from survey.json --page survey.md
 ```
+
+The first may be ended and called again, or called for one engine after the other (`--engines`): it goes on from the
+rows in its store. Every row is bounded by counted work, not by seconds: an engine of time steps ends its run after
+`max_steps`, and a series of finer steps, which tells causes, goes no farther than some steps, the fewer the more one
+costs. What that leaves open says so in its row: a cause is *not determined* where the series would take more.
 
 It is a table of what suits what, not a ranking. Most of these engines were not made for perfectly elastic,
 frictionless, hard discs: a game wants no drift, no sinking and 60 frames a second; a robot wants forces that can be
@@ -49,7 +54,7 @@ one file (`compare/adapters/`). Send them, and the page is made again.
 | cause | why, by experiment: see [Comparison](comparison.md) |
 | outcome | whether counts of collisions, who met whom, final velocities and such are right, over what was compared |
 | energy | what it gained by the end of its run, as a share |
-| time | processor time of its run, as a multiple of the certified run's, made just before it in the same process |
+| time | processor time of its run alone, as a multiple of the certified run's just before it in the same process |
 
 Times are ratios, and a hint, since other programs ran on the machine that made this page. Each engine has played a
 scene of two discs before, so that loading and compiling it do not count. Where there is no time, none was measured.
@@ -69,6 +74,8 @@ def page_text(found: Survey) -> str:
             f"\nEach run had {found.max_seconds:g} seconds, and so had the search for its causes; what was cut short "
             "by that says so.\n"
         )
+    if any(cell.cause is None and cell.verdict == "diverged" for entry in found.entries for cell in entry.shown):
+        text += "\nWhere a cause was not looked for, the row was made with `--no-causes`.\n"
     text += "\n## The engines\n\n| engine | version | made for |\n|---|---|---|\n"
     text += "".join(_engine_row(one, found.versions[one.name]) for one in found.engines)
     if found.missing:

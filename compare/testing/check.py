@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,7 +27,9 @@ from .invariants import broken_invariant
 from .local_error import LocalError, local_error
 from .message import failure
 from .numbers import Demand, number_off
+from .own_order import in_its_own_order
 from .reach import OutOfReach, Reach, reach_of
+from .reproduction import reproduction
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -136,7 +137,7 @@ def check(
         isinstance(engine, str) and not isinstance(chosen, LogEngine),
     )
     if events is not None or until is not None or permitted:
-        return case.span(events, until)
+        return case.span(events, until, _bits(chosen, horizon))
     if len(loaded.circles) > MOST_CIRCLES:
         raise SceneError(f"{where!r}: has more than {MOST_CIRCLES} circles; give events= or until=")
     return case.as_far_as_it_reaches(_bits(chosen, horizon))
@@ -155,14 +156,17 @@ class _Case:
     permitted: bool
     asked: bool
 
-    def span(self, events: int | None, until: QuantityLike | None) -> Checked:
+    def span(self, events: int | None, until: QuantityLike | None, bits: int | None) -> Checked:
         """All of a span, or the scene's own, is required."""
         if isinstance(self.engine, LogEngine) and events is None and until is None and not self.engine.over:
             until = float(self.engine.last.final_time)
         comparison = self._compared(events=events, until=until)
         asserted = [f"the same history in {len(comparison.reference.events)} events"]
-        if self.permitted:
-            asserted = [self._permitted(comparison)]
+        if self.permitted and (events is not None or until is not None or len(self.scene.circles) > MOST_CIRCLES):
+            asserted = [self._permitted(comparison, None)]
+        elif self.permitted:
+            reference, local, _ = self._reach(bits)
+            asserted = [self._permitted(comparison, local), *self._invariants(reference, local, comparison)]
         else:
             self._same_history(comparison, None)
         off = None if self.permitted else number_off(comparison, self.demand, None, self._tells_places)
@@ -231,7 +235,7 @@ class _Case:
             told = [verdict_sentence(comparison), f"  {candidate.engine}: {candidate.trajectory.stop.message}"]
             raise NotDecided("\n".join([*told, f"  reproduce: {self._reproduced(comparison)}"]), comparison)
 
-    def _permitted(self, comparison: Comparison) -> str:
+    def _permitted(self, comparison: Comparison, local: LocalError | None) -> str:
         """The class of the engine's pattern, if some order of simultaneous impulses has it."""
         (candidate,) = comparison.candidates
         if candidate.verdict != "diverged":
@@ -243,6 +247,9 @@ class _Case:
             relation = found.relation(candidate.pattern)
         if relation in (Relation.OWN, Relation.REALISABLE, Relation.SOME_ORDER):
             return f"a history that is permitted: {relation.value}"
+        told = in_its_own_order(self.scene, candidate, self.engine, comparison.span, local)
+        if told is not None:
+            return f"a history that is permitted: {told}"
         text = self._failure(comparison, None)
         if relation is Relation.NOT_FOUND:
             raise NotDecided(f"{text}\n  permitted: {relation.value}", comparison)
@@ -294,17 +301,7 @@ class _Case:
         return failure(comparison, self._reproduced(comparison), reach, off, self.engine.bits, amiss)
 
     def _reproduced(self, comparison: Comparison) -> str:
-        """The command, or the Python, that shows the same."""
-        reference = comparison.reference
-        limit = f"events={len(reference.events)}" if reference.stop.reason is StopReason.EVENTS else ""
-        if reference.stop.reason is StopReason.HORIZON:
-            limit = f"until={float(reference.final_time)!r}"
-        words = [f"--{limit.replace('=', ' ')}"] if limit else []
-        if isinstance(self.engine, LogEngine) and "log" in self.engine.recording.parameters:
-            return " ".join(["truebreak judge", shlex.quote(self.where), shlex.quote(self.name), *words])
-        if self.asked:
-            return " ".join(["truebreak compare", shlex.quote(self.where), "--engines", shlex.quote(self.name), *words])
-        return f"truebreak.comparison(truebreak.scene({self.where!r}), [engine]{', ' + limit if limit else ''})"
+        return reproduction(comparison, self.engine, self.name if self.asked else None, self.where)
 
     def _done(self, asserted: list[str], reach: Reach | None, comparison: Comparison | None) -> Checked:
         return Checked(self.name, self.where, tuple(asserted), reach, comparison)

@@ -29,7 +29,7 @@ class Golden:
 
     def __init__(self, path: Path, *, regenerate: bool = False) -> None:
         self.path, self.regenerate = path, regenerate
-        self._told: list[str] | None = None
+        self._told: tuple[Trajectory, list[str]] | None = None
 
     def __str__(self) -> str:
         return f"the golden run {self.path.name}"
@@ -41,15 +41,17 @@ class Golden:
     def __eq__(self, run: object) -> bool:
         if not isinstance(run, Trajectory):
             return NotImplemented
-        if self._told is None:
-            self._told = self._compared(run)
-        return not self._told
+        return not self._differences(run)
 
     def truebreak_differences(self, run: object) -> list[str]:
         """What differs, in words."""
-        if self._told is None and isinstance(run, Trajectory):
-            self._told = self._compared(run)
-        return list(self._told or [])
+        return list(self._differences(run)) if isinstance(run, Trajectory) else []
+
+    def _differences(self, run: Trajectory) -> list[str]:
+        """Of the run that was asked for last: a missing file stays missing for it, though it is written."""
+        if self._told is None or self._told[0] is not run:
+            self._told = run, self._compared(run)
+        return self._told[1]
 
     def _compared(self, run: Trajectory) -> list[str]:
         data = golden_json(run)

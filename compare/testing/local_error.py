@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
 from ..foreign.guard import run_guarded
-from ..study import SERIES_STEPS, finer_by
+from ..study import finer_by, series_steps
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -100,7 +100,7 @@ def _series(engine: Engine, reference: Trajectory) -> list[tuple[Engine, float]]
         if finer is None or finer.step is None:
             break
         until = float(events[-1].time) + 4 * (engine.step or 0.0)
-        if until > SERIES_STEPS * finer.step:
+        if until > series_steps(finer) * finer.step:
             break
         try:
             run = run_guarded(finer, reference.scene, until=until, events=4 * len(events) + 64)

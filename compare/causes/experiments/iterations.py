@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ...alignment.walk import REPEATED
 from ...deadline import NO_TIME
 from ...foreign.guard import firmer_of
-from ...study import SERIES_STEPS
+from ...study import series_steps
 from ..diagnosis import CauseName, Experiment
 from ..laboratory.variants import gone
 
@@ -37,8 +37,9 @@ def _iterations(lab: Laboratory) -> Experiment:
         return Experiment(CAUSE, "no step had several contacts", None, False)
     more = firmer_of(more) or more
     until = lab.until(lab.engine.step)
-    if until > SERIES_STEPS * (lab.engine.step or math.inf):
-        return Experiment(CAUSE, f"not tried: it takes more than {SERIES_STEPS:,} steps")
+    most = series_steps(lab.engine)
+    if until > most * (lab.engine.step or math.inf):
+        return Experiment(CAUSE, f"not tried: it takes more than {most:,} steps")
     run = lab.run(more, lab.study.scene, until)
     agrees = gone(lab, run, more.step)
     return Experiment(CAUSE, f"with four times as many it {'agrees' if agrees else 'differs too'}", None, agrees)

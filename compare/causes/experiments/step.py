@@ -10,7 +10,7 @@ from ....exact.numbers import ball
 from ...alignment.divergence import Kind
 from ...deadline import NO_TIME
 from ...foreign.guard import finer_of
-from ...study import SERIES_STEPS, finer_by
+from ...study import finer_by, series_steps
 from ..diagnosis import CauseName, Experiment
 from ..laboratory.variants import gone
 from .tie import resolved_otherwise
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 CAUSE = CauseName["STEP"]
 
 MOST_HALVINGS = 8
-"""A time step is halved up to so many times, as far as `SERIES_STEPS` allow."""
+"""A time step is halved up to so many times, as far as `series_steps` allow."""
 
 
 def step(lab: Laboratory, found: SoFar) -> list[Experiment]:
@@ -41,7 +41,7 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
     agrees: list[bool] = []
     for halvings in range(1, MOST_HALVINGS + 1):
         finer = finer_by(lab.engine, halvings)
-        if finer is None or finer.step is None or until > SERIES_STEPS * finer.step:
+        if finer is None or finer.step is None or until > series_steps(finer) * finer.step:
             break
         run = lab.run(finer, lab.study.scene, until)
         agrees.append(gone(lab, run, finer.step))
@@ -54,7 +54,7 @@ def _series(lab: Laboratory, *, stays_tied: bool) -> tuple[Experiment, arb | Non
     if not agrees and finer_of(lab.engine) is None:
         return Experiment(CAUSE, f"not tried: {lab.name} has no finer step to offer"), None
     if not agrees:
-        return Experiment(CAUSE, f"not tried: a finer step takes more than {SERIES_STEPS:,} steps"), None
+        return Experiment(CAUSE, f"not tried: a finer step takes more than {series_steps(lab.engine):,} steps"), None
     moved = lab.moved(lab.got, last)
     within = _within_a_step(lab, lab.engine.step / 2 ** len(agrees))
     enough = (agrees[-1] or within) and not stays_tied

@@ -45,7 +45,8 @@ SURVEY_HELP = """
 Examples:
   truebreak survey                     every installed engine: some minutes
   truebreak survey --engines box2d,billiards --scenes "cradle, apart;gas"
-  truebreak survey --json > survey.json
+  truebreak survey --store rows.jsonl  each row is kept; call it again to go on
+  truebreak survey --store rows.jsonl --json > survey.json
   truebreak survey --from survey.json --page survey.md   the page of the docs
   truebreak survey --from a.json --from b.json --json > c.json   made in parts
 """
@@ -103,6 +104,12 @@ def suite(
 @click.option("--no-advice", is_flag=True, help="Do not look for the cheapest setting that is right.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run may take, and why it diverged.")
 @click.option(
+    "--store",
+    metavar="FILE",
+    shell_complete=completion.files,
+    help="Keep each row in this file as soon as it is made, and make none that it has.",
+)
+@click.option(
     "--from",
     "recorded",
     multiple=True,
@@ -118,6 +125,7 @@ def survey(
     no_causes: bool,
     no_advice: bool,
     max_seconds: float | None,
+    store: str | None,
     recorded: tuple[str, ...],
     page: str | None,
     as_json: bool,
@@ -133,6 +141,7 @@ def survey(
     from ...suites.shown import print_survey
     from ...suites.survey import survey as run_survey
     from ...suites.survey_page import page_text
+    from ...suites.survey_store import SurveyStore, survey_settings
     from ..writing import check_writable, write_whole
 
     if page is not None:
@@ -140,8 +149,11 @@ def survey(
     names = [name.strip() for name in engines.split(",") if name.strip()]
     labels = [label.strip() for label in scenes.split(";") if label.strip()]
     if recorded:
+        if store is not None:
+            raise click.UsageError("--from runs nothing, and --store keeps what is run; give one of them")
         found = read_survey(recorded)
     else:
+        base = None if store is None else SurveyStore(store, survey_settings(not no_causes, not no_advice, max_seconds))
         with showing_cells("survey") as progress:
             found = run_survey(
                 names,
@@ -150,6 +162,8 @@ def survey(
                 advice=not no_advice,
                 max_seconds=max_seconds,
                 progress=progress,
+                kept=None if base is None else base.entries,
+                keep=None if base is None else base.add,
             )
     if page is not None:
         write_whole(page, page_text(found))

@@ -24,9 +24,10 @@ from truebreak.compare.documents.advice import advice_json, sentences
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble.perturbed import nudged
 from truebreak.exact import ExactEngine
+from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.files import load_scene
-from truebreak.scenarios.trajectory import Stop, StopReason
+from truebreak.scenarios.trajectory import Stop, StopReason, Trajectory
 
 BESIDE = 3
 
@@ -171,6 +172,24 @@ def test_the_budget_is_kept_and_why_is_told() -> None:
     assert any("a step of about 2**-" in sentence for sentence in told.why)
     again = advise(catalogue.build("gas:n=4"), History(60), perturbed=1, budget=100_000)
     assert (again.spent, again.tried, again.why) == (told.spent, told.tried, told.why)
+
+
+def test_runs_that_settle_what_an_instant_comes_to_are_paid_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Discs that touch are pushed at one instant, of which a series of finer steps tells whether it converges."""
+    steps: list[int] = []
+    real = PymunkEngine.run
+
+    def counted(self: PymunkEngine, scene: Scene, **limits: Any) -> Trajectory:
+        run = real(self, scene, **limits)
+        steps.append(math.ceil(float(run.final_time) / self.dt))
+        return run
+
+    monkeypatch.setattr(PymunkEngine, "run", counted)
+    told = advise(catalogue.build("rack:rows=3,pockets=no"), History(4), perturbed=1, budget=40_000, why=False)
+    assert told.end is End.BUDGET
+    assert told.why == ()
+    assert told.spent <= told.budget
+    assert 10_000 < sum(steps) <= told.budget, "a step is a unit of work and a little more"
 
 
 def test_an_engine_with_one_setting_is_told_to_be_enough_or_not() -> None:

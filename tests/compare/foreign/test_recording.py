@@ -40,6 +40,21 @@ def test_states_after_each_step_tell_what_pymunk_met(name: str) -> None:
     assert float(abs(apart).max()) < 1e-9
 
 
+@pytest.mark.parametrize("name", ["gas", "cradle", "lorentz"])
+def test_states_now_and_then_tell_it_without_a_step(name: str) -> None:
+    """Of an engine of events that says where things are every 1/64: a contact lies up to so much before."""
+    scene = without_limits(catalogue.build(name))
+    run = DoubleEngine().run(scene, until=12)
+    recording = Recording(scene, until=12)
+    for k in range(1, 12 * 64 + 1):
+        recording.state(k / 64, run.at(k / 64).array())
+    told = recording.trajectory()
+    assert [e.contacts for e in told.events] == [e.contacts for e in run.events]
+    assert len(told.events) > 2
+    for one, other in zip(told.events, run.events, strict=True):
+        assert 0 <= float(one.time) - float(other.time) <= 1 / 64
+
+
 @pytest.mark.parametrize("name", ["gas", "tennis", "cradle", "galperin", "lorentz", "reversal:after=10", "sizes"])
 @pytest.mark.parametrize("engine", [DoubleEngine(), SingleEngine()], ids=["double", "single"])
 def test_times_alone_lead_along_the_run(name: str, engine: Any) -> None:

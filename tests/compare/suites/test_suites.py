@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
 
+from truebreak.compare import compare, study
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.suites.cell import Cell
 from truebreak.compare.suites.document import suite_json
+from truebreak.compare.suites.holding import hold
 from truebreak.compare.suites.running import SuiteReport, run_suite
 from truebreak.compare.suites.since import read_report, since
-from truebreak.compare.suites.suite import parsed_suite, read_suite
-from truebreak.scenarios import SceneError
+from truebreak.compare.suites.suite import Task, parsed_suite, read_suite
+from truebreak.floating import PymunkEngine
+from truebreak.scenarios import SceneError, catalogue
 
 SUITE = """
 engines = ["double", "single"]
@@ -211,6 +214,39 @@ def test_an_engine_that_raises_has_a_cell_that_says_so(tmp_path: Path, monkeypat
     mine, double = run_suite(parsed_suite(text, "mine.toml")).cells
     assert (mine.engine, mine.verdict, double.verdict) == ("mine", "undecided", "agree")
     assert "my engine is broken" in mine.stop
+
+
+def test_the_time_of_a_run_is_without_the_series_that_settles_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a clock that counts runs: of the engine's, those at finer steps are no part of what the run took."""
+    runs = [0]
+    real = study.run_guarded
+
+    def counted(*given: Any, **limits: Any) -> Any:
+        runs[0] += 1
+        return real(*given, **limits)
+
+    monkeypatch.setattr(study, "run_guarded", counted)
+    monkeypatch.setattr(study.clock, "process_time", lambda: float(runs[0]))
+    held = hold(Task("lee", (), events=1), "pymunk:dt=1/64,iterations=2", None)
+    assert runs[0] > 1
+    assert (held.study.took, held.candidate.processor) == (1.0, 1.0)
+
+
+def test_an_engine_whose_steps_are_dear_has_a_shorter_series() -> None:
+    @dataclass(frozen=True)
+    class Dear(PymunkEngine):
+        step_microseconds: float = 1.0
+
+    assert [study.series_steps(Dear(step_microseconds=dear)) for dear in (0.0, 1.0, 40.0, float("nan"))] == [
+        1_000_000, 1_000_000, 50_000, 1_000_000,
+    ]  # fmt: skip
+    scene = catalogue.build("gas:n=3")
+    told = {
+        dear: compare(scene, [Dear(1 / 64, step_microseconds=dear)]).candidates[0].diagnosis for dear in (1.0, 2000.0)
+    }
+    rows = {dear: {row.cause.value: row.result for row in found.experiments} for dear, found in told.items() if found}
+    assert rows[1.0]["time step"].startswith("with a step of 0.00781")
+    assert rows[2000.0]["time step"] == "not tried: a finer step takes more than 1,000 steps"
 
 
 def test_only_changes_needs_an_earlier_report(tmp_path: Path) -> None:

@@ -180,6 +180,23 @@ def test_golden_runs(pytester: pytest.Pytester) -> None:
     pytester.runpytest().stdout.fnmatch_lines(["E *lee.json is damaged*"])
 
 
+def test_each_run_is_compared_with_a_golden_one(pytester: pytest.Pytester) -> None:
+    """One golden run may stand beside several: what the first came to says nothing of the next."""
+    pytester.makepyfile(
+        """
+        import truebreak as tb
+
+        def test_golden(truebreak):
+            golden = truebreak.golden("lee")
+            assert tb.run(tb.scene("lee"), events=1) == golden
+            assert tb.run(tb.scene("lee:tie=sequential"), events=1) != golden
+            assert tb.run(tb.scene("lee"), events=1) == golden
+        """
+    )
+    pytester.runpytest().assert_outcomes(failed=1)
+    pytester.runpytest().assert_outcomes(passed=1)
+
+
 def test_workers_of_xdist_tell_the_same(pytester: pytest.Pytester) -> None:
     pytest.importorskip("xdist")
     pytester.makepyfile(test_one=PASSING, test_two=FAILING, test_three=GOLDEN, test_four=GOLDEN)
@@ -280,3 +297,53 @@ def test_without_any_extra(pytester: pytest.Pytester) -> None:
     done = pytester.runpytest_subprocess(*without, "-p", "no:cacheprovider", "--truebreak-report=reports")
     done.assert_outcomes(passed=2)
     done.stdout.fnmatch_lines(["truebreak: 1 check: 1 passed"])
+
+
+def test_the_command_that_shows_it_again(pytester: pytest.Pytester) -> None:
+    """An engine of one's own is named by its class where the command line finds it; else Python is told."""
+    pytester.makepyfile(
+        mine="""
+            from dataclasses import dataclass
+            from truebreak.floating import DoubleEngine
+
+            @dataclass(frozen=True)
+            class Mine(DoubleEngine):
+                width: int = 3
+            """,
+        test_it="""
+            import pytest
+            import truebreak as tb
+            from mine import Mine
+            from truebreak.floating import PymunkEngine
+
+            SCENE = tb.scene("near-tie:k=40")
+
+            class Here(Mine):
+                pass
+
+            def made():
+                class Local(Mine):
+                    pass
+                return Local()
+
+            @pytest.mark.parametrize(
+                "engine", [Mine(), Mine(4), PymunkEngine(dt=1 / 64), Here(), made()], ids=["a", "b", "c", "d", "e"]
+            )
+            def test_it(truebreak, engine):
+                truebreak.check(engine, SCENE, events=2)
+
+            def test_a_scene_of_its_own(truebreak):
+                truebreak.check(Mine(), tb.Scene(SCENE.circles, events=2), events=2)
+            """,
+    )
+    told = pytester.runpytest()
+    told.assert_outcomes(failed=6)
+    text = told.stdout.str()
+    command = "reproduce: truebreak compare near-tie:k=40 --engines"
+    for engine in ("mine:Mine", "mine:Mine:width=4", "pymunk:dt=0.015625", "test_it:Here"):
+        assert f"{command} {engine} --events 2" in text
+    assert "reproduce: truebreak.comparison(truebreak.scene('near-tie:k=40'), [engine], events=2)" in text
+    assert "reproduce: truebreak.comparison(scene, ['mine:Mine'], events=2)" in text
+    words = ["compare", "near-tie:k=40", "--engines", "mine:Mine:width=4", "--events", "2"]
+    done = pytester.run(sys.executable, "-m", "truebreak", *words)
+    assert done.ret == 1

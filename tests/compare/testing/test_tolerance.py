@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import pytest
-from bugs import BUGS, Planted
+from bugs import BUGS, Planted, heavier
 from logs import triples
 
 from truebreak.compare import engine
@@ -188,6 +188,19 @@ def test_permitted_histories() -> None:
     with pytest.raises(CheckFailed):
         check(Sequential(), "lee", events=1)
     assert "permitted" in str(check(Sequential(), "lee", permitted=True))
+    told = str(check(Sequential(), "rack:rows=3", permitted=True))
+    assert "permitted: some order of the impulses leads to it" in told
+    assert "energy, momentum" in told
+    told = str(check("pymunk:dt=1/64", "rack:rows=3", permitted=True))
+    assert "up to event 1 (" in told, "whom rounding has meet, where flights touch, is asked of nobody"
+
+
+def test_a_history_of_mixed_ties_is_permitted() -> None:
+    """A break by the policy, and then, by rounding, a tie taken in one of its orders: no order does that all along."""
+    told = str(check("double", "rack:rows=3", permitted=True))
+    assert "permitted: each tie resolved by the policy or in an order; energy" in told
+    with pytest.raises(CheckFailed, match="no order of the impulses leads to it"):
+        check(Planted(engine("double"), replace(BUGS[0], given=heavier)), "rack:rows=3", permitted=True)
 
 
 def test_a_log_is_checked_as_far_as_it_goes() -> None:
