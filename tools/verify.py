@@ -53,6 +53,7 @@ Block = namedtuple("Block", "kind among push before age")  # before: of each cir
 class Malformed(Exception): """This is no certificate."""
 class Refuted(Exception): code, word = 1, "refuted"
 class Undecided(Exception): code, word = 4, "not decided"  # the intervals are too wide, or a witness is missing
+BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
 
 class Exact:
     """a + b*sqrt(d): d is the k-th of `roots`, a and b use those before it; for k = 0 the fraction a."""
@@ -512,7 +513,6 @@ def judged(told, factor):  # the exit code for a certificate with so many times 
 def whole(text):  # a number of JSON
     if not re.fullmatch(r"-?\d{1,15}", text): raise Malformed(f"{text[:40]} is no whole number, or too long")
     return int(text)
-
 def once(pairs):  # an object of JSON whose keys differ
     if len(found := dict(pairs)) < len(pairs): raise Malformed("a key comes twice")
     return found
@@ -531,7 +531,7 @@ def verdict(path):  # the exit code for a file, and a sentence
             if more != 4: return 4, f"{sentence}; with {factor * told['bits'][0][1]} bits it is {what}"
         return code, sentence + "; nor do 4 times the bits decide" * (code == 4)
     except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
-    except (Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError) as error:
+    except BROKEN as error:
         return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
 
 if __name__ == "__main__":
