@@ -16,7 +16,7 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     >>> from truebreak.scenarios import catalogue
     >>> found = foreseen(compare(catalogue.build("gas:n=4"), ["single", "quad"], events=60))
     >>> foreseen_phrase(found, 0)
-    'foreseen to leave between event 22 and event 33, half of such engines by event 27'
+    'foreseen to leave between event 23 and event 31, half of such engines by event 27'
     >>> foreseen_phrase(found, 1)
     'foreseen to keep the history in the 60 events looked at, by the growth of errors alone'
     """

@@ -45,7 +45,7 @@ SURVEY_HELP = """
 Examples:
   truebreak survey                     every installed engine: some minutes
   truebreak survey --engines box2d,billiards --scenes "cradle, apart;gas"
-  truebreak survey --store rows.jsonl  each row is kept; call it again to go on
+  truebreak survey --store rows.jsonl  rows are kept; call it again to go on
   truebreak survey --store rows.jsonl --json > survey.json
   truebreak survey --from survey.json --page survey.md   the page of the docs
   truebreak survey --from a.json --from b.json --json > c.json   made in parts
