@@ -117,7 +117,7 @@ def test_ctrl_c_keeps_the_rows_that_are_made(tmp_path: Path) -> None:
         "main(sys.argv[1:])\n"
     )
     words = ["survey", "--engines", "double,quad", "--scenes", "lee", "--no-advice", "--store", str(path), "--json"]
-    done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-P", "-c", code, *words], capture_output=True, text=True, check=False)
     assert done.returncode == 130, done.stderr
     assert done.stderr == "truebreak: interrupted\n"
     assert done.stdout == ""
