@@ -30,7 +30,7 @@ Examples:
 \b
 Exit codes:
   0 agree, or done   1 diverged   2 usage or bad scene   3 internal error
-  4 undecided, or budget spent    130 interrupted
+  4 not settled, undecided, or budget spent   130 interrupted
 """
 
 PLACES = {

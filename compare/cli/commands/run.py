@@ -33,8 +33,8 @@ from ..options import (
     show_default=True,
     metavar="E",
     shell_complete=completion.engine,
-    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30; "
-    "or package.module:Class, your own.",
+    help="exact, sympy, double, single, quad, rounded, interval or pymunk; parameters as in "
+    "pymunk:dt=1/1000,iterations=30; another installed engine, or package.module:Class, your own.",
 )
 @UNTIL
 @EVENTS

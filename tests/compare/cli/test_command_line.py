@@ -13,7 +13,9 @@ from pathlib import Path
 
 import click
 import pytest
+from click.shell_completion import ShellComplete
 
+from truebreak.compare.bench.command import command as bench_command
 from truebreak.compare.cli import main, progress
 from truebreak.compare.cli.examples import LINES
 from truebreak.compare.cli.group import cli
@@ -122,13 +124,29 @@ def test_every_command_completes_its_scene_and_its_engines() -> None:
     assert {("sweep", "scene"), ("sweep", "engines"), ("chaos", "engines"), ("judge", "reference")} <= set(told)
 
 
+@pytest.mark.parametrize(
+    ("words", "typed", "expected"),
+    [
+        ((), "gas-", "gas-billiards"),
+        ((), "--s", "--scenes"),
+        (("tradeoffs", "--engines"), "double,py", "double,pymunk"),
+        (("tradeoffs", "--scenes"), "gas,cra", "gas,cradle"),
+        (("--svg",), "a", "a"),
+    ],
+)
+def test_bench_is_completed_as_its_own_reader_has_it(words: tuple[str, ...], typed: str, expected: str) -> None:
+    found = ShellComplete(cli, {}, "truebreak", "").get_completions(["bench", *words], typed)
+    assert expected in [item.value for item in found]
+    assert [item.type for item in found] == ["file"] or "--svg" not in words
+
+
 FILES = re.compile(r"FILE|LOG\.\.\.|\S+\.json|DIR")
 
 
 def test_every_file_is_completed() -> None:
     """Whatever is a file or a folder, under any command, is looked up by the shell."""
     told = 0
-    for name, command in cli.commands.items():
+    for name, command in {**cli.commands, "bench": bench_command}.items():
         context = click.Context(command, info_name=name, parent=parent())
         for parameter in command.params:
             if FILES.fullmatch(parameter.metavar or ""):
