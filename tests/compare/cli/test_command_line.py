@@ -191,6 +191,26 @@ def test_bash_itself_completes(words: tuple[str, ...], expected: str, path: dict
     assert expected in done.stdout.splitlines()
 
 
+ZSH = """
+compdef() { : }
+_describe() { print -rl -- "${(@P)3}" }
+compadd() { print -rl -- "${(@)${(@P)5}//:/\\\\:}" }
+eval "$(_TRUEBREAK_COMPLETE=zsh_source truebreak)"
+words=("$@"); CURRENT=$#
+_truebreak_completion
+"""
+
+
+@pytest.mark.skipif(shutil.which("zsh") is None, reason="no zsh here")
+@pytest.mark.parametrize(("words", "expected"), LINES_TO_COMPLETE)
+def test_zsh_itself_completes(words: tuple[str, ...], expected: str, path: dict[str, str]) -> None:
+    """By the script that it is given; what zsh shows then is printed in its place."""
+    command = ["zsh", "-f", "-c", ZSH, "zsh", "truebreak", *words]
+    done = subprocess.run(command, env=path, capture_output=True, text=True, check=True)
+    offered = [re.split(r"(?<!\\):", line)[0].replace("\\:", ":") for line in done.stdout.splitlines()]
+    assert expected in offered, done.stdout + done.stderr
+
+
 @pytest.mark.skipif(shutil.which("fish") is None, reason="no fish here")
 @pytest.mark.parametrize(("words", "expected"), LINES_TO_COMPLETE)
 def test_fish_itself_completes(words: tuple[str, ...], expected: str, path: dict[str, str]) -> None:
