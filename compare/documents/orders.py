@@ -8,9 +8,9 @@ from .amounts import double
 from .trajectory import stop_json
 
 if TYPE_CHECKING:
-    from ...exact.policies.all_orders import Leaf, OrderTree
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Stop
+    from ..orders.all_orders import Leaf, OrderTree
 
 ORDERS_SCHEMA = "truebreak/orders-1"
 

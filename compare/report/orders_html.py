@@ -21,9 +21,9 @@ from .page.rendering import rendered
 from .text.listing import laid_out
 
 if TYPE_CHECKING:
-    from ...exact.policies.all_orders import Leaf, OrderTree
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Stop, Trajectory
+    from ..orders.all_orders import Leaf, OrderTree
 
 MOST_PLAYED = 24
 """Outcomes that can be played beside the first."""

@@ -13,7 +13,7 @@ from ...exact.replay.contact import Touch
 from ..alignment.align import UNKNOWING, align
 from ..causes.decision.decisions import decisions
 from ..causes.decision.reader import Reader
-from ..outcomes.guided import Guided
+from ..orders.guided import Guided
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

@@ -52,7 +52,7 @@ def compare(
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
     each run has by then is compared, and what was left out is named.
     """
-    from ...attached import with_certificates
+    from ...certificate.attached import with_certificates
     from ...certificates import check_engine
     from ...comparison import compare as compare_engines
     from ...documents.comparison import comparison_json

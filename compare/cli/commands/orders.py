@@ -52,11 +52,11 @@ def orders(
     swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
     With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
-    from ....exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner
     from ....scenarios.errors import SceneError
     from ...documents.orders import orders_json, print_orders
     from ...engines import engine
-    from ...outcomes.order_search import search_orders
+    from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner
+    from ...orders.order_search import search_orders
     from ...report.text.listing import print_json
     from ...scene_argument import scene_from, with_settings
     from ...validation import check_until

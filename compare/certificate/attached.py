@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..scenarios.errors import SceneError
-from .certificates import certified
+from ...scenarios.errors import SceneError
+from ..certificates import certified
 
 if TYPE_CHECKING:
-    from .comparison import Comparison
-    from .outcomes.nearby import Witness
+    from ..comparison import Comparison
+    from ..outcomes.nearby import Witness
 
 
 def with_certificates(comparison: Comparison) -> Comparison:

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
+from truebreak.compare.orders.all_orders import OrderTree, all_orders
 from truebreak.exact import ExactEngine
-from truebreak.exact.policies.all_orders import OrderTree, all_orders
 from truebreak.exact.policies.complementarity import Ask
 from truebreak.exact.replay.contact import Touch
 from truebreak.floating import DoubleEngine

@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, OrderTree, all_orders
-from ...exact.policies.scripted import BranchDone, Scripted
 from ...scenarios.trajectory import Stop, StopReason
 from ..deadline import Clock, time_limit, uninterrupted
+from .all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, OrderTree, all_orders
+from .scripted import BranchDone, Scripted
 
 if TYPE_CHECKING:
     from ...exact.policies import Policy
-    from ...exact.policies.all_orders import Runner
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Trajectory
+    from .all_orders import Runner
 
 
 @dataclass(frozen=True)

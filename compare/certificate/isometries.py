@@ -14,7 +14,7 @@ Matrix = tuple[Exact, Exact, Exact, Exact]
 TWO = ONE + ONE
 
 
-class Candidates:
+class Isometries:
     """Finds isometries of a scene and says what they map to what.
 
     Args:

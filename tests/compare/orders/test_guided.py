@@ -6,7 +6,7 @@ import dataclasses
 
 import pytest
 
-from truebreak.compare.outcomes.guided import Guided
+from truebreak.compare.orders.guided import Guided
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Contact, catalogue
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from ...exact.replay.contact import places_of
+from ...exact.replay.steps import Kick
 from ...scenarios.trajectory import Trajectory
-from ..replay.contact import places_of
-from ..replay.steps import Kick
 
 Contact = tuple[int, int]
 

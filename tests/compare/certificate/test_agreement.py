@@ -14,17 +14,17 @@ import pytest
 from certificate.checkers import by_node, by_python, needs_node
 from certificate.samples import built
 from certificate.test_tampering import Told, altered, parts
+from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.exact.certificate import certificate_json, certify
 from truebreak.scenarios import Circle, Scene
 
 VERIFIED, REFUTED, NO_CERTIFICATE, UNDECIDED = 0, 1, 2, 4
 
-LEE = certify(built("lee"))
+LEE = certificate_of(built("lee"))
 MIRROR = {"matrix": ["1", "0", "0", "-1"], "shift": ["0", "0"], "map": [[0, 1]]}
 
 
-PAIRS = certify(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1), Circle(0, 9, vx=1), Circle(4, 10)])))
+PAIRS = certificate_of(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1), Circle(0, 9, vx=1), Circle(4, 10)])))
 """Two pairs that meet at once, at 4 - sqrt(3)."""
 
 

@@ -15,10 +15,10 @@ from command_line import said
 
 from certificate.checkers import NODE, TOOLS, by_node, by_program
 from certificate.samples import built
-from truebreak.exact.certificate import certificate_json, certify
+from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.tools.verify import BYTES
 
-LEE = json.dumps(certify(built("lee")))
+LEE = json.dumps(certificate_of(built("lee")))
 
 
 ONE_POINT = {"id": "w", "x0": "9", "y0": "0", "x1": "9", "y1": "0"}

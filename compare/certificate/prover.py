@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from typing import Any, cast
 
 from ...tools.verify import ROOTS, WORK, Ball, Checker, Exact, Undecided, put
-from .candidates import Candidates, Contact
+from .isometries import Contact, Isometries
 
 GUARD = 64
 """Bits kept below the width of what is known, so that rounding adds nothing to it."""
@@ -39,7 +39,7 @@ class Prover(Checker):
         self.contacts = contacts
         self.digits = digits
         self.known_isometries: dict[str, int] = {}
-        self.candidates = Candidates(self.things, self.n)
+        self.likely = Isometries(self.things, self.n)
         self.drops: list[list[int]] = []
         self.upto: Ball | None = None
         self.idle = False
@@ -200,10 +200,10 @@ class Prover(Checker):
         yield from self._exact(CHEAP_ROOTS, CHEAP_WORK)
         if question == "tie":
             for other in others:
-                found = self.candidates.between(c, other[0] if other else self.clock)
+                found = self.likely.between(c, other[0] if other else self.clock)
                 yield from ((k, *other) for k in self._new(found))
         elif question in ("still", "together"):
-            yield from ((k,) for k in self._new(self.candidates.holding(c)))
+            yield from ((k,) for k in self._new(self.likely.holding(c)))
         if question in ("tie", "graze", "until"):
             yield from (("back", *other) for other in others)
         yield from self._exact(DEEP_ROOTS, DEEP_WORK)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from typing import NamedTuple
 
-from ..replay.contact import Touch
-from .complementarity import Ask
+from ...exact.policies.complementarity import Ask
+from ...exact.replay.contact import Touch
 
 
 class Choice(NamedTuple):

@@ -14,8 +14,8 @@ import pytest
 
 from certificate.checkers import NODE, by_node, by_python, needs_node
 from certificate.samples import samples
+from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.exact.certificate import CertificateError, certificate_json, certify
 from truebreak.scenarios import Circle, Pocket, Scene, Wall
 from truebreak.scenarios.errors import SceneError
 
@@ -192,7 +192,7 @@ def run_again(told: Told) -> Told:
     until = exact_text(end["until"], roots) if "until" in end else None
     count = sum(bool(rounds(part)) for part in parts(told))
     events = {"events": count, "stopped": count, "quiet": count + 1}.get(end["reason"])
-    return certify(ExactEngine().run(built, until=until, events=events))
+    return certificate_of(ExactEngine().run(built, until=until, events=events))
 
 
 def rounds(part: Told) -> list[list[Any]]:

@@ -9,11 +9,11 @@ from contextlib import contextmanager
 from copy import deepcopy
 from typing import Any
 
+from ...exact.certified.precision import FIRST_BITS
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason, Trajectory
 from ...tools.verify import BITS, CIRCLES, FORMAT, Exact, Refuted, Undecided
-from ..certified.precision import FIRST_BITS
 from .log import instants
 from .prover import Prover
 from .scene_text import exact_number, scene_part, text_of
@@ -40,7 +40,7 @@ class CertificateError(SceneError):
     """A run of which no certificate can be written."""
 
 
-def certify(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
+def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
     """The certificate of a run: what docs/certificates.md describes, as a JSON object.
 
     Args:
@@ -53,7 +53,7 @@ def certify(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
-    >>> told = certify(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])))
+    >>> told = certificate_of(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])))
     >>> told["instants"]
     [{'arrive': [[0, 1]], 'time': '2.26794919243112271'}]
     """
@@ -81,7 +81,7 @@ def _long_numbers() -> Iterator[None]:
 
 
 def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
-    """As `certify`, of a run that may have a certificate."""
+    """As `certificate_of`, of a run that may have a certificate."""
     try:
         frame = _frame(trajectory)
     except Undecided as doubt:

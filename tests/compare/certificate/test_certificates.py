@@ -13,10 +13,10 @@ import pytest
 
 from certificate.checkers import TOOLS, both_verify, by_program
 from certificate.samples import built, coincidence, rows, samples, there_and_back
+from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.stress import table
 from truebreak.exact import ExactEngine
-from truebreak.exact.certificate import CertificateError, certificate_json, certify
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, Wall
 from truebreak.tools.verify import verdict
@@ -55,7 +55,7 @@ def test_certificates_are_what_the_schema_says(name: str) -> None:
 
 def test_the_checker_is_a_program_of_its_own(tmp_path: Path) -> None:
     path = tmp_path / "lee.json"
-    path.write_text(certificate_json(certify(built("lee"))), encoding="utf-8")
+    path.write_text(certificate_json(certificate_of(built("lee"))), encoding="utf-8")
     assert by_program(path) == (0, "verified: 1 events, to the end: quiet")
 
 
@@ -72,18 +72,18 @@ def test_the_checker_is_one_file_that_imports_the_standard_library_alone() -> No
 
 def test_an_ordinary_event_takes_few_bytes() -> None:
     for spec, events in (("gas", 300), ("rack:rows=3,gap=1/50", 30), ("galperin:n=1", 31)):
-        told = certify(built(spec, events))
+        told = certificate_of(built(spec, events))
         assert len(json.dumps(told["instants"], separators=(",", ":"))) <= ORDINARY * len(told["instants"]), spec
 
 
 def test_there_and_back_rests_on_isometries_and_the_way_back() -> None:
-    mirrored, heavier = certify(there_and_back()), certify(there_and_back(2))
+    mirrored, heavier = certificate_of(there_and_back()), certificate_of(there_and_back(2))
     assert "isometry" in hows(mirrored) and hows(heavier) >= {"exact", "back"}
     assert mirrored["end"] == heavier["end"] == {"reason": "return"}
 
 
 def test_more_bits_along_the_way_are_dropped(tmp_path: Path) -> None:
-    told = certify(built("gas", 300))
+    told = certificate_of(built("gas", 300))
     places, bits = zip(*told["bits"], strict=True)
     assert len(bits) > 2 and list(bits) == sorted(bits, reverse=True) and list(places) == sorted(places)
     both_verify([("gas", told)], tmp_path)
@@ -91,7 +91,7 @@ def test_more_bits_along_the_way_are_dropped(tmp_path: Path) -> None:
 
 def test_a_run_that_stopped_is_certified_as_far_as_it_went(tmp_path: Path) -> None:
     run = ExactEngine(max_bits=256).run(built("gas").scene, events=400)
-    told = certify(run)
+    told = certificate_of(run)
     assert run.stop.reason.name == "UNDECIDED" and told["end"] == {"reason": "stopped"} and len(told["instants"]) > 10
     both_verify([("stopped", told)], tmp_path)
 
@@ -105,14 +105,14 @@ def test_limits_and_the_reversal_on_one_instant(tmp_path: Path) -> None:
         "nothing but two limits": ExactEngine().run(Scene([Circle(1, 0)], walls, reverse_at="1/3"), until="1/3"),
         "a hair after the end": ExactEngine().run(Scene(pair), until="2 - 10**-100"),
     }
-    both_verify([(name, certify(run)) for name, run in runs.items()], tmp_path)
+    both_verify([(name, certificate_of(run)) for name, run in runs.items()], tmp_path)
     assert [len(run.events) for run in runs.values()] == [2, 1, 0, 0]
 
 
 def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
     scene = Scene([Circle(0, 0, vx=1), Circle("4 + 10**-5000", 1), Circle(0, 9, vx=1), Circle(4, 10)])
     run = ExactEngine().run(scene, events=2)
-    told = certify(run)
+    told = certificate_of(run)
     assert [entry["arrive"] for entry in told["instants"]] == [[[2, 3]], [[0, 1]]] and told["bits"][0][1] > 5000
     both_verify([("long", told)], tmp_path)
 
@@ -132,13 +132,13 @@ def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
 )
 def test_numbers_of_every_size(family: str, k: int, tmp_path: Path) -> None:
     one = table.family(family)
-    told = {side: certify(ExactEngine().run(one.scene(one.place(k, side)))) for side in one.sides}
+    told = {side: certificate_of(ExactEngine().run(one.scene(one.place(k, side)))) for side in one.sides}
     both_verify(told.items(), tmp_path)
 
 
 def test_sizes_that_take_more_bits_than_are_said_are_not_called_none(tmp_path: Path) -> None:
     tiny = [Circle(0, 0, vx=1, r="10**-60", m="10**60"), Circle(4, 0, r="10**-60", m="10**-60")]
-    told = certify(ExactEngine().run(Scene(tiny)))
+    told = certificate_of(ExactEngine().run(Scene(tiny)))
     both_verify([("tiny", told)], tmp_path)
     told["bits"] = [[0, 100]]
     path = tmp_path / "few bits.json"
@@ -147,7 +147,7 @@ def test_sizes_that_take_more_bits_than_are_said_are_not_called_none(tmp_path: P
 
 
 def test_more_digits_are_had_for_the_asking(tmp_path: Path) -> None:
-    told = certify(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])), digits=40)
+    told = certificate_of(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])), digits=40)
     assert told["instants"][0]["time"] == "2.2679491924311227064725536584941276330572"
     both_verify([("digits", told)], tmp_path)
 
@@ -155,22 +155,22 @@ def test_more_digits_are_had_for_the_asking(tmp_path: Path) -> None:
 def test_what_has_no_certificate() -> None:
     scene = Scene([Circle(0, 0, vx=1), Circle(4, 0)])
     with pytest.raises(CertificateError, match="only runs of the exact engine"):
-        certify(DoubleEngine().run(scene))
+        certificate_of(DoubleEngine().run(scene))
     assumed = ExactEngine(ties="assume:64", work=1000).run(rows(9, (1, 2)))
     assert not assumed.certified
     with pytest.raises(CertificateError, match="assumed"):
-        certify(assumed)
+        certificate_of(assumed)
     with pytest.raises(CertificateError, match="too many roots"):
-        certify(ExactEngine().run(Scene([Circle("+".join(f"sqrt({p})" for p in PRIMES), 0)])))
+        certificate_of(ExactEngine().run(Scene([Circle("+".join(f"sqrt({p})" for p in PRIMES), 0)])))
     with pytest.raises(CertificateError, match="within time 0"):
-        certify(coincidence("wedged", 11))
+        certificate_of(coincidence("wedged", 11))
 
 
 PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41)
 
 
 def test_too_few_bits_are_told_with_how_many_would_do(tmp_path: Path) -> None:
-    told = certify(built("gas", 60))
+    told = certificate_of(built("gas", 60))
     told["bits"] = [[0, 90]]
     path = tmp_path / "gas.json"
     path.write_text(certificate_json(told), encoding="utf-8")

@@ -6,15 +6,15 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
+from ...exact.policies.policy import Policy
+from ...exact.policies.sequential import Sequential
+from ...exact.replay.contact import Touch, contact_of
 from ...scenarios.errors import SceneError
 from ...scenarios.event import Contact
 from ...scenarios.numbers.quantity import QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Trajectory
-from ..replay.contact import Touch, contact_of
-from .policy import Policy
 from .scripted import BranchDone, Choice, Scripted
-from .sequential import Sequential
 
 DEFAULT_CAP = 256
 """Outcomes gathered before enumeration gives way to a sample."""

@@ -11,8 +11,8 @@ import pytest
 from fuzz.generators import KINDS, case_of
 
 from certificate.checkers import both_verify
+from truebreak.compare.certificate import CertificateError, certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.exact.certificate import CertificateError, certify
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.trajectory import StopReason, Trajectory
 
@@ -58,7 +58,7 @@ def certified(runs: Iterator[tuple[str, Trajectory]]) -> Iterator[tuple[str, dic
     """The certificate of each run; only a run that told nothing may be without."""
     for name, run in runs:
         try:
-            yield name, certify(run)
+            yield name, certificate_of(run)
         except CertificateError as error:
             within = run.stop.reason is StopReason.BUDGET and not run.events
             assert within and NOTHING in str(error), f"{name}: {error}"
@@ -85,4 +85,4 @@ def test_every_run_has_a_certificate_that_both_checkers_verify(runs: Any, count:
 @pytest.mark.timeout(3600)
 def test_ten_thousand_events_of_a_gas(tmp_path: Path) -> None:
     run = ExactEngine().run(catalogue.build("gas"), events=10_000)
-    both_verify([("gas", certify(run))], tmp_path)
+    both_verify([("gas", certificate_of(run))], tmp_path)

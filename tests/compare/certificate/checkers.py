@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from truebreak.exact.certificate import certificate_json
+from truebreak.compare.certificate import certificate_json
 from truebreak.tools.verify import verdict
 
 TOOLS = Path(__file__).resolve().parents[3] / "tools"

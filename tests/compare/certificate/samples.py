@@ -7,8 +7,8 @@ from typing import Any
 
 from fuzz.generators import case_of
 
+from truebreak.compare.certificate import certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.exact.certificate import certify
 from truebreak.scenarios import Circle, Scene, catalogue
 from truebreak.scenarios.trajectory import Trajectory
 
@@ -77,4 +77,4 @@ def samples() -> dict[str, dict[str, Any]]:
     meet = [Circle(0, 0, vx=1), Circle(4, 1), Circle(20, 0)]
     runs["the end at a contact"] = ExactEngine().run(Scene(meet), until="4 - sqrt(3)")
     runs["the reversal at a contact"] = ExactEngine().run(Scene(meet, reverse_at="4 - sqrt(3)"))
-    return {name: certify(run) for name, run in runs.items()}
+    return {name: certificate_of(run) for name, run in runs.items()}

@@ -1,6 +1,6 @@
 """Builds the reference set: 100 exact histories of hard discs, with certificates, for testing any engine.
 
-python tests/exact/certificate/reference_set.py   # writes docs/reference-set-1.zip, always the same bytes
+python tests/compare/certificate/reference_set.py   # writes docs/reference-set-1.zip, always the same bytes
 """
 
 from __future__ import annotations
@@ -81,11 +81,11 @@ def entries() -> list[tuple[str, Any]]:
 def certificate(maker: tuple[str, str, int | None]) -> str:
     """The certificate of one entry, as text."""
     from certificate.samples import built, coincidence
-    from truebreak.exact.certificate import certificate_json, certify
+    from truebreak.compare.certificate import certificate_json, certificate_of
 
     kind, name, number = maker
     run = built(name, number) if kind == "catalogue" else coincidence(name, number or 0)
-    return certificate_json(certify(run, digits=DIGITS))
+    return certificate_json(certificate_of(run, digits=DIGITS))
 
 
 def archive() -> bytes:
@@ -118,6 +118,6 @@ def archive() -> bytes:
 
 
 if __name__ == "__main__":
-    sys.path[:1] = [str(ROOT / "tests"), str(ROOT / "tests" / "exact")]
+    sys.path[:1] = [str(ROOT / "tests"), str(ROOT / "tests" / "compare")]
     ARCHIVE.write_bytes(archive())
     print(f"{ARCHIVE.relative_to(ROOT)}: {len(entries())} histories, {ARCHIVE.stat().st_size} bytes")
