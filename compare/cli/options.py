@@ -3,21 +3,63 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import wraps
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import completion
 from .numbers import Seconds, Whole
 
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.scene import Scene
 
-class WithDefaultWork(click.Option):
-    """An option whose help ends with the exact engine's default of `work`; the engine is loaded when that is read."""
+Option = Callable[[Callable[..., int]], Callable[..., int]]
+"""What gives a command an option."""
+
+
+class WithDefault(click.Option):
+    """An option whose help ends with its default, which is loaded when that is read.
+
+    Args:
+        told: gives the default as text.
+    """
+
+    def __init__(self, *names: Any, told: Callable[[], str], **settings: Any) -> None:
+        super().__init__(*names, **settings)
+        self._told = told
 
     def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        from ...exact.engine import DEFAULT_WORK
-
         names, text = super().get_help_record(ctx) or ("", "")
-        return names, f"{text} ({DEFAULT_WORK:,})."
+        return names, f"{text} ({self._told()})."
+
+
+def _default_work() -> str:
+    from ...exact.engine import DEFAULT_WORK
+
+    return f"{DEFAULT_WORK:,}"
+
+
+def one_engine(help: str, default: str | None = "exact", name: str = "engine_text", option: str = "--engine") -> Option:
+    """An option that names an engine; without a default, one that has to be given."""
+    given: dict[str, Any] = {"required": True} if default is None else {"default": default, "show_default": True}
+    return click.option(option, name, metavar="E", shell_complete=completion.engine, help=help, **given)
+
+
+def some_engines(help: str, default: str | None, **settings: Any) -> Option:
+    """The option `--engines`, which names several; its default is shown, if there is one."""
+    if default:
+        settings |= {"show_default": True}
+    return click.option(
+        "--engines", default=default, metavar="A,B,...", shell_complete=completion.engines, help=help, **settings
+    )
+
+
+def a_file(*names: str, help: str, **settings: Any) -> Option:
+    """An option that names a file."""
+    return click.option(*names, metavar="FILE", shell_complete=completion.files, help=help, **settings)
 
 
 SCENE_HELP = (
@@ -49,7 +91,8 @@ WORK = click.option(
     "--work",
     type=Whole(1),
     metavar="N",
-    cls=WithDefaultWork,
+    cls=WithDefault,
+    told=_default_work,
     help="What one question may cost the exact engine before it is undecided, in counted units of about a microsecond",
 )
 SECONDS = click.option(
@@ -69,17 +112,8 @@ NO_CACHE = click.option(
     help="Make every certified run anew: use none that was kept by an earlier call, and keep none.",
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
-REFERENCE = click.option(
-    "--reference",
-    default="exact",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="The engine taken as the truth.",
-)
-HTML = click.option(
-    "--html", metavar="FILE", shell_complete=completion.files, help="Also write the report as one offline HTML file."
-)
+REFERENCE = one_engine("The engine taken as the truth.", name="reference", option="--reference")
+HTML = a_file("--html", help="Also write the report as one offline HTML file.")
 CERTIFY = click.option(
     "--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked."
 )
@@ -101,11 +135,49 @@ HELD_AGAINST = (
 )
 
 
+@dataclass(frozen=True)
+class Held:
+    """What the command line says, in options that all commands have that hold runs against a reference."""
+
+    reference: str
+    until: str | None
+    events: int | None
+    reverse_after: int | None
+    tie_policy: str | None
+    ties: str | None
+    work: int | None
+    max_seconds: float | None
+    symmetric: bool
+    no_cache: bool
+    as_json: bool
+    html: str | None
+    certify: bool
+
+    def scene(self, name: str) -> Scene:
+        """The scene of that name, as the options change it."""
+        from ..scene_argument import changed
+
+        limited = bool(self.until or self.events)
+        return changed(name, self.reverse_after, self.tie_policy, limited=limited, symmetric=self.symmetric)
+
+    def engine(self) -> Engine:
+        """The reference."""
+        from ..saved.cache import reference_named
+        from ..scene_argument import with_settings
+
+        return reference_named(with_settings(self.reference, ties=self.ties, work=self.work), cache=not self.no_cache)
+
+
 def held_against(command: Callable[..., int]) -> Callable[..., int]:
-    """Gives a command the options of all that hold runs against a reference, as `--help` lists them."""
+    """Gives a command the options of `Held`, as `--help` lists them, in one argument `held`."""
+
+    @wraps(command)
+    def gathered(**given: Any) -> int:
+        return command(held=Held(**{field.name: given.pop(field.name) for field in fields(Held)}), **given)
+
     for option in reversed(HELD_AGAINST):
-        command = option(command)
-    return command
+        gathered = option(gathered)
+    return gathered
 
 
 def required(scene: str | None) -> str:

@@ -4,24 +4,15 @@ from __future__ import annotations
 
 import click
 
-from .. import completion
 from ..examples import examples
 from ..exit_codes import DONE, of_stop
 from ..numbers import Whole
-from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK
+from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK, a_file, one_engine
 
 
 @click.command(epilog=examples("orders"))
 @SCENE
-@click.option(
-    "--engine",
-    "engine_text",
-    default="exact",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="exact or double.",
-)
+@one_engine("exact or double.")
 @UNTIL
 @EVENTS
 @click.option("--cap", type=Whole(), metavar="N", help="The most outcomes to enumerate (256).")
@@ -30,9 +21,7 @@ from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK
 @WORK
 @SECONDS
 @JSON
-@click.option(
-    "--html", metavar="FILE", shell_complete=completion.files, help="Also write the outcomes as one offline HTML file."
-)
+@a_file("--html", help="Also write the outcomes as one offline HTML file.")
 def orders(
     scene: str,
     engine_text: str,

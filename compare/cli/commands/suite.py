@@ -11,7 +11,7 @@ import click
 from .. import completion
 from ..exit_codes import DONE, ExitCode
 from ..numbers import Seconds
-from ..options import JSON
+from ..options import JSON, a_file, some_engines
 from ..progress import duration, showing
 
 SUITE_HELP = """
@@ -98,26 +98,14 @@ def suite(
 
 
 @click.command(epilog=SURVEY_HELP)
-@click.option("--engines", default="", metavar="A,B,...", shell_complete=completion.engines, help="Only these.")
+@some_engines("Only these.", "")
 @click.option("--scenes", default="", metavar="A;B;...", help="Only these, by the names that the report has.")
 @click.option("--no-causes", is_flag=True, help="Do not look for causes: a fraction of the work.")
 @click.option("--no-advice", is_flag=True, help="Do not look for the cheapest setting that is right.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run may take, and why it diverged.")
-@click.option(
-    "--store",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Keep each row in this file as soon as it is made, and make none that it has.",
-)
-@click.option(
-    "--from",
-    "recorded",
-    multiple=True,
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Run nothing: show what --json has written.",
-)
-@click.option("--page", metavar="FILE", shell_complete=completion.files, help="Write the survey as a page in Markdown.")
+@a_file("--store", help="Keep each row in this file as soon as it is made, and make none that it has.")
+@a_file("--from", "recorded", multiple=True, help="Run nothing: show what --json has written.")
+@a_file("--page", help="Write the survey as a page in Markdown.")
 @JSON
 def survey(
     engines: str,
