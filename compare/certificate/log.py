@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from ...exact.replay.contact import places_of
-from ...exact.replay.steps import Kick
+from ...exact.replay.steps import Kick, Step
+from ...exact.results.value import ExactValue
+from ...scenarios.event import Event, Pocketing
+from ...scenarios.numbers.real import Real
 from ...scenarios.trajectory import Trajectory
 
 Contact = tuple[int, int]
@@ -22,18 +26,17 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
     ends: dict[int, int] = {0: 0}
     contacts: dict[int, set[Contact]] = {}
     entries: dict[int, list[list[int]]] = {}
-    times: list[Any] = [event.time for event in trajectory.events] + [entry.time for entry in trajectory.pocketings]
-    if trajectory.reversal is not None:
-        times.append(trajectory.reversal.time)
-    for time in times:
-        ends[time.instant] = max(time.upto, ends.get(time.instant, 0))
-    for event in trajectory.events:
-        time: Any = event.time
-        contacts[time.instant] = {(place[a], place[b]) for a, b in event.contacts}
-    for entry in trajectory.pocketings:
-        when: Any = entry.time
-        entries.setdefault(when.instant, []).append([place[entry.circle], pockets[entry.pocket]])
-    steps = _steps(times)
+    steps: Sequence[Step] = ()
+    for happened in (*trajectory.events, *trajectory.pocketings, trajectory.reversal):
+        if happened is None:
+            continue
+        time, number = _instant(happened.time)
+        steps = time.log.steps
+        ends[number] = max(time.upto, ends.get(number, 0))
+        if isinstance(happened, Event):
+            contacts[number] = {(place[a], place[b]) for a, b in happened.contacts}
+        elif isinstance(happened, Pocketing):
+            entries.setdefault(number, []).append([place[happened.circle], pockets[happened.pocket]])
     found: list[dict[str, Any]] = []
     met: list[frozenset[Contact]] = []
     done = 0
@@ -53,6 +56,7 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
     return found, met
 
 
-def _steps(times: list[Any]) -> Any:
-    """The log; empty where nothing happened."""
-    return times[0].log.steps if times else ()
+def _instant(time: Real) -> tuple[ExactValue, int]:
+    """A time of an exact run, and the number of its instant."""
+    assert isinstance(time, ExactValue) and time.instant is not None
+    return time, time.instant

@@ -7,6 +7,7 @@ from typing import Any, cast
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
+from ...scenarios.things import Circle, Pocket, Wall
 from ...tools.verify import SCENE_ROOTS, WORK, ZERO, Exact
 
 
@@ -59,7 +60,7 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     """
     Exact.roots, Exact.named, Exact.most, Exact.work, Exact.budget = [], [], SCENE_ROOTS, 0, WORK
 
-    def row(thing: Any, keys: tuple[str, ...]) -> dict[str, str]:
+    def row(thing: Circle | Wall | Pocket, keys: tuple[str, ...]) -> dict[str, str]:
         return {"id": str(thing.id), **{key: text_of(exact_number(getattr(thing, key))) for key in keys}}
 
     circles = []
