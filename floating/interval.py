@@ -25,8 +25,8 @@ from ..scenarios.numbers.doubles import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain_decider import PlainDecider
-from .plain_run import run_plain
+from .plain.decider import PlainDecider
+from .plain.run import run_plain
 
 MIN_BITS, MAX_BITS = 24, 100_000
 

@@ -175,9 +175,10 @@ def held_against(command: Callable[..., int]) -> Callable[..., int]:
     def gathered(**given: Any) -> int:
         return command(held=Held(**{field.name: given.pop(field.name) for field in fields(Held)}), **given)
 
+    whole: Callable[..., int] = gathered
     for option in reversed(HELD_AGAINST):
-        gathered = option(gathered)
-    return gathered
+        whole = option(whole)
+    return whole
 
 
 def required(scene: str | None) -> str:

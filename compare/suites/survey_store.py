@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from ...scenarios.errors import SceneError
+from ...scenarios.lazy.version import VERSION
 from ...scenarios.scene import Scene
-from ...scenarios.version import VERSION
 from ..scene_argument import scene_from
 from .recorded_survey import advised_of, cell_of_row
 from .survey import SCENES, SURVEYED, Entry, Surveyed, installed_version

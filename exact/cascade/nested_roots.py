@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...scenarios.frozen import frozen
+from ...scenarios.lazy.frozen import frozen
 from ...scenarios.numbers.tower import TowerLimit, sign_of_root_sum
 from ...scenarios.scene import Scene
 from ...scenarios.work import Work

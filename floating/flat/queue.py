@@ -6,7 +6,7 @@ from heapq import heappop, heappush
 from math import inf
 
 from ...exact.replay.contact import AtWall, Link
-from ...exact.simulation.queue import Arrival, ArrivalQueue
+from ...exact.simulation.arrivals.queue import Arrival, ArrivalQueue
 from .flights import Entry, FlatFlights
 
 

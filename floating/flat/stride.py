@@ -5,8 +5,8 @@ from __future__ import annotations
 from heapq import heappop, heappush
 
 from .flights import FlatFlights
+from .formulas.inlined import rebound, strike
 from .history import FlatHistory
-from .inlined import rebound, strike
 from .meetings import FlatMeetings
 
 

@@ -17,7 +17,7 @@ FILTERED, BALLS, LIVE = (
     "exact/replay/refinable.py",
 )
 PUSHING, MOTION, BALL = "exact/policies/complementarity.py", "exact/results/motion.py", "exact/numbers/ball.py"
-PLAIN = "floating/plain_decider.py"
+PLAIN = "floating/plain/decider.py"
 TOO_SMALL = " * 2.0**-20"
 
 CONTACTS = (
@@ -151,7 +151,7 @@ CONTACTS = (
         "impulses together are reckoned with the mass of the first circle of a contact",
     ),
     Mutant(
-        "touch_at_start_of_walls", "scenarios/validation.py",
+        "touch_at_start_of_walls", "scenarios/checks/validation.py",
         "return sign == 0\n\n\ndef shown_amount",
         "return sign == 0 and height.sign() > 0\n\n\ndef shown_amount",
         "a circle that touches a wall from its other side is not seen at time 0",
@@ -265,7 +265,7 @@ GATHERING = (
         "what comes shortly before a wall is left out with what comes after it",
     ),
     Mutant(
-        "wall_of_an_old_flight", "exact/simulation/prediction.py",
+        "wall_of_an_old_flight", "exact/simulation/arrivals/prediction.py",
         "            a.until = inf\n",
         "",
         "the wall that ended the flight before ends the new one too",

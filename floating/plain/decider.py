@@ -6,20 +6,20 @@ from collections import Counter
 from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
 from typing import Generic
 
-from ..exact.numbers.system import M, NumberSystem
-from ..exact.numbers.undecided import Undecided
-from ..exact.predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
-from ..exact.predicates.question import Decision, Question
-from ..exact.replay.body import Body
-from ..exact.replay.contact import AtWall, Entry, Link, name_of
-from ..exact.replay.state import State
-from ..exact.replay.steps import Step
-from ..exact.simulation.history import History
-from ..exact.simulation.prediction import Predictor
-from ..exact.simulation.queue import Arrival, ArrivalQueue
-from ..scenarios.event import TieProof
-from ..scenarios.numbers.quantity import Quantity
-from ..scenarios.scene import Scene
+from ...exact.numbers.system import M, NumberSystem
+from ...exact.numbers.undecided import Undecided
+from ...exact.predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
+from ...exact.predicates.question import Decision, Question
+from ...exact.replay.body import Body
+from ...exact.replay.contact import AtWall, Entry, Link, name_of
+from ...exact.replay.state import State
+from ...exact.replay.steps import Step
+from ...exact.simulation.arrivals.prediction import Predictor
+from ...exact.simulation.arrivals.queue import Arrival, ArrivalQueue
+from ...exact.simulation.history import History
+from ...scenarios.event import TieProof
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.scene import Scene
 
 
 class PlainReading(Generic[M]):

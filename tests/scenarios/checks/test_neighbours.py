@@ -13,9 +13,9 @@ from hypothesis import strategies as st
 
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall
 from truebreak.scenarios.catalogue import build
+from truebreak.scenarios.checks.neighbours import Neighbourhood, box
+from truebreak.scenarios.checks.validation import check_apart
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
-from truebreak.scenarios.neighbours import Neighbourhood, box
-from truebreak.scenarios.validation import check_apart
 
 NUDGE = Fraction(1, 10**30)
 scales = st.sampled_from([Fraction(10) ** k for k in (-320, -160, -30, -3, 0, 0, 0, 3, 30, 160, 320)])

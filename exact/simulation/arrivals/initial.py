@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from ...scenarios.scene import Scene
-from ..replay.contact import Entry, Touch, touch_of
+from ....scenarios.scene import Scene
+from ...replay.contact import Entry, Touch, touch_of
 
 
 @lru_cache(maxsize=8)

@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
-from ..exact.numbers.system import M
-from ..exact.policies import Policy
-from ..exact.replay.contact import Named
-from ..exact.simulation.history import Mark
-from ..exact.simulation.limits import Limits, run_limits
-from ..exact.simulation.loop import Loop
-from ..scenarios.event import Event, Pocketing, Reversal
-from ..scenarios.late import Late
-from ..scenarios.numbers.quantity import QuantityLike
-from ..scenarios.numbers.real import Real
-from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Motion, OnProgress, StopReason, Trajectory
-from .plain_decider import PlainDecider
+from ...exact.numbers.system import M
+from ...exact.policies import Policy
+from ...exact.replay.contact import Named
+from ...exact.simulation.history import Mark
+from ...exact.simulation.limits import Limits, run_limits
+from ...exact.simulation.loop import Loop
+from ...scenarios.event import Event, Pocketing, Reversal
+from ...scenarios.lazy.late import Late
+from ...scenarios.numbers.quantity import QuantityLike
+from ...scenarios.numbers.real import Real
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Motion, OnProgress, StopReason, Trajectory
+from .decider import PlainDecider
 
 Passed: TypeAlias = tuple[M, M, M, M, M, int]
 """(t, x, y, vx, vy) of a circle from a knot on, and the number of the knot's instant."""

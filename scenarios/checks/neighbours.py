@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import floor, frexp, hypot, inf, isfinite
 from typing import TypeAlias
 
-from .things import Circle, Wall
+from ..things import Circle, Wall
 
 ROUNDING = 2.0**-48
 """What boxes are widened by, as a share of the coordinates and the radius: 32 units in the last place. Rounding to

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from truebreak.scenarios.event import Contact, Event, Tie, TieProof
-from truebreak.scenarios.frozen import frozen
+from truebreak.scenarios.lazy.frozen import frozen
 
 
 class One:

@@ -7,9 +7,9 @@ from heapq import heappop, heappush
 from math import inf
 from typing import Generic, NamedTuple, Protocol, TypeAlias
 
-from ..numbers.system import N
-from ..replay.body import Body
-from ..replay.contact import AtWall, Entry, Link, Pair, Touch
+from ...numbers.system import N
+from ...replay.body import Body
+from ...replay.contact import AtWall, Entry, Link, Pair, Touch
 
 
 class Arrival(NamedTuple, Generic[N]):

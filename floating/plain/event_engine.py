@@ -6,18 +6,18 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, Generic, Protocol, SupportsFloat, TypeVar
 
-from ..exact.numbers.system import NumberSystem, Ordered
-from ..exact.policies import Policy
-from ..exact.replay.state import State
-from ..scenarios.engine import EventDriven
-from ..scenarios.numbers.doubles import Double
-from ..scenarios.numbers.quantity import QuantityLike
-from ..scenarios.numbers.real import Real
-from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Motion, OnProgress, Trajectory
-from .knots import DoubleMotion
-from .plain_decider import PlainDecider
-from .plain_run import Passed, run_plain
+from ...exact.numbers.system import NumberSystem, Ordered
+from ...exact.policies import Policy
+from ...exact.replay.state import State
+from ...scenarios.engine import EventDriven
+from ...scenarios.numbers.doubles import Double
+from ...scenarios.numbers.quantity import QuantityLike
+from ...scenarios.numbers.real import Real
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Motion, OnProgress, Trajectory
+from ..knots import DoubleMotion
+from .decider import PlainDecider
+from .run import Passed, run_plain
 
 
 class Counted(Ordered, SupportsFloat, Protocol):

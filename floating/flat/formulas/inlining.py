@@ -11,7 +11,7 @@ import inspect
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...exact.laws import formulas
+from ....exact.laws import formulas
 from . import flying
 
 INLINED = Path(__file__).with_name("inlined.py")

@@ -7,10 +7,10 @@ from collections.abc import Collection, Mapping, Sequence
 from math import inf
 from typing import Generic, Protocol
 
-from ...scenarios.things import Wall
-from ..numbers.system import N
-from ..replay.body import Body
-from ..replay.contact import Link
+from ....scenarios.things import Wall
+from ...numbers.system import N
+from ...replay.body import Body
+from ...replay.contact import Link
 from .cells import LARGE, Cells, Flight, grid_for
 from .wall_cells import WallCells
 

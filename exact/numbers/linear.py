@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..numbers.system import N
+from .system import N
 
 
 def solve_positive(matrix: Sequence[Sequence[N]], right: Sequence[N]) -> list[N]:

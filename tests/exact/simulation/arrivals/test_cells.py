@@ -8,8 +8,8 @@ from random import Random
 import pytest
 
 from truebreak.compare import engine
-from truebreak.exact.simulation import cells as cells_module
-from truebreak.exact.simulation.crowd import cells_for
+from truebreak.exact.simulation.arrivals import cells as cells_module
+from truebreak.exact.simulation.arrivals.crowd import cells_for
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
 
 LATTICE = Scene(

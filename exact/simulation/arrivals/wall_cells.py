@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from math import hypot, inf
 from typing import TypeAlias
 
-from ...scenarios.things import Wall
+from ....scenarios.things import Wall
 
 ROUNDING = 2.0**-40
 """Share of its terms by which a height in doubles is off at most: six roundings of a wall's numbers and a cell's, and

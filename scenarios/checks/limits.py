@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from .errors import SceneError
-from .numbers.quantity import Quantity, QuantityLike
+from ..errors import SceneError
+from ..numbers.quantity import Quantity, QuantityLike
 
 
 def checked_truth(place: str, value: object) -> bool:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from .errors import SceneError
+from ..errors import SceneError
+from ..numbers.quantity import Quantity
+from ..things import Circle, Wall
 from .neighbours import Box, NearWalls, Neighbourhood, box
-from .numbers.quantity import Quantity
-from .things import Circle, Wall
 
 
 def check_apart(circles: Sequence[Circle], walls: Sequence[Wall]) -> tuple[tuple[int, int], ...]:

@@ -7,8 +7,8 @@ from collections.abc import Callable, Collection, Sequence
 from math import inf, nextafter
 from typing import Generic
 
-from ...scenarios.scene import Scene
-from ..laws.formulas import (
+from ....scenarios.scene import Scene
+from ...laws.formulas import (
     advance,
     pair_approach,
     pair_discriminant,
@@ -18,10 +18,10 @@ from ..laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-from ..numbers.system import M
-from ..replay.body import Body
-from ..replay.contact import AtWall, Entry, Link, Pair, Round
-from ..replay.state import State
+from ...numbers.system import M
+from ...replay.body import Body
+from ...replay.contact import AtWall, Entry, Link, Pair, Round
+from ...replay.state import State
 from . import cells as crowding
 from .cells import Flight
 from .crowd import Crowd, cells_for
