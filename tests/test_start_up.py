@@ -10,9 +10,10 @@ from pathlib import Path
 import pytest
 
 SHORT_RUN = {
-    "compare": "deadline engines scene_argument validation "
-    "cli.commands.run cli.completion cli.entry cli.examples cli.exit_codes cli.group cli.numbers cli.options "
-    "cli.progress documents.amounts foreign.guard report.counting report.text.listing report.text.output saved.cache",
+    "compare": "deadline engines scene_argument validation cli.commands.run cli.arguments.completion "
+    "cli.arguments.examples cli.arguments.numbers cli.arguments.options cli.entry cli.exit_codes "
+    "cli.group cli.progress documents.values.amounts foreign.guard report.counting report.text.listing "
+    "report.text.output saved.cache",
     "scenarios": "engine errors event scene things tie_policy trajectory work checks lazy numbers.conversion "
     "numbers.doubles numbers.expression numbers.parsing numbers.precision numbers.quantity "
     "numbers.rationals numbers.real numbers.sympy_form numbers.tower.element numbers.tower.field "

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .amounts import double
 from .trajectory import stop_json
+from .values.amounts import double
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

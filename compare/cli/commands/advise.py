@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .. import completion
+from ..arguments import completion
+from ..arguments.numbers import Whole
+from ..arguments.options import JSON, SCENE, SCENE_HELP, UNTIL, WithDefault, one_engine
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Whole
-from ..options import JSON, SCENE, SCENE_HELP, UNTIL, WithDefault, one_engine
 
 if TYPE_CHECKING:
     from ...advice.goal import Goal

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from ..examples import examples
+from ..arguments.examples import examples
+from ..arguments.options import JSON, SCENE, a_file
 from ..exit_codes import DONE
-from ..options import JSON, SCENE, a_file
 
 
 @click.command(epilog=examples("scenes"))

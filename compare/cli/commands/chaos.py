@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
+from ..arguments.numbers import Whole
+from ..arguments.options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, a_file, some_engines
 from ..exit_codes import of_stop
-from ..numbers import Whole
-from ..options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, a_file, some_engines
 
 EPILOG = f"""
 {SCENE_HELP}

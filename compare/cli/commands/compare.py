@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from ..examples import examples
+from ..arguments.examples import examples
+from ..arguments.options import SCENE, Held, a_file, held_against, some_engines
 from ..exit_codes import DONE, of_comparison
-from ..options import SCENE, Held, a_file, held_against, some_engines
 
 
 @click.command(epilog=examples("compare"))

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import completion
-from ..examples import examples
+from ..arguments import completion
+from ..arguments.examples import examples
+from ..arguments.numbers import Whole
+from ..arguments.options import SCENE, SCENE_HELP, Held, a_file, held_against
 from ..exit_codes import DONE, of_comparison
-from ..numbers import Whole
-from ..options import SCENE, SCENE_HELP, Held, a_file, held_against
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..arguments.numbers import Seconds, Whole
+from ..arguments.options import EVENTS, SCENE, SCENE_HELP, UNTIL, WithDefault, a_file, one_engine
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Seconds, Whole
-from ..options import EVENTS, SCENE, SCENE_HELP, UNTIL, WithDefault, a_file, one_engine
 
 if TYPE_CHECKING:
     from ...reduction.minimise import Searching

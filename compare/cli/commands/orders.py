@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
-from ..examples import examples
+from ..arguments.examples import examples
+from ..arguments.numbers import Whole
+from ..arguments.options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK, a_file, one_engine
 from ..exit_codes import DONE, of_stop
-from ..numbers import Whole
-from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK, a_file, one_engine
 
 
 @click.command(epilog=examples("orders"))

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..examples import examples
-from ..exit_codes import of_stop
-from ..options import (
+from ..arguments.examples import examples
+from ..arguments.options import (
     EVENTS,
     JSON,
     NO_CACHE,
@@ -23,6 +22,7 @@ from ..options import (
     refuse_beside,
     required,
 )
+from ..exit_codes import of_stop
 
 
 @click.command(epilog=examples("run"))

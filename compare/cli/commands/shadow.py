@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
+from ..arguments.options import EVENTS, JSON, SCENE, SCENE_HELP, a_file, one_engine
 from ..exit_codes import DONE, ExitCode
-from ..options import EVENTS, JSON, SCENE, SCENE_HELP, a_file, one_engine
 
 EPILOG = f"""
 {SCENE_HELP}

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..arguments.numbers import Whole
+from ..arguments.options import JSON, WithDefault, a_file, some_engines
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Whole
-from ..options import JSON, WithDefault, a_file, some_engines
 from ..progress import duration, showing
 
 if TYPE_CHECKING:

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 
 import click
 
-from .. import completion
+from ..arguments import completion
+from ..arguments.numbers import Seconds
+from ..arguments.options import JSON, a_file, some_engines
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Seconds
-from ..options import JSON, a_file, some_engines
 from ..progress import duration, showing
 
 SUITE_HELP = """
@@ -125,11 +125,11 @@ def survey(
     """
     from ...report.text.listing import print_json
     from ...suites.document import survey_json
-    from ...suites.recorded_survey import read_survey
     from ...suites.shown import print_survey
     from ...suites.survey import survey as run_survey
-    from ...suites.survey_page import page_text
-    from ...suites.survey_store import SurveyStore, survey_settings
+    from ...suites.surveys.recorded_survey import read_survey
+    from ...suites.surveys.survey_page import page_text
+    from ...suites.surveys.survey_store import SurveyStore, survey_settings
     from ..writing import check_writable, write_whole
 
     if page is not None:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import completion
+from ..arguments import completion
+from ..arguments.numbers import Whole
+from ..arguments.options import EVENTS, JSON, SCENE_HELP, WORK, a_file, some_engines
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Whole
-from ..options import EVENTS, JSON, SCENE_HELP, WORK, a_file, some_engines
 from ..progress import duration, showing
 
 if TYPE_CHECKING:
@@ -101,10 +101,10 @@ def sweep(
     """
     from ...documents.sweep import print_sweep, sweep_json
     from ...engines import split_engines
-    from ...ensemble.store import Store, merged
+    from ...ensemble.rows.store import Store, merged
+    from ...ensemble.rows.table import csv_text
     from ...ensemble.survival import summaries
     from ...ensemble.sweep import plan, run
-    from ...ensemble.table import csv_text
     from ...ensemble.uncertainty import uncertainty
     from ...report.pictures.sweep_plots import survival_svg
     from ...report.text.listing import print_json
@@ -152,7 +152,7 @@ def sweep(
 
 def _displaced(settings: Mapping[str, Any]) -> bool:
     """Whether a sweep displaces its scenes."""
-    from ...ensemble.row import PERTURBED
+    from ...ensemble.rows.row import PERTURBED
 
     return any(label.startswith(PERTURBED) for label in settings["engines"])
 

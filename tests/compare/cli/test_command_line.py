@@ -15,7 +15,7 @@ import click
 import pytest
 
 from truebreak.compare.cli import main, progress
-from truebreak.compare.cli.examples import LINES
+from truebreak.compare.cli.arguments.examples import LINES
 from truebreak.compare.cli.group import cli
 from truebreak.compare.cli.progress import Goal, Line, Pace, goal_of, showing
 from truebreak.compare.cli.retold import command_of
