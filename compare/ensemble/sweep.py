@@ -175,7 +175,7 @@ def sweep(
     Args:
         store: the file that keeps the rows; what is in it already is not done again.
         asked: `events`, `perturb`, `outcomes`, `causes`, `work` and `shard`, as for `plan`.
-        others: see `plan` and `run`.
+        jobs, executor, progress: see `run`.
 
     Raises:
         SceneError: as `plan`, `Store` and `run`.

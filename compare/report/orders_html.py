@@ -31,8 +31,6 @@ MOST_PLAYED = 24
 MOST_LISTED = 400
 """Rows of the table."""
 
-AGAIN = "the command above, with --json"
-
 PLAYER = {
     "title": "Two outcomes, side by side",
     "choice": "outcome",

@@ -53,7 +53,7 @@ class NestedRoots:
         try:
             state = State(self.scene, numbers, only=bodies)
             replay(state, steps, needed)
-            return sign_of_root_sum(*question.root_sum(state)), ""
+            return sign_of_root_sum(*question.sum_of_roots(state)), ""
         except TowerLimit as limit:
             self._hopeless.append(Hopeless(past, allowed if work.is_spent else None))
             return None, f"nested square roots: {limit}"

@@ -9,11 +9,14 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from ...deadline import uninterrupted
 from ...engines import engine
 from .rivals import run_billiards, run_perfect_physics
+
+if TYPE_CHECKING:
+    from ....scenarios.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -125,14 +128,14 @@ def interleaved(
     return statistics.median(times[0]), statistics.median(times[1])
 
 
-def scene_of(text: str) -> Any:
+def scene_of(text: str) -> Scene:
     """A scene of the catalogue."""
     from ....scenarios.catalogue import build
 
     return build(text)
 
 
-def running(name: str, scene: Any, events: int) -> Callable[[], object]:
+def running(name: str, scene: Scene, events: int) -> Callable[[], object]:
     """A run of one engine, ready to be timed; it must reach the number of instants asked for."""
     runner = engine(name)
 
@@ -197,7 +200,7 @@ def galperin_against_perfect_physics(size: Size) -> Figure:
     return Figure("galperin-perfect-physics", what, *pair, Target("ratio", "at least", 1_000), answer)
 
 
-def _agreed(name: str, scene: Any, told: list[Any]) -> str:
+def _agreed(name: str, scene: Scene, told: list[Any]) -> str:
     """How far a peer's list of collisions is that of the certified run."""
     events = uninterrupted(engine("exact").run(scene, events=len(told))).events
     right = [pair for event in events for pair in event.impulses]

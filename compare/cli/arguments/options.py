@@ -136,7 +136,7 @@ HELD_AGAINST = (
 
 
 @dataclass(frozen=True)
-class Held:
+class HeldAgainst:
     """What the command line says, in options that all commands have that hold runs against a reference."""
 
     reference: str
@@ -169,11 +169,13 @@ class Held:
 
 
 def held_against(command: Callable[..., int]) -> Callable[..., int]:
-    """Gives a command the options of `Held`, as `--help` lists them, in one argument `held`."""
+    """Gives a command the options of `HeldAgainst`, as `--help` lists them, in one argument `held`."""
 
     @wraps(command)
     def gathered(**given: Any) -> int:
-        return command(held=Held(**{field.name: given.pop(field.name) for field in fields(Held)}), **given)
+        return command(
+            held=HeldAgainst(**{field.name: given.pop(field.name) for field in fields(HeldAgainst)}), **given
+        )
 
     whole: Callable[..., int] = gathered
     for option in reversed(HELD_AGAINST):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from ..arguments.examples import examples
-from ..arguments.options import SCENE, Held, a_file, held_against, some_engines
+from ..arguments.options import SCENE, HeldAgainst, a_file, held_against, some_engines
 from ..exit_codes import DONE, of_comparison
 
 
@@ -18,7 +18,7 @@ from ..exit_codes import DONE, of_comparison
 @held_against
 @a_file("--save", help="Also save the comparison with its runs, for `truebreak.load_comparison`.")
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
-def compare(scene: str, engines: str, held: Held, save: str | None, exit_zero: bool) -> int:
+def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_zero: bool) -> int:
     """Run a scene in several engines: do they tell the same history?
 
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what

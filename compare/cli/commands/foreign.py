@@ -10,7 +10,7 @@ import click
 from ..arguments import completion
 from ..arguments.examples import examples
 from ..arguments.numbers import Whole
-from ..arguments.options import SCENE, SCENE_HELP, Held, a_file, held_against
+from ..arguments.options import SCENE, SCENE_HELP, HeldAgainst, a_file, held_against
 from ..exit_codes import DONE, of_comparison
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def judge(
     step: str | None,
     exact_input: bool,
     lacks: str,
-    held: Held,
+    held: HeldAgainst,
     exit_zero: bool,
 ) -> int:
     """Judge the log of any engine, in any language. Does it tell the scene's history?

@@ -48,7 +48,7 @@ class Demand:
 
 
 @dataclass(frozen=True)
-class Pair:
+class Matched:
     """One circle's meeting in both runs: the reference's event, and the candidate's last that was matched with it."""
 
     body: str
@@ -111,7 +111,7 @@ TOLD = 2.0**-50
 """Times and states are told in doubles, whatever an engine counts in: a few roundings of each."""
 
 
-def _pairs(comparison: Comparison) -> Iterator[Pair]:
+def _pairs(comparison: Comparison) -> Iterator[Matched]:
     """Each circle's meetings that are matched within the span, by event."""
     (candidate,) = comparison.candidates
     total, found = len(comparison.reference.events), {}
@@ -120,7 +120,7 @@ def _pairs(comparison: Comparison) -> Iterator[Pair]:
             if mine < total:
                 found[mine, body] = theirs
     for (mine, body), theirs in sorted(found.items()):
-        yield Pair(body, mine, theirs)
+        yield Matched(body, mine, theirs)
 
 
 def _time_rooms(demand: Demand, reach: Reach | None, event: int, time: float) -> Iterator[tuple[float, str]]:

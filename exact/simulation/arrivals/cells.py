@@ -70,9 +70,9 @@ class Grid(NamedTuple):
         """Between what the centres in each column, and in each row, lie: its ends, and a margin beyond them."""
         return self._ends(self.x, self.columns), self._ends(self.y, self.rows)
 
-    def _ends(self, start: float, count: int) -> list[tuple[float, float]]:
+    def _ends(self, origin: float, count: int) -> list[tuple[float, float]]:
         width, margin = self.width, MARGIN * self.width
-        ends = [(start + k * width - margin, start + (k + 1) * width + margin) for k in range(count)]
+        ends = [(origin + k * width - margin, origin + (k + 1) * width + margin) for k in range(count)]
         ends[0] = -inf, ends[0][1]
         ends[-1] = ends[-1][0], inf
         return ends
@@ -314,9 +314,9 @@ def _ahead(step: int, row: int) -> tuple[int, int, int]:
     return step - aside, step, step + aside
 
 
-def _ends(start: float, width: float, count: int) -> tuple[list[float], list[float]]:
+def _ends(origin: float, width: float, count: int) -> tuple[list[float], list[float]]:
     """Where a circle leaves each of the cells along an axis, downwards and upwards: half a margin beyond its border."""
-    low = [start + (k - MARGIN / 2) * width for k in range(count)]
-    high = [start + (k + 1 + MARGIN / 2) * width for k in range(count)]
+    low = [origin + (k - MARGIN / 2) * width for k in range(count)]
+    high = [origin + (k + 1 + MARGIN / 2) * width for k in range(count)]
     low[0], high[-1] = -inf, inf
     return low, high

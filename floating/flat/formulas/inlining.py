@@ -10,6 +10,7 @@ import ast
 import inspect
 from collections.abc import Iterator
 from pathlib import Path
+from types import ModuleType
 
 from ....exact.laws import formulas
 from . import flying
@@ -47,8 +48,8 @@ def write() -> Path:
     return INLINED
 
 
-def _tree(module: object) -> ast.Module:
-    return ast.parse(inspect.getsource(module))  # type: ignore[arg-type]
+def _tree(module: ModuleType) -> ast.Module:
+    return ast.parse(inspect.getsource(module))
 
 
 def _written_out(body: list[ast.stmt], known: dict[str, ast.FunctionDef]) -> Iterator[ast.stmt]:
