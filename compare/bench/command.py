@@ -12,19 +12,20 @@ from typing import Any
 import click
 
 from ...scenarios.errors import SceneError
-from ..adapters.package import NotInstalled
-from ..cli import completion
+from ..adapters.base.package import NotInstalled
+from ..cli.arguments import completion
+from ..cli.arguments.numbers import Whole
+from ..cli.arguments.options import a_file
 from ..cli.exit_codes import DONE, ExitCode
-from ..cli.numbers import Whole
 from ..cli.progress import duration, showing
 from ..cli.writing import check_writable, write_whole
 from ..engines import split_engines, suggestion
-from .against import Against, against
-from .figures import FULL, SHORT, Figure, Size
 from .machine import Took, calibration, idleness, machine
-from .report import Report, check_scenes, idleness_of, load, rows_of, worst
+from .ratios.figures import FULL, SHORT, Figure, Size
+from .ratios.table import BENCHMARKS
+from .reported.against import Against, against
+from .reported.report import Report, check_scenes, idleness_of, load, rows_of, worst
 from .subjects import SUBJECTS, digest_of, subjects
-from .table import BENCHMARKS
 from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, Tradeoff, tradeoffs
 
 TRADEOFFS = "tradeoffs"
@@ -175,7 +176,7 @@ def _check_files(
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
     from ..report.text.output import console, say
-    from .tables import tables
+    from .reported.tables import tables
 
     out = console()
     if as_json:
@@ -249,25 +250,9 @@ def _engines(context: click.Context, parameter: click.Parameter, value: str | No
     metavar="N",
     help="Of tradeoffs: fresh processes for each row, more while they differ; 1 for a quick look.",
 )
-@click.option(
-    "--svg",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Of tradeoffs: also write the plot of time against digits.",
-)
-@click.option(
-    "--against",
-    "compared",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Compare the ratios with those of an earlier --json.",
-)
-@click.option(
-    "--keep",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Of tradeoffs: take the scenes of an earlier --json over.",
-)
+@a_file("--svg", help="Of tradeoffs: also write the plot of time against digits.")
+@a_file("--against", "compared", help="Compare the ratios with those of an earlier --json.")
+@a_file("--keep", help="Of tradeoffs: take the scenes of an earlier --json over.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def command(
     names: tuple[str, ...],

@@ -9,7 +9,7 @@ from .curves import Curve, plot
 from .engine_style import REFERENCE, plain_css
 
 if TYPE_CHECKING:
-    from ...ensemble.row import Row
+    from ...ensemble.rows.row import Row
     from ...ensemble.survival import Step, Summary
 
 STYLE = f"""<style>
