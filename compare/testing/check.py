@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ from .invariants import broken_invariant
 from .local_error import LocalError, local_error
 from .message import failure
 from .numbers import Demand, number_off
-from .own_order import in_its_own_order
+from .own_order import permission
 from .reach import OutOfReach, Reach, reach_of
 from .reproduction import reproduction
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.trajectory import Trajectory
+    from ..candidate import Candidate
 
 LOGS = (".jsonl", ".csv", ".log", ".ndjson")
 """Suffixes by which a text is known for the path of a log."""
@@ -163,15 +164,13 @@ class _Case:
         comparison = self._compared(events=events, until=until)
         asserted = [f"the same history in {len(comparison.reference.events)} events"]
         if self.permitted and (events is not None or until is not None or len(self.scene.circles) > MOST_CIRCLES):
-            asserted = [self._permitted(comparison, None)]
+            asserted = self._permitted(comparison, None)
         elif self.permitted:
             reference, local, _ = self._reach(bits)
-            asserted = [self._permitted(comparison, local), *self._invariants(reference, local, comparison)]
+            asserted = [*self._permitted(comparison, local), *self._invariants(reference, local, comparison)]
         else:
             self._same_history(comparison, None)
-        off = None if self.permitted else number_off(comparison, self.demand, None, self._tells_places)
-        if off is not None:
-            raise CheckFailed(self._failure(comparison, None, off), comparison)
+            self._same_numbers(comparison, comparison.reference, comparison.candidates[0], None)
         return self._done([*asserted, *self.demand.told], None, comparison)
 
     def as_far_as_it_reaches(self, bits: int | None) -> Checked:
@@ -184,12 +183,8 @@ class _Case:
                 limits = {"until": self._log_end} if self._log_end else {}
             comparison = self._compared(**limits)
             self._same_history(comparison, reach, local)
-            off = number_off(comparison, self.demand, reach, self._tells_places)
-            if off is not None:
-                raise CheckFailed(self._failure(comparison, reach, off), comparison)
-            places = "times and places" if self._tells_places else "times"
             asserted = [f"the same history in {reach.events} events"]
-            asserted += [f"{places} of {reach.linear} within honest errors ({local.told})"] if reach.linear else []
+            asserted += self._same_numbers(comparison, comparison.reference, comparison.candidates[0], reach, local)
         if reach.limit is not None:
             asserted.append(f"beyond reach: {reach.limit}")
             asserted += self._tie_resolved(reach.limit)
@@ -235,25 +230,41 @@ class _Case:
             told = [verdict_sentence(comparison), f"  {candidate.engine}: {candidate.trajectory.stop.message}"]
             raise NotDecided("\n".join([*told, f"  reproduce: {self._reproduced(comparison)}"]), comparison)
 
-    def _permitted(self, comparison: Comparison, local: LocalError | None) -> str:
-        """The class of the engine's pattern, if some order of simultaneous impulses has it."""
+    def _same_numbers(
+        self,
+        comparison: Comparison,
+        reference: Trajectory,
+        candidate: Candidate,
+        reach: Reach | None,
+        local: LocalError | None = None,
+    ) -> list[str]:
+        """Times and places are as near to those of a run with the same history as is asked for, and granted."""
+        off = number_off(reference, candidate, self.demand, reach, self._tells_places)
+        if off is not None:
+            raise CheckFailed(self._failure(comparison, reach, off), comparison)
+        if reach is None or local is None or not reach.linear:
+            return []
+        places = "times and places" if self._tells_places else "times"
+        return [f"{places} of {reach.linear} within honest errors ({local.told})"]
+
+    def _permitted(self, comparison: Comparison, local: LocalError | None) -> list[str]:
+        """Some order of simultaneous impulses leads to the history, and to its times and places."""
         (candidate,) = comparison.candidates
-        if candidate.verdict != "diverged":
+        if candidate.verdict not in ("agree", "diverged"):
             self._same_history(comparison, None)
-            return f"the same history in {len(comparison.reference.events)} events"
-        found = comparison.permitted
-        relation = Relation.OWN
-        if found is not None and candidate.pattern is not None:
-            relation = found.relation(candidate.pattern)
-        if relation in (Relation.OWN, Relation.REALISABLE, Relation.SOME_ORDER):
-            return f"a history that is permitted: {relation.value}"
-        told = in_its_own_order(self.scene, candidate, self.engine, comparison.span, local)
-        if told is not None:
-            return f"a history that is permitted: {told}"
-        text = self._failure(comparison, None)
-        if relation is Relation.NOT_FOUND:
-            raise NotDecided(f"{text}\n  permitted: {relation.value}", comparison)
-        raise CheckFailed(f"{text}\n  permitted: {relation.value}", comparison)
+        found = permission(comparison, self.engine, local)
+        if found.told is None:
+            amiss = [] if local is None or not self._tells_places else [broken_invariant(candidate.trajectory, local)]
+            text = self._failure(comparison, None, amiss=[told for told in amiss if told is not None])
+            kind = CheckFailed if found.settled else NotDecided
+            raise kind(f"{text}\n  permitted: {found.relation.value}", comparison)
+        own = found.own
+        if own is None or own.told is None:
+            if self.demand.told:
+                raise NotDecided(f"{self.name} on {self.where}: {found.told}; no run is known to hold numbers against")
+            return [found.told]
+        mine = replace(candidate, trajectory=own.history, alignment=own.alignment)
+        return [found.told, *self._same_numbers(comparison, own.run, mine, own.reach, local)]
 
     def _tie_resolved(self, limit: OutOfReach) -> list[str]:
         """Whom each circle meets in an exact tie out of reach is what some order of its impulses, or a nearby scene,
@@ -290,9 +301,10 @@ class _Case:
 
     def _amiss(self, comparison: Comparison, reach: Reach | None, local: LocalError) -> list[str]:
         """The first number that is off before the histories part, and the first broken invariant: what a bug is."""
-        found = [number_off(comparison, self.demand, reach, self._tells_places)]
+        (mine,) = comparison.candidates
+        found = [number_off(comparison.reference, mine, self.demand, reach, self._tells_places)]
         if self._tells_places:
-            found.append(broken_invariant(comparison.candidates[0].trajectory, local))
+            found.append(broken_invariant(mine.trajectory, local))
         return [told for told in found if told is not None]
 
     def _failure(
