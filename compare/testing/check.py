@@ -14,7 +14,6 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..comparison import Comparison, compare
-from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..outcomes.permitted import Relation, permitted_patterns
@@ -22,7 +21,8 @@ from ..report.sentences import verdict_sentence
 from ..saved.cache import cached
 from ..scene_argument import scene_from
 from ..study import Study
-from ..validation import check_engine, check_trajectory
+from ..validation import check_trajectory
+from .asked import bits_asked, engine_asked
 from .invariants import broken_invariant
 from .local_error import LocalError, local_error
 from .message import failure
@@ -36,12 +36,6 @@ if TYPE_CHECKING:
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.trajectory import Trajectory
     from ..candidate import Candidate
-
-LOGS = (".jsonl", ".csv", ".log", ".ndjson")
-"""Suffixes by which a text is known for the path of a log."""
-
-WIDTHS = {"float16": 11, "float32": 24, "single": 24, "float64": 53, "double": 53, "quad": 106, "float128": 113}
-"""Horizons by name: bits of the numbers whose errors are granted."""
 
 FIRST, THEN = 64, 256
 """Events of the true run that are looked at first: most engines come no farther."""
@@ -124,7 +118,7 @@ def check(
     """
     where = scene if isinstance(scene, str) else scene.name
     loaded = scene_from(scene) if isinstance(scene, str) else scene
-    chosen, name = _engine(engine, loaded, declared)
+    chosen, name = engine_asked(engine, loaded, declared)
     truth = cached(ExactEngine(work=DEFAULT_WORK if work is None else work))
     demand = Demand(digits, atol, rtol)
     case = _Case(
@@ -138,10 +132,10 @@ def check(
         isinstance(engine, str) and not isinstance(chosen, LogEngine),
     )
     if events is not None or until is not None or permitted:
-        return case.span(events, until, _bits(chosen, horizon))
+        return case.span(events, until, bits_asked(chosen, horizon))
     if len(loaded.circles) > MOST_CIRCLES:
         raise SceneError(f"{where!r}: has more than {MOST_CIRCLES} circles; give events= or until=")
-    return case.as_far_as_it_reaches(_bits(chosen, horizon))
+    return case.as_far_as_it_reaches(bits_asked(chosen, horizon))
 
 
 @dataclass
@@ -254,9 +248,9 @@ class _Case:
             self._same_history(comparison, None)
         found = permission(comparison, self.engine, local)
         if found.told is None:
-            amiss = [] if local is None or not self._tells_places else [broken_invariant(candidate.trajectory, local)]
-            text = self._failure(comparison, None, amiss=[told for told in amiss if told is not None])
-            kind = CheckFailed if found.settled else NotDecided
+            broken = None if local is None or not self._tells_places else broken_invariant(candidate.trajectory, local)
+            text = self._failure(comparison, None, amiss=[] if broken is None else [broken])
+            kind = CheckFailed if found.settled or broken is not None else NotDecided
             raise kind(f"{text}\n  permitted: {found.relation.value}", comparison)
         own = found.own
         if own is None or own.told is None:
@@ -296,7 +290,8 @@ class _Case:
             run = check_trajectory(told, self.scene, self.name, self.engine.bits)
         broken = broken_invariant(run, local)
         if broken is not None:
-            raise CheckFailed(f"{self.name} on {self.where}: {broken}", comparison)
+            shown = [] if comparison is None else [f"  reproduce: {self._reproduced(comparison)}"]
+            raise CheckFailed("\n".join([f"{self.name} on {self.where}: {broken}", *shown]), comparison)
         return ["energy, momentum, straight flight, no overlap, permitted impulses"]
 
     def _amiss(self, comparison: Comparison, reach: Reach | None, local: LocalError) -> list[str]:
@@ -317,31 +312,3 @@ class _Case:
 
     def _done(self, asserted: list[str], reach: Reach | None, comparison: Comparison | None) -> Checked:
         return Checked(self.name, self.where, tuple(asserted), reach, comparison)
-
-
-def _engine(engine: Any, scene: Scene, declared: dict[str, Any]) -> tuple[Engine, str]:
-    """The engine to check, and what messages call it."""
-    if isinstance(engine, Path) or (isinstance(engine, str) and engine.lower().endswith(LOGS)):
-        log = LogEngine.of(engine, scene, **declared)
-        return log, log.name
-    if isinstance(engine, Iterable) and not isinstance(engine, str):
-        return LogEngine.of(engine, scene, **declared), "log"
-    if declared:
-        raise SceneError(f"{next(iter(declared))}: is declared of a log only; an engine declares it itself")
-    chosen = engine_named(engine) if isinstance(engine, str) else check_engine(engine)
-    return chosen, engine if isinstance(engine, str) else chosen.name
-
-
-def _bits(engine: Engine, horizon: str | int | None) -> int | None:
-    """The width whose errors are granted."""
-    if horizon is None:
-        return engine.bits
-    if isinstance(horizon, str) and horizon in WIDTHS:
-        return WIDTHS[horizon]
-    try:
-        bits = int(horizon)
-    except ValueError:
-        bits = 0
-    if bits < 1:
-        raise SceneError(f"horizon = {horizon!r}: must be a number of bits, or one of {', '.join(WIDTHS)}")
-    return bits

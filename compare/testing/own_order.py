@@ -12,6 +12,7 @@ from ...exact.numbers.ball import double_bounds
 from ...exact.policies.complementarity import Ask, pushing_contacts
 from ...exact.replay.contact import Touch
 from ..alignment.align import UNKNOWING, Span, align
+from ..alignment.divergence import Kind
 from ..causes.decision.decisions import decisions
 from ..causes.decision.reader import Reader
 from ..foreign.guard import run_guarded
@@ -54,14 +55,14 @@ class GuidedRounds(Guided):
 
 @dataclass(frozen=True)
 class OwnOrder:
-    """An exact run that resolves each tie as a history does, and so has the same history, as far as it is required.
+    """An exact run that resolves each tie as a history does.
 
     Attributes:
         run: the exact run.
         history: the engine's run, as far on as it took to tell.
         alignment: of the history with the run.
         reach: how far the history is required; None where all of it is.
-        told: how it was found to be permitted; None where that is not settled.
+        told: how it was found to be permitted; None where it was not.
     """
 
     run: Trajectory
@@ -70,11 +71,20 @@ class OwnOrder:
     reach: Reach | None
     told: str | None
 
+    @property
+    def settled(self) -> bool:
+        """Whether it is known that the history is permitted, or not.
+
+        It is not, where the two part at no tie, with all before resolved alike, and at a decision beyond honest errors.
+        """
+        parted = self.alignment.divergence
+        return self.told is not None or (parted is not None and parted.kind is not Kind.TIE)
+
 
 def in_its_own_order(
     scene: Scene, candidate: Candidate, engine: Engine, span: float, local: LocalError | None
 ) -> OwnOrder | None:
-    """The exact run that resolves ties as a history does, in no one order all along; if the two have the same history.
+    """The exact run that resolves ties as a history does, in no one order all along.
 
     Args:
         span: the time up to which it is asked for.
@@ -82,7 +92,7 @@ def in_its_own_order(
             along that run, nothing is asked. None: all of the span is asked for.
 
     Returns:
-        None if the history is not permitted, as far as this tells.
+        The one of two such runs that follows the history the farthest; None if neither was decided.
     """
     followed: list[tuple[Trajectory, Trajectory, Alignment]] = []
     for together in (True, False):
@@ -94,8 +104,7 @@ def in_its_own_order(
         return None
     own, history, found = max(followed, key=lambda each: _parted(each[2]))
     reach = None if local is None else reach_of(own, local, in_rounds=True)
-    told = _told(own, history, found, local, reach)
-    return None if told is None and found.divergence is not None else OwnOrder(own, history, found, reach, told)
+    return OwnOrder(own, history, found, reach, _told(own, history, found, local, reach))
 
 
 def _parted(alignment: Alignment) -> float:
@@ -188,7 +197,8 @@ def permission(comparison: Comparison, engine: Engine, local: LocalError | None)
     told = None if own is None else own.told
     if relation in (Relation.OWN, Relation.REALISABLE, Relation.SOME_ORDER):
         told = relation.value
-    settled = relation is not Relation.NOT_FOUND and (own is None or told is not None)
+    unsettled = own is not None and own.told is None and own.alignment.divergence is None
+    settled = (own is not None and own.settled) or (relation is not Relation.NOT_FOUND and not unsettled)
     return Permission(relation, told and f"a history that is permitted: {told}", settled, own)
 
 
