@@ -45,6 +45,8 @@ class Store:
         fresh = path == ":memory:" or not Path(path).exists() or Path(path).stat().st_size == 0
         if fresh and settings is None:
             raise SceneError(f"--store {path!r}: there is no such file; give a scene to make one")
+        if not Path(path).parent.is_dir():
+            raise SceneError(f"--store {path!r}: there is no folder {str(Path(path).parent)!r}; create it first")
         with self._told():
             self.base = sqlite3.connect(path if settings is not None else f"{Path(path).absolute().as_uri()}?mode=rw",
                                         uri=settings is None)  # fmt: skip

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from truebreak.compare.cli import main
 from truebreak.compare.ensemble.row import rows_of
 from truebreak.compare.ensemble.store import SETTINGS, Store, merged
 from truebreak.compare.ensemble.sweep import Done, plan, run, sweep
@@ -70,6 +71,17 @@ def test_shards_make_one_table(tmp_path: Path, thread: Executor) -> None:
     assert merged(reversed(paths))[0] == whole
 
 
+def test_a_shard_that_is_left_out_is_told(
+    tmp_path: Path, thread: Executor, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = str(tmp_path / "1.db")
+    sweep("gas:n=3", ["seed=1..5"], ["single"], events=20, executor=thread, store=path, shard="1/2")
+    with pytest.raises(SystemExit) as stop:
+        main(["sweep", "--store", path])
+    assert not stop.value.code
+    assert capsys.readouterr().err.startswith("truebreak: 3 of 5 scenes are there; the others are in another shard's")
+
+
 def test_stores_of_other_sweeps_are_refused(tmp_path: Path, thread: Executor) -> None:
     path, other = str(tmp_path / "s.db"), str(tmp_path / "t.db")
     sweep("gas:n=3", ["seed=1..2"], ["single"], events=20, executor=thread, store=path)
@@ -94,8 +106,10 @@ def test_bad_stores_are_refused(tmp_path: Path) -> None:
         base.execute("UPDATE meta SET value = 'truebreak/sweep-0' WHERE key = 'format'")
     with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-store-2"):
         Store(str(old), settings)
-    with pytest.raises(SceneError, match="unable to open"):
+    with pytest.raises(SceneError, match="there is no folder .*no'; create it first"):
         Store(str(tmp_path / "no" / "folder.db"), settings)
+    with pytest.raises(SceneError, match="unable to open"):
+        Store(str(tmp_path), settings)
 
 
 def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:
