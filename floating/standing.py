@@ -26,7 +26,7 @@ class StandingClock:
     ...     clock.look(events, 4.0, lambda: [events % 2])
     Traceback (most recent call last):
         ...
-    truebreak.exact.numbers.undecided.BudgetSpent: rounds without end: 263 events at time 4, and the same flights again
+    truebreak.exact.numbers.undecided.BudgetSpent: rounds without end: 541 events at time 4, and the same flights again
     """
 
     def __init__(self) -> None:

@@ -88,7 +88,8 @@ class Store:
                 raise SceneError(
                     f"--store {self.path!r}: is no store of a sweep ({error}); choose another file"
                 ) from None
-            remedy = "make room, and call again: what is in it stays" if "full" in str(error) else "see that it is free"
+            full = "full" in str(error) or "I/O" in str(error)  # a limit on the length of files is told as the latter
+            remedy = "make room, and call again: what is in it stays" if full else "see that it is free"
             raise SceneError(f"--store {self.path!r}: {error}; {remedy}") from None
         except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             raise SceneError(f"--store {self.path!r}: is no store of a sweep, or damaged ({error}); "

@@ -37,8 +37,8 @@ def measured(number: int, engines: list[str], count: int | None = None) -> tuple
     rows: dict[str, str] = {}
     for name in engines:
         found = bias(exact, approximate(quantity, scenes, events, name), margin)
-        cells = f"{found.value:+.2g}", f"{found.error:.2g}", f"{found.lost}", f"{found.endless}", found.verdict(tests)
-        rows[name] = row([name, *cells])
+        lost = f"{found.lost}, {found.endless} without end" if found.endless else f"{found.lost}"
+        rows[name] = row([name, f"{found.value:+.2g}", f"{found.error:.2g}", lost, found.verdict(tests)])
         print(rows[name], flush=True)
     return told, rows
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 
-HEAD = "| engine | bias | standard error | runs lost | of these without end | verdict |\n|---|---|---|---|---|---|\n"
+HEAD = "| engine | bias | standard error | runs lost | verdict |\n|---|---|---|---|---|\n"
 
 
 def row(cells: Sequence[str]) -> str:
@@ -41,10 +41,10 @@ def placed(page: str, number: int, told: str, rows: Mapping[str, str], order: Se
     <BLANKLINE>
     more
     """
-    found = re.search(rf"^\*\*{number}\. .*\n\n(\|.*\n\|[-|]+\n)((?:\|.*\n)*)", page, re.MULTILINE)
+    found = re.search(rf"^\*\*{number}\. .*\n\n\|.*\n\|[-|]+\n((?:\|.*\n)*)", page, re.MULTILINE)
     if found is None:
         raise ValueError(f"no table of quantity {number}")
-    old = {line.split("|")[1].strip(): line for line in found[2].splitlines()} if found[1] == HEAD else {}
+    old = {line.split("|")[1].strip(): line for line in found[1].splitlines()}
     lines = [{**old, **rows}[name] for name in order if name in old or name in rows]
     table = HEAD + "".join(f"{line}\n" for line in lines)
     return f"{page[: found.start()]}{told.replace('**', f'**{number}. ', 1)}\n\n{table}{page[found.end() :]}"

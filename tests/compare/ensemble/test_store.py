@@ -71,9 +71,7 @@ def test_shards_make_one_table(tmp_path: Path, thread: Executor) -> None:
     assert merged(reversed(paths))[0] == whole
 
 
-def test_a_shard_that_is_left_out_is_told(
-    tmp_path: Path, thread: Executor, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_shard_that_is_left_out_is_told(tmp_path: Path, thread: Executor, capsys: pytest.CaptureFixture[str]) -> None:
     path = str(tmp_path / "1.db")
     sweep("gas:n=3", ["seed=1..5"], ["single"], events=20, executor=thread, store=path, shard="1/2")
     with pytest.raises(SystemExit) as stop:
@@ -106,7 +104,7 @@ def test_bad_stores_are_refused(tmp_path: Path) -> None:
         base.execute("UPDATE meta SET value = 'truebreak/sweep-0' WHERE key = 'format'")
     with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-store-2"):
         Store(str(old), settings)
-    with pytest.raises(SceneError, match="there is no folder .*no'; create it first"):
+    with pytest.raises(SceneError, match=r"there is no folder .*no'; create it first"):
         Store(str(tmp_path / "no" / "folder.db"), settings)
     with pytest.raises(SceneError, match="unable to open"):
         Store(str(tmp_path), settings)
