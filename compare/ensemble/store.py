@@ -117,10 +117,9 @@ class Store:
                     for engine, text in enumerate(map(text_of, rows))]  # fmt: skip
             self.base.executemany("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, ?)", told)
             self.base.execute("INSERT OR REPLACE INTO times VALUES (?, ?)", (scene, seconds))
-            self.base.execute("DELETE FROM failures WHERE scene = ?", (scene,))
 
     def fail(self, scene: int, attempt: int, note: str) -> None:
-        """A scene that came to nothing, beside the table."""
+        """An attempt at a scene that came to nothing, beside the table; it stays noted when another one succeeds."""
         with self._told(), self.base:
             self.base.execute("INSERT INTO failures VALUES (?, ?, ?)", (scene, attempt, note))
 
@@ -134,7 +133,7 @@ class Store:
                 yield scene, engine, self._kept(text, digest, COLUMNS, scene, engine)
 
     def failures(self) -> list[tuple[int, int, str]]:
-        """Scene, attempt and what went wrong."""
+        """Scene, attempt and what went wrong, of scenes that are done by now too."""
         with self._told():
             return self.base.execute("SELECT scene, attempt, note FROM failures ORDER BY scene, attempt").fetchall()
 

@@ -166,9 +166,11 @@ def sweep(
         print_json(sweep_json(settings, scenes, summaries(rows), failures, unsure))
     elif csv_file != "-":
         print_sweep(settings, scenes, summaries(rows), unsure)
+    there = {row["index"] for row in rows}
     for index, attempt, note in failures:
-        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}", err=True)
-    return ExitCode.UNDECIDED if failures else DONE
+        after = "; another attempt was done" if index in there else ""
+        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}", err=True)
+    return ExitCode.UNDECIDED if any(index not in there for index, _, _ in failures) else DONE
 
 
 def _tell_missing(settings: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> None:

@@ -224,17 +224,31 @@ class Failing(Executor):
         return future
 
 
-def test_what_fails_once_is_tried_again_and_what_fails_twice_is_noted_beside_the_table(tmp_path: Path) -> None:
+def test_what_fails_is_tried_again_and_noted_beside_the_table(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     path = str(tmp_path / "s.db")
     asked = plan("gas:n=3", ["seed=1..5"], ["single"], events=20)
     base = Store(path, asked.settings)
     run(asked, base, executor=Failing({1: 1, 3: 2}))
     assert [row["index"] for row in base.rows()] == [0, 1, 2, 4]
-    assert base.failures() == [(3, 1, "MemoryError: no room"), (3, 2, "MemoryError: no room")]
+    noted = [(1, 1, "MemoryError: no room"), (3, 1, "MemoryError: no room"), (3, 2, "MemoryError: no room")]
+    assert base.failures() == noted
+    assert read(path, capsys) == (4, ["; another attempt was done", "no room", "no room"])
     run(asked, base, executor=Failing({}))
     assert [row["index"] for row in base.rows()] == [0, 1, 2, 3, 4]
-    assert base.failures() == []
+    assert base.failures() == noted
+    assert read(path, capsys) == (0, ["; another attempt was done"] * 3)
     base.close()
+
+
+def read(path: str, capsys: pytest.CaptureFixture[str]) -> tuple[int, list[str]]:
+    """The exit code of a store that is read, and how each line on its failures ends."""
+    with pytest.raises(SystemExit) as stop:
+        main(["sweep", "--store", path])
+    lines = [line for line in capsys.readouterr().err.splitlines() if "came to nothing" in line]
+    return int(stop.value.code or 0), [line.rpartition("MemoryError: ")[2].removeprefix("no room") or "no room"
+                                       for line in lines]  # fmt: skip
 
 
 def test_a_worker_that_is_killed_costs_nothing_but_time() -> None:
@@ -252,7 +266,9 @@ def test_a_worker_that_is_killed_costs_nothing_but_time() -> None:
     with ThreadPoolExecutor(1) as one:
         assert list(base.rows()) == sweep("gas:n=3", ["seed=1..6"], ["single"], events=30, executor=one)
     assert killed == [1, 4]
-    assert base.failures() == []
+    told = base.failures()
+    assert told
+    assert all(attempt == 1 and "BrokenProcessPool" in note for _, attempt, note in told)
 
 
 def killed_again_and_again(folder: Path, kills: int, scenes: int) -> None:
