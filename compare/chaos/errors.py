@@ -20,7 +20,7 @@ from ...exact.results.motion import motion_of, steps_through
 from ..tangent.growth import Displacements
 from ..tangent.impacts import LEAST_BITS, moving
 from .margins import Course, margins
-from .overturning import shares
+from .overturning import Errors, shares
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -163,13 +163,14 @@ def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel
         time = float(impacts[0].time)
         course.fly(time)
         carried.fly(time)
-        errors[free], shrink = carried.columns, 2.0**-carried.scale
+        errors[free] = carried.columns
+        ends = (0.0, 1.0) if model is ErrorModel.STEPPED else (-time, time)  # found late; or the clock is rounded
 
-        def late(count: int, shrink: float = shrink) -> NDArray[np.float64]:
-            return shrink * draw.uniform(0, 1, (count, SAMPLES))
+        def off(count: int, ends: tuple[float, float] = ends, shrink: float = 2.0**-carried.scale) -> Errors:
+            return shrink * draw.uniform(*ends, (count, SAMPLES))
 
         for impact in impacts:
-            found = shares(course, impact, errors, row.__contains__, late if model is ErrorModel.STEPPED else None)
+            found = shares(course, impacts, impact, errors, row.__contains__, off)
             yield from ((event, carried.scale + log2(share) if share else -inf) for share in found)
         for impact in impacts:
             _strike(carried, course, row, impact, model, draw)

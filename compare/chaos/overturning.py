@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +17,12 @@ Errors = NDArray[np.float64]
 
 
 def shares(
-    course: Course, impact: Impact, errors: Errors, movable: Callable[[int], bool], late: Callable[[int], Errors] | None
+    course: Course,
+    event: Sequence[Impact],
+    impact: Impact,
+    errors: Errors,
+    movable: Callable[[int], bool],
+    off: Callable[[int], Errors],
 ) -> list[float]:
     """Root mean squares, over a number of errors, of what they change in each decision as a share of its margin.
 
@@ -31,10 +36,11 @@ def shares(
     So an error along the motion of two balls on a line lets none of them miss the other, however large it is.
 
     Args:
-        course: the states at the impact.
+        course: the states at the event.
+        event: all of its impacts.
+        impact: the one in question.
         errors: shape (circles, 4, k): k errors of x, y, vx, vy of every circle.
-        late: draws by how much later than they happen an engine finds so many meetings, shape (so many, k); None for an
-            engine that finds each in its time.
+        off: draws by how much an engine errs in the times of so many meetings themselves, shape (so many, k).
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.compare.tangent.impacts import impacts
@@ -47,7 +53,8 @@ def shares(
     >>> def told(place, coordinate):
     ...     errors[:] = 0
     ...     errors[place, coordinate] = 0.1
-    ...     return [round(share, 9) for share in shares(course, impact, errors, lambda i: True, None)]
+    ...     found = shares(course, [impact], impact, errors, lambda i: True, lambda count: np.zeros((count, 1)))
+    ...     return [round(share, 9) for share in found]
     >>> told(0, 0), told(0, 1), told(0, 2)  # forward; up, of the 0.8 to a miss; and in the speed
     ([0.0, 0.0], [0.125, 0.0], [0.0, 0.1])
     """
@@ -58,12 +65,10 @@ def shares(
     shift = -(normal @ apart[:2]) / rate
     told: list[float] = []
     for i in (i for i in (a, b) if i is not None and movable(i)):
-        others = course.instead(impact, i)
+        others = course.instead(event, i)
         theirs = np.where((others.places == WALL)[:, None, None], 0.0, errors[others.places, :2])
         gaps = np.einsum("oc,ock->ok", others.normals, theirs - errors[i, :2])
-        shifts = gaps / others.rates[:, None] - shift
-        if late is not None:
-            shifts += late(len(shifts)) - late(len(shifts))
+        shifts = gaps / others.rates[:, None] - shift + off(len(gaps)) - off(len(gaps))
         told += [_share(one, wait) for one, wait in zip(shifts, others.waits.tolist(), strict=True)]
     if b is None:
         return [*told, _share(normal @ apart[2:], abs(float(rate)))]
