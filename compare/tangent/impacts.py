@@ -18,6 +18,7 @@ from ...exact.results.motion import ExactMotion, steps_through
 
 if TYPE_CHECKING:
     from ...scenarios.event import Event
+    from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
 
@@ -70,10 +71,15 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if circles go out of play, or touch at time 0 and go on touching.
+        NoTangentMap: if circles go out of play, or touch at time 0 and go on touching; and if doubles, in which
+            displacements are carried, do not hold the products of its numbers.
     """
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
+    ends = [value for wall in scene.walls for value in (wall.x0, wall.y0, wall.x1, wall.y1)]
+    flights = [value for c in scene.circles for value in (c.x, c.y, c.r, c.vx, c.vy)]
+    if not all(_held(value) for value in (*ends, *flights)):
+        raise NoTangentMap(f"lengths or speeds above 2**{HELD_BITS} or below 2**-{HELD_BITS}; choose other units")
     free = moving(scene)
     for i, j in scene.touching:
         a = scene.circles[i]
@@ -88,6 +94,18 @@ def check_start(scene: Scene) -> None:
         if closing.sign() == 0:
             names = f"{scene.ids[i]} and {scene.ids[j]}"
             raise NoTangentMap(f"{names} touch from the start on: a displacement would make them overlap")
+
+
+HELD_BITS = 240
+"""Sizes from 2**-240 to 2**240 are held by doubles to the fourth power, which is what the formulas come to."""
+
+
+def _held(value: Quantity) -> bool:
+    try:
+        size = abs(float(value))
+    except OverflowError:
+        return False
+    return 2.0**-HELD_BITS <= size <= 2.0**HELD_BITS or value.sign() == 0
 
 
 def check_event(scene: Scene, event: Event) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import inf
+from typing import Any
 
 from ...exact.numbers.system import NumberSystem
 from ...exact.policies import Policy, policy_for
@@ -49,6 +50,16 @@ class FlatDecider(PlainDecider[float]):
         else:
             self.flights.changed(self.bodies)
 
+    def _clock(self) -> float:
+        """See `PlainDecider`."""
+        newest: Any = self.history.records[-1]
+        return newest[0] if type(newest) is tuple else newest.mark.time
+
+    def _flights(self) -> list[tuple[float, ...]]:
+        """See `PlainDecider`."""
+        self.flights.sync()
+        return super()._flights()
+
     def finish(self) -> None:
         """See `PlainDecider`."""
         self._kept.unfold()
@@ -61,6 +72,7 @@ class FlatGatherer(Gatherer[float, float]):
 
     def gather(self, last: int) -> Instant | Stop | None:
         """See `Gatherer`; None also after a stride."""
+        self.decider.pass_on()
         if not self._touching and self.decider.plain_stride(self._most(), self._before()):
             return None
         self.decider.flights.sync()
