@@ -47,6 +47,12 @@ LARGE = 4.0
 Flight: TypeAlias = tuple[float, float, float, float, float]
 """(x, y, vx, vy, t) in doubles: it passes (x, y) at time t, each but for a rounding."""
 
+FARTHEST = 1e100
+"""Beyond this, differences of places might not be doubles any more."""
+
+Crossing: TypeAlias = tuple[float, int, int, int]
+"""When a circle leaves its cell; when its flight began, as a serial number; the circle; to which cell."""
+
 NOWHERE = -1
 """The cell of a circle that is in none."""
 
@@ -111,12 +117,15 @@ class Cells:
 
     Attributes:
         loose: all circles that are, for now.
+        next_crossing: when the next slice of time with crossings begins; infinite if there is none.
+        early: how much before a slice begins its crossings may be carried out.
     """
 
     def __init__(self, grid: Grid, count: int, large: frozenset[int], walls: WallCells) -> None:
         self.grid = grid
         self.large = large
         self.loose: set[int] = set()
+        self.next_crossing = self.early = inf
         self._walls = walls
         self._near = walls.near
         self._row = row = grid.columns + 2
@@ -124,10 +133,13 @@ class Cells:
         self._left, self._right = _ends(grid.x, grid.width, grid.columns)
         self._low, self._high = _ends(grid.y, grid.width, grid.rows)
         self._sharp = MARGIN / 8 * grid.width / (64.0 * UNIT) - abs(grid.x) - abs(grid.y)
+        self._farthest = self._fastest = 0.0
+        self._rate = 0.0
+        self._calm = -inf
+        self._slices: dict[int, list[Crossing]] = {}
+        self._numbers: list[int] = []
         self._cell = [NOWHERE] * count
         self._held: list[list[int]] = [[] for _ in range(row * (grid.rows + 2))]
-        self._crossings: list[tuple[float, int, int, int]] = [(inf, 0, count, 0)]
-        self._newest = [0] * (count + 1)
         self._flights: list[Flight] = [(0.0, 0.0, 0.0, 0.0, 0.0)] * count
         self._count = 0
         self._begun = [0] * count
@@ -138,13 +150,17 @@ class Cells:
 
     def enter(self, i: int, flight: Flight) -> None:
         """Takes up a circle's new flight."""
-        self._begin(i)
-        if i in self.large:
+        self._count = self._begun[i] = self._count + 1
+        self._known_walls[i] = 0
+        x, y, vx, vy, _ = flight
+        far, fast = abs(x) + abs(y), abs(vx) + abs(vy)
+        if (not (far <= self._farthest and fast <= self._fastest) and not self._admit(far, fast)) or i in self.large:
             self._loosen(i)
             return
-        self.loose.discard(i)
+        if self.loose:
+            self.loose.discard(i)
         left, low, width, columns, rows = self.grid
-        column, row = int((flight[0] - left) / width), int((flight[1] - low) / width)
+        column, row = int((x - left) / width), int((y - low) / width)
         if not 0 <= column < columns:
             column = 0 if column < 0 else columns - 1
         if not 0 <= row < rows:
@@ -160,12 +176,12 @@ class Cells:
 
     def enter_loose(self, i: int) -> None:
         """Takes up a circle's new flight that doubles do not tell to a rounding."""
-        self._begin(i)
+        self._count = self._begun[i] = self._count + 1
+        self._known_walls[i] = 0
         self._loosen(i)
 
     def remove(self, i: int) -> None:
         """Drops a circle."""
-        self._newest[i] = 0
         self.loose.discard(i)
         cell = self._cell[i]
         if cell != NOWHERE:
@@ -177,10 +193,11 @@ class Cells:
 
         For a loose one that is all.
         """
-        if i in self.loose:
+        cell = self._cell[i]
+        if cell == NOWHERE:
             found = self._all()
         else:
-            held, row, cell = self._held, self._row, self._cell[i]
+            held, row = self._held, self._row
             low, high = cell - row, cell + row
             found = [
                 *held[low - 1], *held[low], *held[low + 1],
@@ -209,49 +226,68 @@ class Cells:
 
     # -- crossings
 
-    @property
-    def next_crossing(self) -> float:
-        """When the next circle leaves its cell; infinite if none does."""
-        crossings, newest = self._crossings, self._newest
-        while True:
-            time, count, i, _ = crossings[0]
-            if newest[i] == count:
-                return time
-            heappop(crossings)
+    def cross(self, since: float = inf) -> list[tuple[int, list[int], tuple[int, ...]]]:
+        """Carries out the crossings of the next slice of time.
 
-    def cross(self) -> tuple[int, list[int]]:
-        """Carries out the next crossing: the circle, and those whose neighbour it has newly become, ascending."""
-        _, _, i, step = heappop(self._crossings)
-        held, old = self._held, self._cell[i]
-        self._cell[i] = cell = old + step
-        held[old].remove(i)
-        held[cell].append(i)
-        row, column = divmod(cell, self._row)
-        self._foresee(i, self._flights[i], column - 1, row - 1)
-        if i in self.loose:
-            return i, self._new(i, self._all())
-        one, two, three = self._ahead[step]
-        near = held[cell + one] + held[cell + two] + held[cell + three]
-        return i, self._new(i, near) if near else near
+        Args:
+            since: what happens next may come as early as this; a circle that then is far from its new cell is loose.
 
-    def cross_early(self, since: float, until: float) -> tuple[int, list[int]]:
-        """As `cross`, of a crossing at `until`, where what happens next may come as early as `since`.
-
-        A circle that then is far from its new cell is loose.
+        Returns:
+            For each that crosses: which it is, the circles whose neighbour it has newly become, ascending, and the
+            walls near its cell that its flight does not know yet.
         """
-        i, found = self.cross()
-        _, _, vx, vy, _ = self._flights[i]
-        if i not in self.loose and not (until - since) * (abs(vx) + abs(vy)) < MARGIN / 2 * self.grid.width:
-            self._loosen(i)
-            found = sorted([*found, *self._new(i, self._all())])
-        return i, found
+        number = heappop(self._numbers)
+        before = number / self._rate - since
+        self.next_crossing = self._numbers[0] / self._rate if self._numbers else inf
+        held, cells, begun, near, row = self._held, self._cell, self._begun, self._near, self._row
+        found: list[tuple[int, list[int], tuple[int, ...]]] = []
+        for _, flight, i, step in self._slices.pop(number):
+            old = cells[i]
+            if begun[i] != flight or old == NOWHERE:
+                continue
+            cells[i] = cell = old + step
+            held[old].remove(i)
+            held[cell].append(i)
+            self._foresee(i, self._flights[i], cell % row - 1, cell // row - 1)
+            if before > self.early and cells[i] != NOWHERE:
+                _, _, vx, vy, _ = self._flights[i]
+                if not before * max(abs(vx), abs(vy)) < MARGIN / 2 * self.grid.width:
+                    self._loosen(i)
+            if cells[i] == NOWHERE:
+                new = self._new(i, self._all())
+            else:
+                one, two, three = self._ahead[step]
+                others = held[cell + one] + held[cell + two] + held[cell + three]
+                new = self._new(i, others) if others else others
+            walls = self.walls(i) if near[cell] != 0 else ()
+            found.append((i, new, walls))
+        return found
 
     # -- one circle
 
-    def _begin(self, i: int) -> None:
-        """A flight begins: it knows no wall; whom it knows, `around` tells."""
-        self._count = self._begun[i] = self._count + 1
-        self._known_walls[i] = 0
+    def _admit(self, far: float, fast: float) -> bool:
+        """Whether a circle so far out and so fast can be held in cells; makes the slices of time short enough."""
+        if not (far < FARTHEST and fast < FARTHEST):
+            return False
+        if fast > self._fastest:
+            rate = 4.0 * fast / (MARGIN * self.grid.width)
+            if not rate < FARTHEST:
+                return False
+            self._fastest = 2.0 * fast
+            self._slice_anew(rate)
+        self._farthest = max(self._farthest, far)
+        if self._fastest > 0.0:
+            self._calm = min((self._sharp - self._farthest) / self._fastest, FARTHEST)
+        return True
+
+    def _slice_anew(self, rate: float) -> None:
+        """Cuts time into so many slices a unit."""
+        waiting = [crossing for crossings in self._slices.values() for crossing in crossings]
+        self._rate, self.early, self.next_crossing = rate, 1.0 / rate, inf
+        self._slices.clear()
+        self._numbers.clear()
+        for crossing in waiting:
+            self._await(crossing)
 
     def _new(self, i: int, others: list[int]) -> list[int]:
         """Those of some circles that have not been handed out with one on their flights, ascending; now they are."""
@@ -283,29 +319,39 @@ class Cells:
     def _foresee(self, i: int, flight: Flight, column: int, row: int) -> None:
         """Queues the time at which a circle is half a margin beyond its cell; a place not sharp enough is loose."""
         x, y, vx, vy, t = flight
-        wait, step, speed = inf, 0, 0.0
+        wait, step = inf, 0
         if vx > 0.0:
-            wait, step, speed = (self._right[column] - x) / vx, 1, vx
+            wait, step = (self._right[column] - x) / vx, 1
         elif vx < 0.0:
-            wait, step, speed = (self._left[column] - x) / vx, -1, -vx
+            wait, step = (self._left[column] - x) / vx, -1
         if vy > 0.0:
             up = (self._high[row] - y) / vy
-            speed += vy
             if up < wait:
                 wait, step = up, self._row
         elif vy < 0.0:
             up = (self._low[row] - y) / vy
-            speed -= vy
             if up < wait:
                 wait, step = up, -self._row
-        last = t if wait == inf or wait < 0.0 else t + wait
-        if not abs(x) + abs(y) + speed * last < self._sharp:
-            self._loosen(i)
-        elif step:
-            self._count = self._newest[i] = self._count + 1
-            heappush(self._crossings, (t + wait, self._count, i, step))
-        else:
-            self._newest[i] = 0
+        time = t + wait
+        if not (time < self._calm and t < self._calm):
+            last = t if wait == inf or wait < 0.0 else time
+            if not (abs(x) + abs(y) + (abs(vx) + abs(vy)) * last < self._sharp and last < FARTHEST):
+                self._loosen(i)
+                return
+            if wait == inf:
+                return
+        self._await((time, self._begun[i], i, step))
+
+    def _await(self, crossing: Crossing) -> None:
+        """Puts a crossing into the slice of time that it falls in."""
+        number = int(crossing[0] * self._rate)
+        waiting = self._slices.get(number)
+        if waiting is not None:
+            waiting.append(crossing)
+            return
+        self._slices[number] = [crossing]
+        heappush(self._numbers, number)
+        self.next_crossing = self._numbers[0] / self._rate
 
 
 def _ahead(step: int, row: int) -> tuple[int, int, int]:

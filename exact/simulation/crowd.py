@@ -88,26 +88,23 @@ class Crowd(Generic[N]):
         """See `Crossings`."""
         return self._cells.next_crossing
 
-    def cross(self) -> None:
-        """See `Crossings`. Two that touch have been neighbours, so nothing stands at gap zero here."""
-        self._crossed(*self._cells.cross())
-
-    def cross_early(self, since: float, until: float) -> None:
+    @property
+    def early(self) -> float:
         """See `Crossings`."""
-        while self._cells.next_crossing <= until:
-            self._crossed(*self._cells.cross_early(since, until))
+        return self._cells.early
 
-    def _crossed(self, i: int, near: list[int]) -> None:
-        """Queues what a circle may meet in its new cell, and has not met before."""
+    def cross(self, since: float = inf) -> None:
+        """See `Crossings`. Two that touch have been neighbours, so nothing stands at gap zero here."""
         bodies, plan, predictions = self._bodies, self._plan, self._predictions
-        plan["cells crossed"] += 1
-        walls = self._cells.walls(i)
-        if walls:
-            plan["walls predicted"] += len(walls)
-            predictions.walls(bodies[i], walls, ())
-        if near:
-            plan["pairs predicted"] += len(near)
-            predictions.pairs(bodies[i], [bodies[k] for k in near], ())
+        crossed = self._cells.cross(since)
+        plan["cells crossed"] += len(crossed)
+        for i, near, walls in crossed:
+            if walls:
+                plan["walls predicted"] += len(walls)
+                predictions.walls(bodies[i], walls, ())
+            if near:
+                plan["pairs predicted"] += len(near)
+                predictions.pairs(bodies[i], [bodies[k] for k in near], ())
 
 
 def cells_for(flights: Sequence[Flight | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:

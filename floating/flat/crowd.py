@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Container
+from collections.abc import Collection, Container, Sequence
+from math import inf
 
+from ...exact.simulation.cells import FARTHEST as FAR
 from ...exact.simulation.cells import Cells, Flight
-from ...exact.simulation.prediction import FARTHEST as FAR
 from .flights import FlatFlight, FlatFlights
 from .inlined import pairs, walls
 
@@ -30,21 +31,20 @@ class FlatCrowd:
         """See `Crossings`."""
         return self.cells.next_crossing
 
+    @property
+    def early(self) -> float:
+        """See `Crossings`; doubles know when each is, so nothing is ever so early."""
+        return self.cells.early
+
     def enter(self, i: int) -> None:
         """Takes up a circle's new flight."""
-        flight = in_range(self._flights.flights[i])
-        if flight is None:
-            self.cells.enter_loose(i)
-        else:
-            self.cells.enter(i, flight)
+        self.cells.enter(i, self._flights.flights[i][:5])
 
     def walls(self, i: int, standing: Container[int]) -> None:
         """Queues the next hits of a circle with the walls near its cell that its flight does not know yet."""
         near = () if self._flights.rests(i) else self.cells.walls(i)
         if near:
-            self._plan["walls predicted"] += len(near)
-            lines = self._flights.lines(i)
-            walls(self._flights, i, [lines[k] for k in near], standing)
+            self._walls(i, near, standing)
 
     def pairs(self, i: int, standing: Container[int], done: Collection[int]) -> None:
         """Queues the next meetings of a circle, whose flight is new, with all around it but some."""
@@ -59,29 +59,33 @@ class FlatCrowd:
         self._plan["pairs predicted"] += len(met)
         pairs(self._flights, i, met, standing)
 
-    def cross_early(self, since: float, until: float) -> None:
-        """See `Crossings`; doubles know when each is, so nothing can be far from its cell."""
-        while self.cells.next_crossing <= until:
-            self.cross()
-
-    def cross(self) -> None:
+    def cross(self, since: float = inf) -> None:
         """See `Crossings`."""
-        f, plan = self._flights, self._plan
-        i, near = self.cells.cross()
-        plan["cells crossed"] += 1
-        self.walls(i, ())
-        if not near:
-            return
-        plan["pairs predicted"] += len(near)
+        f, plan, predicted = self._flights, self._plan, 0
         flights, last = f.flights, f.last
-        own = last[i]
-        earlier = [flights[k] for k in near if last[k] <= own]
-        if earlier:
-            pairs(f, i, earlier, ())
-        if len(earlier) < len(near):
-            for k in near:
-                if last[k] > own:
-                    pairs(f, k, (flights[i],), ())
+        crossed = self.cells.cross(since)
+        for i, near, close in crossed:
+            if close:
+                self._walls(i, close, ())
+            if not near:
+                continue
+            predicted += len(near)
+            own = last[i]
+            earlier = [flights[k] for k in near if last[k] <= own]
+            if earlier:
+                pairs(f, i, earlier, ())
+            if len(earlier) < len(near):
+                for k in near:
+                    if last[k] > own:
+                        pairs(f, k, (flights[i],), ())
+        plan["cells crossed"] += len(crossed)
+        plan["pairs predicted"] += predicted
+
+    def _walls(self, i: int, near: Sequence[int], standing: Container[int]) -> None:
+        """Queues the next hits of a circle with some walls."""
+        self._plan["walls predicted"] += len(near)
+        lines = self._flights.lines(i)
+        walls(self._flights, i, [lines[k] for k in near], standing)
 
 
 def in_range(flight: FlatFlight) -> Flight | None:

@@ -100,9 +100,9 @@ def test_whoever_may_meet_is_handed_out_in_time_and_once(seed: int) -> None:
         assert key not in handed
         handed[key] = now
 
-    def met(i: int, others: list[int]) -> None:
+    def met(i: int, others: list[int], near: tuple[int, ...]) -> None:
         assert others == sorted(others)
-        for k in cells.walls(i):
+        for k in near:
             hand((i, begun[i], ~k))
         for k in others:
             a, b = sorted((i, k))
@@ -130,19 +130,20 @@ def test_whoever_may_meet_is_handed_out_in_time_and_once(seed: int) -> None:
     for i, flight in enumerate(flights):
         cells.enter(i, flight)
     for i in range(n):
-        met(i, [k for k in cells.around(i) if k >= i])
+        met(i, [k for k in cells.around(i) if k >= i], cells.walls(i))
     for _ in range(150):
         then = now + draw.expovariate(4.0)
         while cells.next_crossing <= then:
             now = max(now, cells.next_crossing)
-            met(*cells.cross())
+            for crossed in cells.cross():
+                met(*crossed)
         check(then)
         now, i = then, draw.randrange(n)
         x, y, vx, vy, t = flights[i]
         begun[i] += 1
         flights[i] = (x + vx * (now - t), y + vy * (now - t), *turn(), now)
         cells.enter(i, flights[i])
-        met(i, cells.around(i))
+        met(i, cells.around(i), cells.walls(i))
 
 
 def test_what_no_double_holds_is_held_against_all() -> None:
