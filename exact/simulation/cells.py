@@ -50,6 +50,12 @@ Flight: TypeAlias = tuple[float, float, float, float, float]
 FARTHEST = 1e100
 """Beyond this, differences of places might not be doubles any more."""
 
+ROOM = 1.5
+"""How much faster than the fastest circle so far one may get before time is cut into shorter slices."""
+
+SHORT = 1.0 - 2.0**-40
+"""Share of the cells' extent that is surely, for all roundings, within it."""
+
 Crossing: TypeAlias = tuple[float, int, int, int]
 """When a circle leaves its cell; when its flight began, as a serial number; the circle; to which cell."""
 
@@ -133,8 +139,11 @@ class Cells:
         self._left, self._right = _ends(grid.x, grid.width, grid.columns)
         self._low, self._high = _ends(grid.y, grid.width, grid.rows)
         self._sharp = MARGIN / 8 * grid.width / (64.0 * UNIT) - abs(grid.x) - abs(grid.y)
-        self._farthest = self._fastest = 0.0
-        self._rate = 0.0
+        x, y, width, columns, rows = grid
+        self._inside = x, y, x + columns * width * SHORT, y + rows * width * SHORT, width
+        self._margin = MARGIN * width
+        self._farthest = abs(x) + abs(y) + (columns + rows) * width
+        self._fastest = self._rate = 0.0
         self._calm = -inf
         self._slices: dict[int, list[Crossing]] = {}
         self._numbers: list[int] = []
@@ -153,18 +162,24 @@ class Cells:
         self._count = self._begun[i] = self._count + 1
         self._known_walls[i] = 0
         x, y, vx, vy, _ = flight
-        far, fast = abs(x) + abs(y), abs(vx) + abs(vy)
-        if (not (far <= self._farthest and fast <= self._fastest) and not self._admit(far, fast)) or i in self.large:
+        left, low, right, high, width = self._inside
+        fastest = self._fastest
+        if (
+            left <= x < right
+            and low <= y < high
+            and -fastest <= vx <= fastest
+            and -fastest <= vy <= fastest
+            and i not in self.large
+        ):
+            column, row = int((x - left) / width), int((y - low) / width)
+        elif i not in self.large and self._admit(flight):
+            column = min(max(int((x - left) / width), 0), self.grid.columns - 1)
+            row = min(max(int((y - low) / width), 0), self.grid.rows - 1)
+        else:
             self._loosen(i)
             return
         if self.loose:
             self.loose.discard(i)
-        left, low, width, columns, rows = self.grid
-        column, row = int((x - left) / width), int((y - low) / width)
-        if not 0 <= column < columns:
-            column = 0 if column < 0 else columns - 1
-        if not 0 <= row < rows:
-            row = 0 if row < 0 else rows - 1
         new, old = (row + 1) * self._row + column + 1, self._cell[i]
         if new != old:
             if old != NOWHERE:
@@ -251,7 +266,7 @@ class Cells:
             self._foresee(i, self._flights[i], cell % row - 1, cell // row - 1)
             if before > self.early and cells[i] != NOWHERE:
                 _, _, vx, vy, _ = self._flights[i]
-                if not before * max(abs(vx), abs(vy)) < MARGIN / 2 * self.grid.width:
+                if not before * max(abs(vx), abs(vy)) < self._margin / 2:
                     self._loosen(i)
             if cells[i] == NOWHERE:
                 new = self._new(i, self._all())
@@ -265,25 +280,24 @@ class Cells:
 
     # -- one circle
 
-    def _admit(self, far: float, fast: float) -> bool:
-        """Whether a circle so far out and so fast can be held in cells; makes the slices of time short enough."""
-        if not (far < FARTHEST and fast < FARTHEST):
+    def _admit(self, flight: Flight) -> bool:
+        """Whether a flight can be held in cells: takes account of one that is farther out or faster than those before."""
+        x, y, vx, vy, _ = flight
+        far, fast = abs(x) + abs(y), abs(vx) + abs(vy)
+        if not (far < FARTHEST and fast < FARTHEST / 8 * self._margin):
             return False
         if fast > self._fastest:
-            rate = 4.0 * fast / (MARGIN * self.grid.width)
-            if not rate < FARTHEST:
-                return False
-            self._fastest = 2.0 * fast
-            self._slice_anew(rate)
+            self._slice_anew(ROOM * max(abs(vx), abs(vy)))
         self._farthest = max(self._farthest, far)
         if self._fastest > 0.0:
-            self._calm = min((self._sharp - self._farthest) / self._fastest, FARTHEST)
+            self._calm = min((self._sharp - self._farthest) / (2.0 * self._fastest), FARTHEST)
         return True
 
-    def _slice_anew(self, rate: float) -> None:
-        """Cuts time into so many slices a unit."""
+    def _slice_anew(self, fastest: float) -> None:
+        """Cuts time into slices short enough for a speed along an axis: half a margin takes no less."""
         waiting = [crossing for crossings in self._slices.values() for crossing in crossings]
-        self._rate, self.early, self.next_crossing = rate, 1.0 / rate, inf
+        self._fastest, self._rate, self.next_crossing = fastest, 2.0 * fastest / self._margin, inf
+        self.early = 1.0 / self._rate
         self._slices.clear()
         self._numbers.clear()
         for crossing in waiting:
@@ -319,11 +333,12 @@ class Cells:
     def _foresee(self, i: int, flight: Flight, column: int, row: int) -> None:
         """Queues the time at which a circle is half a margin beyond its cell; a place not sharp enough is loose."""
         x, y, vx, vy, t = flight
-        wait, step = inf, 0
         if vx > 0.0:
             wait, step = (self._right[column] - x) / vx, 1
         elif vx < 0.0:
             wait, step = (self._left[column] - x) / vx, -1
+        else:
+            wait, step = inf, 0
         if vy > 0.0:
             up = (self._high[row] - y) / vy
             if up < wait:
@@ -333,23 +348,29 @@ class Cells:
             if up < wait:
                 wait, step = up, -self._row
         time = t + wait
-        if not (time < self._calm and t < self._calm):
+        if not t <= time < self._calm:
             last = t if wait == inf or wait < 0.0 else time
             if not (abs(x) + abs(y) + (abs(vx) + abs(vy)) * last < self._sharp and last < FARTHEST):
                 self._loosen(i)
                 return
             if wait == inf:
                 return
-        self._await((time, self._begun[i], i, step))
+        number = int(time * self._rate)
+        waiting = self._slices.get(number)
+        if waiting is None:
+            self._begin(number)
+            waiting = self._slices[number]
+        waiting.append((time, self._begun[i], i, step))
 
     def _await(self, crossing: Crossing) -> None:
-        """Puts a crossing into the slice of time that it falls in."""
         number = int(crossing[0] * self._rate)
-        waiting = self._slices.get(number)
-        if waiting is not None:
-            waiting.append(crossing)
-            return
-        self._slices[number] = [crossing]
+        if number not in self._slices:
+            self._begin(number)
+        self._slices[number].append(crossing)
+
+    def _begin(self, number: int) -> None:
+        """A slice of time gets its first crossing."""
+        self._slices[number] = []
         heappush(self._numbers, number)
         self.next_crossing = self._numbers[0] / self._rate
 
