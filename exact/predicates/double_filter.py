@@ -46,6 +46,9 @@ BIG = 1e50
 
 TINY = 1 / BIG
 
+AHEAD = 1.125
+"""How far ahead of the latest clock bounds are taken, so that they hold for a while."""
+
 
 class FloatLine(NamedTuple):
     """A wall as seen from a circle, in doubles: which it is, a point, a normal, r*|n|, the normal's 1-norm, and the
@@ -78,7 +81,7 @@ class DoubleFilter:
     Attributes:
         largest: the largest coordinate seen (S).
         fastest: the largest speed component seen (V).
-        latest: the latest clock seen (T).
+        latest: no less than the latest clock seen (T).
     """
 
     def __init__(self) -> None:
@@ -114,11 +117,17 @@ class DoubleFilter:
         if not late < BIG:
             body.f = None
             return
+        if place > self.largest or speed > self.fastest or ft > self.latest:
+            self._widen(place, speed, ft)
+        body.f = (fx, fy, fvx, fvy, ft, late)
+
+    def _widen(self, place: float, speed: float, time: float) -> None:
+        """Has the bounds cover what goes beyond them; clocks, which always do, by an eighth more than that."""
         self.largest = max(self.largest, place)
         self.fastest = max(self.fastest, speed)
-        self.latest = max(self.latest, ft)
+        if time > self.latest:
+            self.latest = time * AHEAD
         self._bounds = None
-        body.f = (fx, fy, fvx, fvy, ft, late)
 
     def _bound(self) -> tuple[float, float, float, float, float]:
         """4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: bounds that hold for any pair."""

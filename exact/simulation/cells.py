@@ -37,7 +37,7 @@ FEWEST = 64
 """Circles from which on there are cells: in the gas, time with them over that without is 0.95 at 32 discs, 0.8 at 64
 and 0.7 at 96 in the exact engine, 1.05, 0.7 and 0.55 in doubles."""
 
-SHARE = 0.5
+SHARE = 0.35
 """Circles to a cell, where their reach allows it. With one to a cell twice as many are looked at for each flight, with
 fewer they come to new cells more often: in the gas of 1,000, 25 pairs and 1.8 crossings an event against 13 and 2.6."""
 
@@ -157,8 +157,8 @@ class Cells:
 
     # -- a new flight
 
-    def enter(self, i: int, flight: Flight) -> None:
-        """Takes up a circle's new flight."""
+    def enter(self, i: int, flight: Flight) -> bool:
+        """Takes up a circle's new flight; tells whether there may be walls near it."""
         self._count = self._begun[i] = self._count + 1
         self._known_walls[i] = 0
         x, y, vx, vy, _ = flight
@@ -177,7 +177,7 @@ class Cells:
             row = min(max(int((y - low) / width), 0), self.grid.rows - 1)
         else:
             self._loosen(i)
-            return
+            return True
         if self.loose:
             self.loose.discard(i)
         new, old = (row + 1) * self._row + column + 1, self._cell[i]
@@ -188,9 +188,10 @@ class Cells:
             self._cell[i] = new
         self._flights[i] = flight
         self._foresee(i, flight, column, row)
+        return self._near[new] != 0 or bool(self.loose)
 
     def enter_loose(self, i: int) -> None:
-        """Takes up a circle's new flight that doubles do not tell to a rounding."""
+        """Takes up a circle's new flight that doubles do not tell to a rounding; there may be walls near."""
         self._count = self._begun[i] = self._count + 1
         self._known_walls[i] = 0
         self._loosen(i)
@@ -269,13 +270,12 @@ class Cells:
                 if not before * max(abs(vx), abs(vy)) < self._margin / 2:
                     self._loosen(i)
             if cells[i] == NOWHERE:
-                new = self._new(i, self._all())
+                others, walls = self._all(), self.walls(i)
             else:
                 one, two, three = self._ahead[step]
                 others = held[cell + one] + held[cell + two] + held[cell + three]
-                new = self._new(i, others) if others else others
-            walls = self.walls(i) if near[cell] != 0 else ()
-            found.append((i, new, walls))
+                walls = self.walls(i) if near[cell] != 0 else ()
+            found.append((i, self._new(i, others) if others else others, walls))
         return found
 
     # -- one circle

@@ -57,31 +57,36 @@ class Crowd(Generic[N]):
 
     def predict(self, moved: Sequence[Body[N]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of circles whose flights are new (see `Predictor.predict`)."""
-        cells, bodies, plan, predictions, done = self._cells, self._bodies, self._plan, self._predictions, set[int]()
+        cells, bodies, plan, predictions = self._cells, self._bodies, self._plan, self._predictions
         for i in gone:
             cells.remove(i)
         for a in moved:
+            a.until = inf
             flight = predictions.in_doubles(a)
             if flight is None:
                 cells.enter_loose(a.index)
-            else:
-                cells.enter(a.index, flight)
-        for a in moved:
-            a.until = inf
-            walls = () if a.flight.rest else cells.walls(a.index)
-            if walls:
+            elif not cells.enter(a.index, flight):
+                continue
+            walls = cells.walls(a.index)
+            if walls and not a.flight.rest:
                 plan["walls predicted"] += len(walls)
                 predictions.walls(a, walls, standing)
+        done: set[int] = set()
+        predicted = 0
         for a in moved:
-            done.add(a.index)
             near = cells.around(a.index)
-            met = [bodies[k] for k in near if k not in done] if len(moved) > 1 else [bodies[k] for k in near]
+            met = [bodies[k] for k in near if k not in done] if done else [bodies[k] for k in near]
+            done.add(a.index)
             if a.flight.rest:
                 count = len(met)
                 met = [b for b in met if not b.flight.rest]
                 plan["pairs at rest skipped"] += count - len(met)
-            plan["pairs predicted"] += len(met)
-            predictions.pairs(a, met if a.flight.rest or not self._pockets else [*met, *self._pockets], standing)
+            elif self._pockets:
+                predicted -= len(self._pockets)
+                met += self._pockets
+            predicted += len(met)
+            predictions.pairs(a, met, standing)
+        plan["pairs predicted"] += predicted
 
     @property
     def next_crossing(self) -> float:

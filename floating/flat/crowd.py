@@ -40,19 +40,45 @@ class FlatCrowd:
         """Takes up a circle's new flight."""
         self.cells.enter(i, self._flights.flights[i][:5])
 
+    def alone(self, i: int, j: int) -> None:
+        """Queues the next meetings of the two of a contact alone; the second may be a wall."""
+        f, cells = self._flights, self.cells
+        flights, untils = f.flights, f.until
+        one = flights[i]
+        near_walls = cells.enter(i, one[:5])
+        untils[i] = inf
+        if j >= f.n:
+            self.walls(i, (j,))
+            self.pairs(i, (), ())
+            return
+        two = flights[j]
+        untils[j] = inf
+        near_others = cells.enter(j, two[:5])
+        if near_walls:
+            self.walls(i, ())
+        if near_others:
+            self.walls(j, ())
+        if one[2] == 0.0 == one[3] or two[2] == 0.0 == two[3]:
+            self.pairs(i, (j,), ())
+            self.pairs(j, (), (i,))
+            return
+        flight, beside = flights.__getitem__, (i, j)
+        near, close = cells.around(i), cells.around(j)
+        pairs(f, i, map(flight, near), beside)
+        pairs(f, j, map(flight, close), beside)
+        self._plan["pairs predicted"] += len(near) + len(close) - (j in near) - (i in close)
+
     def walls(self, i: int, standing: Container[int]) -> None:
         """Queues the next hits of a circle with the walls near its cell that its flight does not know yet."""
-        near = () if self._flights.rests(i) else self.cells.walls(i)
-        if near:
+        near = self.cells.walls(i)
+        if near and not self._flights.rests(i):
             self._walls(i, near, standing)
 
     def pairs(self, i: int, standing: Container[int], done: Collection[int]) -> None:
         """Queues the next meetings of a circle, whose flight is new, with all around it but some."""
         flights = self._flights.flights
-        near = self.cells.around(i)
-        met = [flights[k] for k in near if k not in done] if done else [flights[k] for k in near]
-        _, _, vx, vy, _, _, _ = flights[i]
-        if vx == 0.0 == vy:
+        met = [flights[k] for k in self.cells.around(i) if k not in done]
+        if self._flights.rests(i):
             count = len(met)
             met = [flight for flight in met if flight[2] or flight[3]]
             self._plan["pairs at rest skipped"] += count - len(met)

@@ -81,16 +81,7 @@ class FlatMeetings(PlainMeetings[float]):
         """Queues the next meetings of the two of a contact alone; the second may be a wall."""
         f, crowd = self._flights, self.crowd
         if crowd is not None:
-            crowd.enter(i)
-            if j >= f.n:
-                self._walls(i, (j,))
-                crowd.pairs(i, (), ())
-                return
-            crowd.enter(j)
-            self._walls(i, ())
-            self._walls(j, ())
-            crowd.pairs(i, (j,), ())
-            crowd.pairs(j, (), (i,))
+            crowd.alone(i, j)
             return
         flights, both = f.flights, (i, j)
         if j >= f.n:

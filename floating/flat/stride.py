@@ -33,7 +33,8 @@ class FlatStride:
             most: how many at most.
             before: a time that all come before.
         """
-        f, records, alone, crowd = self._flights, self._history.records, self._meetings.alone, self._meetings.crowd
+        f, records, crowd = self._flights, self._history.records, self._meetings.crowd
+        cells, alone = (None, self._meetings.alone) if crowd is None else (crowd.cells, crowd.alone)
         heap, flights, serial, last, n = f.heap, f.flights, f.serial, f.last, f.n
         f.take_up()
         shifted, ahead = f.shifted, f.ahead
@@ -45,8 +46,8 @@ class FlatStride:
             if serial[i] != si or serial[j] != sj:
                 heappop(heap)
                 continue
-            if crowd is not None and crowd.next_crossing <= time:
-                crowd.cross()
+            if cells is not None and cells.next_crossing <= time:
+                crowd.cross()  # type: ignore[union-attr]
                 continue
             if wait is None or not time < before or (shifted and (i in shifted or j in shifted)):
                 break
