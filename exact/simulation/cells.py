@@ -1,13 +1,19 @@
 """Cells under the queue: which circles, and which walls, may meet at all before a circle comes to another cell.
 
 The plane is cut into square cells; those at the border reach out without end. A circle is entered in the cell of its
-centre, and is there, but for a margin m, until the double `leaves` at which it is entered in the next one. Cells are
-as wide as the largest reach of two circles and four margins, so two whose cells are not neighbours do not touch.
+centre, and is there, but for a margin m, until about the time at which it is m/2 beyond it. Time is cut into slices in
+which nothing flies farther than m/2 along an axis: who leaves its cell in a slice is entered in the next one as the
+slice begins, or up to the length of a slice before. That takes no queue in order of time. Cells are as wide as the
+largest reach of two circles and two margins, so two whose cells are not neighbours do not touch.
 
-Bound. A centre is carried in doubles from the flight's (x, y) at t: with u = 2**-53 it is off by less than
-64 u (|x| + |y| + (|vx| + |vy|) T) at any time up to T (see `double_filter`, whose bound of a place this is); a circle
-of which that is not below a fourth of m, at the time at which it leaves its cell, is held against all others. One that
-leaves is taken out when it is half a margin beyond the border, so truly between a fourth and three fourths.
+Bound. A centre is within m of the cell in which it is entered:
+
+- it is carried in doubles from the flight's (x, y) at t: with u = 2**-53 it is off by less than
+  64 u (|x| + |y| + (|vx| + |vy|) T) at any time up to T (see `double_filter`, whose bound of a place this is); a circle
+  of which that is not below m/4, at the time at which it leaves its cell, is held against all others;
+- a slice begins where three roundings put it, which is off by less than 4 u T, so less than m/64 of the way;
+- who leaves is entered in the next cell by the time at which it is m/2 beyond, and at most two slices before, when it
+  is m/2 short of it: with both roundings, less than m either way.
 
 Each pair is handed out once on its two flights, though their cells may part and come together again: of two flights,
 the one that began later knows the other.
@@ -20,15 +26,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from heapq import heappop, heappush
-from math import inf, isfinite
+from math import inf, isfinite, nextafter
 from typing import NamedTuple, TypeAlias
 
 from .wall_cells import WallCells
 
 UNIT = 2.0**-53
 
-MARGIN = 1 / 16
-"""The margin m, as a share of a cell's width."""
+MARGIN = 1 / 8
+"""The margin m, as a share of a cell's width: the wider, the longer a slice of time, and the wider cells have to be."""
 
 MOST_CELLS = 1024
 """Cells along one side, at most."""
@@ -38,8 +44,8 @@ FEWEST = 64
 and 0.7 at 96 in the exact engine, 1.05, 0.7 and 0.55 in doubles."""
 
 SHARE = 0.35
-"""Circles to a cell, where their reach allows it. With one to a cell twice as many are looked at for each flight, with
-fewer they come to new cells more often: in the gas of 1,000, 25 pairs and 1.8 crossings an event against 13 and 2.6."""
+"""Circles to a cell, where their reach allows it. With more of them more are looked at for each flight, with fewer they
+come to new cells more often: in the gas of 1,000, 21 pairs and 1.7 crossings an event with one, 8 and 3.1 with this."""
 
 LARGE = 4.0
 """Circles more than this many times as large as the usual one are held against all others."""
@@ -50,11 +56,8 @@ Flight: TypeAlias = tuple[float, float, float, float, float]
 FARTHEST = 1e100
 """Beyond this, differences of places might not be doubles any more."""
 
-ROOM = 1.5
+ROOM = 2.0
 """How much faster than the fastest circle so far one may get before time is cut into shorter slices."""
-
-SHORT = 1.0 - 2.0**-40
-"""Share of the cells' extent that is surely, for all roundings, within it."""
 
 Crossing: TypeAlias = tuple[float, int, int, int]
 """When a circle leaves its cell; when its flight began, as a serial number; the circle; to which cell."""
@@ -91,7 +94,7 @@ class Grid(NamedTuple):
 
 
 def grid_for(flights: Sequence[Flight | None], radii: Sequence[float]) -> Grid | None:
-    """Cells for circles, about two to a circle; None where they would spare nothing."""
+    """Cells for circles, about three to a circle; None where they would spare nothing."""
     known = [flight for flight in flights if flight is not None]
     if len(known) < FEWEST:
         return None
@@ -101,7 +104,7 @@ def grid_for(flights: Sequence[Flight | None], radii: Sequence[float]) -> Grid |
     low, high = min(flight[1] for flight in known), max(flight[1] for flight in known)
     area = (right - left) * (high - low)
     width = max(
-        reach / (1.0 - 4.0 * MARGIN), (SHARE * area / len(known)) ** 0.5, (right - left + high - low) / MOST_CELLS
+        reach / (1.0 - 2.0 * MARGIN), (SHARE * area / len(known)) ** 0.5, (right - left + high - low) / MOST_CELLS
     )
     if not (0.0 < width < inf and isfinite(left + right + low + high)):
         return None
@@ -140,7 +143,7 @@ class Cells:
         self._low, self._high = _ends(grid.y, grid.width, grid.rows)
         self._sharp = MARGIN / 8 * grid.width / (64.0 * UNIT) - abs(grid.x) - abs(grid.y)
         x, y, width, columns, rows = grid
-        self._inside = x, y, x + columns * width * SHORT, y + rows * width * SHORT, width
+        self._inside = x, y, _last(x, width, columns), _last(y, width, rows), width
         self._margin = MARGIN * width
         self._farthest = abs(x) + abs(y) + (columns + rows) * width
         self._fastest = self._rate = 0.0
@@ -165,8 +168,8 @@ class Cells:
         left, low, right, high, width = self._inside
         fastest = self._fastest
         if (
-            left <= x < right
-            and low <= y < high
+            left <= x <= right
+            and low <= y <= high
             and -fastest <= vx <= fastest
             and -fastest <= vy <= fastest
             and i not in self.large
@@ -281,7 +284,7 @@ class Cells:
     # -- one circle
 
     def _admit(self, flight: Flight) -> bool:
-        """Whether a flight can be held in cells: takes account of one that is farther out or faster than those before."""
+        """Whether a flight can be held in cells; takes account of one farther out or faster than those before."""
         x, y, vx, vy, _ = flight
         far, fast = abs(x) + abs(y), abs(vx) + abs(vy)
         if not (far < FARTHEST and fast < FARTHEST / 8 * self._margin):
@@ -295,7 +298,8 @@ class Cells:
 
     def _slice_anew(self, fastest: float) -> None:
         """Cuts time into slices short enough for a speed along an axis: half a margin takes no less."""
-        waiting = [crossing for crossings in self._slices.values() for crossing in crossings]
+        begun = self._begun
+        waiting = [crossing for due in self._slices.values() for crossing in due if begun[crossing[2]] == crossing[1]]
         self._fastest, self._rate, self.next_crossing = fastest, 2.0 * fastest / self._margin, inf
         self.early = 1.0 / self._rate
         self._slices.clear()
@@ -363,6 +367,7 @@ class Cells:
         waiting.append((time, self._begun[i], i, step))
 
     def _await(self, crossing: Crossing) -> None:
+        """Puts a crossing into the slice of time that it falls in."""
         number = int(crossing[0] * self._rate)
         if number not in self._slices:
             self._begin(number)
@@ -379,6 +384,14 @@ def _ahead(step: int, row: int) -> tuple[int, int, int]:
     """The three cells that come to be around one, as seen from it, for who takes a step."""
     aside = row if abs(step) == 1 else 1
     return step - aside, step, step + aside
+
+
+def _last(start: float, width: float, count: int) -> float:
+    """The last double that falls in one of so many cells; all before it, from the start on, do so too."""
+    last = start + count * width
+    while int((last - start) / width) >= count:
+        last = nextafter(last, -inf)
+    return last
 
 
 def _ends(start: float, width: float, count: int) -> tuple[list[float], list[float]]:

@@ -78,11 +78,8 @@ class FlatMeetings(PlainMeetings[float]):
                 self._count(i, done)
 
     def alone(self, i: int, j: int) -> None:
-        """Queues the next meetings of the two of a contact alone; the second may be a wall."""
-        f, crowd = self._flights, self.crowd
-        if crowd is not None:
-            crowd.alone(i, j)
-            return
+        """Queues the next meetings of the two of a contact alone, without cells; the second may be a wall."""
+        f = self._flights
         flights, both = f.flights, (i, j)
         if j >= f.n:
             self._walls(i, (j,))

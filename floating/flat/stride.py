@@ -34,7 +34,7 @@ class FlatStride:
             before: a time that all come before.
         """
         f, records, crowd = self._flights, self._history.records, self._meetings.crowd
-        cells, alone = (None, self._meetings.alone) if crowd is None else (crowd.cells, crowd.alone)
+        alone = self._meetings.alone if crowd is None else crowd.alone
         heap, flights, serial, last, n = f.heap, f.flights, f.serial, f.last, f.n
         f.take_up()
         shifted, ahead = f.shifted, f.ahead
@@ -46,8 +46,8 @@ class FlatStride:
             if serial[i] != si or serial[j] != sj:
                 heappop(heap)
                 continue
-            if cells is not None and cells.next_crossing <= time:
-                crowd.cross()  # type: ignore[union-attr]
+            if crowd is not None and crowd.cells.next_crossing <= time:
+                crowd.cross()
                 continue
             if wait is None or not time < before or (shifted and (i in shifted or j in shifted)):
                 break
