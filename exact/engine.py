@@ -169,7 +169,9 @@ class ExactEngine(Declared):
             if policy is None:
                 tape = loop.tape
                 tape.rises, tape.grazes = decider.history.rises, decider.grazes
-            return self._trajectory(scene, decider, limits, stop, tape)
+            run = self._trajectory(scene, decider, limits, stop, tape)
+            decider.close()
+            return run
 
     def _trajectory(
         self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop, tape: Tape | None

@@ -2,7 +2,8 @@
 
 It looks through what is new each time that 700 more objects have been made than freed, and through all that there is
 whenever a quarter has been added: among 1,000 discs, a tenth to a third of the exact engine's time. What keeps itself
-alive is found all the same, `SELDOM` objects later at most; all else goes when nobody holds it, as ever.
+alive is found all the same, `SELDOM` objects later at most; all else goes when nobody holds it, as ever. What a run has
+made and is still held at its end counts as old from then on, as it would once the collector had been through it.
 """
 
 from __future__ import annotations
@@ -47,6 +48,9 @@ class SeldomCollected:
         with self._lock:
             self._entered -= 1
             if not self._entered:
+                if not gc.get_freeze_count():
+                    gc.freeze()
+                    gc.unfreeze()  # all is old now
                 gc.set_threshold(*self._before)
 
 

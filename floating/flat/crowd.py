@@ -66,7 +66,7 @@ class FlatCrowd:
         near, close = cells.around(i), cells.around(j)
         pairs(f, i, map(flight, near), beside)
         pairs(f, j, map(flight, close), beside)
-        self._plan["pairs predicted"] += len(near) + len(close) - (j in near) - (i in close)
+        self._plan["pairs predicted"] += len(near) + len(close) - (i in close)
 
     def walls(self, i: int, standing: Container[int]) -> None:
         """Queues the next hits of a circle with the walls near its cell that its flight does not know yet."""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 
 from truebreak.compare import engine
+from truebreak.exact.replay.body import Body
 from truebreak.exact.simulation.collecting import SELDOM, SeldomCollected
 from truebreak.scenarios import catalogue
 
@@ -24,6 +25,24 @@ def threshold() -> Iterator[tuple[int, int, int]]:
 def test_a_run_leaves_the_collector_as_it_was(name: str, threshold: tuple[int, int, int]) -> None:
     engine(name).run(catalogue.build("gas:n=3"), events=5)
     assert gc.get_threshold() == threshold
+
+
+@pytest.mark.parametrize("name", ["exact", "double"])
+def test_nothing_of_a_run_awaits_the_collector(name: str) -> None:
+    def alive() -> int:
+        return sum(isinstance(found, Body) for found in gc.get_objects())
+
+    scene, looks, note = catalogue.build("gas:n=70"), [0], lambda phase, _: looks.append(phase == "start")
+    engine(name).run(scene, events=3)
+    gc.collect()
+    before = alive()
+    gc.callbacks.append(note)
+    try:
+        engine(name).run(scene, events=300)
+        assert sum(looks) == 0
+    finally:
+        gc.callbacks.remove(note)
+    assert alive() == before
 
 
 def test_the_last_of_several_runs_puts_it_back(threshold: tuple[int, int, int]) -> None:
