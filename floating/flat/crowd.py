@@ -6,10 +6,11 @@ from collections import Counter
 from collections.abc import Collection, Container, Sequence
 from math import inf
 
-from ...exact.simulation.cells import FARTHEST as FAR
-from ...exact.simulation.cells import Cells, Flight
+from ...exact.simulation.arrivals.cells import FARTHEST as FAR
+from ...exact.simulation.arrivals.cells import Cells
+from ...exact.simulation.arrivals.grid import Flight
 from .flights import FlatFlight, FlatFlights
-from .inlined import pairs, walls
+from .formulas.inlined import pairs, walls
 
 
 class FlatCrowd:
