@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
 from typing import Any
 
@@ -33,6 +34,7 @@ class FlatDecider(PlainDecider[float]):
 
     def __init__(self, scene: Scene, state: State[float], numbers: NumberSystem[float]) -> None:
         super().__init__(scene, state, numbers)
+        vars(self.meetings).clear()  # others take their place
         self.flights = FlatFlights(scene, state)
         self.history = self._kept = FlatHistory(self.flights)
         self.queue = FlatQueue(self.flights)
@@ -60,9 +62,10 @@ class FlatDecider(PlainDecider[float]):
         self.flights.sync()
         return super()._flights()
 
-    def finish(self) -> None:
-        """See `PlainDecider`."""
-        self._kept.unfold()
+    @property
+    def finish(self) -> Callable[[], None]:
+        """Puts every contact into the general loop's terms."""
+        return self._kept.unfold
 
 
 class FlatGatherer(Gatherer[float, float]):

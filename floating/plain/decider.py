@@ -222,8 +222,15 @@ class PlainDecider(Generic[M]):
     def gathered(self, links: Iterable[Link]) -> None:
         """Nothing to note."""
 
-    def finish(self) -> None:
-        """Called before the history is read: nothing to do."""
+    @property
+    def finish(self) -> Callable[[], None]:
+        """To be called before the history is read: does nothing."""
+        return _nothing
+
+    def close(self) -> None:
+        """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
+        vars(self.meetings).clear()
+        vars(self).clear()
 
     def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""
@@ -256,3 +263,7 @@ class PlainDecider(Generic[M]):
 
     def _name(self, link: Link) -> str:
         return name_of(self.scene, link)
+
+
+def _nothing() -> None:
+    """What there is to do where a history needs no finish."""
