@@ -58,8 +58,8 @@ def told(all_: Tally) -> str:
     if count:
         later = sum(all_.more) / max(1, len(all_.more))
         lines += [
-            f"after a first block its box is {sum(all_.first) / count:.1f} bits too large, in the mean, along the edge where",
-            f"it is least so; each of {len(all_.more):,} later blocks adds {later:.2f}",
+            f"after a first block its box is {sum(all_.first) / count:.1f} bits too large, in the mean, along the edge",
+            f"where it is least so; each of {len(all_.more):,} later blocks adds {later:.2f}",
         ]
     return "\n".join(lines)
 
