@@ -24,7 +24,7 @@ from truebreak.exact.replay.contact import Touch
 from truebreak.exact.replay.deviations import Deviations
 from truebreak.exact.replay.lone_centred import LoneCentred, lone_contacts
 from truebreak.exact.replay.refinable import RefinableState
-from truebreak.exact.replay.steps import Step, circles_of
+from truebreak.exact.replay.steps import Flip, Go, Step, circles_of
 from truebreak.scenarios import Scene
 from truebreak.scenarios.trajectory import Trajectory
 
@@ -144,7 +144,9 @@ class Watch:
         def stepped(state: RefinableState, balls: CentredState, step: Any, taking_part: Any, bits: int) -> int:
             watch._steps = balls.steps_done
             accuracy = steps(state, balls, step, taking_part, bits)
-            watch.look(balls, taking_part, balls.steps_done)
+            watch.look(balls, taking_part, balls.steps_done, type(step) is Go)
+            if type(step) is Flip:
+                watch.hold_instant("reversal", balls.flip_time, balls.steps_done)
             return accuracy
 
         with ExitStack() as stack:
@@ -168,13 +170,19 @@ class Watch:
 
     # -- the truth
 
-    def look(self, state: CentredState, circles: Any, done: int) -> None:
-        """After so many steps: the circles that have just moved, and the instant."""
-        tally, held = self.tally, state._deviations
+    def hold_instant(self, of: str, instant: arb, done: int) -> None:
+        """Holds an instant against the truth."""
+        self.tally.instants += 1
         with ctx.workprec(BITS):
-            tally.instants += 1
-            if not state.instant.overlaps(self._truth.times[done]):
-                self._fault(f"after {done} steps the instant {state.instant} is not {self._truth.times[done]}")
+            if not instant.overlaps(true := self._truth.times[done]):
+                self._fault(f"after {done} steps the {of} is at {instant.str(20)}, not {true.str(20)}")
+
+    def look(self, state: CentredState, circles: Any, done: int, went: bool = True) -> None:
+        """After so many steps: the circles that have just moved, and the instant, if they went to it."""
+        tally, held = self.tally, state._deviations
+        if went:
+            self.hold_instant("instant", state.instant, done)
+        with ctx.workprec(BITS):
             for i in circles:
                 if i in state.outside:
                     continue
