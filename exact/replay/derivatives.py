@@ -56,7 +56,7 @@ def pair_derivative(
     |d + tau v| = R (see `laws/tangent.py`).
     """
     size_d, size_v, square = abs(dx) + abs(dy), abs(vx) + abs(vy), vx * vx + vy * vy
-    if not (strength < 0.0 and LEAST < speed < inf and LEAST < square):
+    if not (strength < 0.0 and LEAST < speed < inf and square > LEAST):
         return None
     steep = size_d / speed * UP
     apart = (1.0 + size_v * steep) * spread * UP
