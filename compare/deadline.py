@@ -28,7 +28,7 @@ _ROOT = __name__.rpartition(".compare")[0]
 ENGINES = (f"{_ROOT}.exact.", f"{_ROOT}.floating.", f"{_ROOT}.compare.foreign.")
 """Where engines are: a function there that names `TimeIsUp` is a loop that catches it."""
 
-RECORDING = f"{_ROOT}.compare.foreign.recording"
+RECORDING = f"{_ROOT}.compare.foreign.runs.recording"
 """What takes down a run must not be stopped in the middle of an event."""
 
 

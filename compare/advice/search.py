@@ -14,7 +14,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..engines import engine as engine_named
-from ..ensemble.perturbed import nudged
+from ..ensemble.rows.perturbed import nudged
 from ..study import Study
 from ..validation import check_until, checked_number, unsupported
 from .found import Advice, Cost, End, Instance, Tried

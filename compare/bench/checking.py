@@ -19,7 +19,7 @@ from typing import TypeVar
 
 from ...scenarios import catalogue
 from ...tools import verify
-from ..certificates import verdict_on, write_certificate
+from ..certificate.certified import verdict_on, write_certificate
 from ..run import run
 
 T = TypeVar("T")

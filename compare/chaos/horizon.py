@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .errors import ErrorCurve, ErrorModel, error_curve, model_of
 from .following import follow
+from .hazard.errors import ErrorCurve, ErrorModel, error_curve, model_of
 from .levels import LEVELS
 
 if TYPE_CHECKING:

@@ -7,8 +7,8 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..stress.cell import Row
     from ..stress.ladder import Ladder
+    from ..stress.rows.cell import Row
 
 STRESS_SCHEMA = "truebreak/stress-1"
 
@@ -75,7 +75,7 @@ def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
     """One table a family, a row for each engine and lane, a letter for each k, in tens."""
     from ..report.text.output import console, grid, say
     from ..stress.family import Place
-    from ..stress.marks import Mark
+    from ..stress.rows.marks import Mark
     from ..stress.table import family
 
     out = console()

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..validation import EngineError
-from .recording import Recording
+from .runs.recording import Recording
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from .cell import Row
 from .family import Place
-from .marks import Mark
+from .rows.cell import Row
+from .rows.marks import Mark
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from itertools import groupby
 from ...scenarios.errors import SceneError
 from .family import Family
 from .ladder import Ladder
-from .marks import Mark
 from .plan import Plan
+from .rows.marks import Mark
 
 BEGIN = "<!-- made by `python -m truebreak.compare.stress docs/stress.md`: from here -->\n"
 END = "<!-- to here -->\n"

@@ -15,8 +15,8 @@ from ..engines import engine as engine_named
 from ..ensemble.rows.row import versions
 from ..ensemble.sweep import pool
 from ..validation import check_engine
-from .cell import Job, Row, row_of
 from .family import Family, Place
+from .rows.cell import Job, Row, row_of
 from .store import Store
 from .table import FAMILIES, family
 

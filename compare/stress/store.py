@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .cell import Row
+from .rows.cell import Row
 from .table import family
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from ...exact.policies.sequential import Sequential
 from ...exact.policies.simultaneous import Simultaneous
 from ...exact.replay.state import State
 from ...exact.replay.steps import Go, Kick, Step
-from ...exact.simulation.gathering import Gatherer
-from ...exact.simulation.instant import Instant
+from ...exact.simulation.instants.gathering import Gatherer
+from ...exact.simulation.instants.instant import Instant
 from ...exact.simulation.limits import Limits
 from ...exact.simulation.loop import Loop
 from ...scenarios.scene import Scene

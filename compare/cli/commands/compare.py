@@ -25,7 +25,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
     each run has by then is compared, and what was left out is named.
     """
     from ...certificate.attached import with_certificates
-    from ...certificates import check_engine
+    from ...certificate.certified import check_engine
     from ...comparison import compare as compare_engines
     from ...documents.comparison import comparison_json
     from ...engines import split_engines

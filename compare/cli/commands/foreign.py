@@ -103,7 +103,7 @@ def judge(
             progress=progress,
         )
     if held.certify:
-        from ...certificates import certified
+        from ...certificate.certified import certified
 
         comparison = replace(comparison, certificate=certified(comparison.reference))
     changes = changes_of(comparison)

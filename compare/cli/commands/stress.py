@@ -14,8 +14,8 @@ from ..exit_codes import DONE, ExitCode
 from ..progress import duration, showing
 
 if TYPE_CHECKING:
-    from ...stress.cell import Row
     from ...stress.plan import Done
+    from ...stress.rows.cell import Row
 
 EPILOG = """
 \b

@@ -25,7 +25,7 @@ from ...outcomes.matched import matched_history
 from ...outcomes.table import changed_outcomes, outcome
 from ...scene_argument import scene_from
 from ...tangent.impacts import NoTangentMap, impacts
-from ..perturbed import Perturbed
+from .perturbed import Perturbed
 
 if TYPE_CHECKING:
     from ....scenarios.engine import Engine

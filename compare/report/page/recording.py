@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ....scenarios.picture import Disc, view_of, wall_line
+from ....scenarios.pictures.view import Disc, view_of, wall_line
 from ....scenarios.trajectory import StopReason
 from ..instants import later
 from ..sentences import headline

@@ -10,7 +10,7 @@ from itertools import groupby
 
 from ...stress.family import Family
 from ...stress.ladder import Ladder
-from ...stress.marks import Mark
+from ...stress.rows.marks import Mark
 
 CELL, ROW, LETTER = 15, 18, 8
 """Width and height of a cell, and the room granted to one letter of 12 pixels, all in pixels: fixed-width letters of

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...foreign.impulses import SOLVED, Impacts, least
+from ...foreign.runs.impulses import SOLVED, Impacts, least
 
 if TYPE_CHECKING:
     from ....scenarios.event import Contact, Event
     from ....scenarios.scene import Scene
-    from ...foreign.impulses import Link, Normal, Row
+    from ...foreign.runs.impulses import Link, Normal, Row
     from .local_error import LocalError
 
 TURNS = 4.0

@@ -13,7 +13,7 @@ from .field import Field, TowerLimit
 from .ring import ONE, ZERO, Integral, Nested, masks_of, split_bit, subtract
 
 if TYPE_CHECKING:
-    from .roots import Descent
+    from .descent.roots import Descent
 
 
 class Tower:
@@ -39,7 +39,7 @@ class Tower:
     @cached_property
     def _descent(self) -> Descent:
         """Finds roots. Most runs ask for none, so that its module is imported when one does."""
-        from .roots import Descent
+        from .descent.roots import Descent
 
         return Descent(self)
 
@@ -97,7 +97,7 @@ class Tower:
             if isinstance(x, fmpz):
                 root = self._sqrt_whole(x)
             else:
-                from .squares import split_square
+                from .descent.squares import split_square
 
                 content = self.field.content(x)
                 factor, parts = split_square(content, self.field.spend)
@@ -127,7 +127,7 @@ class Tower:
 
     def _sqrt_whole(self, n: fmpz) -> Element:
         """sqrt(n) for a whole n > 0."""
-        from .squares import split_square
+        from .descent.squares import split_square
 
         factor, parts = split_square(n, self.field.spend)
         root = self._root(_product(parts))

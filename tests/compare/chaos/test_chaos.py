@@ -13,9 +13,9 @@ import pytest
 
 from truebreak.compare.chaos import calibration
 from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
-from truebreak.compare.chaos.errors import TOSS, ErrorCurve, ErrorModel, model_of
 from truebreak.compare.chaos.growth.blocks import rate
 from truebreak.compare.chaos.growth.spectrum import spectrum
+from truebreak.compare.chaos.hazard.errors import TOSS, ErrorCurve, ErrorModel, model_of
 from truebreak.compare.chaos.horizon import Forecaster, Horizon, Place
 from truebreak.compare.chaos.levels import LEVELS
 from truebreak.compare.cli import main

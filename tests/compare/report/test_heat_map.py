@@ -10,7 +10,7 @@ from browser import Browser, found
 
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.compare.stress.ladder import Ladder
-from truebreak.compare.stress.marks import Mark
+from truebreak.compare.stress.rows.marks import Mark
 from truebreak.compare.stress.table import family
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")

@@ -19,12 +19,12 @@ from truebreak.compare.documents.stress import exact_sentence
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.compare.stress.__main__ import TITLE
 from truebreak.compare.stress.__main__ import main as page_main
-from truebreak.compare.stress.cell import Job, row_of
 from truebreak.compare.stress.family import Family, Place
 from truebreak.compare.stress.ladder import Ladder, ladders
-from truebreak.compare.stress.marks import Mark
 from truebreak.compare.stress.page import BEGIN, END, map_part, rewritten
 from truebreak.compare.stress.plan import Plan, plan
+from truebreak.compare.stress.rows.cell import Job, row_of
+from truebreak.compare.stress.rows.marks import Mark
 from truebreak.compare.stress.table import FAMILIES, family
 from truebreak.scenarios import Scene, SceneError
 

@@ -10,16 +10,16 @@ from typing import Any
 import pytest
 
 from truebreak.compare.certificate import certificate_json, certificate_of
-from truebreak.compare.certificates import Certified, verdict
+from truebreak.compare.certificate.certified import Certified, verdict
 from truebreak.compare.cli import main
 from truebreak.compare.cli.commands.stress import code_of
 from truebreak.compare.cli.exit_codes import ExitCode
-from truebreak.compare.stress import witness as witnessing
-from truebreak.compare.stress.cell import Job, row_of
 from truebreak.compare.stress.family import Place
-from truebreak.compare.stress.marks import Mark
+from truebreak.compare.stress.rows import witness as witnessing
+from truebreak.compare.stress.rows.cell import Job, row_of
+from truebreak.compare.stress.rows.marks import Mark
+from truebreak.compare.stress.rows.witness import witness
 from truebreak.compare.stress.table import family
-from truebreak.compare.stress.witness import witness
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Scene, SceneError, Trajectory
@@ -129,7 +129,7 @@ def test_an_engine_s_end_is_a_mark_and_never_the_end_of_the_map(name: str, mark:
 
 
 def test_where_the_reference_does_not_know_nothing_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
-    from truebreak.compare.stress import cell
+    from truebreak.compare.stress.rows import cell
 
     monkeypatch.setattr(cell, "ExactEngine", lambda: ExactEngine(max_bits=256))
     row = row_of(Job(Place("near-ties", 200, "left"), ("double", "quad")))
