@@ -14,7 +14,7 @@ from ..scenarios.errors import SceneError
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
 from .alignment.align import UNKNOWING, Alignment, Span, align
-from .alignment.instants import Finer, Instant, instants, velocity_difference
+from .alignment.instants import Finer, SharedInstant, instants, velocity_difference
 from .alignment.patience import Patience, patience_for
 from .deadline import Clock, OutOfTime, time_limit, uninterrupted
 from .foreign.guard import finer_of, run_guarded
@@ -189,7 +189,7 @@ class Study:
 
         runs: dict[int, tuple[Trajectory, Alignment]] = {}
 
-        def difference(halvings: int, instant: Instant) -> float | None:
+        def difference(halvings: int, instant: SharedInstant) -> float | None:
             mine, chosen = self.longest or self.reference, finer_by(engine, halvings)
             if chosen is None or chosen.step is None:
                 return None

@@ -26,7 +26,7 @@ MORE_EVENTS = 10
 
 
 @dataclass(frozen=True)
-class Place:
+class EventTime:
     """An event of the certified run, and its time; None where the run ends before it."""
 
     event: int | None
@@ -43,7 +43,7 @@ class Seen:
     """
 
     verdict: Verdict
-    place: Place | None
+    place: EventTime | None
 
 
 @dataclass(frozen=True)
@@ -63,13 +63,13 @@ class Horizon:
     engine: str
     model: ErrorModel
     unit: float
-    expected: Place
-    low: Place
-    high: Place
+    expected: EventTime
+    low: EventTime
+    high: EventTime
     by_exponent: float | None
     seen: Seen | None = None
 
-    def holds(self, place: Place) -> bool:
+    def holds(self, place: EventTime) -> bool:
         """Whether the band holds an event; beyond the run it goes on for ever."""
         if place.event is None or self.low.event is None or place.event < self.low.event:
             return False
@@ -95,9 +95,9 @@ class Forecaster:
             self._curves[model] = error_curve(self.trajectory, self.struck, model)
         return self._curves[model]
 
-    def place(self, event: int | None) -> Place:
+    def place(self, event: int | None) -> EventTime:
         """An event with its time."""
-        return Place(None, None) if event is None else Place(event, float(self.trajectory.events[event].time))
+        return EventTime(None, None) if event is None else EventTime(event, float(self.trajectory.events[event].time))
 
     def foresee(self, label: str, engine: Engine, exponent: float = 0.0) -> Horizon | None:
         """The horizon of an engine; None for one whose numbers are exact.

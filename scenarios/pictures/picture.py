@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import TYPE_CHECKING
 
-from .view import Disc, Pictured, View, view_of, wall_line
+from .view import DrawnDisc, Pictured, View, view_of, wall_line
 
 if TYPE_CHECKING:
     pass
@@ -41,7 +41,7 @@ def scene_picture(scene: Pictured, *, standalone: bool = False) -> str:
 def state_picture(scene: Pictured, rows: Iterable[Sequence[float]], title: str, *, standalone: bool = False) -> str:
     """The scene with its circles at x, y, vx, vy, with arrows for velocities."""
     discs = [
-        Disc(str(c.id), x, y, float(c.r), vx, vy, "fixed" if c.fixed else "circle")
+        DrawnDisc(str(c.id), x, y, float(c.r), vx, vy, "fixed" if c.fixed else "circle")
         for c, (x, y, vx, vy) in zip(scene.circles, rows, strict=True)
     ]
     return draw(scene, discs, title, standalone=standalone)
@@ -58,7 +58,7 @@ def image(picture: str, title: str) -> str:
 
 def draw(
     scene: Pictured,
-    discs: Sequence[Disc],
+    discs: Sequence[DrawnDisc],
     title: str,
     *,
     marked: Iterable[str] = (),

@@ -30,7 +30,7 @@ class Pictured(Protocol):
 
 
 @dataclass(frozen=True)
-class Disc:
+class DrawnDisc:
     """One circle to draw: where, how large, how fast, and with which classes."""
 
     id: str
@@ -66,7 +66,7 @@ class View:
         return (self.bottom + self.height - y) * self.scale
 
 
-def view_of(discs: Sequence[Disc], scene: Pictured) -> View:
+def view_of(discs: Sequence[DrawnDisc], scene: Pictured) -> View:
     """A view of the discs, and of the walls' own points where those lie near."""
     xs = [v for d in discs for v in (d.x - d.r, d.x + d.r)]
     ys = [v for d in discs for v in (d.y - d.r, d.y + d.r)]

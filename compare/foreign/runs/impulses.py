@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 Row: TypeAlias = tuple[float, float, float, float]
 """(x, y, vx, vy) of one circle."""
 
-Link: TypeAlias = tuple[int, int]
+Indices: TypeAlias = tuple[int, int]
 """Two touching things by their places in `scene.ids`; a wall is last."""
 
 MOST_ROUNDS = 10_000
@@ -53,7 +53,7 @@ class Impacts:
             self._walls.append((float(wall.x0), float(wall.y0), nx / length, ny / length))
         self._sides = [[1.0 if w.height(c.x, c.y).sign() >= 0 else -1.0 for w in scene.walls] for c in scene.circles]
 
-    def normal(self, link: Link, rows: Sequence[Row]) -> Normal:
+    def normal(self, link: Indices, rows: Sequence[Row]) -> Normal:
         """The line of centres, at given places."""
         (i, j), (x, y) = link, rows[link[0]][:2]
         if j >= self.count:
@@ -66,7 +66,7 @@ class Impacts:
             return Normal(1.0, 0.0, -self._radii[i] - self._radii[j])
         return Normal(dx / length, dy / length, length - self._radii[i] - self._radii[j])
 
-    def opening(self, link: Link, rows: Sequence[Row], normal: Normal) -> float:
+    def opening(self, link: Indices, rows: Sequence[Row], normal: Normal) -> float:
         """The speed at which two part; negative: they approach."""
         (i, j) = link
         vx, vy = rows[i][2:]
@@ -74,7 +74,7 @@ class Impacts:
             vx, vy = vx - rows[j][2], vy - rows[j][3]
         return vx * normal.x + vy * normal.y
 
-    def bounce(self, links: Sequence[Link], rows: Sequence[Row]) -> list[Row] | None:
+    def bounce(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[Row] | None:
         """The rows after elastic impacts at one instant, in rounds, each of which all that approach share.
 
         None if none of the contacts approaches, or if the rounds have no end.
@@ -94,7 +94,7 @@ class Impacts:
 
     def inferred(
         self, rows: Sequence[Row], before: Sequence[Row], room: float, way: float | None = None
-    ) -> tuple[list[Link], float]:
+    ) -> tuple[list[Indices], float]:
         """The contacts that explain how velocities have changed, and the part of the change that they leave.
 
         Of all pairs no farther apart than `room` of which one has changed, those whose impulses, none of them
@@ -116,7 +116,7 @@ class Impacts:
         met = [(link, self._met(link, before, way) or normal) for link, normal in near]
         return min(self._explaining(met, change), found, key=lambda told: told[1])
 
-    def _met(self, link: Link, rows: Sequence[Row], way: float) -> Normal | None:
+    def _met(self, link: Indices, rows: Sequence[Row], way: float) -> Normal | None:
         """The line of centres at which two circles that flew straight on met, no longer ago than `way`."""
         i, j = link
         if j >= self.count:
@@ -129,7 +129,9 @@ class Impacts:
         ago = (near + math.sqrt(root)) / speed
         return Normal((dx - ago * vx) / reach, (dy - ago * vy) / reach, 0.0)
 
-    def _explaining(self, near: Sequence[tuple[Link, Normal]], change: NDArray[np.float64]) -> tuple[list[Link], float]:
+    def _explaining(
+        self, near: Sequence[tuple[Indices, Normal]], change: NDArray[np.float64]
+    ) -> tuple[list[Indices], float]:
         """Those contacts of some whose impulses come nearest to a change, and the part of it that they leave."""
         with np.errstate(divide="ignore", invalid="ignore"):
             wanted = np.where(self.weights[:, None] > 0, change / np.sqrt(self.weights)[:, None], 0.0).reshape(-1)
@@ -142,12 +144,12 @@ class Impacts:
         reach = np.linalg.norm(matrix, axis=1) * strengths
         return [link for (link, _), part in zip(near, reach, strict=True) if part > SOLVED * size], left
 
-    def _pairs(self, moved: Sequence[int]) -> list[Link]:
+    def _pairs(self, moved: Sequence[int]) -> list[Indices]:
         """Every pair of which one is among the circles given."""
         found = {(min(i, j), max(i, j)) for i in moved for j in range(self.count) if i != j}
         return [*sorted(found), *((i, self.count + w) for i in moved for w in range(len(self._walls)))]
 
-    def matrix(self, contacts: Sequence[tuple[Link, Normal]]) -> NDArray[np.float64]:
+    def matrix(self, contacts: Sequence[tuple[Indices, Normal]]) -> NDArray[np.float64]:
         """Shape (contacts, 2 * circles): what each unit impulse does, in velocities times the root of the mass."""
         rows = np.zeros((len(contacts), self.count, 2))
         for k, ((i, j), normal) in enumerate(contacts):
@@ -167,7 +169,7 @@ class Impacts:
         """Whether a place in `scene.ids` is that of a circle which can move."""
         return place < self.count and self.weights[place] > 0
 
-    def coupled(self, links: Sequence[Link], rows: Sequence[Row]) -> bool:
+    def coupled(self, links: Sequence[Indices], rows: Sequence[Row]) -> bool:
         """Whether a moving circle has two of the contacts, not at right angles: then their order may matter."""
         lines: dict[int, list[Normal]] = {}
         for link in links:

@@ -6,14 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ....floating.knots import DoubleMotion, Knot
+from ....floating.knots import DoubleKnot, DoubleMotion
 from ....floating.pymunk.pockets import entries
 from ....scenarios.checks.limits import positive_count, positive_time
 from ....scenarios.event import Contact, Event, Reversal, Tie, TieProof
 from ....scenarios.numbers.doubles import Double
 from ....scenarios.trajectory import Progress, Stop, StopReason, Trajectory
 from ...validation import EngineError, checked_event
-from .impulses import Impacts, Link, Row
+from .impulses import Impacts, Indices, Row
 from .reports import Reports, rounded_to
 
 if TYPE_CHECKING:
@@ -89,10 +89,10 @@ class Recording:
         self._places = {name: place for place, name in enumerate(scene.ids)}
         self._impacts, self._reports = Impacts(scene), Reports(scene, f"engine {name!r}")
         numbers = [[rounded_to(float(v), bits) for v in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]
-        self._knots: list[list[Knot]] = [[(0.0, x, y, vx, vy)] for x, y, vx, vy in numbers]
+        self._knots: list[list[DoubleKnot]] = [[(0.0, x, y, vx, vy)] for x, y, vx, vy in numbers]
         self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
         self._times: list[float] = []
-        self._links: list[list[Link]] = []
+        self._links: list[list[Indices]] = []
         self._coupled: list[bool] = []
         self._now, self._end, self._steps = 0.0, 0.0, 0
         self._budget: str | None = None
@@ -266,7 +266,7 @@ class Recording:
         ties = (Tie(contacts, TieProof.FLOAT),) if len(contacts) > 1 else ()
         return Event(index, Double(self._times[index]), contacts, impulses, ties, self._coupled[index])
 
-    def _add(self, now: float, links: Sequence[Link], rows: Sequence[Row]) -> None:
+    def _add(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> None:
         """Notes an event; with a time step, what comes at one time is one."""
         if self.step is not None and self._times and self._times[-1] == now:
             links = [*self._links[-1], *links]
@@ -278,7 +278,7 @@ class Recording:
         self._links.append(list(links))
         self._coupled.append(len(set(links)) > 1 and self._impacts.coupled(sorted(set(links)), rows))
 
-    def _bounce(self, now: float, links: Sequence[Link], rows: Sequence[Row]) -> None:
+    def _bounce(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> None:
         """Has the laws say how a hit without states leaves the circles."""
         self.reckoned = True
         after = self._impacts.bounce(links, rows)
@@ -292,7 +292,7 @@ class Recording:
             return
         self._tie(now, {k: row for k, row in enumerate(after) if row[2:] != rows[k][2:]})
 
-    def _inferred(self, now: float, way: float, rows: Sequence[Row], before: Sequence[Row]) -> list[Link]:
+    def _inferred(self, now: float, way: float, rows: Sequence[Row], before: Sequence[Row]) -> list[Indices]:
         """The contacts of the last `way` of time."""
         fastest = max(math.hypot(*row[2:]) for row in [*rows, *before])
         room = 2 * fastest * way + FLIGHT * self._scale

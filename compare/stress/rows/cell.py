@@ -13,9 +13,9 @@ from ...engines import engine as engine_named
 from ...outcomes.matched import matched_history
 from ...outcomes.table import changed_outcomes, outcomes_of
 from ...validation import EngineError
-from ..family import Place
+from ..family import MapPlace
 from ..table import family
-from .marks import Mark
+from .marks import MapMark
 from .witness import witness
 
 if TYPE_CHECKING:
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
     from ....scenarios.trajectory import Trajectory
 
-Row: TypeAlias = dict[str, Any]
+StressRow: TypeAlias = dict[str, Any]
 
 MARKS = {
-    "diverged": Mark.WRONG,
-    "unsettled": Mark.UNSETTLED,
-    "undecided": Mark.UNDECIDED,
-    "agree": Mark.RIGHT,
+    "diverged": MapMark.WRONG,
+    "unsettled": MapMark.UNSETTLED,
+    "undecided": MapMark.UNDECIDED,
+    "agree": MapMark.RIGHT,
 }
 """Of each verdict, where no outcome changed."""
 
@@ -38,14 +38,14 @@ MARKS = {
 class Job:
     """A place and the engines to hold against its certified run; made of text, so that any worker can take it."""
 
-    place: Place
+    place: MapPlace
     engines: tuple[str, ...]
 
 
-def row_of(job: Job) -> Row:
+def row_of(job: Job) -> StressRow:
     """The row of one place; there is no clock in it, and nothing is drawn but from its seed.
 
-    >>> row = row_of(Job(Place("near-ties", 20, "left"), ("double", "quad")))
+    >>> row = row_of(Job(MapPlace("near-ties", 20, "left"), ("double", "quad")))
     >>> row["exact"]["mark"], row["engines"]["double"]["mark"], row["engines"]["quad"]["mark"]
     ('right', 'wrong', 'right')
     """
@@ -67,7 +67,7 @@ def row_of(job: Job) -> Row:
     }
 
 
-def _held(run: Trajectory, label: str, outcomes: Mapping[str, Any]) -> Row:
+def _held(run: Trajectory, label: str, outcomes: Mapping[str, Any]) -> StressRow:
     """The mark of one engine: where it is wrong, with the first event that differs and the outcomes changed.
 
     An engine that hands back what can be no history, such as an event before the start, is wrong too. What it raises,
@@ -77,23 +77,23 @@ def _held(run: Trajectory, label: str, outcomes: Mapping[str, Any]) -> Row:
         told = follow(run, engine_named(label), len(run.events))
     except EngineError as error:
         if error.__cause__ is not None:  # somebody else's engine raised it
-            return {"mark": Mark.FAILED.value, "told": str(error)}
-        return {"mark": Mark.WRONG.value, "event": None, "changed": [], "told": str(error)}
+            return {"mark": MapMark.FAILED.value, "told": str(error)}
+        return {"mark": MapMark.WRONG.value, "event": None, "changed": [], "told": str(error)}
     except Exception as error:
-        return {"mark": Mark.FAILED.value, "told": f"{type(error).__name__}: {' '.join(str(error).split())}"}
+        return {"mark": MapMark.FAILED.value, "told": f"{type(error).__name__}: {' '.join(str(error).split())}"}
     matched = matched_history(told.run, told.study.longest or run, told.alignment, told.study.span)
     divergence = told.alignment.divergence
     changed = changed_outcomes(outcomes, outcomes_of(matched), agrees=divergence is None)
     mark = mark_of(told, changed=bool(changed))
-    row: Row = {"mark": mark.value}
-    if mark is Mark.WRONG:
+    row: StressRow = {"mark": mark.value}
+    if mark is MapMark.WRONG:
         row |= {"event": None if divergence is None else divergence.event, "changed": changed}
-    elif mark in (Mark.UNDECIDED, Mark.REFUSED):
+    elif mark in (MapMark.UNDECIDED, MapMark.REFUSED):
         row["told"] = told.run.stop.message
     return row
 
 
-def mark_of(told: Followed, *, changed: bool) -> Mark:
+def mark_of(told: Followed, *, changed: bool) -> MapMark:
     """Right or wrong, or why neither is known.
 
     Where the certified run itself stopped not knowing, a divergence before that stands, and all else is undecided.
@@ -101,10 +101,10 @@ def mark_of(told: Followed, *, changed: bool) -> Mark:
     evidence.
     """
     if told.unable:
-        return Mark.REFUSED
+        return MapMark.REFUSED
     mark = MARKS[told.alignment.verdict]
-    if mark is Mark.RIGHT and changed:
-        return Mark.WRONG
-    if mark is Mark.RIGHT and told.study.reference.stop.reason in UNKNOWING:
-        return Mark.UNDECIDED
+    if mark is MapMark.RIGHT and changed:
+        return MapMark.WRONG
+    if mark is MapMark.RIGHT and told.study.reference.stop.reason in UNKNOWING:
+        return MapMark.UNDECIDED
     return mark

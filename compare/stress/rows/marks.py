@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 
 
-class Mark(Enum):
+class MapMark(Enum):
     """One of these for each engine at each place; only `RIGHT` counts as right, and only `WRONG` as wrong."""
 
     RIGHT = "right"
@@ -20,7 +20,7 @@ class Mark(Enum):
     def sign(self) -> str:
         """As one letter.
 
-        >>> "".join(mark.sign for mark in Mark)
+        >>> "".join(mark.sign for mark in MapMark)
         '.X~?-#!'
         """
         return SIGNS[self][0]
@@ -32,11 +32,11 @@ class Mark(Enum):
 
 
 SIGNS = {
-    Mark.RIGHT: (".", "right: the certified history, every meeting of it, and its outcomes"),
-    Mark.WRONG: ("X", "wrong: another history, or an outcome changed"),
-    Mark.UNSETTLED: ("~", "not settled: the runs at hand do not tell"),
-    Mark.UNDECIDED: ("?", "undecided: it stopped, not knowing, or its counted steps were spent"),
-    Mark.REFUSED: ("-", "refused: it does not take the scene"),
-    Mark.FAILED: ("#", "failed: it ended with an error of its own, and no answer"),
-    Mark.UNCHECKED: ("!", "unchecked: decided, but the independent checker does not tell"),
+    MapMark.RIGHT: (".", "right: the certified history, every meeting of it, and its outcomes"),
+    MapMark.WRONG: ("X", "wrong: another history, or an outcome changed"),
+    MapMark.UNSETTLED: ("~", "not settled: the runs at hand do not tell"),
+    MapMark.UNDECIDED: ("?", "undecided: it stopped, not knowing, or its counted steps were spent"),
+    MapMark.REFUSED: ("-", "refused: it does not take the scene"),
+    MapMark.FAILED: ("#", "failed: it ended with an error of its own, and no answer"),
+    MapMark.UNCHECKED: ("!", "unchecked: decided, but the independent checker does not tell"),
 }

@@ -11,11 +11,11 @@ from ....tools.verify import BROKEN
 from ...alignment.align import UNKNOWING
 from ...certificate import certificate_json
 from ...certificate.certified import Certified, certified, verdict
-from .marks import Mark
+from .marks import MapMark
 
 if TYPE_CHECKING:
     from ....scenarios.trajectory import Trajectory
-    from ..family import Family, Place
+    from ..family import Family, MapPlace
 
 VERIFIED, REFUTED, NOT_DECIDED = 0, 1, 4
 """Exit codes of the checker."""
@@ -25,7 +25,7 @@ MOST_TIMES = 16
 
 
 @dataclass(frozen=True)
-class Witness:
+class Testimony:
     """What is said of a certified run by others.
 
     Attributes:
@@ -34,12 +34,12 @@ class Witness:
         closed_form: whether the outcome is that of the family's closed form; None where there is none.
     """
 
-    mark: Mark
+    mark: MapMark
     told: str
     closed_form: bool | None
 
 
-def witness(run: Trajectory, family: Family, place: Place) -> Witness:
+def witness(run: Trajectory, family: Family, place: MapPlace) -> Testimony:
     """Has a run of the exact engine checked.
 
     Its certificate goes to `tools/verify.py`, a program of its own, which shares no decision with the engines: it
@@ -50,25 +50,25 @@ def witness(run: Trajectory, family: Family, place: Place) -> Witness:
     >>> one = family("near-ties")
     >>> place = one.place(20)
     >>> witness(ExactEngine().run(one.scene(place)), one, place)
-    Witness(mark=<Mark.RIGHT: 'right'>, told='verified: 4 events, to the end: quiet', closed_form=True)
+    Testimony(mark=<MapMark.RIGHT: 'right'>, told='verified: 4 events, to the end: quiet', closed_form=True)
     """
     if run.stop.reason in UNKNOWING:
-        return Witness(Mark.UNDECIDED, run.stop.message, None)
+        return Testimony(MapMark.UNDECIDED, run.stop.message, None)
     fits = None if family.known is None else family.known(run, place.k, place.side, place.seed)
     try:
         found = certified(run)
     except SceneError as error:
-        return Witness(Mark.UNCHECKED, str(error), fits)
+        return Testimony(MapMark.UNCHECKED, str(error), fits)
     except AssertionError as error:  # the writer of certificates is itself refuted
-        return Witness(Mark.WRONG, str(error), fits)
+        return Testimony(MapMark.WRONG, str(error), fits)
     except BROKEN as error:  # numbers that certificates do not reach
-        return Witness(Mark.UNCHECKED, f"no certificate: {type(error).__name__}: {error}", fits)
+        return Testimony(MapMark.UNCHECKED, f"no certificate: {type(error).__name__}: {error}", fits)
     if found.code == REFUTED:
-        return Witness(Mark.WRONG, found.sentence, fits)
+        return Testimony(MapMark.WRONG, found.sentence, fits)
     if fits is False:
-        return Witness(Mark.WRONG, "its outcome is not that of the closed form", fits)
+        return Testimony(MapMark.WRONG, "its outcome is not that of the closed form", fits)
     found = with_more_bits(found)
-    return Witness(Mark.RIGHT if found.code == VERIFIED else Mark.UNCHECKED, found.sentence, fits)
+    return Testimony(MapMark.RIGHT if found.code == VERIFIED else MapMark.UNCHECKED, found.sentence, fits)
 
 
 def with_more_bits(found: Certified) -> Certified:

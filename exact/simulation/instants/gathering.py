@@ -22,7 +22,7 @@ from ..decider import Decider
 from ..history import K
 from ..limits import Limits
 from .instant import Instant
-from .rounds import Touching
+from .rounds import Lasting
 
 
 class Gatherer(Generic[N, K]):
@@ -35,7 +35,7 @@ class Gatherer(Generic[N, K]):
         touching: the contacts that last.
     """
 
-    def __init__(self, scene: Scene, decider: Decider[N, K], limits: Limits, touching: Touching) -> None:
+    def __init__(self, scene: Scene, decider: Decider[N, K], limits: Limits, touching: Lasting) -> None:
         self.scene = scene
         self.decider = decider
         self.limits = limits

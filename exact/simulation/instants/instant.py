@@ -27,7 +27,7 @@ from ...replay.contact import Entry, Link, Pair, Touch, scene_order
 from ...replay.steps import Flip, Go, Kick, Take
 from ..decider import Decider
 from ..history import REVERSAL, Arrived, K, Mark, Noted, Record
-from .rounds import Rounds, Touching, components, settle
+from .rounds import Lasting, Rounds, components, settle
 
 MAX_ROUNDS = 10_000
 """Rounds of impulses at one instant before the run gives up: a cradle of n balls needs about n of them."""
@@ -107,7 +107,7 @@ class Resolver(Generic[N, K]):
         self.decider = decider
         self.policy = policy
         self.n = len(scene.circles)
-        self.touching = Touching()
+        self.touching = Lasting()
         self.gone: set[int] = set()
 
     def resolve(self, instant: Instant, events_left: int | None, reverse_in: int | None) -> Resolved[K]:

@@ -13,7 +13,7 @@ from ...replay.contact import Touch, scene_order
 from ...replay.steps import Kick
 
 
-class Touching:
+class Lasting:
     """The contacts that last: two circles at gap zero that move together, or a circle sliding along a wall."""
 
     def __init__(self) -> None:
@@ -43,13 +43,13 @@ class Component:
     links: tuple[Touch, ...]
 
 
-def components(links: Sequence[Touch], touching: Touching) -> list[Component]:
+def components(links: Sequence[Touch], touching: Lasting) -> list[Component]:
     """The contacts of an instant with the lasting contacts that they reach, split where no circle is shared.
 
     In scene order of their first circle.
 
     >>> from truebreak.exact.replay.contact import Pair
-    >>> [found.bodies for found in components([Pair(4, 5), Pair(0, 1), Pair(1, 2)], Touching())]
+    >>> [found.bodies for found in components([Pair(4, 5), Pair(0, 1), Pair(1, 2)], Lasting())]
     [(0, 1, 2), (4, 5)]
     """
     pending = set(links) | set(touching.all())

@@ -59,7 +59,7 @@ class Expression:
     def evaluated(self, number: Callable[[fmpq], N], root: Callable[[N], N]) -> N:
         """The same expression in another number system, from its rationals and its square root.
 
-        >>> from .quantity import Quantity
+        >>> from ..quantity import Quantity
         >>> Quantity.of("sqrt(2) + 1/2").evaluated(lambda q: int(q.p) / int(q.q), lambda x: x**0.5)
         1.9142135623730951
         """

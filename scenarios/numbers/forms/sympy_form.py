@@ -30,7 +30,7 @@ def from_sympy(value: Any, number: Callable[[fmpq], N]) -> N:
             below the fraction bar.
 
     >>> import sympy
-    >>> from .quantity import rational
+    >>> from ..quantity import rational
     >>> from_sympy(sympy.sqrt(3) / 2, rational)
     Quantity('(1/2)*sqrt(3)')
     """

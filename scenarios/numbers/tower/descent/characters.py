@@ -24,7 +24,7 @@ WORD_BITS: Final = 64
 """Modulo a number up to this length everything takes under 2 us, which what finds the number is charged for."""
 
 
-class Place:
+class ResidueMap:
     """A ring homomorphism to Z/n, n odd, from Z[sqrt(B), ..., s_1, ..., s_level].
 
     It is given by a root modulo n of every D_k and of some products B of base radicands, all
@@ -153,7 +153,7 @@ class Characters:
 
     def __init__(self, field: Field) -> None:
         self._field = field
-        self._places: dict[int, list[Place]] = {}
+        self._places: dict[int, list[ResidueMap]] = {}
         self._exhausted: set[tuple[int, tuple[int, ...]]] = set()
         self._supports: list[tuple[int, ...]] = [()]
         self._random = Random(20)
@@ -162,7 +162,7 @@ class Characters:
         """Whether places prove that x is not a square in K_level.
 
         Each place says: the sum of its bits i + 1 over the unknown set of m_i is its bit 0, modulo
-        2 (see `Place`). The proof is that these equations contradict one another.
+        2 (see `ResidueMap`). The proof is that these equations contradict one another.
         """
         pivots: dict[int, int] = {}
         idle = 0
@@ -187,7 +187,7 @@ class Characters:
                 pivots[row.bit_length()] = row
         return False
 
-    def _places_for(self, x: Integral, level: int) -> Iterator[Place]:
+    def _places_for(self, x: Integral, level: int) -> Iterator[ResidueMap]:
         """Homomorphisms that x and s_1 .. s_level have images under, made as they are needed."""
         masks = [*self._support(level), *leaf_masks(x)]
         self._field.spend(1 + (len(masks) * (1 + len(self._field.base)) >> 3))
@@ -213,9 +213,9 @@ class Characters:
             self._supports.append(tuple(span(masks)))
         return self._supports[level]
 
-    def _new_place(self, basis: tuple[int, ...], level: int) -> Place | None:
+    def _new_place(self, basis: tuple[int, ...], level: int) -> ResidueMap | None:
         for modulus in self._moduli(basis):
-            place = Place(self._field, modulus, self._random)
+            place = ResidueMap(self._field, modulus, self._random)
             if place.split(basis) and place.lift(self._field.radicands[:level]):
                 return place
         return None
