@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from ..alignment.align import Verdict
     from ..tangent.impacts import Impact
 
-BAND = 0.9
-"""Share of engines' departures that the band is to hold."""
-
 MORE_EVENTS = 10
 """Events beyond the band at which a departure is still looked for at first."""
 
@@ -55,7 +52,7 @@ class Horizon:
         model: what its declarations say of its error.
         unit: log2 of its unit of error: of its last bit, or of its time step.
         expected: half of all engines in such a place have left the history by then.
-        low, high: the band; it is to hold `BAND` of the departures.
+        low, high: the band; it is to hold nine in ten of the departures.
         by_exponent: ln(1/unit) / lambda: the time by the largest exponent alone; None if that is not told from zero.
         seen: what happened; None if the engine was not run, or could not be.
     """
