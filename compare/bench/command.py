@@ -20,7 +20,7 @@ from ..cli.exit_codes import DONE, ExitCode
 from ..cli.progress import duration, showing
 from ..cli.writing import check_writable, write_whole
 from ..engines import split_engines, suggestion
-from .machine import Took, calibration, idleness, machine
+from .computer import Took, calibration, computer, idleness
 from .ratios.figures import FULL, SHORT, Figure, Workload
 from .ratios.table import BENCHMARKS
 from .reported.against import Against, against
@@ -170,7 +170,7 @@ def _check_files(
         strange = sorted(name for name, digest in there.items() if name not in asked or asked[name] != digest)
         if strange:
             raise SceneError(f"--keep {keep!r}: has the scene {strange[0]!r}, which is not asked for, or is another")
-        if kept["machine"] != machine():
+        if kept["machine"] != computer():
             raise SceneError(f"--keep {keep!r}: was measured on another machine; measure all on one")
 
 

@@ -20,7 +20,7 @@ from ..engines import engine as engine_named
 from ..outcomes.table import outcomes_of
 from ..scene_argument import scene_from
 from ..study import Study
-from .machine import UNEVEN, Took
+from .computer import UNEVEN, Took
 from .measured import Process, measure
 from .subjects import Subject, digest_of, settings_of
 

@@ -6,7 +6,7 @@ import statistics
 from collections.abc import Callable
 from itertools import count
 
-from ..machine import timed
+from ..computer import timed
 from .figures import GAS, Benchmark, Figure, Target, Workload, running, scene_of
 from .rivals import run_billiards
 

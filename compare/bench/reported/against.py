@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ..machine import Idleness, machine
+from ..computer import Idleness, computer
 from .report import Report, idleness_of, rows_of
 
 WITHIN = 0.15
@@ -96,5 +96,5 @@ def against(report: Report, data: dict[str, Any]) -> Against:
         tuple(sorted(mine.keys() ^ theirs.keys())),
         idleness_of(data),
         report.idleness,
-        data["machine"] == machine(),
+        data["machine"] == computer(),
     )

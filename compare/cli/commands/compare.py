@@ -38,7 +38,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
     for file in (held.html, save):
         if file is not None:
             check_writable(file)
-    if held.certify:
+    if held.certified:
         check_engine(held.reference, "--certify")
     with showing_progress(loaded.name, goal_of(loaded, held.until, held.events)) as progress:
         comparison = compare_engines(
@@ -50,7 +50,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
             max_seconds=held.max_seconds,
             progress=progress,
         )
-    if held.certify:
+    if held.certified:
         comparison = with_certificates(comparison)
     if held.html is not None:
         from ...report.html import html_report

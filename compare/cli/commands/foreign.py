@@ -102,7 +102,7 @@ def judge(
             max_seconds=held.max_seconds,
             progress=progress,
         )
-    if held.certify:
+    if held.certified:
         from ...certificate.certified import certified
 
         comparison = replace(comparison, certificate=certified(comparison.reference))

@@ -107,7 +107,7 @@ class Tower:
             return root
         return e
 
-    def root_within(self, e: Element | Rational) -> Element | None:
+    def own_root(self, e: Element | Rational) -> Element | None:
         """The square root of e that is not negative if it lies in this field as it stands, else None.
 
         Raises:
@@ -116,7 +116,7 @@ class Tower:
 
         >>> tower = Tower()
         >>> three = tower.sqrt(3)
-        >>> tower.root_within(tower.rational(12)), tower.root_within(tower.rational(2))
+        >>> tower.own_root(tower.rational(12)), tower.own_root(tower.rational(2))
         (Element(2*sqrt(3)), None)
         """
         e = self._own(e)

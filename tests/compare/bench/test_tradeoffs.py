@@ -14,7 +14,7 @@ import pytest
 from truebreak.compare import compare
 from truebreak.compare.bench.command import _words, chosen
 from truebreak.compare.bench.command import measure as measure_all
-from truebreak.compare.bench.machine import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
+from truebreak.compare.bench.computer import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
 from truebreak.compare.bench.measured import measure
 from truebreak.compare.bench.page import main as page_main
 from truebreak.compare.bench.reported.against import WITHIN, Against, RatioChange, against

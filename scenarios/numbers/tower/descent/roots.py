@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flint import fmpz
 
-from ....work import gcd_units, product_units, root_units
+from ....work import gcd_units, product_units, sqrt_units
 from ..element import AnyTower, Element, reduced
 from ..ring import ONE, ZERO, Integral, Nested, masks_of, split_bit, subtract, surds
 from .characters import Characters
@@ -49,7 +49,7 @@ class Descent:
         if self.characters.refute(x, level):
             return None
         if isinstance(x, Nested) and x.level == level:
-            return self._root_nested(x)
+            return self._nested_root(x)
         if level:
             root = self.root(x, level - 1)
             if root is not None:
@@ -60,7 +60,7 @@ class Descent:
                 return None
             return root * self._element(Nested(level, ZERO, ONE)) / self._element(radicand)
         assert isinstance(x, dict)
-        return self._root_surds(x)
+        return self._surd_root(x)
 
     def _square_class(self, n: fmpz) -> int | None:
         """`square_subset` of the base, quickly where that is pairwise coprime.
@@ -71,7 +71,7 @@ class Descent:
         field = self._field
         bits = n.bit_length()
         if n.is_square():
-            field.spend(root_units(bits))
+            field.spend(sqrt_units(bits))
             return 0
         if not field.coprime:
             return square_subset(n, field.base, field.spend)
@@ -88,10 +88,10 @@ class Descent:
             return square_subset(n * field.product(subset), field.base, field.spend)
         if not n.is_square():
             return None
-        field.spend(root_units(bits))
+        field.spend(sqrt_units(bits))
         return subset
 
-    def _root_nested(self, x: Nested) -> Element | None:
+    def _nested_root(self, x: Nested) -> Element | None:
         below = x.level - 1
         field = self._field
         square = field.mul(field.mul(x.b, x.b), field.radicands[below])
@@ -100,12 +100,12 @@ class Descent:
             return None
         a = self._element(x.a)
         for half in ((a + n) / 2, (a - n) / 2):
-            u = self._root_of(half, below)
+            u = self._found_root(half, below)
             if u is not None:
                 return u + self._element(Nested(x.level, ZERO, x.b)) / (2 * u)
         return None
 
-    def _root_surds(self, x: dict[int, fmpz]) -> Element | None:
+    def _surd_root(self, x: dict[int, fmpz]) -> Element | None:
         """`root` in the base, which contains a root of each m.
 
         So either sign of n will do: with t = sqrt((a + n) / 2) in M, whether t is u or v sqrt(m),
@@ -122,10 +122,10 @@ class Descent:
         n = self.root(subtract(self._field.mul(a, a), self._field.mul(y, y)), 0)
         if n is None or masks_of(n.num) & (~union | 1 << bit):
             return None
-        t = self._root_of((self._element(a) + n) / 2, 0)
+        t = self._found_root((self._element(a) + n) / 2, 0)
         return None if t is None else t + self._element(y) / (2 * t)
 
-    def _root_of(self, e: Element, level: int) -> Element | None:
+    def _found_root(self, e: Element, level: int) -> Element | None:
         root = self.root(self._field.mul(e.num, e.den), level)
         return None if root is None else root / e.den
 

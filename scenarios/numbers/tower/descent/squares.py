@@ -7,7 +7,7 @@ from typing import Final, TypeAlias
 
 from flint import fmpz
 
-from ....work import factor_units, gcd_units, product_units, root_units
+from ....work import factor_units, gcd_units, product_units, sqrt_units
 from ..ring import ONE, bit_length
 
 FULL_FACTOR_BITS: Final = 100
@@ -44,7 +44,7 @@ def split_square(n: fmpz, spend: Spend = free) -> tuple[fmpz, list[fmpz]]:
     The parts are square-free as far as the factorisation went.
     """
     bits = n.bit_length()
-    spend(2 + factor_units(bits, complete=bits <= FULL_FACTOR_BITS) + root_units(bits))
+    spend(2 + factor_units(bits, complete=bits <= FULL_FACTOR_BITS) + sqrt_units(bits))
     root = ONE
     parts: list[fmpz] = []
     for f, e in factor(n):

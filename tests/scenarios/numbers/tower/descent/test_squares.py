@@ -117,7 +117,7 @@ def test_root_within_agrees_with_whether_the_root_needs_a_new_generator(pairs: l
     tower = pairs[0][0].tower
     for e in (abs(pairs[0][0]), abs(pairs[0][0] + 1), pairs[0][0] ** 2, tower.rational(6)):
         before = tower.generators
-        within = tower.root_within(e)
+        within = tower.own_root(e)
         assert tower.generators == before
         root = tower.sqrt(e)
         assert (within is None) == (tower.generators != before)

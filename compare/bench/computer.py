@@ -108,7 +108,7 @@ def idleness(took: Iterable[Took], loops: Sequence[Took], unsteady: Sequence[str
     return Idleness(wall, uneven, tuple(unsteady))
 
 
-def machine() -> dict[str, str | int]:
+def computer() -> dict[str, str | int]:
     """What tells one machine from another, as far as its speed goes."""
     return {
         "processor": _processor(),
