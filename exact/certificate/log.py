@@ -7,6 +7,7 @@ from typing import Any
 from ...scenarios.trajectory import Trajectory
 from ..replay.contact import places_of
 from ..replay.steps import Kick
+from .scene_text import exact_number, text_of
 
 Contact = tuple[int, int]
 
@@ -32,7 +33,7 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
         contacts[time.instant] = {(place[a], place[b]) for a, b in event.contacts}
     for entry in trajectory.pocketings:
         when: Any = entry.time
-        entries.setdefault(when.instant, []).append([place[entry.circle], pockets[entry.pocket]])
+        entries.setdefault(when.instant, []).append([place[entry.circle], -1 - pockets[entry.pocket]])
     steps = _steps(times)
     found: list[dict[str, Any]] = []
     met: list[frozenset[Contact]] = []
@@ -40,16 +41,13 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
     for number in sorted(ends):
         kicks = [step.links for step in steps[done : ends[number]] if isinstance(step, Kick)]
         rounds = [[list(places_of(scene, link)) for link in links] for links in kicks]
-        told = {"rounds": rounds, "entries": entries.get(number, [])}
+        turn = {"turn": True} if number % 2 else {}
+        if turn and number - 1 not in ends:
+            found.append({"exact": text_of(exact_number(scene.reverse_at)), "rounds": [], "enter": []})
+            met.append(frozenset())
+        found.append({**turn, "rounds": rounds, "enter": entries.get(number, [])})
+        met.append(frozenset(contacts.get(number, ())))
         done = max(done, ends[number])
-        if number % 2:
-            if number - 1 not in ends:
-                found.append({"rounds": [], "entries": []})
-                met.append(frozenset())
-            found[-1]["reversal"] = told
-        else:
-            found.append(told)
-            met.append(frozenset(contacts.get(number, ())))
     return found, met
 
 

@@ -31,7 +31,7 @@ export function parse(text) {
       if (code === 34) break
       if (code === 92) end++
     }
-    if (end - start > 20_002) fail('a string of more than 20,000 characters')
+    if (end - start > 100_002) fail('a string of more than 100,000 characters')
     STRING.lastIndex = start
     const found = STRING.exec(text)
     if (!found) fail('a string with a false escape')
