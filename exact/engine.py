@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.event import Event, Pocketing, Reversal
-from ..scenarios.late import Late
+from ..scenarios.lazy.late import Late
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory

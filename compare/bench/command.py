@@ -12,18 +12,18 @@ from typing import Any
 import click
 
 from ...scenarios.errors import SceneError
-from ..adapters.package import NotInstalled
+from ..adapters.base.package import NotInstalled
+from ..cli.arguments.numbers import Whole
 from ..cli.exit_codes import DONE, ExitCode
-from ..cli.numbers import Whole
 from ..cli.progress import duration, showing
 from ..cli.writing import check_writable, write_whole
 from ..engines import split_engines, suggestion
-from .against import Against, against
-from .figures import FULL, SHORT, Figure, Size
 from .machine import Took, calibration, idleness, machine
-from .report import Report, check_scenes, idleness_of, load, rows_of, worst
+from .ratios.figures import FULL, SHORT, Figure, Size
+from .ratios.table import BENCHMARKS
+from .reported.against import Against, against
+from .reported.report import Report, check_scenes, idleness_of, load, rows_of, worst
 from .subjects import SUBJECTS, digest_of, subjects
-from .table import BENCHMARKS
 from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, Tradeoff, tradeoffs
 
 TRADEOFFS = "tradeoffs"
@@ -174,7 +174,7 @@ def _check_files(
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
     from ..report.text.output import console, say
-    from .tables import tables
+    from .reported.tables import tables
 
     out = console()
     if as_json:

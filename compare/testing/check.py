@@ -23,13 +23,13 @@ from ..saved.cache import cached
 from ..scene_argument import scene_from
 from ..study import Study
 from ..validation import check_engine, check_trajectory
-from .invariants import broken_invariant
-from .local_error import LocalError, local_error
 from .message import failure
-from .numbers import Demand, number_off
-from .own_order import in_its_own_order
-from .reach import OutOfReach, Reach, reach_of
 from .reproduction import reproduction
+from .tolerances.invariants import broken_invariant
+from .tolerances.local_error import LocalError, local_error
+from .tolerances.numbers import Demand, number_off
+from .tolerances.own_order import in_its_own_order
+from .tolerances.reach import OutOfReach, Reach, reach_of
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Container
 
-from ...exact.simulation.cells import Cells, Flight
-from ...exact.simulation.prediction import FARTHEST as FAR
+from ...exact.simulation.arrivals.cells import Cells, Flight
+from ...exact.simulation.arrivals.prediction import FARTHEST as FAR
 from .flights import FlatFlight, FlatFlights
-from .inlined import pairs, walls
+from .formulas.inlined import pairs, walls
 
 
 class FlatCrowd:

@@ -16,7 +16,7 @@ from ...exact.simulation.limits import Limits
 from ...exact.simulation.loop import Loop
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Stop
-from ..plain_decider import PlainDecider
+from ..plain.decider import PlainDecider
 from .flights import FlatFlights
 from .history import FlatHistory
 from .meetings import FlatMeetings

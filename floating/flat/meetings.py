@@ -11,13 +11,13 @@ from ...exact.predicates.question import Question
 from ...exact.replay.body import Body
 from ...exact.replay.contact import Link
 from ...exact.replay.state import State
-from ...exact.simulation import cells as crowding
-from ...exact.simulation.crowd import cells_for
+from ...exact.simulation.arrivals import cells as crowding
+from ...exact.simulation.arrivals.crowd import cells_for
 from ...scenarios.scene import Scene
-from ..plain_decider import PlainMeetings
+from ..plain.decider import PlainMeetings
 from .crowd import FlatCrowd, in_range
 from .flights import FlatFlights
-from .inlined import pairs, walls
+from .formulas.inlined import pairs, walls
 from .queue import FlatQueue
 
 

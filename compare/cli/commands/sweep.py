@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import completion
+from ..arguments import completion
+from ..arguments.numbers import Whole
+from ..arguments.options import EVENTS, JSON, SCENE_HELP, WORK, a_file, some_engines
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Whole
-from ..options import EVENTS, JSON, SCENE_HELP, WORK
 from ..progress import duration, showing
 
 if TYPE_CHECKING:
@@ -45,14 +45,7 @@ ended it.
     metavar="KEY=VALUES",
     help="A parameter of the scene: n=3..20, seed=0..90:10 or gap=0,1/10. Several make a grid.",
 )
-@click.option(
-    "--engines",
-    default="double",
-    show_default=True,
-    metavar="A,B,...",
-    shell_complete=completion.engines,
-    help="What to hold against the truth.",
-)
+@some_engines("What to hold against the truth.", "double")
 @click.option(
     "--perturb",
     multiple=True,
@@ -70,16 +63,8 @@ ended it.
 )
 @EVENTS
 @WORK
-@click.option(
-    "--store",
-    multiple=True,
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Keep the rows in this SQLite file, and resume from it.",
-)
-@click.option(
-    "--csv", "csv_file", metavar="FILE", shell_complete=completion.files, help="Write the table here; - is stdout."
-)
+@a_file("--store", multiple=True, help="Keep the rows in this SQLite file, and resume from it.")
+@a_file("--csv", "csv_file", help="Write the table here; - is stdout.")
 @click.option("--shard", default="1/1", metavar="K/N", help="Do only the Kth of N parts.")
 @click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
 @click.option(
@@ -88,12 +73,7 @@ ended it.
     metavar="dask://HOST:PORT",
     help="Workers of a Dask cluster, in place of processes here.",
 )
-@click.option(
-    "--svg",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Draw how long each engine's histories stay true, as one SVG file.",
-)
+@a_file("--svg", help="Draw how long each engine's histories stay true, as one SVG file.")
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
 @JSON
 def sweep(
@@ -121,10 +101,10 @@ def sweep(
     """
     from ...documents.sweep import print_sweep, sweep_json
     from ...engines import split_engines
-    from ...ensemble.store import Store, merged
+    from ...ensemble.rows.store import Store, merged
+    from ...ensemble.rows.table import csv_text
     from ...ensemble.survival import summaries
     from ...ensemble.sweep import plan, run
-    from ...ensemble.table import csv_text
     from ...ensemble.uncertainty import uncertainty
     from ...report.pictures.sweep_plots import survival_svg
     from ...report.text.listing import print_json
@@ -172,7 +152,7 @@ def sweep(
 
 def _displaced(settings: Mapping[str, Any]) -> bool:
     """Whether a sweep displaces its scenes."""
-    from ...ensemble.row import PERTURBED
+    from ...ensemble.rows.row import PERTURBED
 
     return any(label.startswith(PERTURBED) for label in settings["engines"])
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from .curves import Curve, plot
 
 if TYPE_CHECKING:
-    from ...ensemble.row import Row
+    from ...ensemble.rows.row import Row
     from ...ensemble.survival import Step, Summary
 
 STYLE = """<style>

@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 import pytest
 
-from truebreak.compare.adapters.package import NotInstalled, package
+from truebreak.compare.adapters.base.package import NotInstalled, package
 from truebreak.compare.comparison import compare
 from truebreak.compare.engines import engine
 from truebreak.scenarios import Circle, Scene, SceneError, Wall
@@ -205,7 +205,7 @@ def test_a_comparison_with_an_engine_that_is_not_installed_is_refused(monkeypatc
     def missing(name: str) -> None:
         raise ModuleNotFoundError(f"No module named {name!r}")
 
-    monkeypatch.setattr("truebreak.compare.adapters.package.import_module", missing)
+    monkeypatch.setattr("truebreak.compare.adapters.base.package.import_module", missing)
     with pytest.raises(NotInstalled, match=r"pip install 'truebreak\[box2d\]'"):
         compare(two(), ["box2d"], events=3)
 

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from truebreak.compare.chaos import calibration
-from truebreak.compare.chaos.blocks import rate
 from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
 from truebreak.compare.chaos.errors import TOSS, ErrorCurve, ErrorModel, model_of
+from truebreak.compare.chaos.growth.blocks import rate
+from truebreak.compare.chaos.growth.spectrum import spectrum
 from truebreak.compare.chaos.horizon import Forecaster, Horizon, Place
 from truebreak.compare.chaos.levels import LEVELS
 from truebreak.compare.chaos.margins import margins
-from truebreak.compare.chaos.spectrum import spectrum
 from truebreak.compare.cli import main
 from truebreak.compare.documents.chaos import chaos_json
 from truebreak.compare.documents.schemas import schema

@@ -15,9 +15,9 @@ import click
 import pytest
 
 from truebreak.compare.cli import main, progress
-from truebreak.compare.cli.examples import LINES
+from truebreak.compare.cli.arguments.examples import LINES
 from truebreak.compare.cli.group import cli
-from truebreak.compare.cli.progress import Goal, Line, Pace, goal_of, showing
+from truebreak.compare.cli.progress import Goal, Pace, ProgressLine, goal_of, showing
 from truebreak.compare.cli.retold import command_of
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.trajectory import Progress
@@ -248,7 +248,7 @@ def test_a_line_on_a_terminal_comes_with_what_takes_its_time(monkeypatch: pytest
         show("done")
     assert quick.getvalue() == ""
     monkeypatch.setattr(sys, "stderr", slow)
-    line = Line("slow")
+    line = ProgressLine("slow")
     line.write("half of it")
     line.begin()
     line.write("nearly [all] :snake:")

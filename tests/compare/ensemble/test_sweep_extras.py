@@ -16,11 +16,12 @@ import pytest
 
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.ensemble import cost, worker
+from truebreak.compare.ensemble import cost
 from truebreak.compare.ensemble.executors import executor_named
 from truebreak.compare.ensemble.frames import to_pandas, write_parquet
 from truebreak.compare.ensemble.plots import plot_changed, plot_law, plot_survival
-from truebreak.compare.ensemble.row import COLUMNS
+from truebreak.compare.ensemble.rows import worker
+from truebreak.compare.ensemble.rows.row import COLUMNS
 from truebreak.compare.ensemble.survival import summaries, wilson
 from truebreak.compare.ensemble.sweep import sweep
 from truebreak.compare.ensemble.uncertainty import Share, slope, uncertainty
@@ -192,7 +193,7 @@ def test_jobs_in_threads_of_one_process_do_not_change_each_other() -> None:
 
 
 def test_the_lock_is_held_while_a_job_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    import truebreak.compare.ensemble.row as module
+    import truebreak.compare.ensemble.rows.row as module
 
     seen: list[bool] = []
     monkeypatch.setattr(module, "rows_of", lambda job: seen.append(worker.ONE_AT_A_TIME.locked()) or [])

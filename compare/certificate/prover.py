@@ -1,0 +1,319 @@
+"""Follows a run as the checker does, and finds the witness of each zero that the checker will ask for.
+
+The checker's own program decides what has to be shown: where its intervals leave a number in doubt, a witness is looked
+for, and kept if the checker accepts it. So nothing here is trusted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from operator import add, mul, neg, sub, truediv
+from typing import Any, cast
+
+from ...tools.verify import Ball, Checker, Undecided, World
+from .isometries import Contact, Isometries
+from .scene_text import text_of
+from .tower import Exact
+
+DEEP_ROOTS = 7
+"""Roots beyond those at hand that an exact zero may take."""
+
+DEEP_WORK = 1 << 32
+"""Work that an exact zero may take (see `Exact.work`): some seconds."""
+
+
+class Lazy:
+    """An exact number that is computed when it is asked for, from those that it comes about from."""
+
+    __slots__ = ("by", "told", "value")
+
+    def __init__(self, value: Exact | None, *by: Any) -> None:
+        self.value, self.by, self.told = value, by, False
+
+    def __neg__(self) -> Lazy:
+        return Lazy(None, neg, self)
+
+    def __add__(self, o: Lazy) -> Lazy:
+        return Lazy(None, add, self, o)
+
+    def __sub__(self, o: Lazy) -> Lazy:
+        return Lazy(None, sub, self, o)
+
+    def __mul__(self, o: Lazy) -> Lazy:
+        return Lazy(None, mul, self, o)
+
+    def __truediv__(self, o: Lazy) -> Lazy:
+        return Lazy(None, truediv, self, o)
+
+    def sqrt(self) -> Lazy:
+        return Lazy(None, Exact.sqrt, self)
+
+    def tell(self) -> None:
+        """Marks it, and all that it comes about from, as what is to be told."""
+        todo = [self]
+        while todo:
+            now = todo.pop()
+            if not now.told:
+                now.told = True
+                todo += now.by[1:]
+
+
+class Recorded(World):
+    """A world of such numbers that keeps the impulses of its rounds, by instants."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.struck: dict[int, list[list[Lazy]]] = {}
+
+    def blow(self, age: int, push: Any, others: Any, s: Any) -> Any:
+        """As in any world."""
+        found = super().blow(age, push, others, s)
+        self.struck.setdefault(age, []).append(found)
+        return found
+
+
+class Prover(Checker):
+    """Makes the instants of a certificate.
+
+    Args:
+        certificate: all but the witnesses, times and final state; it is completed in place.
+        contacts: for each instant from time 0 on, the contacts of its event.
+        digits: decimals after the point of the times and of the final state.
+    """
+
+    def __init__(self, certificate: dict[str, Any], contacts: list[frozenset[Contact]], digits: int) -> None:
+        super().__init__(certificate, 1)
+        self.contacts, self.digits = contacts, digits
+        self.known_isometries: dict[str, int] = {}
+        self.history: list[dict[int, Any]] = []
+        self.things_exact = {k: [Exact.of(x) for x in row] for k, row in self.things.items()}
+        self.likely = Isometries(self.things_exact, self.n)
+        told = self.form
+        self.form = Recorded(self.n, self.things, told.sides, told.limits, lambda form: Lazy(Exact.of(form)))
+        self.worlds = self.ball, self.form
+        self.of: dict[int, list[Contact]] = {i: [] for i in range(self.n)}
+        for c in self.meets:
+            for i in c:
+                if 0 <= i < self.n:
+                    self.of[i].append(c)
+
+    def run(self) -> None:
+        """Completes the certificate, with the bits that it says.
+
+        Raises:
+            Undecided: if these bits do not suffice, or a zero has no witness.
+            Refuted: if the run is wrong.
+        """
+        self.check()
+        final: dict[str, Any] = self.told["final"]
+        final["time"] = self.decimal(self.ball.times[self.age])
+        for i in range(self.n):
+            final["circles"][i] = [self.decimal(value) for value in self.ball.put(i, self.age)[:4]]
+        times = cast(list[Lazy], self.form.times)
+        for age, entry in enumerate(self.told["instants"]):
+            if age and times[age].told and "turn" not in entry:
+                entry["exact"] = self._text(times[age])
+            for push, s in zip(entry["rounds"], self.form.struck.get(age, ()), strict=True):
+                if any(x.told for x in s):
+                    push[:] = [[i, j, self._text(x)] for (i, j), x in zip(push, s, strict=True)]
+        self.told["roots"] = [text_of(root) for root in Exact.roots]
+
+    def _text(self, x: Lazy) -> str:
+        Exact.most, Exact.budget = len(Exact.roots) + 20, Exact.work + DEEP_WORK
+        _compute(x, [])
+        return text_of(x.value)
+
+    # -- what the checker reads, and this writes
+
+    def take(self, entry: dict[str, Any], where: str) -> None:
+        """Starts the list of an entry's witnesses."""
+        super().take(entry, where)
+        self.zeros: list[list[Any]] = entry.setdefault("zeros", [])
+
+    def said(self, value: Ball, text: str) -> None:
+        """Nothing: numbers are written, not read."""
+
+    def decimal(self, value: Ball) -> str:
+        """A number to the digits asked for.
+
+        Raises:
+            Undecided: if it is not known so sharply.
+        """
+        scale = 10**self.digits
+        if value.r * scale * 8 > 1 << Ball.bits:
+            raise Undecided("a number is not known to as many digits")
+        nearest = (2 * value.m * scale + (1 << Ball.bits)) >> (Ball.bits + 1)
+        whole, part = divmod(abs(nearest), scale)
+        return f"{'-' if nearest < 0 else ''}{whole}.{part:0{self.digits}d}"
+
+    def instant(self, entry: dict[str, Any]) -> None:
+        """Gathers what falls on an instant, then checks it."""
+        entry["time"] = "0"
+        if "turn" not in entry:
+            self._gather(entry, self.contacts[self.age + 1])
+        super().instant(entry)
+        self.history.append(self.rows)
+        entry["time"] = self.decimal(self.ball.times[self.age])
+
+    # -- what falls on an instant
+
+    def _gather(self, entry: dict[str, Any], contacts: frozenset[Contact]) -> None:
+        """Lists the contacts that meet at an instant, first the one whose meeting is its time, and the grazes."""
+        self.age += 1
+        self.take(entry, f"instant {self.age}")
+        entry["met"] = []
+        if self.age == 0:
+            for c in self.meets:
+                law = gap_of(c, 0)
+                if law(self.ball).sign() in (None, 0) and self.zero("gap", c, law):
+                    entry["met"].append(list(c))
+            self.age -= 1
+            return
+        if "exact" in entry:
+            for w in self.worlds:
+                w.times.append(w.limits["reverse"])
+            for c in self.meets:
+                self._try(entry, c)
+            self.age -= 1
+            for w in self.worlds:
+                del w.times[-1]
+            return
+        wanted = contacts or {(i, j) for i, j in map(tuple, entry["enter"])}
+        hits = []
+        for c in wanted - self.lasting:
+            m = self.ball.meeting(c, self.ball.start(c))
+            if c not in self.parted and m.closing.sign() == -1 and m.disc.sign() == 1:
+                hits.append((self.ball.hit(c), c))
+        if not hits:
+            raise Undecided("whether the contacts of an event meet")
+        time, clock = min(hits, key=lambda hit: hit[0].m)
+        self.ball.times.append(time)
+        self.form.times.append(self.form.hit(clock))
+        self._list(entry, clock)
+        bodies = {i for c in contacts for i in c if i < self.n}
+        tried = {clock}
+        for c in sorted(wanted) + [c for c in self.meets if c[1] < 0]:
+            if c not in tried:
+                tried.add(c)
+                self._try(entry, c, leaving=c[1] < 0 and c[0] in bodies)
+        todo = sorted(bodies)
+        while todo:
+            for c in self.of[todo.pop()]:
+                linked = c in self.lasting or c in self.met
+                if c not in tried and not linked:
+                    tried.add(c)
+                    linked = self._try(entry, c)
+                more = {i for i in c if linked and 0 <= i < self.n} - bodies
+                bodies |= more
+                todo += more
+        self.age -= 1
+        del self.ball.times[-1], self.form.times[-1]
+
+    def _list(self, entry: dict[str, Any], c: Contact) -> None:
+        entry["met"].append(list(c))
+        self.clock = self.clock or c
+        self.met[c] = self.sign("closing", c)
+
+    def _try(self, entry: dict[str, Any], c: Contact, leaving: bool = False) -> bool:
+        """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
+        if c in self.lasting or c not in self.meets or (c in self.parted and not leaving):
+            return False
+        m = self.ball.meeting(c, self.age)
+        if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
+            return False
+        if not self.zero("gap", c, gap_of(c, self.age)):
+            return False
+        self._list(entry, c)
+        return True
+
+    # -- witnesses
+
+    def zero(self, question: str, c: Contact, law: Callable[[World], Any]) -> bool:
+        """Whether a number is shown to be zero; a witness that shows it is kept."""
+        if any(
+            self.proves(question, c, how, *map(tuple, o))
+            for q, k, how, *o in self.zeros
+            if (q, tuple(k)) == (question, c)
+        ):
+            return True
+        for witness in self._witnesses(question, c, law):
+            if witness is None:
+                return True
+            if self.proves(question, c, *witness):
+                told = [question, list(c), witness[0], *map(list, witness[1:])]
+                self.zeros.append(told)
+                self.witnesses[question, c].append(told[2:])
+                return True
+        return False
+
+    def _witnesses(self, question: str, c: Contact, law: Any) -> Iterator[Any]:
+        """What might be a witness, the likeliest and shortest first; None where it is shown to be zero exactly."""
+        others: list[tuple[Contact, ...]] = [()]
+        if question in ("gap", "closing"):
+            others += [(other,) for other in sorted(self.met) if other != self.clock]
+        places = range(len(self.isometries))
+        if question in ("gap", "closing", "speed"):
+            yield from ((k, *other) for other in others for k in places)
+        if question == "gap":
+            for other in others:
+                if to := other[0] if other else self.clock:
+                    yield from ((k, *other) for k in self._new(self.likely.between(c, to)))
+        elif question in ("closing", "speed"):
+            yield from ((k,) for k in self._new(self.likely.holding(c)))
+        yield from (("back", *other) for other in others if self.way and c)
+        if self._exact(law):
+            yield None
+
+    def _exact(self, law: Any) -> bool:
+        """Whether a number is zero exactly, within the roots and the work that it may take."""
+        before, spent, value = len(Exact.roots), Exact.work, cast(Lazy, law(self.form))
+        Exact.most, Exact.budget = before + DEEP_ROOTS, spent + DEEP_WORK
+        done: list[Lazy] = []
+        zero = False
+        try:
+            _compute(value, done)
+            zero = not value.value
+        except Undecided:
+            Exact.work = spent
+        if zero:
+            value.tell()
+            return True
+        for now in done:
+            if now.value is not None and now.value.k > before:
+                now.value = None
+        del Exact.roots[before:]
+        return False
+
+    def _new(self, found: Iterable[dict[str, Any]]) -> Iterator[int]:
+        """The places of isometries in the certificate's list, to which new ones are added."""
+        for told in found:
+            key = repr((told["matrix"], told["shift"]))
+            if key not in self.known_isometries:
+                g, now = self.isometry(told), self.rows
+                for rows in self.history:
+                    self.rows = rows
+                    g = (*g[:2], self.mapped(g))
+                self.rows = now
+                self.known_isometries[key] = len(self.isometries)
+                self.isometries.append(g)
+                self.told["isometries"].append(told)
+            yield self.known_isometries[key]
+
+
+def gap_of(c: Contact, age: int) -> Callable[[World], Any]:
+    """The gap of two at an instant, in whatever world."""
+    return lambda world: world.meeting(c, age).gap
+
+
+def _compute(value: Lazy, done: list[Lazy]) -> None:
+    """Computes a number; what was computed on the way is listed."""
+    todo = [value]
+    while todo:
+        now = todo[-1]
+        if now.value is None:
+            if missing := [part for part in now.by[1:] if part.value is None]:
+                todo += missing
+                continue
+            now.value = now.by[0](*(part.value for part in now.by[1:]))
+            done.append(now)
+        todo.pop()

@@ -1,0 +1,119 @@
+"""The checker's two kinds of number: intervals enclose, and forms are zero where the writer's exact numbers are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from math import isqrt
+from random import Random
+
+import pytest
+
+from truebreak.compare.certificate.scene_text import text_of
+from truebreak.compare.certificate.tower import WORK, Exact
+from truebreak.tools.verify import UNTOLD, Ball, Form, Undecided, number
+
+
+@pytest.fixture(autouse=True)
+def numbers_of_its_own() -> Iterator[None]:
+    saved = Ball.bits, Ball.roots, Form.squares, Form.work
+    Ball.bits, Ball.roots, Form.squares, Form.work = 40, [], [], 0
+    Exact.roots, Exact.most, Exact.work, Exact.budget = [], 16, 0, WORK
+    yield
+    Ball.bits, Ball.roots, Form.squares, Form.work = saved
+
+
+def of(x: int | str | Fraction) -> Ball:
+    return Ball.of(Form({frozenset(): Fraction(x)} if Fraction(x) else {}))
+
+
+def exact(x: int | str) -> Exact:
+    return Exact(Fraction(x))
+
+
+def told(x: Exact) -> Form:
+    """A number of the writer as the checker reads it, with the roots that it takes."""
+    for root in Exact.roots[len(Form.squares) :]:
+        Form.squares.append(number(text_of(root)))
+        Ball.roots.append(Ball.of(Form.squares[-1]).sqrt())
+    return number(text_of(x))
+
+
+def encloses(ball: Ball, value: Fraction) -> bool:
+    return abs(value * 2**Ball.bits - ball.m) <= ball.r
+
+
+def test_sums_products_and_quotients_enclose_what_they_are_of() -> None:
+    draw = Random(1)
+    for _ in range(300):
+        values = [Fraction(draw.randrange(-99, 99), draw.randrange(1, 99)) for _ in range(3)]
+        pairs = [(of(value), value) for value in values]
+        for _ in range(12):
+            (a, x), (b, y) = draw.choice(pairs), draw.choice(pairs)
+            kind = draw.choice("+-*/")
+            if kind == "/" and (b.sign() not in (-1, 1) or abs(y) < Fraction(1, 1000)):
+                continue
+            value = {"+": x + y, "-": x - y, "*": x * y, "/": x / y if y else x}[kind]
+            if abs(value) < 10**6:
+                pairs.append(({"+": a + b, "-": a - b, "*": a * b, "/": a / b if kind == "/" else a}[kind], value))
+        for ball, value in pairs:
+            assert encloses(ball, value) and ball.sign() in (None, (value > 0) - (value < 0))
+
+
+def test_square_roots_enclose() -> None:
+    draw = Random(2)
+    for _ in range(300):
+        x = of(Fraction(draw.randrange(1, 9999), draw.randrange(1, 99)))
+        x = x + Ball(0, draw.randrange(3) * draw.randrange(1 << 20))
+        if x.sign() == 1:
+            root, scale = x.sqrt(), 2**Ball.bits
+            assert max(0, root.m - root.r) ** 2 <= (x.m - x.r) * scale and (x.m + x.r) * scale <= (root.m + root.r) ** 2
+    with pytest.raises(Undecided):
+        (of(1) - of(1)).sqrt()
+    with pytest.raises(Undecided):
+        of(1) / Ball(1, 1)
+
+
+def test_nothing_times_anything_is_nothing() -> None:
+    assert (of(0) * of("1/3")).sign() == 0 == (of("1/3") * of(0) + of(0)).sign()
+    assert of("1/3").sign() == 1 and (of("1/3") - of("1/3")).sign() is None
+
+
+def test_forms_are_zero_where_exact_numbers_are() -> None:
+    two, three = exact(2).sqrt(), exact(3).sqrt()
+    nested = (exact(5) + two * three).sqrt()
+    five, six = told(nested), told(two * three)
+    assert five * five - six - number("5") == Form() and len(Form.squares) == 3
+    assert told(nested / (two - exact(1))) * (number("1*r1") - number("1")) - five == Form()
+    assert told((exact(3) + two + two).sqrt()) == number("1+1*r1")
+    draw = Random(3)
+    for _ in range(200):
+        a, b = ([exact(draw.randrange(-3, 4)) for _ in "abc"] for _ in "ab")
+        x, y = (p + q * two + r * nested for p, q, r in (a, b))
+        assert told(x * y + x) == told(x) * told(y) + told(x) and told(x - y) == told(x) - told(y)
+
+
+def test_what_is_not_told_is_never_zero() -> None:
+    one = number("1/3")
+    for value in (UNTOLD - UNTOLD, UNTOLD * one - UNTOLD, one / one, one.sqrt(), UNTOLD + number("9" * 400)):
+        assert value and value + one and -value
+    assert UNTOLD * Form() == Form() == Form() * UNTOLD
+
+
+def test_forms_are_bounded_in_work() -> None:
+    Form.work = 1 << 36
+    with pytest.raises(Undecided, match="too much work"):
+        number("2") * number("3")
+
+
+def test_numbers_as_they_are_written() -> None:
+    told(exact(2).sqrt())
+    assert number("-3/4+1/2*r1*r1-5*r1") == number("1/4") - number("5*r1") and number("0-0*r1") == Form()
+    with pytest.raises(IndexError):
+        number("1*r2")
+
+
+def test_signs_of_nested_roots_are_told_however_near_they_are_to_zero() -> None:
+    two, three = exact(2).sqrt(), exact(3).sqrt()
+    near = Exact(Fraction(isqrt(6 * 10**400), 10**200)) - two * three
+    assert (near.sign(), (-near).sign(), (near - near).sign()) == (-1, 1, 0)
