@@ -17,7 +17,7 @@ Contact = tuple[int, int]
 
 
 def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozenset[Contact]]]:
-    """The instants from time 0 on, each a dict with `rounds`, `entries` and `reversal`, and the contacts of each.
+    """The instants from time 0 on, each a dict with `rounds`, `enter` and perhaps `turn`, and the contacts of each.
 
     The first is time 0, whether anything falls on it or not.
     """
@@ -45,7 +45,7 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
         kicks = [step.links for step in steps[done : ends[number]] if isinstance(step, Kick)]
         rounds = [[list(places_of(scene, link)) for link in links] for links in kicks]
         turn = {"turn": True} if number % 2 else {}
-        if turn and number - 1 not in ends:
+        if turn and number - 1 not in ends and scene.reverse_at is not None:
             found.append({"exact": text_of(exact_number(scene.reverse_at)), "rounds": [], "enter": []})
             met.append(frozenset())
         found.append({**turn, "rounds": rounds, "enter": entries.get(number, [])})

@@ -121,7 +121,7 @@ class Prover(Checker):
     def _text(self, x: Lazy) -> str:
         Exact.most, Exact.budget = len(Exact.roots) + 20, Exact.work + DEEP_WORK
         _compute(x, [])
-        return text_of(x.value)
+        return text_of(cast(Exact, x.value))
 
     # -- what the checker reads, and this writes
 

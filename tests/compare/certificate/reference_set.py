@@ -55,8 +55,8 @@ of the scene, circles, walls, pockets, events, what ends it.
 To test an engine, in any language, read a file (JSON):
 
 1. `scene.circles`: `x`, `y`, `r`, `vx`, `vy`, `w` (one over the mass; 0: fixed); `scene.walls`: two points of an
-   infinite line. A number is a sum of terms like `3/4*r1`; r1 is the square root of the first entry of `roots`, and so on. Round it as
-   you do.
+   infinite line. A number is a sum of terms like `3/4*r1`; r1 is the square root of the first entry of
+   `roots`, and so on. Round it as you do.
 2. Run to `final.time`. The collisions are perfectly elastic and without friction; at an instant
    with `turn` every velocity is negated once.
 3. Hold your events against `instants`, in order: `met` are the pairs at gap zero at `time` (two circles by
