@@ -9,10 +9,9 @@ tells them, and then put in. A form without terms is zero, whatever the roots ar
 
 *Flights.* Between instants circles fly straight, and a gap, |d|^2 - R^2 of two circles or twice the distance from a
 wall, is convex in time. When a flight ends, `clear` proves for all else that the gap has stayed positive while both
-flew: by its tangent at the start or at the end, or as it has no zero. So nothing is missed.
-
-*Instants.* A contact listed has gap zero: at the time that the quadratic formula gives, or that is told and put in. If
-the gap is not growing there it was positive before, as it is convex. So nothing is invented.
+flew: by its tangent at the start or at the end, or as it has no zero. So nothing is missed. A contact listed has gap
+zero: at the time that the quadratic formula gives, or that is told and put in. If the gap is not growing there it was
+positive before, as it is convex; if it is, it is that of a pocket's rim, left from within. So nothing is invented.
 
 *Impulses.* All that stands at gap zero and hangs together is signed, round by round, until nothing approaches.
 `simultaneous`: the impulses s of those said to push solve G s = -2u, are positive, and leave each other contact that
@@ -20,12 +19,13 @@ approaches with 2u + G s >= 0; the velocities that follow are unique (Cottle, Pa
 Problem, 3.1). `sequential`: one contact at a time, in the order that the scene or its seed says.
 
 *Zeros.* A number is zero as a form, or by a witness. An isometry maps the flights of some circles to those of others:
-first their data, compared as forms; then, instant by instant, what hits them. Circles for which it does not are struck
-out, with all that they hit. "back": on the way back of a reversed run, the impulses so far undo those of the way out,
-last first, so the next instant mirrors the last one not undone. docs/symmetry-and-ties.md proves both theorems.
+first their data, compared as forms; then, instant by instant, their rows: of each circle, round by round, its contacts
+that approach. As a contact is in the rows of both its circles, its k-th time in the one with its k-th in the other, the
+rows tell what acts together, and what before what. Circles whose rows are not mapped are struck out, with all that they
+hit. "back": on the way back of a reversed run the impulses so far undo those of the way out, last first; what was known
+at the last instant not undone falls through gap zero at its mirror image only. docs/symmetry-and-ties.md proves both.
 """
 
-# fmt: off
 import json
 import random
 import re
@@ -39,16 +39,24 @@ from operator import mul, sub
 from pathlib import Path
 
 FORMAT, BYTES, CIRCLES, BITS, PAIRS, SIZE = "truebreak/certificate-2", 1 << 24, 1000, 1 << 20, 1 << 22, 1 << 30
-TEXT, ROOTS, WORK = 100_000, 99, 1 << 36
-TERM, DECIMAL = r"\d+(?:/0*[1-9]\d*)?(?:\*r[1-9]\d?)*", r"-?\d{1,400}(?:\.(\d{1,400}))?"
-NUMBER, POLICY = f"[+-]?{TERM}([+-]{TERM})*", r"simultaneous|sequential(:order=scene|:seed=\d{1,18})?"
+DIGITS, ROOTS, WORK = 100_000, 99, 1 << 36
+TERM, COUNT, CONTACT = r"\d+(?:/0*[1-9]\d*)?(?:\*r[1-9]\d?)*", r"[1-9]\d{0,14}", r"\[\d{1,15},-?\d{1,15}\]"
+NUMBER, DECIMAL, ANY = f'"[+-]?{TERM}([+-]{TERM})*"', r'"-?\d+(\.\d+)?"', '".*"'
+POLICY, REASON = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"', '"(events|stopped|horizon|return|quiet)"'
 THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r"}
-REASONS = "events", "stopped", "horizon", "return", "quiet"
-CONTACT, HOW = r"\[\d{1,15},-?\d{1,15}\]", r'("back"|\d{1,15})'
-WITNESS = rf'\["(gap|closing|disc|speed|slack|until|reverse)",{CONTACT},{HOW}(,{CONTACT})?\]'
-PUSH = CONTACT.replace(r"\]", rf'(,"{NUMBER}")?\]')
-SHAPES = {"met": rf"\[({CONTACT},?)+\]", "rounds": rf"\[(\[({PUSH},?)+\],?)*\]", "enter": rf"\[({CONTACT},?)*\]",
-          "zeros": rf"\[({WITNESS},?)*\]", "turn": "true", "exact": f'"{NUMBER}"', "time": f'"{DECIMAL}"'}
+def each(item, times="*"): return rf"\[({item},?){times}\]"
+ZEROS = each(rf'\["(gap|closing|disc|speed|slack|until|reverse)",{CONTACT},("back"|\d{{1,15}})(,{CONTACT})?\]')
+ROUNDS, PAIR = each(each(CONTACT.replace(r"\]", rf"(,{NUMBER})?\]"), "+")), r"\[-?\d{1,15},-?\d{1,15}\]"
+SHAPE = {  # of each part what there has to be, and how it is spelt; then what there may be
+    "format": ANY, "writer": ANY, "bits": COUNT, "roots": each(NUMBER),
+    "isometries": ({"matrix": each(NUMBER, "{4}"), "shift": each(NUMBER, "{2}"), "map": each(PAIR)}, {}),
+    "instants": ({"time": DECIMAL}, {"met": each(CONTACT, "+"), "exact": NUMBER, "turn": "true", "rounds": ROUNDS,
+                                     "enter": each(CONTACT), "zeros": ZEROS}),
+    "end": ({"reason": REASON}, {"limit": COUNT, "until": NUMBER, "zeros": ZEROS}),
+    "final": ({"time": DECIMAL, "circles": each(each(DECIMAL, "{4}"))}, {}),
+    "scene": ({"tie_policy": POLICY}, {
+        "capture": "true|false", "reverse_after": COUNT, "reverse_at": NUMBER, "name": ANY, "digest": ANY,
+        **{kind: ({"id": ANY, **dict.fromkeys(keys.split(), NUMBER)}, {}) for kind, keys in THINGS.items()}})}, {}
 Flight = namedtuple("Flight", "x y vx vy age")  # at (x, y) at the instant `age`
 Meeting = namedtuple("Meeting", "gap closing speed disc arms")  # the gap at s later is gap + 2 closing s + speed s^2
 
@@ -75,8 +83,8 @@ class Form(dict):
             parts[j & k][j ^ k] += x * y
         return sum((reduce(mul, (Form.squares[n] for n in ks), Form((k, x) for k, x in part.items() if x))
                     for ks, part in parts.items()), NONE)
-    def __truediv__(self, _): return UNTOLD
-    def sqrt(self): return UNTOLD
+    def sqrt(self, _=None): return UNTOLD
+    __truediv__ = sqrt
 
 class Ball:
     """The reals within r of m, in units of 2**-bits."""
@@ -97,17 +105,14 @@ class Ball:
         low, high = (isqrt(self.m + r << Ball.bits) for r in (-self.r, self.r))
         return Ball(low + high >> 1, (high - low >> 1) + 2)
     def sign(self): return 1 if self.m > self.r else -1 if self.m < -self.r else None if self.r else 0
-    @staticmethod
-    def of(form):
-        parts = ((reduce(mul, (Ball.roots[n] for n in ks), Ball(1 << Ball.bits, 0)), x) for ks, x in form.items())
-        return sum((Ball(b.m * x.numerator // x.denominator, b.r * abs(x.numerator) // x.denominator + 2)
-                    for b, x in parts), Ball(0, 0))
+def enclosed(form):  # as a ball
+    parts = ((reduce(mul, (Ball.roots[n] for n in ks), Ball(1 << Ball.bits, 0)), x) for ks, x in form.items())
+    return sum((Ball(b.m * x.numerator // x.denominator, b.r * abs(x.numerator) // x.denominator + 2)
+                for b, x in parts), Ball(0, 0))
 
 NONE, ONE, UNTOLD = Form(), Form({frozenset(): Fraction(1)}), Form({None: float("nan")})
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def number(text):  # reads a sum of terms such as 3/4*r1*r2
-    if len(text) > TEXT or not re.fullmatch(NUMBER, text, re.ASCII):
-        raise Malformed(f"{text[:40]!r} is no number")
     terms = (found.split("*r") for found in re.findall(f"[+-]?{TERM}", text))
     def root(k): return Form({frozenset({int(k) - 1} if Form.squares[int(k) - 1] else {}): Fraction(1)})
     return sum((reduce(mul, map(root, ks), Form({frozenset(): Fraction(x)})) for x, *ks in terms), NONE)
@@ -173,19 +178,17 @@ class Checker:
         if not isinstance(told, dict) or told.get("format") != FORMAT: raise Malformed(f"the format is not {FORMAT}")
         self.told, self.end, scene = told, told["end"], told["scene"]
         self.n, bits, self.policy = (n := len(scene["circles"])), told["bits"], scene["tie_policy"]
-        area = n * sum(len(scene.get(kind, ())) for kind in THINGS)
-        if not 0 < n <= CIRCLES or area > PAIRS or not 0 < bits <= min(BITS, SIZE // area) or told["roots"][ROOTS:]:
+        fits(told, SHAPE)
+        self.last, self.due, self.way = self.end["limit"] if self.end["reason"] == "events" else None, False, False
+        things, final = [thing for kind in THINGS for thing in scene.get(kind, ())], told["final"]["circles"]
+        if n > CIRCLES or (area := n * len(things)) > PAIRS or bits > min(BITS, SIZE // area) or told["roots"][ROOTS:]:
             raise Malformed("it has no circle, or too many circles, walls, pockets, roots or bits")
-        if not re.fullmatch(POLICY, self.policy, re.ASCII) or {"reverse_at", "reverse_after"} <= scene.keys():
-            raise Malformed("the tie policy is not known, or there are two reversals")
-        for part, key in product((*told["instants"], self.end), SHAPES):
-            if key in part and not re.fullmatch(SHAPES[key], json.dumps(part[key], separators=(",", ":")), re.ASCII):
-                raise Malformed(f"its {key} are not of their shape")
-        if self.end["reason"] not in REASONS or self.end.get("limit", 1) < 1: raise Malformed("its end is not known")
+        twice = len({thing["id"] for thing in things}) < len(things) or {"reverse_at", "reverse_after"} <= scene.keys()
+        if twice or len(final) != n or not told["instants"]: raise Malformed("an id, reversal or state too many or few")
         Ball.bits, Form.squares, Ball.roots = bits * factor, [], []
         for text in told["roots"]:
             Form.squares.append(number(text))
-            positive((square := Ball.of(Form.squares[-1])).sign(), "what has a root is not positive", Malformed)
+            positive((square := enclosed(Form.squares[-1])).sign(), "what has a root is not positive", Malformed)
             Ball.roots.append(square.sqrt())
         circles, walls, pockets = ([[number(thing[key]) for key in keys.split()] for thing in scene.get(kind, ())]
                                    for kind, keys in THINGS.items())
@@ -193,32 +196,28 @@ class Checker:
         rims = [[x, y, NONE, NONE, r, NONE] for x, y, r in reversed(pockets)]
         self.things = dict(enumerate(circles + lines)) | dict(enumerate(rims, -len(rims)))
         self.movable = {i for i, row in enumerate(circles) if row[5]}
-        limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
-        limits |= {"until": number(self.end["until"])} if self.end["reason"] == "horizon" else {}
+        ends = {"reverse": scene.get("reverse_at"), "until": self.end["reason"] == "horizon" and self.end["until"]}
+        limits = {name: number(text) for name, text in ends.items() if text}
         if any(p * p + q * q != r * r for *_, p, q, r in lines): raise Malformed("a wall's length differs")
         if any((vx or vy) and not w for _, _, vx, vy, _, w in circles): raise Malformed("a fixed circle moves")
         sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
-        for x in (*sizes, *limits.values()): positive(Ball.of(x).sign(), "a size or time is not positive", Malformed)
-        sized = {i for i in range(n) if circles[i][4]}
-        self.meets = {(i, j) for j in range(n) for i in range(j) if {i, j} & self.movable and {i, j} & sized}
-        self.meets |= {*product(self.movable, self.things.keys() - {*range(n)})}
-        sides = {(i, k): Ball.of(p * (circles[i][0] - x) + q * (circles[i][1] - y)).sign()
+        for x in (*sizes, *limits.values()): positive(enclosed(x).sign(), "a size or time is not positive", Malformed)
+        pairs = ((i, j) for j in range(n) for i in range(j) if circles[i][4] or circles[j][4])
+        self.meets = {c for c in (*pairs, *product(self.movable, self.things.keys() - range(n))) if self.movable & {*c}}
+        sides = {(i, k): enclosed(p * (circles[i][0] - x) + q * (circles[i][1] - y)).sign()
                  for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
         for c, sign in sides.items(): positive(sign and sign * sign, f"the centre of {c} is on the wall, or may be")
-        self.last_event = self.end["limit"] if self.end["reason"] == "events" else None
         self.draw = random.Random(int(self.policy[16:])) if ":seed=" in self.policy else None
-        self.worlds = self.ball, self.form = [World(n, self.things, sides, limits, of) for of in (Ball.of, Form)]
+        self.worlds = self.ball, self.form = [World(n, self.things, sides, limits, of) for of in (enclosed, Form)]
         self.isometries = [self.isometry(g) for g in told["isometries"]]
-        self.age, self.count, self.due, self.way, self.out, self.known = -1, 0, False, False, [], {}
-        self.parted, self.lasting = set(), set()
+        self.age, self.count, self.out, self.known, self.parted, self.lasting = -1, 0, [], {}, set(), set()
     def isometry(self, told):  # its linear part, what it maps to what, by the data, and whose flights it maps
         (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
         images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
         for i, j in images.items():
-            (x, y, vx, vy, *kind), (u, v, wx, wy, *like) = self.things[i], self.things[j]
+            (x, y, vx, vy, *k), (u, v, wx, wy, *m) = self.things[i], self.things[j]
             x, y, vx, vy = a * x + b * y + p - u, d * x + e * y + q - v, a * vx + b * vy, d * vx + e * vy
-            wall = [vx * wy - vy * wx, x * wx + y * wy]
-            zeros += wall if i >= self.n else [x, y, vx - wx, vy - wy, *map(sub, kind, like)]
+            zeros += [vx * wy - vy * wx, x * wx + y * wy] if i >= self.n else [x, y, vx - wx, vy - wy, *map(sub, k, m)]
             zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))
         if len({*images.values()}) < len(told["map"]) or any(zeros): raise Refuted("an isometry maps otherwise")
         return (a, b, d, e), images, {i for i in images if 0 <= i < self.n}
@@ -237,7 +236,7 @@ class Checker:
         (i, j), other, first = c, tuple(other) if other else self.clock, question == "closing" and not self.rows
         if how == "back":
             due = question == "gap" or (question == "until" and self.end["reason"] == "return" and len(self.out) == 1)
-            return self.way and self.out and due and other in self.met and {c, other} <= self.out[-1][1]
+            return self.way and self.out and due and self.met.get(other, 0) < 0 and {c, other} <= self.out[-1][1]
         (a, b, d, e), images, _ = g = self.isometries[how]
         kept = self.mapped(g)
         if other in self.met and self.image(images, c) == other and (question == "gap" or first > abs(self.met[other])):
@@ -276,7 +275,7 @@ class Checker:
         self.age, turn, told, met = self.age + 1, "turn" in entry, "exact" in entry, [*map(tuple, entry.get("met", ()))]
         age, times, due = self.age, self.ball.times, self.due
         self.take(entry, f"instant {age}")
-        if due != turn or self.count == self.last_event: raise Refuted("the reversal is due, or is not, or the end is")
+        if due != turn or self.count == self.last: raise Refuted("the reversal is due, or is not, or the end is")
         if len({*met} & self.meets) < len(met) * (1 + turn): raise Refuted(f"{met} cannot all meet")
         for w in self.worlds if age else ():
             w.times.append(w.times[-1] if turn else w.of(number(entry["exact"])) if told else w.hit(met[0]))
@@ -286,15 +285,14 @@ class Checker:
             self.clock = self.clock or c
             if (self.met or told or not age) and self.sign("gap", c): raise Refuted(f"{c} do not meet at it")
             self.met[c] = self.sign("closing", c)
-            if age and self.met[c] > 0 <= c[1]: raise Refuted(f"{c} overlap before it")
+            if age and self.met[c] > 0: self.clear(c, last=True)  # only a pocket is left, by what was in it
         self.known = {c: -sign for c, sign in self.known.items()} if turn else dict.fromkeys(self.lasting, 0) | self.met
-        self.way |= turn
+        self.way, self.due = self.way or turn, False
         if turn: self.settle(self.movable)
         for w in self.worlds if turn else ():
             w.redirect(self.movable, age, -ONE)
             w.limits.pop("reverse", None)
             if self.end["reason"] == "return": w.limits["until"] = w.times[age] + w.times[age]
-        self.due = False
         for name in self.ball.limits:
             sign = self.sign(name, self.clock, lambda w, name=name: w.limits[name] - w.times[age])
             if sign < 0: raise Refuted("the end, or the reversal, comes before it")
@@ -330,9 +328,9 @@ class Checker:
                         if row := {c for c in contacts if i in c}: rows.setdefault(i, []).append(row)
                 moved |= (hit := self.movable & {i for c in push for i in c})
                 known |= {c: self.sign("closing", c) for c in group if hit & {*c}}
-        entered = {c for c in known if c[1] < 0 and known[c] < 0}
-        if rounds or entered != {*map(tuple, entry.get("enter", ()))}: raise Refuted(f"{entered} enter, or none push")
-        if taken := {i for i, _ in entered if self.told["scene"].get("capture")}:
+        enter = sorted(c for c in known if c[1] < 0 and known[c] < 0)
+        if rounds or enter != sorted(map(tuple, entry.get("enter", ()))): raise Refuted(f"{enter} enter, or none push")
+        if taken := {i for i, _ in enter if self.told["scene"].get("capture")}:
             self.settle(taken)
             for w in self.worlds: w.redirect(taken, self.age, NONE)
             self.meets = {c for c in self.meets if not taken & {*c}}
@@ -340,21 +338,20 @@ class Checker:
         self.lasting = {c for c, sign in self.known.items() if (c in self.lasting and not moved & {*c})
                         or (sign == 0 and self.sign("speed", c) == 0)}
         self.parted = {c for c in self.parted if not moved & {*c}} | known.keys()
-        self.isometries = [(*g[:2], self.mapped(g) - taken) for g in self.isometries]
+        self.isometries = [(*g[:2], {i for i in self.mapped(g) if not taken & {i, g[1][i]}}) for g in self.isometries]
         hits = {i: rows[::-1] for i, rows in pushes.items()}
         if not self.way and (hits or not self.age): self.out.append((hits, {c for c in known if c[1] >= 0}))
         if self.way and hits: self.out = self.out[:-1] if self.out and self.out[-1][0] == pushes else []
     def said(self, value, text):  # that a number is as the decimal text says, to within one unit of its last digit
-        if not (found := re.fullmatch(DECIMAL, text, re.ASCII)): raise Malformed(f"{text[:40]!r} is no decimal")
-        unit, at = Fraction(1, 10 ** len(found[1] or "")), Fraction(text)
-        low, high = (Ball.of(Form({frozenset(): at + d})) for d in (-unit, unit))
+        unit, at = Fraction(1, 10 ** len(text.partition(".")[2])), Fraction(text)
+        low, high = (enclosed(Form({frozenset(): at + d})) for d in (-unit, unit))
         for x in (value - low, high - value): positive(x.sign(), f"a number is not {text}")
     def check(self):  # instant by instant; then what ended the run, and the final state
         for entry in self.told["instants"]: self.instant(entry)
         self.take(self.end, "at the end")
         reason, limits = self.end["reason"], self.ball.limits
-        if self.last_event not in (None, self.count): raise Refuted(f"there are {self.count} events")
-        if (self.last_event is None and self.due) or (reason == "return" and not self.way): raise Refuted("no reversal")
+        if self.last not in (None, self.count): raise Refuted(f"there are {self.count} events")
+        if (self.last is None and self.due) or (reason == "return" and not self.way): raise Refuted("no reversal")
         if reason not in ("events", "stopped") and "reverse" in limits:
             positive((limits["reverse"] - limits["until"]).sign() if "until" in limits else 0, "the reversal is first")
         if "until" in limits:
@@ -370,21 +367,24 @@ def judged(told, factor):  # the exit code for a certificate with so many times 
     Checker.where, Form.work = "in the scene", 0
     try: return 0, f"verified: {Checker(told, factor).check()}"
     except (Refuted, Undecided) as fault: return fault.code, f"{fault.word}: {Checker.where}: {fault}"
-def whole(text):  # a number of JSON
-    if not re.fullmatch(r"-?\d{1,15}", text): raise Malformed(f"{text[:40]} is no whole number, or too long")
-    return int(text)
+def fits(value, shape):  # refuses a part, or a list of parts, of another shape
+    for part in value if isinstance(value, list) else [value]:
+        for key in {*part, *shape[0]}:
+            found, inner = part[key], (shape[0] | shape[1])[key]
+            if isinstance(inner, tuple): fits(found, inner)
+            elif not re.fullmatch(inner, json.dumps(found, separators=(",", ":")), re.ASCII):
+                raise Malformed(f"its {key} is not of its shape")
 def once(pairs):  # an object of JSON whose keys differ
     if len(found := dict(pairs)) < len(pairs): raise Malformed("a key comes twice")
     return found
 
 def verdict(path):  # the exit code for a file, and a sentence
-    sys.set_int_max_str_digits(TEXT)
+    sys.set_int_max_str_digits(DIGITS)
     try:
         if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
         if len(text) > BYTES: raise Malformed(f"it is longer than {BYTES} bytes")
-        read = {"object_pairs_hook": once, "parse_int": whole, "parse_float": whole, "parse_constant": whole}
-        told = json.loads(text.decode(), **read)
+        told = json.loads(text.decode(), object_pairs_hook=once)
         code, sentence = judged(told, 1)
         for factor in (2, 4) if code == 4 else ():
             more, what = judged(told, factor)

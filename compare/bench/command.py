@@ -13,7 +13,9 @@ import click
 
 from ...scenarios.errors import SceneError
 from ..adapters.base.package import NotInstalled
+from ..cli.arguments import completion
 from ..cli.arguments.numbers import Whole
+from ..cli.arguments.options import a_file
 from ..cli.exit_codes import DONE, ExitCode
 from ..cli.progress import duration, showing
 from ..cli.writing import check_writable, write_whole
@@ -200,7 +202,7 @@ def main(arguments: list[str]) -> int:
 
 
 NAMES = {
-    **{name: str(measured.__doc__) for name, measured in BENCHMARKS.items()},
+    **{name: " ".join(str(measured.__doc__).split()) for name, measured in BENCHMARKS.items()},
     TRADEOFFS: "Run time against error, scene by scene and engine by engine.",
 }
 
@@ -224,10 +226,22 @@ def _engines(context: click.Context, parameter: click.Parameter, value: str | No
     "  truebreak bench tradeoffs --against before.json\n\n"
     "With --against: 0 all ratios agree within 15 %, 1 one does not, 4 one does not and the machine was not idle.",
 )
-@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=completion.among(NAMES))
 @click.option("--full", is_flag=True, help="Give perfect-physics 314 collisions: about a minute.")
-@click.option("--scenes", callback=_words, metavar="A,B,...", help="Of tradeoffs: these scenes alone.")
-@click.option("--engines", callback=_engines, metavar="A,B,...", help="Of tradeoffs: these beside exact.")
+@click.option(
+    "--scenes",
+    callback=_words,
+    metavar="A,B,...",
+    shell_complete=completion.among([subject.name for subject in SUBJECTS]),
+    help="Of tradeoffs: these scenes alone.",
+)
+@click.option(
+    "--engines",
+    callback=_engines,
+    metavar="A,B,...",
+    shell_complete=completion.engines,
+    help="Of tradeoffs: these beside exact.",
+)
 @click.option(
     "--processes",
     type=Whole(1),
@@ -236,9 +250,9 @@ def _engines(context: click.Context, parameter: click.Parameter, value: str | No
     metavar="N",
     help="Of tradeoffs: fresh processes for each row, more while they differ; 1 for a quick look.",
 )
-@click.option("--svg", metavar="FILE", help="Of tradeoffs: also write the plot of time against digits.")
-@click.option("--against", "compared", metavar="FILE", help="Compare the ratios with those of an earlier --json.")
-@click.option("--keep", metavar="FILE", help="Of tradeoffs: take the scenes of an earlier --json over.")
+@a_file("--svg", help="Of tradeoffs: also write the plot of time against digits.")
+@a_file("--against", "compared", help="Compare the ratios with those of an earlier --json.")
+@a_file("--keep", help="Of tradeoffs: take the scenes of an earlier --json over.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def command(
     names: tuple[str, ...],

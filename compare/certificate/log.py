@@ -46,9 +46,9 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
         rounds = [[list(places_of(scene, link)) for link in links] for links in kicks]
         turn = {"turn": True} if number % 2 else {}
         if turn and number - 1 not in ends and scene.reverse_at is not None:
-            found.append({"exact": text_of(exact_number(scene.reverse_at)), "rounds": [], "enter": []})
+            found.append({"exact": text_of(exact_number(scene.reverse_at)), "rounds": [], "enter": [], "time": "0"})
             met.append(frozenset())
-        found.append({**turn, "rounds": rounds, "enter": entries.get(number, [])})
+        found.append({**turn, "rounds": rounds, "enter": entries.get(number, []), "time": "0"})
         met.append(frozenset(contacts.get(number, ())))
         done = max(done, ends[number])
     return found, met

@@ -148,7 +148,6 @@ class Prover(Checker):
 
     def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
-        entry["time"] = "0"
         if "turn" not in entry:
             self._gather(entry, self.contacts[self.age + 1])
         super().instant(entry)

@@ -149,6 +149,12 @@ class CertifiedDecider:
     def _spend(self, units: int) -> None:
         self._instant_work += units
 
+    def close(self) -> None:
+        """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
+        vars(self.meetings.predictor).clear()
+        vars(self.meetings).clear()
+        vars(self).clear()
+
     # -- questions
 
     def ask(self, question: Question) -> int:

@@ -14,7 +14,7 @@ from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import Body
 from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
-from ..simulation.arrivals.cells import Flight
+from ..simulation.arrivals.grid import Flight
 from ..simulation.arrivals.prediction import Predictor, link_of
 from ..simulation.arrivals.queue import ArrivalQueue
 

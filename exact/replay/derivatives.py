@@ -20,6 +20,15 @@ three products of at most six factors, and two entries are a row: 36 times `CLOS
 OFF_BESIDE = OFF + 2.0 * SMALL_WAIT
 """The same, at a clock beside the instant."""
 
+LEAST = 1e-280
+"""Squares of speeds, and speeds along a line, that doubles hold to a rounding, and some products of them."""
+
+FLAT = 2.0**-30
+"""Share of |n| |v| that n.v must have: in doubles it is off by less than 2**-51 of that, 2**-21 of itself."""
+
+STEEPER = 1.0 + 2.0**-20
+"""Covers what n.v in doubles is off by."""
+
 
 def pair_derivative(
     dx: float,
@@ -46,15 +55,15 @@ def pair_derivative(
     moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
     |d + tau v| = R (see `laws/tangent.py`).
     """
-    size_d, size_v = abs(dx) + abs(dy), abs(vx) + abs(vy)
-    if not strength < 0.0 < speed < inf:
+    size_d, size_v, square = abs(dx) + abs(dy), abs(vx) + abs(vy), vx * vx + vy * vy
+    if not (strength < 0.0 and LEAST < speed < inf and square > LEAST):
         return None
     steep = size_d / speed * UP
     apart = (1.0 + size_v * steep) * spread * UP
     far = apart * size_v + size_d * spread / unit
     if not (apart < near * size_d and spread < near * unit * size_v and far < near * speed):
         return None
-    square, cross, push = vx * vx + vy * vy, abs(dx * vy - dy * vx), -strength
+    cross, push = abs(dx * vy - dy * vx), -strength
     size_b = push * size_d * size_d
     size = size_b + unit * (push * (speed + size_d * size_v) + square / speed * size_b)
     norm_b = push * max(abs(dx), abs(dy)) * size_d
@@ -69,4 +78,4 @@ def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:
     True
     """
     speed, size = -(nx * vx + ny * vy), abs(nx) + abs(ny)
-    return size / speed * UP * UP if speed > CLOSE * size * (abs(vx) + abs(vy)) * 2.0**20 else inf
+    return size / speed * STEEPER if speed > FLAT * size * (abs(vx) + abs(vy)) and speed > LEAST else inf

@@ -15,8 +15,8 @@ from .contact import AtWall, Link, Pair, Round
 from .derivatives import CLOSE, SMALL_WAIT, pair_derivative, wall_steepness
 from .errors import MOST, UP, Collision, Leg, Spent, scaled
 
-LEAST_WEIGHT = 1e-100
-"""Bounds the squares of radii over masses that doubles hold well."""
+LEAST_WEIGHT, LEAST_REACH = 1e-100, 1e-75
+"""Bounds the squares of radii over masses, and the radii, of which doubles hold well all that is made of them."""
 
 ENOUGH = 2**40
 """More bits than any number has."""
@@ -130,6 +130,7 @@ class Deviations:
         try:
             for i, lag in lags:
                 self.errors.fly(Leg(self.place[i], ldexp(lag, -self._time_power)))
+                self.errors.power(self.place[i])
             if isinstance(link, AtWall):
                 return self._to_wall(state, link)
             return None if told is None or root is None else self._to_pair(state, *told, root)
@@ -185,8 +186,10 @@ class Deviations:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if link not in self._strengths:
             a, b = link.ends(state)
-            weight = float(state.reach(a, b)) ** 2 * (self.weights[a.index] + self.weights[b.index])
-            self._strengths[link] = -2.0 / weight if LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT else 0.0
+            reach = float(state.reach(a, b))
+            weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
+            known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
+            self._strengths[link] = -2.0 / weight if known else 0.0
         return self._strengths[link]
 
     def face(self, state: BallState, link: AtWall) -> Face:
@@ -278,4 +281,6 @@ def _unit_of_time(bodies: Sequence[Body[arb]]) -> int:
     """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
     speed = max(max(abs(float(body.flight.vx)), abs(float(body.flight.vy))) for body in bodies)
     width = sum(float(body.r) for body in bodies) / len(bodies)
-    return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed)))) if width > 0.0 and speed > 0.0 else 0
+    if not (0.0 < width < inf and 0.0 < speed < inf):
+        return 0
+    return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed))))

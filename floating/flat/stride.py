@@ -34,7 +34,8 @@ class FlatStride:
             most: how many at most.
             before: a time that all come before.
         """
-        f, alone, crowd = self._flights, self._meetings.alone, self._meetings.crowd
+        f, crowd = self._flights, self._meetings.crowd
+        alone = self._meetings.alone if crowd is None else crowd.alone
         records: list[Any] = self._history.records
         heap, flights, serial, last, n = f.heap, f.flights, f.serial, f.last, f.n
         f.take_up()
@@ -47,7 +48,7 @@ class FlatStride:
             if serial[i] != si or serial[j] != sj:
                 heappop(heap)
                 continue
-            if crowd is not None and crowd.next_crossing <= time:
+            if crowd is not None and crowd.cells.next_crossing <= time:
                 crowd.cross()
                 continue
             if wait is None or not time < before or (shifted and (i in shifted or j in shifted)):

@@ -20,6 +20,7 @@ from ...exact.simulation.history import History
 from ...scenarios.event import TieProof
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
+from .standing import StandingClock
 
 
 class PlainReading(Generic[M]):
@@ -189,10 +190,29 @@ class PlainDecider(Generic[M]):
         self.reading = PlainReading(state, numbers)
         self.stride = None
         self._sign = numbers.sign
+        self._standing = StandingClock()
         self.refresh([*state.bodies.values(), *state.pockets])
 
     def begin(self, instant: int) -> None:
-        """Nothing to prepare: the precision is what it is."""
+        """The precision is what it is; but time must pass (see `pass_on`)."""
+        self.pass_on()
+
+    def pass_on(self) -> None:
+        """Looks whether time passes.
+
+        Raises:
+            BudgetSpent: if it no longer does.
+        """
+        if self.history.records:
+            self._standing.look(len(self.history.records), self._clock(), self._flights)
+
+    def _clock(self) -> float:
+        """The time of the last event."""
+        return self.reading.rough(self.history.records[-1].mark.time)
+
+    def _flights(self) -> list[tuple[M, ...]]:
+        """(x, y, vx, vy, t) of every circle."""
+        return [body.flight[:5] for body in self.bodies.values()]
 
     def do(self, step: Step) -> None:
         """Carries out a step and logs it."""
@@ -202,8 +222,15 @@ class PlainDecider(Generic[M]):
     def gathered(self, links: Iterable[Link]) -> None:
         """Nothing to note."""
 
-    def finish(self) -> None:
-        """Called before the history is read: nothing to do."""
+    @property
+    def finish(self) -> Callable[[], None]:
+        """To be called before the history is read: does nothing."""
+        return _nothing
+
+    def close(self) -> None:
+        """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
+        vars(self.meetings).clear()
+        vars(self).clear()
 
     def refresh(self, bodies: Iterable[Body[M]]) -> None:
         """Predictions use the state itself; a velocity of exactly zero is noted."""
@@ -236,3 +263,7 @@ class PlainDecider(Generic[M]):
 
     def _name(self, link: Link) -> str:
         return name_of(self.scene, link)
+
+
+def _nothing() -> None:
+    """What there is to do where a history needs no finish."""

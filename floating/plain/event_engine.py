@@ -9,6 +9,7 @@ from typing import Any, Generic, Protocol, SupportsFloat, TypeVar
 from ...exact.numbers.system import NumberSystem, Ordered
 from ...exact.policies import Policy
 from ...exact.replay.state import State
+from ...exact.simulation.collecting import SELDOM_COLLECTED
 from ...scenarios.engine import EventDriven
 from ...scenarios.numbers.doubles import Double
 from ...scenarios.numbers.quantity import QuantityLike
@@ -72,7 +73,8 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """The history as these numbers see it (see `Engine.run`)."""
-        return self.run_with(scene, None, until=until, events=events, progress=progress)
+        with SELDOM_COLLECTED:
+            return self.run_with(scene, None, until=until, events=events, progress=progress)
 
     def run_with(
         self,

@@ -49,19 +49,19 @@ def run_plain(
     """
     limits = run_limits(scene, until, events)
     stop = (Loop(scene, decider, limits, progress, policy) if loop is None else loop(limits)).run()
-    ids, history, named = scene.ids, decider.history, Named(scene)
+    ids, history, finish, named = scene.ids, decider.history, decider.finish, Named(scene)
 
     def at(mark: Mark[M]) -> Real:
         return shown(mark.time, mark.number)
 
     def events_of() -> Iterator[Event]:
-        decider.finish()
+        finish()
         for index, record in enumerate(history.records):
             impulses = named(record.impulses)
             yield Event(index, at(record.mark), named(record.links), impulses, record.ties, record.coupled)
 
     def knots_of() -> Iterator[list[Passed[M]]]:
-        decider.finish()
+        finish()
         for row in history.knots:
             yield [(t, x, y, vx, vy, number) for t, x, y, vx, vy, _, number in row]
 
@@ -80,6 +80,7 @@ def run_plain(
         end = at(history.last) if history.last is not None and late else limits.until  # rounded up, it let this in
     else:
         end = shown(decider.state.zero, 0) if history.last is None else at(history.last)
+    decider.close()
     return Trajectory(
         scene=scene,
         engine=engine,

@@ -183,7 +183,7 @@ export class Check {
     const found = this.met.size > 0 || entry.exact !== undefined || this.age === 0
     if (found && this.#sign('gap', contact) !== 0) throw new Refuted(`[${contact}] do not meet at it`)
     const closing = this.#sign('closing', contact)
-    if (this.age > 0 && closing > 0 && !isPocket(contact)) throw new Refuted(`[${contact}] overlap before it`)
+    if (this.age > 0 && closing > 0) this.#clear(contact, null, true) // only a pocket is left, by what was in it
     this.met.set(key, closing)
   }
 
@@ -287,8 +287,8 @@ export class Check {
   #enter(entry, moved) {
     const entered = [...this.known.values()].filter(({ contact, closing }) => isPocket(contact) && closing < 0)
     const found = new Set(entered.map(({ contact }) => keyOf(contact)))
-    const told = new Set((entry.enter ?? []).map(keyOf))
-    if (found.size !== told.size || [...found].some((key) => !told.has(key))) {
+    const told = (entry.enter ?? []).map(keyOf)
+    if (found.size !== told.length || [...found].some((key) => !told.includes(key))) {
       throw new Refuted(`there enter [${[...found].join('], [')}]`)
     }
     if (!this.scene.capture || !found.size) return
@@ -311,7 +311,8 @@ export class Check {
     this.parted = new Map([...this.parted].filter(([, contact]) => still(contact)))
     for (const [key, { contact }] of this.known) this.parted.set(key, contact)
     for (const g of this.isometries) {
-      g.kept = new Set([...stillMapped(g, this.rows, this.scene)].filter((i) => !this.gone.has(i)))
+      const left = [...stillMapped(g, this.rows, this.scene)]
+      g.kept = new Set(left.filter((i) => !this.gone.has(i) && !this.gone.has(g.images.get(i))))
     }
     const text = (rows, turned) => JSON.stringify([...rows].sort(order).map(([i, row]) => [i, turned ? [...row].reverse() : row]))
     if (!this.wayBack && (pushes.size || this.age === 0)) {

@@ -10,8 +10,9 @@ const MAX_ROOTS = 99
 const MAX_BITS = 1_048_576
 const MAX_PAIRS = 2 ** 22
 const MAX_SIZE = 2 ** 30
-const DECIMAL = /^-?[0-9]{1,400}(\.[0-9]{1,400})?$/
-const TERM = /([+-]?)([0-9]+)(?:\/([0-9]+))?((?:\*r[0-9]{1,2})*)/y
+const DECIMAL = /^-?[0-9]+(\.[0-9]+)?$/
+const LONG = /[0-9]{100001}/
+const TERM = /([+-]?)([0-9]+)(?:\/([0-9]+))?((?:\*r[1-9][0-9]?)*)/y
 const POLICY = /^(simultaneous|sequential(:order=scene|:seed=[0-9]{1,18})?)$/
 const QUESTIONS = new Set(['gap', 'closing', 'disc', 'speed', 'slack', 'until', 'reverse'])
 
@@ -26,7 +27,7 @@ const flag = (value, where) => typeof value === 'boolean' || fail(where, 'true o
 
 function number(value, where) {
   text(value, where)
-  if (value.length > 100_000) fail(where, 'a number of more than 100,000 characters')
+  if (LONG.test(value)) fail(where, 'a whole number of more than 100,000 digits')
   TERM.lastIndex = 0
   for (let at = 0; at < value.length || at === 0; at = TERM.lastIndex) {
     if (!TERM.test(value) || (at > 0 && !'+-'.includes(value[at]))) fail(where, 'no exact number')
@@ -34,7 +35,7 @@ function number(value, where) {
 }
 
 function decimal(value, where) {
-  if (typeof value !== 'string' || !DECIMAL.test(value)) fail(where, 'no decimal')
+  if (typeof value !== 'string' || !DECIMAL.test(value) || LONG.test(value)) fail(where, 'no decimal')
 }
 
 function integer(least, most = Number.MAX_SAFE_INTEGER) {
@@ -64,7 +65,8 @@ function object(required, optional = {}) {
     for (const key of Object.keys(required)) if (!(key in value)) fail(where, `"${key}" is missing`)
     for (const key of Object.keys(value)) {
       const item = Object.hasOwn(required, key) ? required[key] : Object.hasOwn(optional, key) && optional[key]
-      if (item) item(value[key], `${where}.${key}`) // keys that the page does not name are of no effect
+      if (!item) fail(where, `there is no key ${JSON.stringify(key.slice(0, 40))}`)
+      item(value[key], `${where}.${key}`)
     }
   }
 }
@@ -93,12 +95,14 @@ const instant = {
   exact: number,
   turn: (value, where) => value === true || fail(where, 'true is expected'),
 }
-const ENDS = { quiet: {}, horizon: { until: number }, return: {}, events: { limit: integer(1) }, stopped: {} }
+const REASONS = new Set(['quiet', 'horizon', 'return', 'events', 'stopped'])
 
 function end(value, where) {
   object({ reason: text }, { until: number, limit: integer(1), zeros: instant.zeros })(value, where)
-  if (!Object.hasOwn(ENDS, value.reason)) fail(where, 'no such reason')
-  object({ reason: text, ...ENDS[value.reason] }, { zeros: instant.zeros })(value, where)
+  if (!REASONS.has(value.reason)) fail(where, 'no such reason')
+  for (const [reason, key] of [['horizon', 'until'], ['events', 'limit']]) {
+    if (value.reason === reason && !(key in value)) fail(where, `"${key}" is missing`)
+  }
 }
 
 const place = { id: text, x: number, y: number, r: number }
@@ -121,25 +125,23 @@ const scene = object(
     pockets: list(object(place)),
   },
 )
-const certificate = object(
-  {
-    format: text,
-    roots: list(number, 0, MAX_ROOTS),
-    scene,
-    isometries: list(
-      object({
-        matrix: tuple(number, number, number, number),
-        shift: tuple(number, number),
-        map: list(tuple(integer(Number.MIN_SAFE_INTEGER), integer(Number.MIN_SAFE_INTEGER))),
-      }),
-    ),
-    bits: integer(1, MAX_BITS),
-    instants: list(object({ time: decimal }, instant)),
-    end,
-    final: object({ time: decimal, circles: list(tuple(decimal, decimal, decimal, decimal)) }),
-  },
-  { writer: text },
-)
+const certificate = object({
+  format: text,
+  writer: text,
+  roots: list(number, 0, MAX_ROOTS),
+  scene,
+  isometries: list(
+    object({
+      matrix: tuple(number, number, number, number),
+      shift: tuple(number, number),
+      map: list(tuple(integer(Number.MIN_SAFE_INTEGER), integer(Number.MIN_SAFE_INTEGER))),
+    }),
+  ),
+  bits: integer(1, MAX_BITS),
+  instants: list(object({ time: decimal }, instant), 1),
+  end,
+  final: object({ time: decimal, circles: list(tuple(decimal, decimal, decimal, decimal)) }),
+})
 
 /** Checks the shape of everything, and that isometries map things that there are. */
 export function checkShape(data) {

@@ -35,7 +35,7 @@ export function shows(state, question, contact, how, other = state.clock) {
   const [i, j] = contact
   if (how === 'back') {
     const last = state.out.at(-1)
-    if (!state.wayBack || !last || !other || !met.has(keyOf(other))) return false
+    if (!state.wayBack || !last || !other || !(met.get(keyOf(other)) < 0)) return false
     const whole = question === 'until' && state.data.end.reason === 'return' && state.out.length === 1
     return (question === 'gap' || whole) && last.known.has(keyOf(contact)) && last.known.has(keyOf(other))
   }

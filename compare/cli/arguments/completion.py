@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     import click
     from click.shell_completion import CompletionItem
 
@@ -60,6 +62,20 @@ def engines(context: click.Context, parameter: click.Parameter, typed: str) -> l
     before, comma, last = typed.rpartition(",")
     whole = f"{before}{comma}"
     return [_offer(f"{whole}{item.value}", told=item.help) for item in engine(context, parameter, last)]
+
+
+def among(names: Iterable[str]) -> Callable[[click.Context, click.Parameter, str], list[CompletionItem]]:
+    """Completes a list of some names: the last of them.
+
+    >>> [item.value for item in among(["gas", "gap", "rack"])(None, None, "rack,ga")]
+    ['rack,gas', 'rack,gap']
+    """
+
+    def offered(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:
+        before, comma, last = typed.rpartition(",")
+        return [_offer(f"{before}{comma}{name}") for name in names if name.startswith(last)]
+
+    return offered
 
 
 def files(context: click.Context, parameter: click.Parameter, typed: str) -> list[CompletionItem]:

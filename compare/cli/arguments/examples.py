@@ -31,10 +31,26 @@ LINES = {
         "truebreak export gas --floats --out gas-floats.json",
         "truebreak export gas --floats --csv > gas.csv",
     ),
-    "orders": ("truebreak orders lee", "truebreak orders rack:rows=2 --events 3", "truebreak orders lee --json"),
+    "orders": (
+        "truebreak orders lee",
+        "truebreak orders rack:rows=2 --events 3 --html orders.html",
+        "truebreak orders lee --json",
+    ),
 }
 """Examples of each command; a test runs what they say through the command line's own reader."""
 
+CODES = {
+    "run": ("0 done   2 usage, or bad scene", "4 undecided, or a budget spent   130 interrupted"),
+    "compare": (
+        "0 all agree, or --exit-zero   1 an engine diverged   2 usage, or bad scene",
+        "4 none diverged, but something is not settled or undecided   130 interrupted",
+    ),
+    "orders": (
+        "0 done, or cut by --cap   2 usage, or bad scene",
+        "4 --max-seconds came first   130 interrupted",
+    ),
+}
+"""What the exit codes say, of commands that tell it below their examples."""
 
 WITHOUT_SCENE = ("scenes", "verify")
 """Commands that take no scene."""
@@ -47,4 +63,6 @@ def examples(command: str) -> str:
     ['Examples:', '  truebreak run lee --certificate lee.json', '  truebreak verify lee.json']
     """
     shown = "\n".join(["\b", "Examples:", *(f"  {line}" for line in LINES[command])])
+    if command in CODES:
+        shown += "\n\n" + "\n".join(["\b", "Exit codes:", *(f"  {line}" for line in CODES[command])])
     return shown if command in WITHOUT_SCENE else f"{SCENE_HELP}\n\n{shown}"

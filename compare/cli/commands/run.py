@@ -28,8 +28,8 @@ from ..exit_codes import of_stop
 @click.command(epilog=examples("run"))
 @OPTIONAL_SCENE
 @one_engine(
-    "exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30; "
-    "or package.module:Class, your own."
+    "exact, sympy, double, single, quad, rounded, interval or pymunk; parameters as in "
+    "pymunk:dt=1/1000,iterations=30; another installed engine, or package.module:Class, your own."
 )
 @UNTIL
 @EVENTS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -121,6 +121,7 @@ def sweep(
         if not store:
             raise click.UsageError("nothing to do: give a SCENE to run, or a --store to read")
         rows, settings, failures = merged(store)
+        _tell_missing(settings, rows)
     else:
         if len(store) > 1:
             raise click.UsageError("several stores can be read, and one be written to; give one --store")
@@ -145,9 +146,21 @@ def sweep(
         print_json(sweep_json(settings, scenes, summaries(rows), failures, unsure))
     elif csv_file != "-":
         print_sweep(settings, scenes, summaries(rows), unsure)
+    there = {row["index"] for row in rows}
     for index, attempt, note in failures:
-        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}", err=True)
-    return ExitCode.UNDECIDED if failures else DONE
+        after = "; another attempt was done" if index in there else ""
+        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}", err=True)
+    return ExitCode.UNDECIDED if any(index not in there for index, _, _ in failures) else DONE
+
+
+def _tell_missing(settings: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> None:
+    """Says on stderr how many scenes of a sweep are not in the stores that are read."""
+    from ...ensemble.family import family
+
+    wanted, there = len(family(settings["scene"], settings["vary"])), len({row["index"] for row in rows})
+    if there < wanted:
+        click.echo(f"truebreak: {there:,} of {wanted:,} scenes are there; the others are in another shard's store, or "
+                   "not done yet", err=True)  # fmt: skip
 
 
 def _displaced(settings: Mapping[str, Any]) -> bool:

@@ -45,6 +45,8 @@ class Store:
         fresh = path == ":memory:" or not Path(path).exists() or Path(path).stat().st_size == 0
         if fresh and settings is None:
             raise SceneError(f"--store {path!r}: there is no such file; give a scene to make one")
+        if not Path(path).parent.is_dir():
+            raise SceneError(f"--store {path!r}: there is no folder {str(Path(path).parent)!r}; create it first")
         with self._told():
             self.base = sqlite3.connect(path if settings is not None else f"{Path(path).absolute().as_uri()}?mode=rw",
                                         uri=settings is None)  # fmt: skip
@@ -86,7 +88,8 @@ class Store:
                 raise SceneError(
                     f"--store {self.path!r}: is no store of a sweep ({error}); choose another file"
                 ) from None
-            remedy = "make room, and call again: what is in it stays" if "full" in str(error) else "see that it is free"
+            full = "full" in str(error) or "I/O" in str(error)  # a limit on the length of files is told as the latter
+            remedy = "make room, and call again: what is in it stays" if full else "see that it is free"
             raise SceneError(f"--store {self.path!r}: {error}; {remedy}") from None
         except (sqlite3.DatabaseError, UnicodeDecodeError) as error:
             raise SceneError(f"--store {self.path!r}: is no store of a sweep, or damaged ({error}); "
@@ -114,10 +117,9 @@ class Store:
                     for engine, text in enumerate(map(text_of, rows))]  # fmt: skip
             self.base.executemany("INSERT OR REPLACE INTO rows VALUES (?, ?, ?, ?)", told)
             self.base.execute("INSERT OR REPLACE INTO times VALUES (?, ?)", (scene, seconds))
-            self.base.execute("DELETE FROM failures WHERE scene = ?", (scene,))
 
     def fail(self, scene: int, attempt: int, note: str) -> None:
-        """A scene that came to nothing, beside the table."""
+        """An attempt at a scene that came to nothing, beside the table; it stays noted when another one succeeds."""
         with self._told(), self.base:
             self.base.execute("INSERT INTO failures VALUES (?, ?, ?)", (scene, attempt, note))
 
@@ -131,7 +133,7 @@ class Store:
                 yield scene, engine, self._kept(text, digest, COLUMNS, scene, engine)
 
     def failures(self) -> list[tuple[int, int, str]]:
-        """Scene, attempt and what went wrong."""
+        """Scene, attempt and what went wrong, of scenes that are done by now too."""
         with self._told():
             return self.base.execute("SELECT scene, attempt, note FROM failures ORDER BY scene, attempt").fetchall()
 

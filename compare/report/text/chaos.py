@@ -43,10 +43,8 @@ def sentences(chaos: Chaos) -> list[str]:
         f"{per_event.value / math.log(2):.4g} an event.",
     ]
     if not found.chaotic:
-        told.append(
-            f"Not told from zero: displacements that grow in proportion to time would give {found.linear:.3g} here. "
-            "Take more events."
-        )
+        would = f"would give {found.linear:.3g} here" if math.isfinite(found.linear) else "may give as much"
+        told.append(f"Not told from zero: displacements that grow in proportion to time {would}. Take more events.")
     if chaos.certified is not None:
         grown = chaos.certified
         told.append(

@@ -9,11 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...tangent.growth import Displacements
-from ...tangent.impacts import Impact, NoTangentMap, impacts, moving
+from ...tangent.impacts import NoTangentMap, moving, rounds
+from ...tangent.together import push_together
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ....scenarios.event import Contact
     from ....scenarios.trajectory import Trajectory
+    from ...tangent.impacts import Impact
     from .local_error import LocalError
 
 
@@ -26,15 +30,17 @@ class GrownErrors:
     Args:
         run: the true run.
         local: what one contact may cost.
+        in_rounds: whether errors are carried through instants with several contacts of one circle: of an engine that
+            takes the contacts of each in the rounds in which the run has them.
 
     Attributes:
         position, velocity: shape (circles, 2), where each is at the last event, and how it flies since its own last.
         since: the time of each circle's last event.
     """
 
-    def __init__(self, run: Trajectory, local: LocalError) -> None:
+    def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
         scene = run.scene
-        self.run, self.local = run, local
+        self.run, self.local, self.in_rounds = run, local, in_rounds
         self.places = {name: k for k, name in enumerate(scene.ids)}
         self.count = len(scene.circles)
         start = np.array([[float(c.x), float(c.y), float(c.vx), float(c.vy)] for c in scene.circles])
@@ -47,7 +53,7 @@ class GrownErrors:
         self._row = {k: row for row, k in enumerate(moving(scene))}
         movable = sizes[list(self._row)].reshape(-1)
         self._carried = Displacements(scene, np.diag(movable).reshape(len(self._row), 4, -1))
-        self._impacts = _impacts(run)
+        self._rounds = _rounds(run)
 
     def come_to(self, index: int) -> None:
         """Adds what flying to an event and predicting it may cost; positions are those at the event from then on."""
@@ -63,37 +69,54 @@ class GrownErrors:
         """Carries all errors through an event, and adds what its impulses may cost.
 
         Raises:
-            ValueError: where a circle has several contacts at one instant: there is no tangent map.
+            NoTangentMap: where errors are not carried through it.
         """
-        event = self.run.events[index]
-        before = self.velocity.copy()
-        if index >= len(self._impacts):
-            raise ValueError(f"event {index} has no tangent map")
-        self._carried.through(self._impacts[index])
+        if index >= len(self._rounds):
+            raise NoTangentMap(f"event {index} has no tangent map", index)
+        event, struck = self.run.events[index], self._rounds[index]
         after = self.run.at(event.time).array()[:, 2:]
-        for contact in event.contacts:
-            movers = self.movers(contact)
-            fastest = max(float(np.linalg.norm(v[k])) for v in (before, after) for k in movers)
-            for k in movers:
-                rounding = self.local.unit * fastest
+        meeting = [math.hypot(float(hit.vx), float(hit.vy)) for together in struck for hit in together]
+        speeds = np.maximum(np.hypot(*self.velocity.T), np.hypot(*after.T))
+        speeds = np.maximum(speeds, max(meeting, default=0.0)) if self.in_rounds else speeds
+        for together in struck:
+            self._through(together, index)
+            self._add_late(together, self.local.lateness)
+            for k in [k for hit in together for k in (hit.a, hit.b) if k in self._row]:
+                rounding = self.local.unit * float(speeds[k])
                 self._add(k, np.array([[0.0, 0.0, rounding, 0.0], [0.0, 0.0, 0.0, rounding]]))
-                self._add_late(k, contact, before, after)
-                self.velocity[k], self.since[k] = after[k], float(event.time)
+        for k in [k for contact in event.contacts for k in self.movers(contact)]:
+            self.velocity[k], self.since[k] = after[k], float(event.time)
 
-    def _add_late(self, k: int, contact: Contact, before: NDArray[np.float64], after: NDArray[np.float64]) -> None:
-        """What a contact costs that comes late: the way flown too far, and the line of centres turned by then."""
-        late = self.local.lateness
+    def _through(self, struck: Sequence[Impact], index: int) -> None:
+        """Carries all errors through a round; contacts that share a circle push together, some later than others."""
+        taken = [k for hit in struck for k in (hit.a, hit.b) if k in self._row]
+        if len(taken) == len(set(taken)):
+            self._carried.through(struck)
+            return
+        self._carried.fly(float(struck[0].time))
+        pushed = push_together(self._carried.columns, self._row, self.weights[list(self._row)], struck)
+        if pushed is None:
+            raise NoTangentMap(f"event {index}: the impulses of contacts that push together are not unique", index)
+        self._carried.columns = pushed.columns
+        spread = np.abs(pushed.waits[:, None] - pushed.waits[None]).sum(axis=2).max()
+        self._add_late(struck, float(spread))
+
+    def _add_late(self, struck: Sequence[Impact], late: float) -> None:
+        """What contacts cost that come late: the way flown too far, and the line of centres turned by then."""
         if not late:
             return
-        kick = after[k] - before[k]
-        found = [[*(late * kick), 0.0, 0.0]]
-        i, j = self.places[contact.first], self.places[contact.second]
-        if j < self.count:
-            speed = float(np.linalg.norm(before[j] - before[i]))
-            reach, share = self.radii[i] + self.radii[j], self.weights[k] / (self.weights[i] + self.weights[j])
-            turned = 2 * share * late * speed * speed / reach if reach else math.inf
-            found += [[0.0, 0.0, turned, 0.0], [0.0, 0.0, 0.0, turned]]
-        self._add(k, np.array(found))
+        for hit in struck:
+            reach, speed = float(hit.reach), np.array([float(hit.vx), float(hit.vy)])
+            normal = np.array([float(hit.dx), float(hit.dy)]) / reach
+            for k in (hit.a, hit.b):
+                if k is None or k not in self._row:
+                    continue
+                share = 1.0 if hit.b is None else float(self.weights[k]) / float(hit.wa + hit.wb)
+                found = [[*(2 * share * late * float(normal @ speed) * normal), 0.0, 0.0]]
+                if hit.b is not None:
+                    turned = 2 * share * late * float(speed @ speed) / reach
+                    found += [[0.0, 0.0, turned, 0.0], [0.0, 0.0, 0.0, turned]]
+                self._add(k, np.array(found))
 
     def _add(self, k: int, rows: NDArray[np.float64]) -> None:
         added = np.zeros((len(self._row), 4, len(rows)))
@@ -129,9 +152,9 @@ class GrownErrors:
         return float(np.hypot(*columns[:2]).sum()), float(np.hypot(*columns[2:]).sum())
 
 
-def _impacts(run: Trajectory) -> list[list[Impact]]:
-    """The impacts of all events at the start that have a tangent map."""
+def _rounds(run: Trajectory) -> Sequence[Sequence[Sequence[Impact]]]:
+    """The impacts of all events at the start that have a map to the next, by round."""
     try:
-        return impacts(run, len(run.events))
+        return rounds(run, len(run.events))
     except NoTangentMap as none:
-        return impacts(run, none.events) if none.events else []
+        return rounds(run, none.events)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .numbers import latest_so_far
 from .permitted import PermittedImpulses, Room
 
 if TYPE_CHECKING:
@@ -39,9 +40,10 @@ def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
     unit, laws = max(local.unit, TOLD), PermittedImpulses(scene, local)
     start, askew = _energy(masses, last[:, 2:]), 0.0
     for group in _instants(run):
-        event, time = group[-1], float(group[-1].time)
+        event, last_time = group[-1], latest_so_far(group)[-1].time
+        time = float(last_time)
         where = f"event {event.index} (t = {time:.9g})"
-        state = run.at(event.time).array()
+        state = run.at(last_time).array()
         before, after, share = last[:, 2:], state[:, 2:], unit * (event.index + 1)
         energy, room = _energy(masses, after), _room(state, laws.radii, local, time)
         askew += sum(laws.askew(pair, room) for e in group for pair in e.impulses)
@@ -86,8 +88,9 @@ def _turned(run: Trajectory, then: float, time: float) -> bool:
 def _instants(run: Trajectory) -> Iterator[list[Event]]:
     """The events, those at one time (or, by rounding, before it) together."""
     group: list[Event] = []
-    for event in run.events:
-        if group and float(event.time) > float(group[-1].time):
+    latest = latest_so_far(run.events)
+    for k, event in enumerate(run.events):
+        if group and float(event.time) > float(latest[k - 1].time):
             yield group
             group = []
         group.append(event)

@@ -90,7 +90,7 @@ class Nearby:
         return nx / length, ny / length, (1.0 if height >= 0 else -1.0), height
 
     def shift(self, columns: NDArray[np.float64], i: int, j: int, meeting: float, time: float) -> NDArray[np.float64]:
-        """By how much each error delays the meeting of two, at a time of the flights under way."""
+        """By how much each error delays the meeting of two, at a time of the flights under way; a graze by any time."""
         grown = self.grown
         if j >= grown.count:
             nx, ny, side, _ = self.side(i, j)
@@ -99,6 +99,8 @@ class Nearby:
             return -(normal @ self.between(columns, i, j, meeting - time)) / closing
         d, v = self.relative(i, j)
         there = d + (meeting - time) * v
+        if not float(there @ v):
+            return np.full(columns.shape[2], math.inf)
         return -(there @ self.between(columns, i, j, meeting - time)) / float(there @ v)
 
     def bent(self, columns: NDArray[np.float64], i: int, j: int) -> float:

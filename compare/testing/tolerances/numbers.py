@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from ....exact.numbers import ball
 from ....scenarios.numbers.real import real
 
 if TYPE_CHECKING:
+    from ....scenarios.event import Event
     from ....scenarios.numbers.real import Real
-    from ...comparison import Comparison
+    from ....scenarios.trajectory import Trajectory
+    from ...candidate import Candidate
     from .reach import Reach
 
 BITS = 512
@@ -56,16 +59,19 @@ class Matched:
     theirs: int
 
 
-def number_off(comparison: Comparison, demand: Demand, reach: Reach | None, places: bool) -> str | None:
+def number_off(
+    reference: Trajectory, candidate: Candidate, demand: Demand, reach: Reach | None, places: bool
+) -> str | None:
     """The first number that is too far off, in words; None if there is none.
 
     Args:
+        reference: the exact run with which the candidate is aligned.
         reach: whose tolerances are required too.
         places: whether the engine tells where circles are.
     """
-    (candidate,) = comparison.candidates
-    name, run, reference = candidate.engine, candidate.trajectory, comparison.reference
-    for pair in _pairs(comparison):
+    name, run = candidate.engine, candidate.trajectory
+    latest = latest_so_far(run.events)
+    for pair in _pairs(reference, candidate):
         event = reference.events[pair.mine]
         got = run.events[pair.theirs].time
         off, time = difference(event.time, got), float(event.time)
@@ -80,8 +86,9 @@ def number_off(comparison: Comparison, demand: Demand, reach: Reach | None, plac
                 )
         if not places:
             continue
-        true, told = reference.at(event.time)[pair.body], run.at(got)[pair.body]
-        lag = float(got) - time
+        then = latest[pair.theirs].time
+        true, told = reference.at(event.time)[pair.body], run.at(then)[pair.body]
+        lag = float(then) - time
         apart = math.hypot(
             float(told.x) - lag * float(told.vx) - float(true.x), float(told.y) - lag * float(told.vy) - float(true.y)
         )
@@ -111,10 +118,14 @@ TOLD = 2.0**-50
 """Times and states are told in doubles, whatever an engine counts in: a few roundings of each."""
 
 
-def _pairs(comparison: Comparison) -> Iterator[Matched]:
+def latest_so_far(events: Sequence[Event]) -> list[Event]:
+    """For each event, the latest of all up to it: times may go back by rounding, and a state is left by all of them."""
+    return [*accumulate(events, lambda one, other: other if float(other.time) >= float(one.time) else one)]
+
+
+def _pairs(reference: Trajectory, candidate: Candidate) -> Iterator[Matched]:
     """Each circle's meetings that are matched within the span, by event."""
-    (candidate,) = comparison.candidates
-    total, found = len(comparison.reference.events), {}
+    total, found = len(reference.events), {}
     for body, walked in candidate.alignment.walks.items():
         for mine, theirs in walked.pairs:
             if mine < total:

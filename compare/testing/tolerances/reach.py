@@ -13,6 +13,7 @@ from ....exact.numbers.ball import double_bounds
 from ....scenarios.trajectory import StopReason
 from ...causes.decision.decision import Decision, Pairing
 from ...causes.decision.reader import Reader
+from ...tangent.impacts import NoTangentMap
 from .errors_grown import GrownErrors
 from .nearby import Nearby
 
@@ -84,20 +85,24 @@ class Reach:
         return self.limit is None
 
 
-def reach_of(run: Trajectory, local: LocalError) -> Reach:
+def reach_of(run: Trajectory, local: LocalError, in_rounds: bool = False) -> Reach:
     """Walks along a certified run, decision by decision, until one is out of reach.
 
     At each event, for each circle that takes part: its hit (how deep, if it is with a circle), every other thing that
     it would have met next (how much later), and everything that it has passed since (how far away). Each margin is
     held against what all local errors so far can move it by, to the first order.
+
+    Args:
+        in_rounds: whether the engine takes the contacts of each instant in the rounds in which the run has them, so
+            that no tie is a decision, and errors are carried through it.
     """
-    return _Walk(run, local).walked()
+    return _Walk(run, local, in_rounds).walked()
 
 
 class _Walk:
-    def __init__(self, run: Trajectory, local: LocalError) -> None:
+    def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool) -> None:
         self.run, self.local = run, local
-        self.grown = GrownErrors(run, local)
+        self.grown = GrownErrors(run, local, in_rounds)
         self.names = run.scene.ids
         self.last: dict[str, int] = {}
         self.reader = Reader(run)
@@ -110,8 +115,14 @@ class _Walk:
         for index, event in enumerate(run.events):
             limit = self._hindrance(index) or self._decided(index)
             if limit is None:
-                self._note_time(index)
-                self.grown.go_through(index)
+                late = self._lateness(index)
+                try:
+                    self.grown.go_through(index)
+                except NoTangentMap as none:
+                    return self._ended(index, OutOfReach(index, float(event.time), f"{none}"))
+                if self.local.order is not None and self._tied(index) and self.linear is None:
+                    self.linear = index  # an engine of steps solves a tie by iterations, of which the last is not told
+                self.found.time.append(late)
                 self._note_states(index)
             else:
                 return self._ended(index, limit)
@@ -125,8 +136,7 @@ class _Walk:
     def _hindrance(self, index: int) -> OutOfReach | None:
         """What errors are not carried through: a tie, a reversal, a circle out of play."""
         run, time = self.run, float(self.run.events[index].time)
-        movers = [k for contact in run.events[index].contacts for k in self.grown.movers(contact)]
-        if len(movers) != len(set(movers)):
+        if self._tied(index) and not self.grown.in_rounds:
             told = "several contacts of one circle fall on exactly one instant, and nearby runs part there"
             return OutOfReach(index, time, told, tie=True)
         if run.reversal is not None and run.reversal.after <= index:
@@ -135,15 +145,27 @@ class _Walk:
             return OutOfReach(index, time, "a circle has left play before it, and errors are carried no farther")
         return None
 
-    def _note_time(self, index: int) -> None:
-        """How far off the event's time may be."""
-        event, time, worst = self.run.events[index], float(self.run.events[index].time), 0.0
+    def _tied(self, index: int) -> bool:
+        """Whether a circle has several contacts at the instant of an event."""
+        movers = [k for contact in self.run.events[index].contacts for k in self.grown.movers(contact)]
+        return len(movers) != len(set(movers))
+
+    def _lateness(self, index: int) -> float:
+        """How far off an event's time may be."""
+        time, worst = float(self.run.events[index].time), 0.0
         columns = self.grown.at(time)
-        for contact in event.contacts:
-            i, j = (self.grown.places[name] for name in contact)
+        for i, j in self._flown_together(index):
             bent = self.near.bent(columns, i, j)
             worst = max(worst, float(np.abs(self.near.shift(columns, i, j, time, time)).sum()) + bent)
-        self.found.time.append(worst + self.local.unit * time + self.local.lateness)
+        return worst + self.local.unit * time + self.local.lateness
+
+    def _flown_together(self, index: int) -> list[tuple[int, int]]:
+        """The contacts of an event, without those that others' impulses at the same instant lead to."""
+        contacts = self.run.events[index].contacts
+        found = [(self.grown.places[first], self.grown.places[second]) for first, second in contacts]
+        if not self.grown.in_rounds or len(found) == 1:
+            return found
+        return [(i, j) for i, j in found if self.reader.hit_time(self._pairing(i, j)) is not None]
 
     def _note_states(self, index: int) -> None:
         event = self.run.events[index]
@@ -161,14 +183,14 @@ class _Walk:
         event = self.run.events[index]
         self.grown.come_to(index)
         time, columns = float(event.time), self.grown.at(float(event.time))
-        for contact in event.contacts:
-            i, j = (self.grown.places[name] for name in contact)
+        tied = {frozenset(contact) for contact in event.contacts}
+        for i, j in self._flown_together(index):
             own = self.near.shift(columns, i, j, time, time)
             for body, partner in ((i, j), (j, i)):
                 if body >= self.grown.count or not self.grown.weights[body]:
                     continue
                 for other in range(len(self.names)):
-                    if other == body:
+                    if other == body or (other != partner and {self.names[body], self.names[other]} in tied):
                         continue
                     found = self._one(index, columns, body, other, time, own if other != partner else None)
                     if found is not None:

@@ -1,13 +1,19 @@
 """Cells under the queue: which circles, and which walls, may meet at all before a circle comes to another cell.
 
 The plane is cut into square cells; those at the border reach out without end. A circle is entered in the cell of its
-centre, and is there, but for a margin m, until the double `leaves` at which it is entered in the next one. Cells are
-as wide as the largest reach of two circles and four margins, so two whose cells are not neighbours do not touch.
+centre, and is there, but for a margin m, until about the time at which it is m/2 beyond it. Time is cut into slices in
+which nothing flies farther than m/2 along an axis: who leaves its cell in a slice is entered in the next one as the
+slice begins, or up to the length of a slice before. That takes no queue in order of time. Cells are as wide as the
+largest reach of two circles and two margins, so two whose cells are not neighbours do not touch.
 
-Bound. A centre is carried in doubles from the flight's (x, y) at t: with u = 2**-53 it is off by less than
-64 u (|x| + |y| + (|vx| + |vy|) T) at any time up to T (see `double_filter`, whose bound of a place this is); a circle
-of which that is not below a fourth of m, at the time at which it leaves its cell, is held against all others. One that
-leaves is taken out when it is half a margin beyond the border, so truly between a fourth and three fourths.
+Bound. A centre is within m of the cell in which it is entered:
+
+- it is carried in doubles from the flight's (x, y) at t: with u = 2**-53 it is off by less than
+  64 u (|x| + |y| + (|vx| + |vy|) T) at any time up to T (see `double_filter`, whose bound of a place this is); a circle
+  of which that is not below m/4, at the time at which it leaves its cell, is held against all others;
+- a slice begins where three roundings put it, which is off by less than 4 u T, so less than m/64 of the way;
+- who leaves is entered in the next cell by the time at which it is m/2 beyond, and at most two slices before, when it
+  is m/2 short of it: with both roundings, less than m either way.
 
 Each pair is handed out once on its two flights, though their cells may part and come together again: of two flights,
 the one that began later knows the other.
@@ -18,83 +24,26 @@ as events: D. C. Rapaport, J. Comput. Phys. 34 (1980) 184.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from heapq import heappop, heappush
-from math import inf, isfinite
-from typing import NamedTuple, TypeAlias
+from math import inf
+from typing import TypeAlias
 
+from .grid import MARGIN, Flight, Grid, last_within, leaves
 from .wall_cells import WallCells
 
 UNIT = 2.0**-53
 
-MARGIN = 1 / 16
-"""The margin m, as a share of a cell's width."""
+FARTHEST = 1e100
+"""Beyond this, differences of places might not be doubles any more."""
 
-MOST_CELLS = 1024
-"""Cells along one side, at most."""
+ROOM = 2.0
+"""How much faster than the fastest circle so far one may get before time is cut into shorter slices."""
 
-FEWEST = 64
-"""Circles from which on there are cells: in the gas, time with them over that without is 0.95 at 32 discs, 0.8 at 64
-and 0.7 at 96 in the exact engine, 1.05, 0.7 and 0.55 in doubles."""
-
-SHARE = 0.5
-"""Circles to a cell, where their reach allows it. With one to a cell twice as many are looked at for each flight, with
-fewer they come to new cells more often: in the gas of 1,000, 25 pairs and 1.8 crossings an event against 13 and 2.6."""
-
-LARGE = 4.0
-"""Circles more than this many times as large as the usual one are held against all others."""
-
-Flight: TypeAlias = tuple[float, float, float, float, float]
-"""(x, y, vx, vy, t) in doubles: it passes (x, y) at time t, each but for a rounding."""
+Crossing: TypeAlias = tuple[float, int, int, int]
+"""When a circle leaves its cell; when its flight began, as a serial number; the circle; to which cell."""
 
 NOWHERE = -1
 """The cell of a circle that is in none."""
-
-
-class Grid(NamedTuple):
-    """Square cells.
-
-    Attributes:
-        x, y: the corner of cell (0, 0).
-        width: of a cell.
-        columns, rows: how many there are.
-    """
-
-    x: float
-    y: float
-    width: float
-    columns: int
-    rows: int
-
-    def ends(self) -> tuple[list[tuple[float, float]], list[tuple[float, float]]]:
-        """Between what the centres in each column, and in each row, lie: its ends, and a margin beyond them."""
-        return self._ends(self.x, self.columns), self._ends(self.y, self.rows)
-
-    def _ends(self, origin: float, count: int) -> list[tuple[float, float]]:
-        width, margin = self.width, MARGIN * self.width
-        ends = [(origin + k * width - margin, origin + (k + 1) * width + margin) for k in range(count)]
-        ends[0] = -inf, ends[0][1]
-        ends[-1] = ends[-1][0], inf
-        return ends
-
-
-def grid_for(flights: Sequence[Flight | None], radii: Sequence[float]) -> Grid | None:
-    """Cells for circles, about two to a circle; None where they would spare nothing."""
-    known = [flight for flight in flights if flight is not None]
-    if len(known) < FEWEST:
-        return None
-    usual = sorted(radii)[len(radii) // 2]
-    reach = 2.0 * max(r for r in radii if r <= LARGE * usual)
-    left, right = min(flight[0] for flight in known), max(flight[0] for flight in known)
-    low, high = min(flight[1] for flight in known), max(flight[1] for flight in known)
-    area = (right - left) * (high - low)
-    width = max(
-        reach / (1.0 - 4.0 * MARGIN), (SHARE * area / len(known)) ** 0.5, (right - left + high - low) / MOST_CELLS
-    )
-    if not (0.0 < width < inf and isfinite(left + right + low + high)):
-        return None
-    columns, rows = int((right - left) / width) + 1, int((high - low) / width) + 1
-    return Grid(left, low, width, columns, rows) if columns * rows > 9 else None
 
 
 class Cells:
@@ -111,23 +60,32 @@ class Cells:
 
     Attributes:
         loose: all circles that are, for now.
+        next_crossing: when the next slice of time with crossings begins; infinite if there is none.
+        early: how much before a slice begins its crossings may be carried out.
     """
 
     def __init__(self, grid: Grid, count: int, large: frozenset[int], walls: WallCells) -> None:
         self.grid = grid
         self.large = large
         self.loose: set[int] = set()
+        self.next_crossing = self.early = inf
         self._walls = walls
         self._near = walls.near
         self._row = row = grid.columns + 2
         self._ahead = {step: _ahead(step, row) for step in (-1, 1, -row, row)}
-        self._left, self._right = _ends(grid.x, grid.width, grid.columns)
-        self._low, self._high = _ends(grid.y, grid.width, grid.rows)
+        self._left, self._right = leaves(grid.x, grid.width, grid.columns)
+        self._low, self._high = leaves(grid.y, grid.width, grid.rows)
         self._sharp = MARGIN / 8 * grid.width / (64.0 * UNIT) - abs(grid.x) - abs(grid.y)
+        x, y, width, columns, rows = grid
+        self._inside = x, y, last_within(x, width, columns), last_within(y, width, rows), width
+        self._margin = MARGIN * width
+        self._farthest = abs(x) + abs(y) + (columns + rows) * width
+        self._fastest = self._rate = 0.0
+        self._calm = -inf
+        self._slices: dict[int, list[Crossing]] = {}
+        self._numbers: list[int] = []
         self._cell = [NOWHERE] * count
         self._held: list[list[int]] = [[] for _ in range(row * (grid.rows + 2))]
-        self._crossings: list[tuple[float, int, int, int]] = [(inf, 0, count, 0)]
-        self._newest = [0] * (count + 1)
         self._flights: list[Flight] = [(0.0, 0.0, 0.0, 0.0, 0.0)] * count
         self._count = 0
         self._begun = [0] * count
@@ -136,19 +94,29 @@ class Cells:
 
     # -- a new flight
 
-    def enter(self, i: int, flight: Flight) -> None:
-        """Takes up a circle's new flight."""
-        self._begin(i)
-        if i in self.large:
+    def enter(self, i: int, flight: Flight) -> bool:
+        """Takes up a circle's new flight; tells whether there may be walls near it."""
+        self._count = self._begun[i] = self._count + 1
+        self._known_walls[i] = 0
+        x, y, vx, vy, _ = flight
+        left, low, right, high, width = self._inside
+        fastest = self._fastest
+        if (
+            left <= x <= right
+            and low <= y <= high
+            and -fastest <= vx <= fastest
+            and -fastest <= vy <= fastest
+            and i not in self.large
+        ):
+            column, row = int((x - left) / width), int((y - low) / width)
+        elif i not in self.large and self._admit(flight):
+            column = min(max(int((x - left) / width), 0), self.grid.columns - 1)
+            row = min(max(int((y - low) / width), 0), self.grid.rows - 1)
+        else:
             self._loosen(i)
-            return
-        self.loose.discard(i)
-        left, low, width, columns, rows = self.grid
-        column, row = int((flight[0] - left) / width), int((flight[1] - low) / width)
-        if not 0 <= column < columns:
-            column = 0 if column < 0 else columns - 1
-        if not 0 <= row < rows:
-            row = 0 if row < 0 else rows - 1
+            return True
+        if self.loose:
+            self.loose.discard(i)
         new, old = (row + 1) * self._row + column + 1, self._cell[i]
         if new != old:
             if old != NOWHERE:
@@ -157,15 +125,16 @@ class Cells:
             self._cell[i] = new
         self._flights[i] = flight
         self._foresee(i, flight, column, row)
+        return self._near[new] != 0 or bool(self.loose)
 
     def enter_loose(self, i: int) -> None:
-        """Takes up a circle's new flight that doubles do not tell to a rounding."""
-        self._begin(i)
+        """Takes up a circle's new flight that doubles do not tell to a rounding; there may be walls near."""
+        self._count = self._begun[i] = self._count + 1
+        self._known_walls[i] = 0
         self._loosen(i)
 
     def remove(self, i: int) -> None:
         """Drops a circle."""
-        self._newest[i] = 0
         self.loose.discard(i)
         cell = self._cell[i]
         if cell != NOWHERE:
@@ -177,10 +146,11 @@ class Cells:
 
         For a loose one that is all.
         """
-        if i in self.loose:
+        cell = self._cell[i]
+        if cell == NOWHERE:
             found = self._all()
         else:
-            held, row, cell = self._held, self._row, self._cell[i]
+            held, row = self._held, self._row
             low, high = cell - row, cell + row
             found = [
                 *held[low - 1], *held[low], *held[low + 1],
@@ -209,49 +179,67 @@ class Cells:
 
     # -- crossings
 
-    @property
-    def next_crossing(self) -> float:
-        """When the next circle leaves its cell; infinite if none does."""
-        crossings, newest = self._crossings, self._newest
-        while True:
-            time, count, i, _ = crossings[0]
-            if newest[i] == count:
-                return time
-            heappop(crossings)
+    def cross(self, since: float = inf) -> list[tuple[int, list[int], tuple[int, ...]]]:
+        """Carries out the crossings of the next slice of time.
 
-    def cross(self) -> tuple[int, list[int]]:
-        """Carries out the next crossing: the circle, and those whose neighbour it has newly become, ascending."""
-        _, _, i, step = heappop(self._crossings)
-        held, old = self._held, self._cell[i]
-        self._cell[i] = cell = old + step
-        held[old].remove(i)
-        held[cell].append(i)
-        row, column = divmod(cell, self._row)
-        self._foresee(i, self._flights[i], column - 1, row - 1)
-        if i in self.loose:
-            return i, self._new(i, self._all())
-        one, two, three = self._ahead[step]
-        near = held[cell + one] + held[cell + two] + held[cell + three]
-        return i, self._new(i, near) if near else near
+        Args:
+            since: what happens next may come as early as this; a circle that then is far from its new cell is loose.
 
-    def cross_early(self, since: float, until: float) -> tuple[int, list[int]]:
-        """As `cross`, of a crossing at `until`, where what happens next may come as early as `since`.
-
-        A circle that then is far from its new cell is loose.
+        Returns:
+            For each that crosses: which it is, the circles whose neighbour it has newly become, ascending, and the
+            walls near its cell that its flight does not know yet.
         """
-        i, found = self.cross()
-        _, _, vx, vy, _ = self._flights[i]
-        if i not in self.loose and not (until - since) * (abs(vx) + abs(vy)) < MARGIN / 2 * self.grid.width:
-            self._loosen(i)
-            found = sorted([*found, *self._new(i, self._all())])
-        return i, found
+        number = heappop(self._numbers)
+        before = number / self._rate - since
+        self.next_crossing = self._numbers[0] / self._rate if self._numbers else inf
+        held, cells, begun, near, row = self._held, self._cell, self._begun, self._near, self._row
+        found: list[tuple[int, list[int], tuple[int, ...]]] = []
+        for _, flight, i, step in self._slices.pop(number):
+            old = cells[i]
+            if begun[i] != flight or old == NOWHERE:
+                continue
+            cells[i] = cell = old + step
+            held[old].remove(i)
+            held[cell].append(i)
+            self._foresee(i, self._flights[i], cell % row - 1, cell // row - 1)
+            if before > self.early and cells[i] != NOWHERE:
+                _, _, vx, vy, _ = self._flights[i]
+                if not before * max(abs(vx), abs(vy)) < self._margin / 2:
+                    self._loosen(i)
+            if cells[i] == NOWHERE:
+                others, walls = self._all(), self.walls(i)
+            else:
+                one, two, three = self._ahead[step]
+                others = held[cell + one] + held[cell + two] + held[cell + three]
+                walls = self.walls(i) if near[cell] != 0 else ()
+            found.append((i, self._new(i, others) if others else others, walls))
+        return found
 
     # -- one circle
 
-    def _begin(self, i: int) -> None:
-        """A flight begins: it knows no wall; whom it knows, `around` tells."""
-        self._count = self._begun[i] = self._count + 1
-        self._known_walls[i] = 0
+    def _admit(self, flight: Flight) -> bool:
+        """Whether a flight can be held in cells; takes account of one farther out or faster than those before."""
+        x, y, vx, vy, _ = flight
+        far, fast = abs(x) + abs(y), abs(vx) + abs(vy)
+        if not (far < FARTHEST and fast < FARTHEST / 8 * self._margin):
+            return False
+        if fast > self._fastest:
+            self._slice_anew(ROOM * max(abs(vx), abs(vy)))
+        self._farthest = max(self._farthest, far)
+        if self._fastest > 0.0:
+            self._calm = min((self._sharp - self._farthest) / (2.0 * self._fastest), FARTHEST)
+        return True
+
+    def _slice_anew(self, fastest: float) -> None:
+        """Cuts time into slices short enough for a speed along an axis: half a margin takes no less."""
+        begun = self._begun
+        waiting = [crossing for due in self._slices.values() for crossing in due if begun[crossing[2]] == crossing[1]]
+        self._fastest, self._rate, self.next_crossing = fastest, 2.0 * fastest / self._margin, inf
+        self.early = 1.0 / self._rate
+        self._slices.clear()
+        self._numbers.clear()
+        for crossing in waiting:
+            self._await(crossing)
 
     def _new(self, i: int, others: list[int]) -> list[int]:
         """Those of some circles that have not been handed out with one on their flights, ascending; now they are."""
@@ -283,40 +271,50 @@ class Cells:
     def _foresee(self, i: int, flight: Flight, column: int, row: int) -> None:
         """Queues the time at which a circle is half a margin beyond its cell; a place not sharp enough is loose."""
         x, y, vx, vy, t = flight
-        wait, step, speed = inf, 0, 0.0
         if vx > 0.0:
-            wait, step, speed = (self._right[column] - x) / vx, 1, vx
+            wait, step = (self._right[column] - x) / vx, 1
         elif vx < 0.0:
-            wait, step, speed = (self._left[column] - x) / vx, -1, -vx
+            wait, step = (self._left[column] - x) / vx, -1
+        else:
+            wait, step = inf, 0
         if vy > 0.0:
             up = (self._high[row] - y) / vy
-            speed += vy
             if up < wait:
                 wait, step = up, self._row
         elif vy < 0.0:
             up = (self._low[row] - y) / vy
-            speed -= vy
             if up < wait:
                 wait, step = up, -self._row
-        last = t if wait == inf or wait < 0.0 else t + wait
-        if not abs(x) + abs(y) + speed * last < self._sharp:
-            self._loosen(i)
-        elif step:
-            self._count = self._newest[i] = self._count + 1
-            heappush(self._crossings, (t + wait, self._count, i, step))
-        else:
-            self._newest[i] = 0
+        time = t + wait
+        if not t <= time < self._calm:
+            last = t if wait == inf or wait < 0.0 else time
+            if not (abs(x) + abs(y) + (abs(vx) + abs(vy)) * last < self._sharp and last < FARTHEST):
+                self._loosen(i)
+                return
+            if wait == inf:
+                return
+        number = int(time * self._rate)
+        waiting = self._slices.get(number)
+        if waiting is None:
+            self._begin(number)
+            waiting = self._slices[number]
+        waiting.append((time, self._begun[i], i, step))
+
+    def _await(self, crossing: Crossing) -> None:
+        """Puts a crossing into the slice of time that it falls in."""
+        number = int(crossing[0] * self._rate)
+        if number not in self._slices:
+            self._begin(number)
+        self._slices[number].append(crossing)
+
+    def _begin(self, number: int) -> None:
+        """A slice of time gets its first crossing."""
+        self._slices[number] = []
+        heappush(self._numbers, number)
+        self.next_crossing = self._numbers[0] / self._rate
 
 
 def _ahead(step: int, row: int) -> tuple[int, int, int]:
     """The three cells that come to be around one, as seen from it, for who takes a step."""
     aside = row if abs(step) == 1 else 1
     return step - aside, step, step + aside
-
-
-def _ends(origin: float, width: float, count: int) -> tuple[list[float], list[float]]:
-    """Where a circle leaves each of the cells along an axis, downwards and upwards: half a margin beyond its border."""
-    low = [origin + (k - MARGIN / 2) * width for k in range(count)]
-    high = [origin + (k + 1 + MARGIN / 2) * width for k in range(count)]
-    low[0], high[-1] = -inf, inf
-    return low, high

@@ -11,7 +11,8 @@ from ....scenarios.things import Wall
 from ...numbers.system import N
 from ...replay.body import Body
 from ...replay.contact import Link
-from .cells import LARGE, Cells, Flight, grid_for
+from .cells import Cells
+from .grid import LARGE, Flight, grid_for
 from .wall_cells import WallCells
 
 
@@ -57,57 +58,59 @@ class Crowd(Generic[N]):
 
     def predict(self, moved: Sequence[Body[N]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of circles whose flights are new (see `Predictor.predict`)."""
-        cells, bodies, plan, predictions, done = self._cells, self._bodies, self._plan, self._predictions, set[int]()
+        cells, bodies, plan, predictions = self._cells, self._bodies, self._plan, self._predictions
         for i in gone:
             cells.remove(i)
         for a in moved:
+            a.until = inf
             flight = predictions.in_doubles(a)
             if flight is None:
                 cells.enter_loose(a.index)
-            else:
-                cells.enter(a.index, flight)
-        for a in moved:
-            a.until = inf
-            walls = () if a.flight.rest else cells.walls(a.index)
-            if walls:
+            elif not cells.enter(a.index, flight):
+                continue
+            walls = cells.walls(a.index)
+            if walls and not a.flight.rest:
                 plan["walls predicted"] += len(walls)
                 predictions.walls(a, walls, standing)
+        done: set[int] = set()
+        predicted = 0
         for a in moved:
-            done.add(a.index)
             near = cells.around(a.index)
-            met = [bodies[k] for k in near if k not in done] if len(moved) > 1 else [bodies[k] for k in near]
+            met = [bodies[k] for k in near if k not in done] if done else [bodies[k] for k in near]
+            done.add(a.index)
             if a.flight.rest:
                 count = len(met)
                 met = [b for b in met if not b.flight.rest]
                 plan["pairs at rest skipped"] += count - len(met)
-            plan["pairs predicted"] += len(met)
-            predictions.pairs(a, met if a.flight.rest or not self._pockets else [*met, *self._pockets], standing)
+            elif self._pockets:
+                predicted -= len(self._pockets)
+                met += self._pockets
+            predicted += len(met)
+            predictions.pairs(a, met, standing)
+        plan["pairs predicted"] += predicted
 
     @property
     def next_crossing(self) -> float:
         """See `Crossings`."""
         return self._cells.next_crossing
 
-    def cross(self) -> None:
-        """See `Crossings`. Two that touch have been neighbours, so nothing stands at gap zero here."""
-        self._crossed(*self._cells.cross())
-
-    def cross_early(self, since: float, until: float) -> None:
+    @property
+    def early(self) -> float:
         """See `Crossings`."""
-        while self._cells.next_crossing <= until:
-            self._crossed(*self._cells.cross_early(since, until))
+        return self._cells.early
 
-    def _crossed(self, i: int, near: list[int]) -> None:
-        """Queues what a circle may meet in its new cell, and has not met before."""
+    def cross(self, since: float = inf) -> None:
+        """See `Crossings`. Two that touch have been neighbours, so nothing stands at gap zero here."""
         bodies, plan, predictions = self._bodies, self._plan, self._predictions
-        plan["cells crossed"] += 1
-        walls = self._cells.walls(i)
-        if walls:
-            plan["walls predicted"] += len(walls)
-            predictions.walls(bodies[i], walls, ())
-        if near:
-            plan["pairs predicted"] += len(near)
-            predictions.pairs(bodies[i], [bodies[k] for k in near], ())
+        crossed = self._cells.cross(since)
+        plan["cells crossed"] += len(crossed)
+        for i, near, walls in crossed:
+            if walls:
+                plan["walls predicted"] += len(walls)
+                predictions.walls(bodies[i], walls, ())
+            if near:
+                plan["pairs predicted"] += len(near)
+                predictions.pairs(bodies[i], [bodies[k] for k in near], ())
 
 
 def cells_for(flights: Sequence[Flight | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:

@@ -22,16 +22,14 @@ from ...numbers.system import M
 from ...replay.body import Body
 from ...replay.contact import AtWall, Entry, Link, Pair, Round
 from ...replay.state import State
-from . import cells as crowding
-from .cells import Flight
+from . import grid as crowding
+from .cells import FARTHEST
 from .crowd import Crowd, cells_for
+from .grid import Flight
 from .queue import ArrivalQueue
 
 ROUNDED_DOWN = 1 - 2.0**-50
 """Makes a quotient of doubles a lower bound: its rounding, 2**-53, is less."""
-
-FARTHEST = 1e100
-"""Beyond this, differences of places might not be doubles any more."""
 
 SHARP = 2.0**-49
 """Most by which bounds of a number may differ, as a share of it, where a double tells it to a few roundings."""

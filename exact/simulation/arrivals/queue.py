@@ -37,31 +37,33 @@ class Arrival(NamedTuple, Generic[N]):
 
 
 class Crossings(Protocol):
-    """What may make new arrivals of flights that stay as they are."""
+    """What may make new arrivals of flights that stay as they are, from certain times on."""
 
     @property
     def next_crossing(self) -> float:
-        """When that comes next; infinite if never."""
+        """The next such time; infinite if there is none."""
         ...
 
-    def cross(self) -> None:
-        """Queues what the next makes."""
+    @property
+    def early(self) -> float:
+        """How much before that time they may be made."""
         ...
 
-    def cross_early(self, since: float, until: float) -> None:
-        """Queues what they make up to a time, where what happens next may come as early as `since`."""
+    def cross(self, since: float = inf, /) -> None:
+        """Queues what is due at that time.
+
+        Args:
+            since: where that is more than `early` before, the earliest time at which anything else may happen next.
+        """
         ...
 
 
 class NoCrossings:
     """Every arrival is queued as its flights begin."""
 
-    next_crossing = inf
+    next_crossing = early = inf
 
-    def cross(self) -> None:
-        """Nothing."""
-
-    def cross_early(self, since: float, until: float) -> None:
+    def cross(self, since: float = inf, /) -> None:
         """Nothing."""
 
 
@@ -182,13 +184,11 @@ class ArrivalQueue(Generic[N]):
             if not high < before:
                 return None
             crossing = crossings.next_crossing
-            if crossing < low:
-                while crossing < heap[0][0]:
-                    crossings.cross()
-                    crossing = crossings.next_crossing
-                continue
             if crossing <= high:
-                return None
+                if crossing >= low and high - low > crossings.early:
+                    return None
+                crossings.cross()
+                continue
             heappop(heap)
             while heap and heap[0][0] <= high:
                 if not self._is_stale(heap[0]):
@@ -219,7 +219,7 @@ class ArrivalQueue(Generic[N]):
                 return found
             for arrival in found:
                 heappush(heap, arrival)
-            crossings.cross_early(since, crossing)
+            crossings.cross(since)
 
     def _rivals(self) -> list[Arrival[N]]:
         heap = self._heap

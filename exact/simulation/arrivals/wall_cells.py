@@ -50,8 +50,28 @@ class WallCells:
     ) -> None:
         self.every = (1 << len(walls)) - 1
         self.near: list[int | None] = [None] * ((len(columns) + 2) * (len(rows) + 2))
-        self._spans = [_spans(wall, columns, rows, radius) for wall in walls]
+        self._count = len(walls)
+        self._by_column, self._by_row = [0] * len(columns), [0] * len(rows)
+        self._others: list[tuple[int, Spans]] = []
+        self._always = 0
+        for k, wall in enumerate(walls):
+            self._admit(1 << k, _spans(wall, columns, rows, radius))
         self._indices: dict[int, tuple[int, ...]] = {}
+
+    def _admit(self, bit: int, spans: Spans | None) -> None:
+        """Takes up a wall: for each column, or each row, where it runs along them, that is all it takes."""
+        if spans is None:
+            self._always |= bit
+            return
+        left, right, low, high, off = spans
+        if len({*low, *high}) == 1:
+            near = [not (a + low[0] > off or b + low[0] < -off) for a, b in zip(left, right, strict=True)]
+            self._by_column = [bits | bit * found for bits, found in zip(self._by_column, near, strict=True)]
+        elif len({*left, *right}) == 1:
+            near = [not (left[0] + a > off or left[0] + b < -off) for a, b in zip(low, high, strict=True)]
+            self._by_row = [bits | bit * found for bits, found in zip(self._by_row, near, strict=True)]
+        else:
+            self._others.append((bit, spans))
 
     def look(self, cell: int, column: int, row: int) -> int:
         """Finds the walls near a cell, and keeps them.
@@ -62,15 +82,10 @@ class WallCells:
         >>> found.look(7, 1, 1), found.look(6, 0, 1), found.look(8, 2, 1)
         (0, 1, 2)
         """
-        near, bit = 0, 1
-        for spans in self._spans:
-            if spans is None:
+        near = self._always | self._by_column[column] | self._by_row[row]
+        for bit, (left, right, low, high, off) in self._others:
+            if not (left[column] + low[row] > off or right[column] + high[row] < -off):
                 near |= bit
-            else:
-                left, right, low, high, off = spans
-                if not (left[column] + low[row] > off or right[column] + high[row] < -off):
-                    near |= bit
-            bit += bit
         self.near[cell] = near
         return near
 
@@ -78,7 +93,7 @@ class WallCells:
         """The walls of such bits, in scene order."""
         found = self._indices.get(bits)
         if found is None:
-            found = self._indices[bits] = tuple(k for k in range(len(self._spans)) if bits >> k & 1)
+            found = self._indices[bits] = tuple(k for k in range(self._count) if bits >> k & 1)
         return found
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from truebreak.compare.certificate.scene_text import text_of
 from truebreak.compare.certificate.tower import WORK, Exact
-from truebreak.tools.verify import UNTOLD, Ball, Form, Undecided, number
+from truebreak.tools.verify import UNTOLD, Ball, Form, Undecided, enclosed, number
 
 
 @pytest.fixture(autouse=True)
@@ -24,7 +24,7 @@ def numbers_of_its_own() -> Iterator[None]:
 
 
 def of(x: int | str | Fraction) -> Ball:
-    return Ball.of(Form({frozenset(): Fraction(x)} if Fraction(x) else {}))
+    return enclosed(Form({frozenset(): Fraction(x)} if Fraction(x) else {}))
 
 
 def exact(x: int | str) -> Exact:
@@ -35,7 +35,7 @@ def told(x: Exact) -> Form:
     """A number of the writer as the checker reads it, with the roots that it takes."""
     for root in Exact.roots[len(Form.squares) :]:
         Form.squares.append(number(text_of(root)))
-        Ball.roots.append(Ball.of(Form.squares[-1]).sqrt())
+        Ball.roots.append(enclosed(Form.squares[-1]).sqrt())
     return number(text_of(x))
 
 

@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from truebreak.compare import engine
-from truebreak.exact.simulation.arrivals import cells as cells_module
+from truebreak.exact.simulation.arrivals import grid
 from truebreak.exact.simulation.arrivals.crowd import cells_for
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
 
@@ -65,7 +65,7 @@ def test_cells_change_nothing(scene: str, name: str, monkeypatch: pytest.MonkeyP
     built, limits = SCENES[scene]()
     with_cells = engine(name).run(built, **limits)
     assert with_cells.plan["cells crossed"] > 0
-    monkeypatch.setattr(cells_module, "FEWEST", 10**9)
+    monkeypatch.setattr(grid, "FEWEST", 10**9)
     without = engine(name).run(built, **limits)
     assert "cells crossed" not in without.plan
     assert told(with_cells) == told(without)
@@ -84,11 +84,18 @@ def comes_within(dx: float, dy: float, vx: float, vy: float, reach: float) -> fl
 
 @pytest.mark.parametrize("seed", range(6))
 def test_whoever_may_meet_is_handed_out_in_time_and_once(seed: int) -> None:
-    """Circles of radius 1 fly through each other and through walls, and turn at random: what cells promise, by brute
-    force."""
+    """Circles of radius 1 fly through each other and through walls, and turn at random, now and then before crossings
+    that have been carried out already: what cells promise, by brute force."""
     draw = Random(seed)
     n, size, now = 90, 60.0, 0.0
-    walls = [Wall(0, 0, 1, 0), Wall(0, 0, 1, 3), Wall(55, 0, 60, -9), Wall(0, 70, 9, 69), Wall(30, 30, 31, 29)]
+    walls = [
+        Wall(0, 0, 1, 0),
+        Wall(0, 0, 1, 3),
+        Wall(55, 0, 60, -9),
+        Wall(0, 70, 9, 69),
+        Wall(30, 30, 31, 29),
+        Wall(57, 0, 57, 1),
+    ]
     turn = lambda: (draw.uniform(-2, 2), draw.uniform(-2, 2)) if draw.random() > 0.1 else (0.0, draw.choice([0.0, 1.0]))  # noqa: E731
     flights = [(draw.uniform(0, size), draw.uniform(0, size), *turn(), 0.0) for _ in range(n)]
     begun = [0] * n
@@ -100,9 +107,9 @@ def test_whoever_may_meet_is_handed_out_in_time_and_once(seed: int) -> None:
         assert key not in handed
         handed[key] = now
 
-    def met(i: int, others: list[int]) -> None:
+    def met(i: int, others: list[int], near: tuple[int, ...]) -> None:
         assert others == sorted(others)
-        for k in cells.walls(i):
+        for k in near:
             hand((i, begun[i], ~k))
         for k in others:
             a, b = sorted((i, k))
@@ -130,19 +137,24 @@ def test_whoever_may_meet_is_handed_out_in_time_and_once(seed: int) -> None:
     for i, flight in enumerate(flights):
         cells.enter(i, flight)
     for i in range(n):
-        met(i, [k for k in cells.around(i) if k >= i])
+        met(i, [k for k in cells.around(i) if k >= i], cells.walls(i))
     for _ in range(150):
         then = now + draw.expovariate(4.0)
+        turns_at = draw.uniform(now, then) if draw.random() < 0.3 else then
         while cells.next_crossing <= then:
-            now = max(now, cells.next_crossing)
-            met(*cells.cross())
+            now = max(now, min(cells.next_crossing, turns_at))
+            for crossed in cells.cross(turns_at):
+                met(*crossed)
         check(then)
-        now, i = then, draw.randrange(n)
+        now, i = turns_at, draw.randrange(n)
         x, y, vx, vy, t = flights[i]
         begun[i] += 1
         flights[i] = (x + vx * (now - t), y + vy * (now - t), *turn(), now)
-        cells.enter(i, flights[i])
-        met(i, cells.around(i))
+        may_be_near = cells.enter(i, flights[i])
+        near = cells.walls(i)
+        assert may_be_near or not near
+        met(i, cells.around(i), near)
+    assert cells.loose
 
 
 def test_what_no_double_holds_is_held_against_all() -> None:
