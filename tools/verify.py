@@ -345,7 +345,7 @@ class Checker:
     def said(self, value, text):  # that a number is as the decimal text says, to within one unit of its last digit
         unit, at = Fraction(1, 10 ** len(text.partition(".")[2])), Fraction(text)
         low, high = (enclosed(Form({frozenset(): at + d})) for d in (-unit, unit))
-        for x in (value - low, high - value): positive(x.sign(), f"a number is not {text}")
+        for x in (value - low, high - value): positive(x.sign(), f"a number is not {text[:40]}")
     def check(self):  # instant by instant; then what ended the run, and the final state
         for entry in self.told["instants"]: self.instant(entry)
         self.take(self.end, "at the end")

@@ -337,7 +337,8 @@ export class Check {
     const one = 1n << shift
     const far = off < 0n ? -off : off
     if (far + wide < one) return
-    throw far - wide >= one ? new Refuted(`a number is not ${text}`) : new Undecided(`whether a number is ${text}`)
+    const short = text.slice(0, 40)
+    throw far - wide >= one ? new Refuted(`a number is not ${short}`) : new Undecided(`whether a number is ${short}`)
   }
 
   #end(end) {

@@ -55,6 +55,13 @@ def with_scene(**values: Any) -> Told:
     return {**LEE, "scene": {**LEE["scene"], **values}}
 
 
+def with_circle(circle: int, **values: Any) -> Told:
+    """The same with other values of a circle."""
+    circles = deepcopy(LEE["scene"]["circles"])
+    circles[circle] |= values
+    return with_scene(circles=circles)
+
+
 RUNS_ON = [*LEE["instants"], {"met": [[0, 1]], "time": "9.0"}]
 
 CASES: dict[str, tuple[int, Told | str]] = {
@@ -99,7 +106,51 @@ CASES: dict[str, tuple[int, Told | str]] = {
     "no events as a limit": (NO_CERTIFICATE, {**LEE, "end": {"reason": "events", "limit": 0}}),
     "an end without a name": (NO_CERTIFICATE, {**LEE, "end": {"reason": "boredom"}}),
     "an end that is not asked": (VERIFIED, {**LEE, "end": {"reason": "quiet", "until": "1/1000"}}),
-    "no instant at all": (REFUTED, {**LEE, "instants": []}),
+    "no instant at all": (NO_CERTIFICATE, {**LEE, "instants": []}),
+    "an id that comes twice": (NO_CERTIFICATE, with_circle(0, id=LEE["scene"]["circles"][1]["id"])),
+    "an id that is a number": (NO_CERTIFICATE, with_circle(0, id=1)),
+    "a circle without an id": (NO_CERTIFICATE, with_scene(circles=[{"x": "0"}, *LEE["scene"]["circles"][1:]])),
+    "capture that is text": (NO_CERTIFICATE, with_scene(capture="no")),
+    "a count that is truth": (NO_CERTIFICATE, {**LEE, "end": {"reason": "events", "limit": True}}),
+    "bits that are truth": (NO_CERTIFICATE, {**LEE, "bits": True}),
+    "a reversal after no event": (NO_CERTIFICATE, with_scene(reverse_after=0)),
+    "a reversal after an event in words": (NO_CERTIFICATE, with_scene(reverse_after="1")),
+    "roots that are a text": (NO_CERTIFICATE, {**LEE, "roots": "23"}),
+    "walls that are a text": (NO_CERTIFICATE, with_scene(walls="")),
+    "walls that are an object": (NO_CERTIFICATE, with_scene(walls={})),
+    "isometries that are an object": (NO_CERTIFICATE, {**LEE, "isometries": {}}),
+    "a matrix that is a text": (NO_CERTIFICATE, {**LEE, "isometries": [{**MIRROR, "matrix": "1001"}]}),
+    "a map of truth": (NO_CERTIFICATE, {**LEE, "isometries": [{**MIRROR, "map": [[True, 1]]}]}),
+    "a map of one number": (NO_CERTIFICATE, {**LEE, "isometries": [{**MIRROR, "map": [[12]]}]}),
+    "a map that is an object": (NO_CERTIFICATE, {**LEE, "isometries": [{**MIRROR, "map": {"0": 1}}]}),
+    "a final state of too many": (
+        NO_CERTIFICATE,
+        {**LEE, "final": {**LEE["final"], "circles": [*LEE["final"]["circles"], ["0", "0", "0", "0"]]}},
+    ),
+    "an instant without a time": (NO_CERTIFICATE, {**LEE, "instants": [*LEE["instants"], {}]}),
+    "an instant that is a text": (NO_CERTIFICATE, {**LEE, "instants": [*LEE["instants"], "time"]}),
+    "instants that are an object": (NO_CERTIFICATE, {**LEE, "instants": LEE["instants"][0]}),
+    "a final state that is a list": (NO_CERTIFICATE, {**LEE, "final": [LEE["final"]]}),
+    "an end that is a list": (NO_CERTIFICATE, {**LEE, "end": [LEE["end"]]}),
+    "a scene that is a list": (NO_CERTIFICATE, {**LEE, "scene": [LEE["scene"]]}),
+    "a turn that is none": (NO_CERTIFICATE, with_first(turn=False)),
+    "no meeting": (NO_CERTIFICATE, with_first(met=None)),
+    "a root without a number": (NO_CERTIFICATE, with_circle(0, x="1*r0")),
+    "a root with a nought before": (NO_CERTIFICATE, {**with_circle(0, x="-3+0*r01"), "roots": ["2"]}),
+    "a root that is there": (VERIFIED, {**with_circle(0, x="-3+0*r1"), "roots": ["2"]}),
+    "a circle of a name": (NO_CERTIFICATE, with_circle(0, name="left")),
+    "a key that there is not": (NO_CERTIFICATE, {**LEE, "more": "text"}),
+    "a key that there is, and a question mark": (NO_CERTIFICATE, {**LEE, "end": {**LEE["end"], "limit?": 1}}),
+    "a long id": (VERIFIED, with_circle(0, id="left" * 100_000)),
+    "an id of other letters": (VERIFIED, with_circle(0, id="\u00e9\ud800\n\"")),
+    "many digits": (VERIFIED, with_circle(0, x="-" + "0" * 99_999 + "3")),
+    "too many digits": (NO_CERTIFICATE, with_circle(0, x="-" + "0" * 100_000 + "3")),
+    "too many digits of a decimal": (
+        NO_CERTIFICATE, {**LEE, "final": {**LEE["final"], "time": "1." + "0" * 100_001}},
+    ),
+    "a limit that nothing asks": (VERIFIED, {**LEE, "end": {**LEE["end"], "limit": 7}}),
+    "a limit that nothing asks, and is none": (NO_CERTIFICATE, {**LEE, "end": {**LEE["end"], "limit": 0}}),
+    "events without a limit": (NO_CERTIFICATE, {**LEE, "end": {"reason": "events"}}),
     "a mark before the text": (NO_CERTIFICATE, "\ufeff" + certificate_json(LEE)),
     "a fraction of JSON where nothing is read": (NO_CERTIFICATE, json.dumps({**LEE, "more": 0.5})),
     "a long number where nothing is read": (NO_CERTIFICATE, json.dumps({**LEE, "more": 10**15})),

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from certificate.forging import SAME, TINY, UPSIDE_DOWN, Told, added, refused_by_both, row, told, witness
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Wall
-
 
 # -- ties
 
