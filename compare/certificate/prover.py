@@ -171,8 +171,7 @@ class Prover(Checker):
         if "exact" in entry:
             for w in self.worlds:
                 w.times.append(w.limits["reverse"])
-            for c in self.meets:
-                self._try(entry, c)
+            self._try_all(entry)
             self.age -= 1
             for w in self.worlds:
                 del w.times[-1]
@@ -205,6 +204,8 @@ class Prover(Checker):
                 more = {i for i in c if linked and 0 <= i < self.n} - bodies
                 bodies |= more
                 todo += more
+        if any("turn" in later for later in self.told["instants"][self.age + 1 : self.age + 2]):
+            self._try_all(entry)
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
 
@@ -212,6 +213,11 @@ class Prover(Checker):
         entry["met"].append(list(c))
         self.clock = self.clock or c
         self.met[c] = self.sign("closing", c)
+
+    def _try_all(self, entry: dict[str, Any]) -> None:
+        """Lists whatever is at gap zero where a reversal falls on it: all flights end, and who leaves enters."""
+        for c in sorted(self.meets - self.met.keys()):
+            self._try(entry, c, leaving=c[1] < 0)
 
     def _try(self, entry: dict[str, Any], c: Contact, leaving: bool = False) -> bool:
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""

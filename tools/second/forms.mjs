@@ -113,9 +113,9 @@ export class Balls {
     }
   }
 
-  /** The interval of a form. */
+  /** The interval of a form. None but zero is of one number alone: what is equal is shown by forms. */
   of({ d, terms }) {
-    let sum = this.zero
+    let sum = { m: 0n, r: terms.size ? 1n : 0n }
     for (const [key, n] of terms) {
       let term = this.fixed.fraction(n, d)
       for (let k = 0; key >> BigInt(k) > 0n; k++) if ((key >> BigInt(k)) & 1n) term = this.fixed.mul(term, this.roots[k])
