@@ -9,17 +9,20 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import jsonschema
 import pytest
 
 from certificate.checkers import by_node, by_python, needs_node
 from certificate.samples import built
 from certificate.test_tampering import Told, altered, parts
 from truebreak.compare.certificate import certificate_json, certificate_of
+from truebreak.compare.documents.schemas import schema
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Scene
 
 VERIFIED, REFUTED, NO_CERTIFICATE, UNDECIDED = 0, 1, 2, 4
 
+SCHEMA = jsonschema.Draft202012Validator(schema("certificate-2"))
 LEE = certificate_of(built("lee"))
 MIRROR = {"matrix": ["1", "0", "0", "-1"], "shift": ["0", "0"], "map": [[0, 1]]}
 
@@ -169,6 +172,12 @@ def test_both_checkers_give_the_exit_code_that_the_page_says(tmp_path: Path) -> 
         assert (first[0], second[0]) == (code, code), f"{name}: {first[1]}; {second[1]}"
 
 
+@pytest.mark.parametrize("name", [name for name, (_, told) in CASES.items() if isinstance(told, dict)])
+def test_what_the_schema_does_not_take_is_no_certificate(name: str) -> None:
+    code, told = CASES[name]
+    assert code == NO_CERTIFICATE or SCHEMA.is_valid(told)
+
+
 def lists_of(value: Any) -> Iterator[list[Any]]:
     """All lists in a value of JSON."""
     if isinstance(value, list):
@@ -244,5 +253,6 @@ def test_certificates_of_another_structure_are_told_alike(count: int, tmp_path: 
     for (name, _), path, (second, other) in zip(tried, paths, by_node(paths), strict=True):
         first, sentence = by_python(path)
         assert first == second or {first, second} == {REFUTED, UNDECIDED}, f"{name}: {sentence}; {other}"
+        assert first == NO_CERTIFICATE or SCHEMA.is_valid(json.loads(path.read_text(encoding="utf-8"))), name
         found.append(first)
     assert set(found) == {VERIFIED, REFUTED, NO_CERTIFICATE, UNDECIDED}
