@@ -210,7 +210,7 @@ class Checker:
         self.draw = random.Random(int(self.policy[16:])) if ":seed=" in self.policy else None
         self.worlds = self.ball, self.form = [World(n, self.things, sides, limits, of) for of in (enclosed, Form)]
         self.isometries = [self.isometry(g) for g in told["isometries"]]
-        self.age, self.count, self.out, self.known, self.parted, self.lasting = -1, 0, [], {}, set(), set()
+        self.age, self.count, self.out, self.known, self.parted, self.lasting = -1, 0, [], {}, set(), {}
     def isometry(self, told):  # its linear part, what it maps to what, by the data, and whose flights it maps
         (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
         images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
@@ -286,7 +286,7 @@ class Checker:
             if (self.met or told or not age) and self.sign("gap", c): raise Refuted(f"{c} do not meet at it")
             self.met[c] = self.sign("closing", c)
             if age and self.met[c] > 0: self.clear(c, last=True)  # only a pocket is left, by what was in it
-        self.known = {c: -sign for c, sign in self.known.items()} if turn else dict.fromkeys(self.lasting, 0) | self.met
+        self.known = {c: -sign for c, sign in self.known.items()} if turn else self.lasting | self.met
         self.way, self.due = self.way or turn, False
         if turn: self.settle(self.movable)
         for w in self.worlds if turn else ():
@@ -327,7 +327,7 @@ class Checker:
                     for rows, contacts in ((self.rows, coming), (pushes, push)):
                         if row := {c for c in contacts if i in c}: rows.setdefault(i, []).append(row)
                 moved |= (hit := self.movable & {i for c in push for i in c})
-                known |= {c: self.sign("closing", c) for c in group if hit & {*c}}
+                known |= {c: self.sign("closing", c) for c in sorted(group) if hit & {*c}}
         enter = sorted(c for c in known if c[1] < 0 and known[c] < 0)
         if rounds or enter != sorted(map(tuple, entry.get("enter", ()))): raise Refuted(f"{enter} enter, or none push")
         if taken := {i for i, _ in enter if self.told["scene"].get("capture")}:
@@ -335,7 +335,7 @@ class Checker:
             for w in self.worlds: w.redirect(taken, self.age, NONE)
             self.meets = {c for c in self.meets if not taken & {*c}}
         self.known = {c: sign for c, sign in known.items() if c in self.meets}
-        self.lasting = {c for c, sign in self.known.items() if (c in self.lasting and not moved & {*c})
+        self.lasting = {c: 0 for c, sign in self.known.items() if (c in self.lasting and not moved & {*c})
                         or (sign == 0 and self.sign("speed", c) == 0)}
         self.parted = {c for c in self.parted if not moved & {*c}} | known.keys()
         self.isometries = [(*g[:2], {i for i in self.mapped(g) if not taken & {i, g[1][i]}}) for g in self.isometries]

@@ -6,7 +6,7 @@ for, and kept if the checker accepts it. So nothing here is trusted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Set
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
@@ -97,6 +97,15 @@ class Prover(Checker):
                 if 0 <= i < self.n:
                     self.of[i].append(c)
 
+    @property
+    def meets(self) -> Set[Contact]:
+        """What may still meet, in scene order: what is written does not hang on the order of sets."""
+        return self._meets.keys()
+
+    @meets.setter
+    def meets(self, contacts: Iterable[Contact]) -> None:
+        self._meets = dict.fromkeys(sorted(contacts))
+
     def run(self) -> None:
         """Completes the certificate, with the bits that it says.
 
@@ -178,7 +187,7 @@ class Prover(Checker):
             return
         wanted = contacts or {(i, j) for i, j in map(tuple, entry["enter"])}
         hits = []
-        for c in wanted - self.lasting:
+        for c in sorted(wanted - self.lasting.keys()):
             m = self.ball.meeting(c, self.ball.start(c))
             if c not in self.parted and m.closing.sign() == -1 and m.disc.sign() == 1:
                 hits.append((self.ball.hit(c), c))
@@ -203,7 +212,7 @@ class Prover(Checker):
                     linked = self._try(entry, c)
                 more = {i for i in c if linked and 0 <= i < self.n} - bodies
                 bodies |= more
-                todo += more
+                todo += sorted(more)
         if any("turn" in later for later in self.told["instants"][self.age + 1 : self.age + 2]):
             self._try_all(entry)
         self.age -= 1
@@ -216,12 +225,12 @@ class Prover(Checker):
 
     def _try_all(self, entry: dict[str, Any]) -> None:
         """Lists whatever is at gap zero where a reversal falls on it: all flights end, and who leaves enters."""
-        for c in sorted(self.meets - self.met.keys()):
+        for c in self.meets:
             self._try(entry, c, leaving=c[1] < 0)
 
     def _try(self, entry: dict[str, Any], c: Contact, leaving: bool = False) -> bool:
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
-        if c in self.lasting or c not in self.meets or (c in self.parted and not leaving):
+        if c in self.lasting or c in self.met or c not in self.meets or (c in self.parted and not leaving):
             return False
         m = self.ball.meeting(c, self.age)
         if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
