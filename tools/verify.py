@@ -276,7 +276,7 @@ class Checker:
         age, times, due = self.age, self.ball.times, self.due
         self.take(entry, f"instant {age}")
         if due != turn or self.count == self.last: raise Refuted("the reversal is due, or is not, or the end is")
-        if len({*met} & self.meets) < len(met) * (1 + turn): raise Refuted(f"{met} cannot all meet")
+        if len({*met} - self.lasting.keys() & self.meets) < len(met) * (1 + turn): raise Refuted(f"{met} cannot meet")
         for w in self.worlds if age else ():
             w.times.append(w.times[-1] if turn else w.of(number(entry["exact"])) if told else w.hit(met[0]))
         self.said(times[age], entry["time"])

@@ -174,7 +174,8 @@ export class Check {
   }
 
   #possible(contact, entry) {
-    if (!this.scene.has(contact) || this.#isGone(contact) || entry.turn) throw new Refuted(`[${contact}] cannot meet`)
+    const comes = this.scene.has(contact) && !this.#isGone(contact) && !this.lasting.has(keyOf(contact))
+    if (!comes || entry.turn) throw new Refuted(`[${contact}] cannot meet`)
   }
 
   #arrive(contact, entry) {

@@ -13,7 +13,6 @@ from certificate.checkers import TOOLS
 from certificate.forging import SAME, TINY, Told, refused_by_both, told
 from certificate.test_loopholes import (
     an_entry_hidden_by_the_leaving,
-    back_by_what_lasts,
     nothing_told_up_to_a_horizon,
 )
 from truebreak.compare.certificate import certificate_json
@@ -90,6 +89,13 @@ def nearly_turned() -> Told:
     return cert
 
 
+def touching_again() -> Told:
+    """Two that touch all the time are said to come to it when another strikes."""
+    cert = told(Scene([*PAIR, Circle(11, 0)]))
+    cert["instants"][1]["met"].append([1, 2])
+    return cert
+
+
 def taken_and_yet_there() -> Told:
     """What a pocket has taken is met by another later on."""
     scene = Scene([Circle(0, 0, vx=1), Circle(-9, 0, vx=1)], pockets=[Pocket(9, 0, 1)], capture=True)
@@ -112,9 +118,7 @@ CONDITIONS: dict[str, tuple[str, str, Callable[[], Told]]] = {
     "a pocket is left by what was in it": (
         "if age and self.met[c] > 0: self.clear(c, last=True)", "pass", an_entry_hidden_by_the_leaving,
     ),
-    "what lasts is no sign of the time": (
-        "self.met.get(other, 0) < 0 and", "other in self.met and", back_by_what_lasts,
-    ),
+    "what lasts does not come again": (" - self.lasting.keys()", "", touching_again),
     "flights end at the reversal": (
         "if turn: self.settle(self.movable)", "pass", lambda: of(Scene(PAIR, reverse_at=12), *TURN, end=STOPPED),
     ),
