@@ -11,7 +11,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
-from ..replay.body import Body
+from ..replay.body import Body, Doubles
 from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
 from ..simulation.cells import Flight
@@ -102,6 +102,18 @@ class FilteredPredictor(Predictor[arb]):
                 last, t = clock, +clock
             body.q = (+x, +y, +vx, +vy, t)
             admit(body)
+
+    def take(self, bodies: Sequence[Body[arb]], told: Sequence[Doubles | None]) -> None:
+        """As `refresh`, of circles that are not exact, and whose flights in doubles are told; see `LoneContacts`."""
+        ball.use_bits(QUICK_BITS)
+        t = +bodies[0].flight.t
+        for body, doubles in zip(bodies, told, strict=True):
+            x, y, vx, vy, *_ = body.flight
+            body.q = (+x, +y, +vx, +vy, t)
+            if doubles is None:
+                self.filter.admit(body)
+            else:
+                self.filter.take(body, doubles)
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`; the order is that of `others`."""

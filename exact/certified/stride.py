@@ -57,6 +57,7 @@ class Stride:
         self._begin = begin
         self._do = do
         self._refresh = meetings.predictor.refresh
+        self._take = meetings.predictor.take
         self._steps: dict[Touch, tuple[Go, Kick]] = {}
 
     def __call__(
@@ -108,7 +109,11 @@ class Stride:
             precision.secure()
         bodies, circles, alone = state.bodies, both[0].bodies, both[1].links
         moved = [bodies[i] for i in circles]
-        self._refresh(moved)
+        doubles = state.lone.doubles if in_balls else None
+        if doubles is not None:
+            self._take(moved, doubles)
+        else:
+            self._refresh(moved)
         done = len(state.steps)
         first = moved[0]
         time = +first.flight.instant if in_balls else reading.now(first)  # short, as `refresh` has left it

@@ -34,7 +34,7 @@ from typing import NamedTuple
 
 from flint import arb
 
-from ..replay.body import Body
+from ..replay.body import Body, Doubles
 
 UNIT = 2.0**-53
 
@@ -45,6 +45,9 @@ BIG = 1e50
 """Beyond this, or its inverse, fourth powers and quotients of bounds might overflow or vanish: left to balls."""
 
 TINY = 1 / BIG
+
+AHEAD = 1 + 2.0**-6
+"""By how much the bounds of a filter look ahead."""
 
 
 class FloatLine(NamedTuple):
@@ -78,7 +81,7 @@ class DoubleFilter:
     Attributes:
         largest: the largest coordinate seen (S).
         fastest: the largest speed component seen (V).
-        latest: the latest clock seen (T).
+        latest: the latest clock seen (T), and up to `AHEAD` beyond, so that its bounds hold for a while.
     """
 
     def __init__(self) -> None:
@@ -99,7 +102,13 @@ class DoubleFilter:
         ):
             body.f = None
             return
-        fx, fy, fvx, fvy, ft = float(x), float(y), float(vx), float(vy), float(t)
+        beside = body.flight.late
+        late = 0.0 if beside is None else float(beside.abs_upper()) * ROUND_UP
+        self.take(body, (float(x), float(y), float(vx), float(vy), float(t), late))
+
+    def take(self, body: Body[arb], doubles: Doubles) -> None:
+        """Sets a body's doubles, which are off by at most 2u, or None if they are too large or too small."""
+        fx, fy, fvx, fvy, ft, late = doubles
         px, py, sx, sy = abs(fx), abs(fy), abs(fvx), abs(fvy)
         place = px if px > py else py
         speed = sx if sx > sy else sy
@@ -109,15 +118,14 @@ class DoubleFilter:
         ):
             body.f = None
             return
-        beside = body.flight.late
-        late = 0.0 if beside is None else float(beside.abs_upper()) * ROUND_UP
         if not late < BIG:
             body.f = None
             return
-        self.largest = max(self.largest, place)
-        self.fastest = max(self.fastest, speed)
-        self.latest = max(self.latest, ft)
-        self._bounds = None
+        if place > self.largest or speed > self.fastest or ft > self.latest:
+            self.largest = max(self.largest, place)
+            self.fastest = max(self.fastest, speed)
+            self.latest = max(self.latest, ft * AHEAD)
+            self._bounds = None
         body.f = (fx, fy, fvx, fvy, ft, late)
 
     def _bound(self) -> tuple[float, float, float, float, float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf
-from typing import Any, Generic, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeAlias
 
 from ..numbers.system import N
 
@@ -34,6 +34,10 @@ new_flight: Callable[[type[Flight[Any]], tuple[object, ...]], Flight[Any]] = tup
 """Makes a `Flight` of nine numbers: what its own constructor does, in a third of the time."""
 
 
+Doubles: TypeAlias = tuple[float, float, float, float, float, float]
+"""(x, y, vx, vy, t) of a flight, and a bound of `late`."""
+
+
 class Body(Generic[N]):
     """One circle, or a pocket, which is a body at rest.
 
@@ -58,7 +62,7 @@ class Body(Generic[N]):
         self.w = w
         self.is_pocket = is_pocket
         self.q: tuple[N, N, N, N, N] = flight[:5]
-        self.f: tuple[float, float, float, float, float, float] | None = None
+        self.f: Doubles | None = None
         self.serial = 0
         self.until = inf
         self.kind = 0

@@ -219,12 +219,6 @@ class CentredState(BallState):
                 return None
         return held
 
-    def spread(self, time: arb, bits: int) -> int:
-        """Widens the instant by what the deviations make of it; gives how many bits of it are known, of so many."""
-        instant = self.instant = self.instant + time
-        self.late = time if self.late is None else self.late + time
-        return max(0, min(bits, instant.rel_accuracy_bits()))
-
     def renew(self) -> None:
         """Ends a block that is full; bodies keep the balls that they have until they are next struck."""
         held = self._deviations

@@ -12,8 +12,11 @@ from ..numbers import ball
 from .ball_state import BallState, Told
 from .body import Body, Flight, new_flight
 from .contact import AtWall, Link, Pair, Round
-from .derivatives import CLOSE, SMALL_WAIT, pair_derivative, wall_steepness
-from .errors import MOST, UP, Collision, Leg, Spent, scaled
+from .derivatives import pair_derivative, wall_steepness
+from .errors import MOST, SMALL_WAIT, UP, Collision, Mirror, Spent, scaled
+
+LEAST_TURN = 16.0
+"""Where |v|^2 / |d.v| is less, a wait of `SMALL_WAIT` turns a direction by less than 2**-44: its part in `WIDER`."""
 
 LEAST_WEIGHT = 1e-100
 """Bounds the squares of radii over masses that doubles hold well."""
@@ -26,16 +29,22 @@ MOST_UNIT = 300
 
 Numbers: TypeAlias = tuple[arb, arb, arb, arb]
 
+Moved: TypeAlias = tuple[Body[arb], arb, arb, arb, arb]
+"""A body, and its new (x, y, vx, vy)."""
+
+FINE = 5
+"""Of a power of two, the bits that are told apart within a coarse one."""
+
+
+POWERS = tuple(arb(1 << k) for k in range(1 << FINE))
+
 
 class Face(NamedTuple):
-    """A wall in doubles, to a circle: its normal, and the matrix that mirrors, which is known up to `off`."""
+    """A wall in doubles, to a circle: its normal, and how it mirrors."""
 
     nx: float
     ny: float
-    xx: float
-    xy: float
-    yy: float
-    off: float
+    mirror: Mirror
 
 
 class Deviations:
@@ -47,23 +56,24 @@ class Deviations:
 
     Attributes:
         errors: the set.
+        mid: the midpoints of each body, by index.
         place: where each body stands in it, by index.
-        unit: of time, in which the set counts velocities.
+        unit: of time, in which the set counts velocities; 2**time_power.
         weights: the inverse mass of every circle, by index.
     """
 
     def __init__(self, members: Sequence[Body[arb]], circles: Sequence[Body[arb]]) -> None:
         from .error_set import ErrorSet  # here, since it loads numpy, which short runs do without
 
-        self._time_power = _unit_of_time(members)
-        self.unit = 2.0**self._time_power
+        self.time_power = _unit_of_time(members)
+        self.unit = 2.0**self.time_power
         self._near_time = SMALL_WAIT / 2 * self.unit
         self.weights = [float(body.w) for body in circles]
-        self._mid = {body.index: _midpoints(numbers_of(body)) for body in members}
+        self.mid = {body.index: _midpoints(numbers_of(body)) for body in members}
         self.place = {body.index: k for k, body in enumerate(members)}
         radii = [[number.rad().man_exp() for number in numbers_of(body)] for body in members]
         shift = max((int(e) + 30 for four in radii for m, e in four if m != 0), default=-ball.bits_in_use())
-        powers = (0, 0, self._time_power, self._time_power)
+        powers = (0, 0, self.time_power, self.time_power)
         boxes = [[scaled(int(m), int(e) + p, shift) for (m, e), p in zip(four, powers, strict=True)] for four in radii]
         self.errors = ErrorSet(boxes, shift, self.unit)
         self._balls: dict[int, arb] = {}
@@ -78,37 +88,40 @@ class Deviations:
 
     def centre(self, body: Body[arb], numbers: Numbers | None = None) -> None:
         """Gives a body its midpoints, or other numbers made of midpoints alone."""
-        set_numbers(body, numbers or self._mid[body.index])
+        set_numbers(body, numbers or self.mid[body.index])
 
-    def show(self, body: Body[arb], instant: arb | None = None, late: arb | None = None) -> None:
-        """Gives a body its balls: its midpoints, and its bound; none for a velocity of exactly zero.
-
-        Args:
-            body: the body.
-            instant, late: of a contact from which it flies, where these are not its flight's. Its velocity is a ball
-                then, even if that of the midpoints is zero.
-        """
-        power = self.errors.power(self.place[body.index])
-        wide, narrow = self.ball(power), self.ball(power - self._time_power)
-        x, y, vx, vy = self._mid[body.index]
-        _, _, old_vx, old_vy, t, old_instant, old_late, last, rest = body.flight
-        if instant is None:
-            instant, late = old_instant, old_late
+    def show(self, body: Body[arb]) -> None:
+        """Gives a body its balls: its midpoints, and its bound; none for a velocity of exactly zero."""
+        wide, narrow = self.balls_of(self.place[body.index])
+        x, y, vx, vy = self.mid[body.index]
+        if body.flight.rest:
+            _, _, vx, vy, *_ = body.flight
         else:
-            rest = False
-        vx, vy = (old_vx, old_vy) if rest else (vx + narrow, vy + narrow)
-        body.flight = new_flight(Flight, (x + wide, y + wide, vx, vy, t, instant, late, last, rest))
+            vx, vy = vx + narrow, vy + narrow
+        set_numbers(body, (x + wide, y + wide, vx, vy))
 
     def show_place(self, body: Body[arb], before: Flight[arb]) -> None:
         """Gives a body that has been advanced its place as a ball, and the velocity that it had as one."""
-        wide = self.ball(self.errors.power(self.place[body.index]))
+        wide, _ = self.balls_of(self.place[body.index])
         set_numbers(body, (body.flight.x + wide, body.flight.y + wide, before.vx, before.vy))
+
+    def balls_of(self, i: int) -> tuple[arb, arb]:
+        """All deviations of the place, and of the velocity, of the body that stands at i in the set.
+
+        Raises:
+            Spent: if they are beyond doubles.
+        """
+        errors = self.errors
+        bounds, power = errors.bounds, errors.power_of
+        return self.ball(power(bounds.place[i])), self.ball(power(bounds.pace[i]) - self.time_power)
 
     def ball(self, power: int) -> arb:
         """All numbers of at most 2**power."""
-        if power not in self._balls:
-            self._balls[power] = arb(0, arb((1, power)))
-        return self._balls[power]
+        coarse, fine = power >> FINE, power & ((1 << FINE) - 1)
+        found = self._balls.get(coarse)
+        if found is None:
+            found = self._balls[coarse] = arb(0, arb((1, coarse << FINE)))
+        return found * POWERS[fine]  # a product costs far less than a ball made afresh
 
     # -- steps
 
@@ -125,11 +138,11 @@ class Deviations:
             link: the contact.
             told, root: d at the hit of two circles and -d.v, as `BallState` has them.
         """
-        if not self.stands_near(state.late):
+        if not waited(state.late) < self._near_time:
             return None
         try:
             for i, lag in lags:
-                self.errors.fly(Leg(self.place[i], ldexp(lag, -self._time_power)))
+                self.errors.fly(self.place[i], ldexp(lag, -self.time_power))
             if isinstance(link, AtWall):
                 return self._to_wall(state, link)
             return None if told is None or root is None else self._to_pair(state, *told, root)
@@ -137,49 +150,76 @@ class Deviations:
             return None
 
     def _to_wall(self, state: BallState, link: AtWall) -> tuple[arb, arb, None] | None:
-        flight = state.bodies[link.circle].flight
-        spread = self.errors.bounds.nu[self.place[link.circle]]
-        time = self.wall_time(self.face(state, link), spread, float(flight.vx), float(flight.vy))
-        return None if time is None else (time, ball.ZERO, None)
+        flight, i = state.bodies[link.circle].flight, self.place[link.circle]
+        vx, vy = float(flight.vx), float(flight.vy)
+        spread = self.wall_time(self.face(state, link), i, 0.0, vx, vy, waited(state.late))
+        return None if spread is None else (self.ball(self.errors.power_of(spread)), ball.ZERO, None)
 
-    def wall_time(self, face: Face, spread: float, vx: float, vy: float) -> arb | None:
-        """All errors of the instant of a wall's hit, for deviations up to `spread` at it; None where it is too flat."""
-        steep = wall_steepness(face.nx, face.ny, vx, vy)
-        if not steep * spread / self.unit < self.errors.doubles(CLOSE):
-            return None
-        return self.ball(self.errors.power_of(steep * spread * UP))
+    def wall_time(self, face: Face, i: int, lag: float, vx: float, vy: float, late: float) -> float | None:
+        """A bound of all errors of the instant of a wall's hit, as the set counts; None where it is too flat.
+
+        Args:
+            face: the wall.
+            i: where the circle stands in the set.
+            lag: how long it flies to it, in the set's unit of time, from where the set has it.
+            vx, vy: its velocity.
+            late: a bound of the time from the clock to the hit, from midpoints.
+        """
+        bounds = self.errors.bounds
+        spread = (bounds.place[i] + (abs(lag) + SMALL_WAIT) * bounds.pace[i]) * UP
+        spread *= wall_steepness(face.nx, face.ny, vx, vy) * UP
+        return spread if spread < self.errors.near * self.unit and late < self._near_time else None
 
     def _to_pair(self, state: BallState, link: Round, dx: arb, dy: arb, root: arb) -> tuple[arb, arb, Collision] | None:
-        i, j = (body.index for body in link.ends(state))
+        i, j = (self.place.get(body.index, -1) for body in link.ends(state))
         a, b = (body.flight for body in link.ends(state))
-        nu = self.errors.bounds.nu
-        spread = (nu[self.place.get(i, -1)] + nu[self.place.get(j, -1)]) * UP
-        found = self.collision(state, link, (dx, dy, b.vx - a.vx, b.vy - a.vy, root), spread)
+        found = self.collision(
+            state, link, (dx, dy, b.vx - a.vx, b.vy - a.vy, root), i, j, (0.0, 0.0), waited(state.late)
+        )
         if found is None:
             return None
+        hit, time = found
         power = self.errors.power_of
-        return self.ball(power(found.steep * spread * UP)), self.ball(power(found.apart)), found
+        return self.ball(power(time)), self.ball(power(hit.apart)), hit
 
     def collision(
-        self, state: BallState, link: Round, met: tuple[arb, arb, arb, arb, arb], spread: float
-    ) -> Collision | None:
-        """The derivative of the collision of two circles; None where the truth may be too far from the midpoints.
+        self,
+        state: BallState,
+        link: Round,
+        met: tuple[arb, arb, arb, arb, arb],
+        i: int,
+        j: int,
+        lags: tuple[float, float],
+        late: float,
+    ) -> tuple[Collision, float] | None:
+        """The derivative of the collision of two circles, and a bound of all errors of its instant, as the set counts.
+
+        None where the truth may be too far from the midpoints.
 
         Args:
             state: whose circles they are.
             link: the two.
             met: d, v and -d.v at the hit, from midpoints.
-            spread: a bound of the deviations of d.
+            i, j: where they stand in the set.
+            lags: how long they fly to it, in the set's unit of time, from where the set has them.
+            late: a bound of the time from the clock to the hit, from midpoints.
         """
         dx, dy, vx, vy, speed = met
-        near, strength = self.errors.doubles(CLOSE), self._strengths.get(link) or self._strength(state, link)
+        near, strength = self.errors.near, self._strengths.get(link) or self._strength(state, link)
+        places, paces, unit = self.errors.bounds.place, self.errors.bounds.pace, self.unit
+        pace_i, pace_j = paces[i], paces[j]
+        pace = (pace_i + pace_j) * UP
+        place = (places[i] + abs(lags[0]) * pace_i + places[j] + abs(lags[1]) * pace_j + SMALL_WAIT * pace) * UP
         found = pair_derivative(
-            float(dx), float(dy), float(vx), float(vy), float(speed), strength, self.unit, spread, near
+            float(dx), float(dy), float(vx), float(vy), float(speed), strength, unit, place, pace, near
         )
-        if found is None or not found.steep * spread < near * 2.0 * self.unit:
-            return None  # the hit, wherever it may truly be, is not so near the clock
-        weight = self.weights[link[0]] + self.weights[link[1]]
-        return found if found.norm * spread * (1.0 + weight) < MOST else None
+        if found is None:
+            return None
+        spread, turn = found.steep * place * UP, found.turn
+        # the hit, wherever it may truly be, is so near the clock that nothing turns until then
+        turn = max(turn, LEAST_TURN)
+        far = LEAST_TURN * self._near_time
+        return (found, spread) if spread * turn < near * LEAST_TURN * 2.0 * unit and late * turn < far else None
 
     def _strength(self, state: BallState, link: Round) -> float:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
@@ -196,31 +236,30 @@ class Deviations:
             line, parts = state.line(link.circle, link.wall), state.mirror_of(link)
             off = 2.0 * (max(float(part.rad()) for part in parts) + 2.0**-52) * UP
             xx, xy, yy = map(float, parts)
-            found = self._faces[link] = Face(float(line.nx), float(line.ny), xx, xy, yy, off)
+            found = self._faces[link] = Face(float(line.nx), float(line.ny), Mirror(xx, xy, yy, off))
         return found
-
-    def stands_near(self, late: arb | None) -> bool:
-        """Whether a clock is so near its instant that the time between them is a mere perturbation."""
-        return late is not None and abs(float(late)) < self._near_time
 
     def mirror(self, face: Face, body: Body[arb]) -> bool:
         """A wall has mirrored a body; whether that could be carried."""
-        leg = Leg(self.place[body.index], 0.0, face.xx, face.xy, face.yy)
-        self.errors.fly(leg, face.off, self.recentre((body,)))
-        return self._bounded((body,))
+        rounding, _ = self.recentre([(body, *numbers_of(body))])
+        self.errors.fly(self.place[body.index], 0.0, face.mirror, rounding)
+        return self.bounded((body,))
 
     def meet(self, link: Pair, movers: Sequence[Body[arb]], hit: Collision) -> bool:
         """Two circles have collided; whether that could be carried."""
         i, j = (self.place.get(k, -1) for k in link)
         weights = self.weights[link.a], self.weights[link.b]
-        self.errors.meet(i, j, (0.0, 0.0), weights, hit, self.recentre(movers))
-        return self._bounded(movers)
+        self.errors.meet(
+            i, j, (0.0, 0.0), weights, hit, self.recentre([(body, *numbers_of(body)) for body in movers])[0]
+        )
+        return self.bounded(movers)
 
     def land(self, body: Body[arb], numbers: Numbers) -> bool:
         """A body has flown on, and no impulse came; whether that could be carried."""
         set_numbers(body, numbers)
-        self.errors.fly(Leg(self.place[body.index], 0.0), 0.0, self.recentre((body,)))
-        if not self._bounded((body,)):
+        rounding, _ = self.recentre([(body, *numbers_of(body))])
+        self.errors.fly(self.place[body.index], 0.0, rounding=rounding)
+        if not self.bounded((body,)):
             return False
         self.show(body)
         return True
@@ -233,25 +272,38 @@ class Deviations:
             return False
         return True
 
-    def _bounded(self, bodies: Iterable[Body[arb]]) -> bool:
-        return all(self.errors.bounds.nu[self.place[body.index]] < MOST for body in bodies)
+    def bounded(self, bodies: Iterable[Body[arb]]) -> bool:
+        bounds = self.errors.bounds
+        return all(bounds.both(self.place[body.index]) < MOST for body in bodies)
 
-    def recentre(self, bodies: Iterable[Body[arb]]) -> float:
-        """Takes bodies' midpoints from their numbers; gives a bound of what that drops, as the set counts it.
+    def recentre(self, moved: Iterable[Moved]) -> tuple[float, list[tuple[float, float, float, float]]]:
+        """Takes bodies' midpoints from their numbers; gives a bound of what that drops, as the set counts it, and the
+        midpoints in doubles.
 
         A radius is below 2**(2 - accuracy) of its number. Infinite where the bits were too few for a number, or for
         doubles to tell.
         """
         size, bits, unit = 0.0, ENOUGH, self.unit
-        for body in bodies:
-            x, y, vx, vy, *_ = body.flight
-            self._mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid()
-            size += abs(float(x)) + abs(float(y)) + unit * (abs(float(vx)) + abs(float(vy)))
-            bits = min(
-                bits, x.rel_accuracy_bits(), y.rel_accuracy_bits(), vx.rel_accuracy_bits(), vy.rel_accuracy_bits()
-            )
+        doubles: list[tuple[float, float, float, float]] = []
+        for body, x, y, vx, vy in moved:
+            self.mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid()
+            four = fx, fy, fvx, fvy = float(x), float(y), float(vx), float(vy)
+            doubles.append(four)
+            size += abs(fx) + abs(fy) + unit * (abs(fvx) + abs(fvy))
+            for number in (x, y, vx, vy):
+                known = number.rel_accuracy_bits()
+                bits = min(bits, known)
         power = 2 - bits - self.errors.shift
-        return ldexp(size * UP, max(power, -900)) if power < 500 and size < 2.0**500 else inf
+        return (ldexp(size * UP, max(power, -900)) if power < 500 and size < 2.0**500 else inf), doubles
+
+
+def waited(late: arb | None) -> float:
+    """A bound of the time between a clock and its instant; infinite where there is none.
+
+    >>> waited(arb(-3)) >= 3.0
+    True
+    """
+    return inf if late is None else float(late.abs_upper()) * UP
 
 
 def numbers_of(body: Body[arb]) -> Numbers:

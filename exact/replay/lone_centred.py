@@ -1,20 +1,31 @@
 """A contact alone, carried out in one go on midpoints, with their deviations: `CentredState` does it in two steps.
 
-The flights are set to their midpoints, `LoneContacts` carries these to the contact and through it, and the deviations
-follow in one step of their set (docs/error-bound.md). What is not ordinary is left to the two steps, with nothing
-changed.
+The numbers are those of `LoneContacts`, made of midpoints, with three products fewer: one circle is reckoned from the
+other and from d at the hit. The deviations follow in one step of their set (docs/error-bound.md). What is not ordinary
+is left to the two steps, with nothing changed.
 """
 
 from __future__ import annotations
 
+from math import frexp, ldexp
+
 from flint import arb
 
-from .body import Body, Flight
+from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
+from ..numbers import ball
+from .body import Doubles, Flight, new_flight
 from .centred_state import CentredState
 from .contact import AtWall, Pair, Touch
-from .deviations import Deviations
-from .errors import MOST, UP, Leg, Spent
-from .lone import LoneContacts
+from .deviations import Deviations, Moved
+from .errors import MOST, UP, Spent
+from .lone import SPARE_BITS, LoneContacts
+from .unchanging import Oblique, Unchanging
+
+PLAIN = 2.0**-180
+"""Numbers beyond this, with a radius of at most 2**FAINT, are told by the doubles of their midpoints."""
+
+FAINT = -240
+"""See `PLAIN`: a radius is then less than 2**-60 of its midpoint."""
 
 
 def lone_contacts(state: CentredState) -> LoneContacts | LoneCentred:
@@ -27,74 +38,190 @@ class LoneCentred:
 
     Args:
         state: whose bodies fly.
+
+    Attributes:
+        doubles: see `LoneContacts`.
     """
 
     def __init__(self, state: CentredState) -> None:
+        self.doubles: tuple[Doubles | None, ...] | None = None
         self._state = state
-        self._lone = LoneContacts(state)
+        self._known = Unchanging(state)
 
     def strike(self, link: Touch, bits: int, done: int) -> int | None:
         """As `LoneContacts.strike`."""
-        state = self._state
-        held = state.ready(link)
+        self.doubles = None
+        held = self._state.ready(link)
         if held is None:
             return None
-        movers = [state.bodies[i] for i in link.circles]
-        before = [body.flight for body in movers]
-        for body in movers:
-            held.centre(body)
-        self._lone.met = None
-        time = None
-        if self._lone.strike(link, bits, done) is not None and held.stands_near(state.late):
-            try:
-                if isinstance(link, Pair):
-                    time = self._meet(held, link, movers, before)
-                else:
-                    time = self._rebound(held, link, movers[0], before[0])
-            except (Spent, OverflowError):
-                state.loosen()
-        if time is None:
-            for body, flight in zip(movers, before, strict=True):
-                body.flight = flight
+        self._known.at(bits)
+        try:
+            if isinstance(link, Pair):
+                return self._bounce(held, link, bits, done + 1)
+            return self._rebound(held, link, bits, done + 1)
+        except (Spent, OverflowError):
+            self._state.loosen()
             return None
-        accuracy = state.spread(time, bits)
-        for body in movers:
-            body.acc = accuracy
-            held.show(body, state.instant, state.late)
-        state.renew()
-        return accuracy
 
-    def _meet(self, held: Deviations, link: Pair, movers: list[Body[arb]], before: list[Flight[arb]]) -> arb | None:
-        """Carries the deviations of two circles; gives all errors of the instant, or None, with nothing changed.
+    def _bounce(self, held: Deviations, link: Pair, bits: int, step: int) -> int | None:
+        """Two circles.
 
         Raises:
-            Spent: if they are too large now.
+            Spent: if the deviations are too large after it.
         """
-        met = self._lone.met
-        if met is None:
+        state = self._state
+        a, b = state.bodies[link[0]], state.bodies[link[1]]
+        f, g = a.flight, b.flight
+        square_reach, share_a, share_b, alike = self._known.partners(link)
+        worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        ax, ay, avx, avy = held.mid[link[0]]
+        bx, by, bvx, bvy = held.mid[link[1]]
+        vx, vy = bvx - avx, bvy - avy
+        of_a = f.last >= g.last  # the younger of the two is the one from which the other is reckoned
+        if of_a:
+            base = f.t
+            lag = base - g.t
+            dx, dy = bx + bvx * lag - ax, by + bvy * lag - ay
+        else:
+            base = g.t
+            lag = base - f.t
+            dx, dy = bx - (ax + avx * lag), by - (ay + avy * lag)
+        cross = dx * vy - dy * vx
+        square = vx * vx + vy * vy
+        disc = square * square_reach - cross * cross
+        if cross.is_zero() or ball.sign_of(disc) != 1:
             return None
-        weights = held.weights[link.a], held.weights[link.b]
-        i, j, nu = held.place[link.a], held.place[link.b], held.errors.bounds.nu
-        clock, unit = movers[0].flight.t, held.unit
-        lags = float(clock - before[0].t) / unit, float(clock - before[1].t) / unit
-        spread = (nu[i] * (1.0 + abs(lags[0])) + nu[j] * (1.0 + abs(lags[1]))) * UP
-        hit = held.collision(self._state, link, met, spread)
-        if hit is None:
+        root = disc.sqrt()
+        wait, ex, ey = pair_meeting(dx * vx + dy * vy, cross, square, root, vx, vy)
+        instant = base + wait
+        clock = instant.mid()
+        lag = clock - base
+        late = wait - lag
+        beside, unit = float(late.abs_upper()) * UP, held.unit
+        lags = float(clock - f.t) / unit, float(clock - g.t) / unit
+        i, j = held.place[link[0]], held.place[link[1]]
+        found = held.collision(state, link, (ex, ey, vx, vy, root), i, j, lags, beside)
+        if found is None:
             return None
-        time = held.ball(held.errors.power_of(hit.steep * spread * UP))
-        held.errors.meet(i, j, lags, weights, hit, held.recentre(movers))
-        if not (nu[i] < MOST and nu[j] < MOST):
-            raise Spent
-        return time
+        hit, spread = found
+        if of_a:
+            ax, ay = ax + avx * lag, ay + avy * lag
+            bx, by = ax + ex - vx * late, ay + ey - vy * late
+        else:
+            bx, by = bx + bvx * lag, by + bvy * lag
+            ax, ay = bx - ex + vx * late, by - ey + vy * late
+        strength = share_a * root
+        jx, jy = strength * ex, strength * ey
+        ax, ay, avx, avy = ax + jx * late, ay + jy * late, avx - jx, avy - jy
+        if not alike:
+            strength = share_b * root
+            jx, jy = strength * ex, strength * ey
+        bx, by, bvx, bvy = bx - jx * late, by - jy * late, bvx + jx, bvy + jy
+        moved = (a, ax, ay, avx, avy), (b, bx, by, bvx, bvy)
+        rounding, doubles = held.recentre(moved)
+        held.errors.meet(i, j, lags, (held.weights[link[0]], held.weights[link[1]]), hit, rounding)
+        return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
 
-    def _rebound(self, held: Deviations, link: AtWall, body: Body[arb], before: Flight[arb]) -> arb | None:
-        """As `_meet`, of a circle and a wall."""
-        face, lag = held.face(self._state, link), float(body.flight.t - before.t) / held.unit
-        i, nu = held.place[body.index], held.errors.bounds.nu
-        time = held.wall_time(face, nu[i] * (1.0 + abs(lag)) * UP, float(before.vx), float(before.vy))
-        if time is None:
+    def _rebound(self, held: Deviations, link: AtWall, bits: int, step: int) -> int | None:
+        """A circle and a wall.
+
+        Raises:
+            Spent: if the deviations are too large after it.
+        """
+        state, index = self._state, link[0]
+        body = state.bodies[index]
+        wall = self._known.wall(link)
+        worst = body.acc + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        base = body.flight.t
+        x, y, vx, vy = held.mid[index]
+        if isinstance(wall, Oblique):
+            wait = wall_hit_time(wall_gap(x, y, *wall[:5]), wall_approach(vx, vy, wall.nx, wall.ny))
+        else:
+            wait = (wall.touch - y) / vy if wall.level else (wall.touch - x) / vx
+        instant = base + wait
+        if not instant.is_finite():
             return None
-        held.errors.fly(Leg(i, lag, face.xx, face.xy, face.yy), face.off, held.recentre((body,)))
-        if not nu[i] < MOST:
+        clock = instant.mid()
+        lag = clock - base
+        late = wait - lag
+        face = held.face(state, link)
+        i, time_lag, beside = held.place[index], float(lag) / held.unit, float(late.abs_upper()) * UP
+        spread = held.wall_time(face, i, time_lag, float(vx), float(vy), beside)
+        if spread is None:
+            return None
+        if isinstance(wall, Oblique):
+            *_, xx, xy, yy, shift_x, shift_y = wall
+            x, y = x + vx * lag, y + vy * lag
+            x, y = xx * x + xy * y + shift_x, xy * x + yy * y + shift_y
+            vx, vy = xx * vx + xy * vy, xy * vx + yy * vy
+        elif wall.level:
+            x, y, vy = x + vx * lag, wall.touch + vy * late, -vy
+        else:
+            x, y, vx = wall.touch + vx * late, y + vy * lag, -vx
+        moved = ((body, x, y, vx, vy),)
+        rounding, doubles = held.recentre(moved)
+        held.errors.fly(i, time_lag, face.mirror, rounding)
+        return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
+
+    def _land(
+        self,
+        held: Deviations,
+        moved: tuple[Moved, ...],
+        doubles: list[tuple[float, float, float, float]],
+        when: tuple[arb, arb, arb, float, float],
+        step: int,
+        bits: int,
+    ) -> int:
+        """The bodies fly on from their new midpoints, in balls; gives how many bits of the instant are known.
+
+        Args:
+            held: their deviations.
+            moved: the bodies, with numbers around their midpoints.
+            doubles: their midpoints.
+            when: the instant of the midpoints, its clock, the time between the two, a bound of that, and a bound of all
+                errors of the instant, as the set counts it.
+            step: the number of the step to the contact.
+            bits: the precision of the state.
+
+        Raises:
+            Spent: if the deviations are too large.
+        """
+        instant, clock, late, beside, spread = when
+        bounds, shift, time_power = held.errors.bounds, held.errors.shift, held.time_power
+        one, other = held.place[moved[0][0].index], held.place[moved[-1][0].index]
+        if not spread + bounds.both(one) + bounds.both(other) < MOST:
             raise Spent
-        return time
+        power = frexp(spread)[1] + shift
+        time, now = held.ball(power), float(clock)
+        beside = (beside + ldexp(1.0, power if power > -1000 else -1000)) * UP
+        instant, late = instant + time, late + time
+        accuracy = instant.rel_accuracy_bits()
+        if not 0 < accuracy < bits:
+            accuracy = max(0, min(bits, accuracy))
+        told: list[Doubles | None] = []
+        for (body, *_), (fx, fy, fvx, fvy) in zip(moved, doubles, strict=True):
+            index = body.index
+            i = held.place[index]
+            far, fast = frexp(bounds.place[i])[1] + shift, frexp(bounds.pace[i])[1] + shift - time_power
+            wide, narrow = held.ball(far), held.ball(fast)
+            x, y, vx, vy = held.mid[index]
+            numbers = x + wide, y + wide, vx + narrow, vy + narrow
+            body.flight = new_flight(Flight, (*numbers, clock, instant, late, step, False))
+            body.acc = accuracy
+            if (
+                far < FAINT
+                and fast < FAINT
+                and (fx > PLAIN or fx < -PLAIN)
+                and (fy > PLAIN or fy < -PLAIN)
+                and (fvx > PLAIN or fvx < -PLAIN)
+                and (fvy > PLAIN or fvy < -PLAIN)
+            ):
+                told.append((fx, fy, fvx, fvy, now, beside))
+            else:
+                told.append(None)
+        self._state.stand(instant, late, step + 1)
+        self._state.renew()
+        self.doubles = tuple(told)
+        return accuracy
