@@ -76,7 +76,7 @@ stress-map: .venv/ready
 
 # Writes docs/reference-set-1.zip; a test proves that it is current.
 reference-set: .venv/ready
-	$(BIN)/python tests/exact/certificate/reference_set.py
+	$(BIN)/python tests/compare/certificate/reference_set.py
 
 clean:
 	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis

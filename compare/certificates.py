@@ -56,9 +56,9 @@ def certified(trajectory: Trajectory) -> Certified:
     Raises:
         SceneError: if the run has none.
     """
-    from ..exact.certificate import certificate_json, certify
+    from .certificate import certificate_json, certificate_of
 
-    text = certificate_json(certify(trajectory))
+    text = certificate_json(certificate_of(trajectory))
     return Certified(text, *verdict(text))
 
 
@@ -97,9 +97,9 @@ def write_certificate(trajectory: Trajectory, path: str) -> None:
     Raises:
         SceneError: if it has none, or the place cannot be written to.
     """
-    from ..exact.certificate import certificate_json, certify
+    from .certificate import certificate_json, certificate_of
 
-    write_whole(path, certificate_json(certify(trajectory)))
+    write_whole(path, certificate_json(certificate_of(trajectory)))
 
 
 def verdict_on(path: str) -> tuple[int, str]:

@@ -10,7 +10,7 @@ from fractions import Fraction
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.frozen import frozen
+from ..scenarios.lazy.frozen import frozen
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine

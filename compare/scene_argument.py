@@ -6,6 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..scenarios.errors import SceneError
+
 if TYPE_CHECKING:
     from ..scenarios.scene import Scene
 
@@ -56,9 +58,13 @@ def changed(
     if changes:
         loaded = loaded.with_changes(**changes)
     if symmetric:
-        from ..exact.symmetry.scene_symmetry import require_symmetry
+        from ..exact.symmetry.scene_symmetry import symmetries
 
-        require_symmetry(loaded)
+        if not symmetries(loaded):
+            raise SceneError(
+                f"scene {loaded.name!r}: no mirror and no rotation maps it to itself exactly; "
+                "make it symmetric, or leave out --symmetric"
+            )
     return loaded
 
 

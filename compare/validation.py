@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence, Set
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from ..scenarios.checks.limits import positive_time
 from ..scenarios.engine import SCENE_KEYS
 from ..scenarios.errors import SceneError
 from ..scenarios.event import Assumption, Event, Pocketing, Reversal, Tie
-from ..scenarios.limits import positive_time
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
 

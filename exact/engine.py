@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.event import Event, Pocketing, Reversal
-from ..scenarios.late import Late
+from ..scenarios.lazy.late import Late
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
@@ -24,6 +24,7 @@ from .results.motion import ExactMotion, RunTime
 from .results.resumed import NOT_ITS_LOG, farther, restore, tape_of, within
 from .results.run_log import RunLog
 from .results.times import time_of, time_of_return, time_zero
+from .simulation.collecting import SELDOM_COLLECTED
 from .simulation.history import History, Record
 from .simulation.limits import Limits, run_limits
 from .simulation.loop import Loop, stopped
@@ -158,8 +159,7 @@ class ExactEngine(Declared):
         progress: OnProgress | None,
         take_up: Callable[[Loop, CertifiedDecider], None] | None = None,
     ) -> Trajectory:
-        saved = ball.bits_in_use()
-        try:
+        with ball.precision(ball.bits_in_use()), SELDOM_COLLECTED:
             decider = CertifiedDecider(scene, limits, self.max_bits, self.work, TieRule.parse(self.ties))
             loop = Loop(scene, decider, limits, progress, policy)
             if take_up is not None:
@@ -169,9 +169,9 @@ class ExactEngine(Declared):
             if policy is None:
                 tape = loop.tape
                 tape.rises, tape.grazes = decider.history.rises, decider.grazes
-            return self._trajectory(scene, decider, limits, stop, tape)
-        finally:
-            ball.use_bits(saved)
+            run = self._trajectory(scene, decider, limits, stop, tape)
+            decider.close()
+            return run
 
     def _trajectory(
         self, scene: Scene, decider: CertifiedDecider, limits: Limits, stop: Stop, tape: Tape | None

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ..scenarios.lazy.names import handed_on
 
 if TYPE_CHECKING:
     from .double import DoubleEngine
@@ -13,19 +14,15 @@ if TYPE_CHECKING:
     from .rounded import RoundedEngine
     from .single import SingleEngine
 
-_HOMES = {
-    "DoubleEngine": ".double",
-    "IntervalEngine": ".interval",
-    "PymunkEngine": ".pymunk.engine",
-    "QuadEngine": ".quad",
-    "RoundedEngine": ".rounded",
-    "SingleEngine": ".single",
-}
-
 __all__ = ["DoubleEngine", "IntervalEngine", "PymunkEngine", "QuadEngine", "RoundedEngine", "SingleEngine"]
 
+_HOMES = {
+    "DoubleEngine": "double",
+    "IntervalEngine": "interval",
+    "PymunkEngine": "pymunk.engine",
+    "QuadEngine": "quad",
+    "RoundedEngine": "rounded",
+    "SingleEngine": "single",
+}
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name], __name__), name)
+__getattr__, __dir__ = handed_on(__name__, _HOMES)

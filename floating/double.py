@@ -11,15 +11,15 @@ from typing import ClassVar
 from ..exact.numbers.system import NumberSystem
 from ..exact.policies import Policy
 from ..exact.replay.state import State
-from ..scenarios.late import Late
+from ..scenarios.lazy.late import Late
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.real import Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, Trajectory
-from .event_engine import EventEngine
 from .flat.loop import FlatDecider, FlatLoop, follows
 from .knots import DoubleMotion
-from .plain_run import Passed, run_plain
+from .plain.event_engine import EventEngine
+from .plain.run import Passed, run_plain
 
 
 class Doubles:

@@ -25,8 +25,8 @@ from ..scenarios.numbers.doubles import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain_decider import PlainDecider
-from .plain_run import run_plain
+from .plain.decider import PlainDecider
+from .plain.run import run_plain
 
 MIN_BITS, MAX_BITS = 24, 100_000
 
@@ -197,8 +197,7 @@ class IntervalMotion:
         Raises:
             ValueError: for a time that is certainly before 0 or after the end.
         """
-        saved, mpmath.iv.prec = mpmath.iv.prec, self.bits
-        try:
+        with INTERVALS.at(self.bits):
             at, end = _interval(time), _interval(self.end)
             if (at < 0) is True or (at > end) is True:
                 raise ValueError(f"time {float(time):.17g} is outside of the run: it lasts from 0 to {self.end}")
@@ -214,8 +213,6 @@ class IntervalMotion:
                     places = [k for k in held if k >= sure] or [0]
                 rows.append(tuple(map(IntervalNumber, _hull([_flown(knots[k], at) for k in places]))))
             return rows
-        finally:
-            mpmath.iv.prec = saved
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the middles."""

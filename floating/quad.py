@@ -19,8 +19,8 @@ from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.numbers.real import Real
 from ..scenarios.trajectory import Motion
 from .double_double import DoubleDouble
-from .event_engine import EventEngine
-from .plain_run import Passed
+from .plain.event_engine import EventEngine
+from .plain.run import Passed
 
 ZERO = DoubleDouble(0.0)
 

@@ -16,7 +16,7 @@ from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .event_engine import EventEngine
+from .plain.event_engine import EventEngine
 
 
 class Singles:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .names import handed_on
+from .lazy.names import handed_on
 
 if TYPE_CHECKING:
     from .engine import Declared, Engine

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from .limits import positive_count, positive_time
+from .checks.limits import positive_count, positive_time
 from .numbers.quantity import Quantity, QuantityLike
 from .scene import Scene
 from .trajectory import OnProgress, Trajectory

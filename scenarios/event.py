@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import Enum
 from typing import NamedTuple
 
-from .frozen import frozen
+from .lazy.frozen import frozen
 from .numbers.real import Real
 
 

@@ -8,13 +8,13 @@ from dataclasses import field, fields
 from functools import cached_property
 from typing import Any, TypeVar
 
+from .checks.limits import checked_truth, positive_count, positive_time
+from .checks.validation import check_apart
 from .errors import SceneError
-from .frozen import frozen
-from .limits import checked_truth, positive_count, positive_time
+from .lazy.frozen import frozen
 from .numbers.quantity import Quantity, QuantityLike
 from .things import Circle, Pocket, Wall
 from .tie_policy import TiePolicy
-from .validation import check_apart
 
 MAX_CIRCLES = 100_000
 """A gas of so many is built in some seconds, and its first event comes in some twenty; each has nine near it."""
@@ -189,9 +189,9 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """The circles as a table, and a picture of them at time 0, for a notebook."""
+        from .checks.showing import shortened
         from .notebook import html_table, shown
         from .picture import scene_picture
-        from .showing import shortened
 
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)

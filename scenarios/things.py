@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import inf
 from typing import Any, Literal
 
+from .checks.limits import checked_truth
 from .errors import SceneError
-from .frozen import frozen
-from .limits import checked_truth
+from .lazy.frozen import frozen
 from .numbers.quantity import ZERO, Quantity, QuantityLike
 from .numbers.sympy_form import is_sympy
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .errors import SceneError
-from .frozen import frozen
+from .lazy.frozen import frozen
 
 POLICIES: dict[str, str] = {
     "simultaneous": "..exact.policies.simultaneous:Simultaneous",

@@ -9,7 +9,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
 
 from .event import Assumption, Event, Pocketing, Reversal
-from .frozen import frozen
+from .lazy.frozen import frozen
 from .numbers.quantity import Quantity
 from .numbers.real import Real, real
 from .scene import Scene

@@ -179,7 +179,6 @@ FLOORS = (
     "simulation",
     "certified",
     "results",
-    "certificate",
     "engine",
 )
 """The rooms of `exact`, lowest first: a room imports itself and those before it."""

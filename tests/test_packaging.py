@@ -245,6 +245,6 @@ def python(
 
 
 def test_the_version_is_told_once_more_where_nothing_is_looked_up() -> None:
-    from truebreak.scenarios.version import VERSION
+    from truebreak.scenarios.lazy.version import VERSION
 
     assert tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"] == VERSION

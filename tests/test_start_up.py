@@ -10,17 +10,18 @@ from pathlib import Path
 import pytest
 
 SHORT_RUN = {
-    "compare": "deadline engines scene_argument validation "
-    "cli.commands.run cli.completion cli.entry cli.examples cli.exit_codes cli.group cli.numbers cli.options "
-    "cli.progress documents.amounts foreign.guard report.counting report.text.listing report.text.output saved.cache",
-    "scenarios": "engine errors event frozen late limits names neighbours scene showing things tie_policy trajectory "
-    "validation version work numbers.conversion numbers.doubles numbers.expression numbers.parsing numbers.precision "
-    "numbers.quantity numbers.rationals numbers.real numbers.sympy_form numbers.tower.element numbers.tower.field "
+    "compare": "deadline engines scene_argument validation cli.commands.run cli.arguments.completion "
+    "cli.arguments.examples cli.arguments.numbers cli.arguments.options cli.entry cli.exit_codes "
+    "cli.group cli.progress documents.values.amounts foreign.guard report.counting report.text.listing "
+    "report.text.output saved.cache",
+    "scenarios": "engine errors event scene things tie_policy trajectory work checks lazy numbers.conversion "
+    "numbers.doubles numbers.expression numbers.parsing numbers.precision numbers.quantity "
+    "numbers.rationals numbers.real numbers.sympy_form numbers.tower.element numbers.tower.field "
     "numbers.tower.ring numbers.tower.sums numbers.tower.tower numbers.tower.written catalogue.draw "
     "catalogue.entry catalogue.settings catalogue.table catalogue.scenes.article catalogue.scenes.gas",
     "exact": "engine cascade certified laws.formulas laws.tangent_formulas numbers policies predicates replay results "
     "simulation symmetry",
-    "floating": "double event_engine flat knots plain_decider plain_run",
+    "floating": "double flat knots plain",
 }
 """What a short run of the command line may load of each layer: modules, and rooms with all that is in them."""
 

@@ -32,6 +32,7 @@ import sys
 from collections import defaultdict, namedtuple
 from fractions import Fraction
 from functools import reduce
+from itertools import chain
 from math import isqrt
 from operator import add, mul, neg, sub, truediv
 from pathlib import Path
@@ -41,11 +42,15 @@ TEXT, ROOTS, SCENE_ROOTS, WORK, NEVER, DOUBT = 20_000, 16, 12, 1 << 37, ("never"
 TERM, DECIMAL = r"\d+(?:/0*[1-9]\d*)?(?:\*r[1-9]\d?)*", r"-?\d{1,400}(?:\.(\d{1,400}))?"
 POLICY = r"simultaneous|sequential(:order=scene|:seed=\d{1,18})?"
 THINGS = {"circles": "x y vx vy r", "walls": "x0 y0 x1 y1", "pockets": "x y r"}
-REASONS = "events", "stopped", "horizon", "return", "quiet"
 CONTACT, QUESTION = r"\[\d{1,15},-?\d{1,15}\]", '"(tie|graze|still|together|slack|rim|until|reverse)"'
 WITNESS = rf'\[{QUESTION},{CONTACT},("exact"|"back"|\d{{1,15}})(,{CONTACT})?\]'
-SHAPES = {"arrive": rf"\[({CONTACT},?)+\]", "grazes": rf"\[({CONTACT},?)*\]".replace("-?", ""),
-          "rounds": rf"\[(\[({CONTACT},?)+\],?)*\]", "entries": rf"\[({CONTACT},?)*\]", "zeros": rf"\[({WITNESS},?)*\]"}
+PART, SETTINGS, COUNT = "rounds entries zeros", "name digest capture reverse_after tie_policy", r"[1-9]\d*"
+def each(item, times="*"): return rf"\[({item},?){times}\]"
+SHAPES = {"arrive": each(CONTACT, "+"), "rounds": each(each(CONTACT, "+")), "zeros": each(WITNESS),
+          "time": f'"{DECIMAL}"', "circles": each(each(f'"{DECIMAL}"', "{4}")), "map": each(each(r"-?\d{1,15}", "{2}")),
+          "tie_policy": f'"({POLICY})"', "reason": '"(events|stopped|horizon|return|quiet)"', "capture": "true|false"}
+SHAPES |= {"entries": each(CONTACT), "grazes": each(CONTACT.replace("-?", "")), "bits": each(CONTACT.replace("-?", ""))}
+SHAPES |= dict.fromkeys(("limit", "reverse_after"), COUNT) | dict.fromkeys(("id", "name", "digest", "writer"), '".*"')
 Flight = namedtuple("Flight", "x y vx vy t age")  # at (x, y) at time t, which is that of the instant `age`
 Meeting = namedtuple("Meeting", "t gap closing d v square arms")
 Block = namedtuple("Block", "kind among push before age")  # before: of each circle, the number of the block before
@@ -153,12 +158,6 @@ def number(text):  # reads a sum of terms such as 3/4*r1*r2
         raise Malformed(f"{text[:40]!r} is no number")
     terms = (found.split("*r") for found in re.findall(f"[+-]?{TERM}", text))
     return sum((reduce(mul, (Exact.named[int(k) - 1] for k in ks), Exact(Fraction(x))) for x, *ks in terms), ZERO)
-
-def shaped(part):  # refuses a part of the log that has not the shape of one
-    for key in SHAPES.keys() & part.keys():
-        if not re.fullmatch(SHAPES[key], json.dumps(part[key], separators=(",", ":")), re.ASCII):
-            raise Malformed(f"its {key} are not of their shape")
-    if "reversal" in part: shaped(part["reversal"])
 
 def put(flight, t, age):  # the same flight, told from where it is at a time t, that of the instant `age`
     x, y, vx, vy, since, then = flight
@@ -291,10 +290,22 @@ class Checker(Zeros):
     def __init__(self, told):  # takes up a certificate and its scene, in exact numbers
         if not isinstance(told, dict) or told.get("format") != FORMAT: raise Malformed(f"the format is not {FORMAT}")
         self.told, self.scene, self.end = told, (scene := told["scene"]), told["end"]
+        lists = told["roots"], told["isometries"], told["instants"], *(scene.get(kind, []) for kind in THINGS)
+        things, entries = [*chain(*lists[3:])], [told["start"], *told["instants"]]
+        turned, limit = [part["reversal"] for part in entries if "reversal" in part], self.end["reason"] == "events"
+        for keys, *parts in (("writer bits", told), (SETTINGS, scene), ("id", *things), ("map", *told["isometries"]),
+                             (PART, *entries, *turned), ("arrive grazes time", *entries[1:]),
+                             ("reason zeros" + " limit" * limit, self.end), ("time circles", told["final"])):
+            for part, key in ((part, key) for part in parts for key in keys.split() if key in part):
+                if not re.fullmatch(SHAPES[key], json.dumps(part[key], separators=(",", ":")), re.ASCII):
+                    raise Malformed(f"its {key} are not of their shape")
+        if {*map(type, lists)} != {list} or not {*map(type, turned)} <= {dict}: raise Malformed("a list is no list")
         n, (places, bits) = len(scene["circles"]), zip(*told["bits"], strict=True)
-        area = n * sum(len(scene.get(kind, ())) for kind in THINGS)
-        if not 0 < n <= CIRCLES or area > PAIRS or len(told["roots"]) > SCENE_ROOTS or area * bits[0] > SIZE:
+        area, roots = n * len(things), len(told["roots"])
+        if not 0 < n <= CIRCLES or area > PAIRS or roots > SCENE_ROOTS or area * bits[0] > SIZE:
             raise Malformed("it has no circle, or too many circles, walls, pockets, roots or bits")
+        if len({thing["id"] for thing in things}) < len(things) or len(told["final"]["circles"]) != n:
+            raise Malformed("an id comes twice, or there is no final state of each circle")
         if [*places] != sorted({0, *places}) or not BITS >= bits[0] >= bits[-1] > 0 or [*bits] != sorted(bits)[::-1]:
             raise Malformed("bits out of range")
         Exact.roots, Exact.named, Exact.most, Exact.budget = [], [], ROOTS, WORK
@@ -312,17 +323,14 @@ class Checker(Zeros):
         self.meets = dict.fromkeys([c for c in pairs if not self.movable.isdisjoint(c)] + others)
         self.sides = {(i, k): (p * (circles[i][0] - x) + q * (circles[i][1] - y)).sign()
                       for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
-        if self.end["reason"] not in REASONS or self.end.get("limit", 1) < 1: raise Malformed("its end is not known")
-        self.last_event = self.end["limit"] if self.end["reason"] == "events" else None
-        for part in (told["start"], *told["instants"], self.end): shaped(part)
+        self.last_event = self.end["limit"] if limit else None
         self.limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
         if self.end["reason"] == "horizon": self.limits["until"] = number(self.end["until"])
         sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
         moves = [x for row in circles if not row[5] for x in row[2:4] if x]
         if moves or any(x.sign() < 1 for x in (*sizes, *self.limits.values())):
             raise Malformed("a size, mass or time is not positive, or a fixed circle moves")
-        if not re.fullmatch(POLICY, scene["tie_policy"], re.ASCII) or {"reverse_at", "reverse_after"} <= scene.keys():
-            raise Malformed("the tie policy is not known, or there are two reversals")
+        if {"reverse_at", "reverse_after"} <= scene.keys(): raise Malformed("there are two reversals")
         self.policy, _, seed = scene["tie_policy"].partition(":seed=")
         self.draw = random.Random(int(seed)) if seed else None
     def check(self, factor=1):  # checks all of it, with so many times the bits

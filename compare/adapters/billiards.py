@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.engine import SCENE_KEYS
-from .adapted import Adapted
-from .package import package
-from .walls import sides
+from .base.adapted import Adapted
+from .base.package import package
+from .base.walls import sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .package import package
-from .stepped import OutOfRoom, SteppedAdapter, power_of_two, top_speed
-from .walls import Stretch, stretches
+from .base.package import package
+from .base.stepped import OutOfRoom, SteppedAdapter, power_of_two, top_speed
+from .base.walls import Stretch, stretches
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

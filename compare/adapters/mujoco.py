@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...scenarios.errors import SceneError
-from .episodes import LASTING, Episodes
-from .package import package
-from .stepped import SteppedAdapter
-from .walls import lines, sides
+from .base.episodes import LASTING, Episodes
+from .base.package import package
+from .base.stepped import SteppedAdapter
+from .base.walls import lines, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapted import Adapted
-from .package import package
+from .base.adapted import Adapted
+from .base.package import package
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .adapted import Adapted
-from .package import package
-from .stepped import power_of_two
-from .walls import stretches
+from .base.adapted import Adapted
+from .base.package import package
+from .base.stepped import power_of_two
+from .base.walls import stretches
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .package import package
-from .stepped import SteppedAdapter, power_of_two
-from .walls import lines, sides
+from .base.package import package
+from .base.stepped import SteppedAdapter, power_of_two
+from .base.walls import lines, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

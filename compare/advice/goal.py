@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.errors import SceneError
 from ..alignment.divergence import Kind
-from ..chaos.accuracy import end_error
 from ..chaos.following import follow
+from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
-from ..documents.amounts import plain
+from ..documents.values.amounts import plain
 from ..engines import suggestion
 from ..outcomes.table import outcomes_of
 from ..validation import EngineError

@@ -96,8 +96,6 @@ class Alignment:
         harmless_swaps: independent events that the candidate has in another order.
         harmless_splits: instants with several contacts that the candidate took apart without consequence.
         merged: candidate events that hold several reference events.
-        time_error: largest difference between the two times of one event, over the events agreed.
-        matches: for each candidate event that was matched, the reference event.
         whole: the reference events that are matched for all that take part.
         walks: each body's meetings as matched.
     """
@@ -110,8 +108,6 @@ class Alignment:
     harmless_swaps: int
     harmless_splits: int
     merged: int
-    time_error: float
-    matches: dict[int, int] = field(repr=False, default_factory=dict)
     whole: frozenset[int] = field(repr=False, default=frozenset())
     walks: dict[str, Walk] = field(repr=False, default_factory=dict)
 
@@ -189,8 +185,6 @@ def align(
         harmless_swaps=_overtaken(kept),
         harmless_splits=len({r for w in walks.values() for r in w.split if (mine.times[r], r) <= before}),
         merged=len({c for w in walks.values() for c in w.merged if c in kept}),
-        time_error=max((abs(mine.times[r] - theirs.times[c]) for c, r in kept.items()), default=0.0),
-        matches=kept,
         whole=frozenset(whole),
         walks=walks,
     )

@@ -12,18 +12,20 @@ from typing import Any
 import click
 
 from ...scenarios.errors import SceneError
-from ..adapters.package import NotInstalled
+from ..adapters.base.package import NotInstalled
+from ..cli.arguments import completion
+from ..cli.arguments.numbers import Whole
+from ..cli.arguments.options import a_file
 from ..cli.exit_codes import DONE, ExitCode
-from ..cli.numbers import Whole
 from ..cli.progress import duration, showing
 from ..cli.writing import check_writable, write_whole
 from ..engines import split_engines, suggestion
-from .against import Against, against
-from .figures import FULL, SHORT, Figure, Size
 from .machine import Took, calibration, idleness, machine
-from .report import Report, check_scenes, idleness_of, load, rows_of, worst
+from .ratios.figures import FULL, SHORT, Figure, Size
+from .ratios.table import BENCHMARKS
+from .reported.against import Against, against
+from .reported.report import Report, check_scenes, idleness_of, load, rows_of, worst
 from .subjects import SUBJECTS, digest_of, subjects
-from .table import BENCHMARKS
 from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, Tradeoff, tradeoffs
 
 TRADEOFFS = "tradeoffs"
@@ -174,7 +176,7 @@ def _check_files(
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
     from ..report.text.output import console, say
-    from .tables import tables
+    from .reported.tables import tables
 
     out = console()
     if as_json:
@@ -200,7 +202,7 @@ def main(arguments: list[str]) -> int:
 
 
 NAMES = {
-    **{name: str(measured.__doc__) for name, measured in BENCHMARKS.items()},
+    **{name: " ".join(str(measured.__doc__).split()) for name, measured in BENCHMARKS.items()},
     TRADEOFFS: "Run time against error, scene by scene and engine by engine.",
 }
 
@@ -224,10 +226,22 @@ def _engines(context: click.Context, parameter: click.Parameter, value: str | No
     "  truebreak bench tradeoffs --against before.json\n\n"
     "With --against: 0 all ratios agree within 15 %, 1 one does not, 4 one does not and the machine was not idle.",
 )
-@click.argument("names", nargs=-1, metavar="[NAME]...")
+@click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=completion.among(NAMES))
 @click.option("--full", is_flag=True, help="Give perfect-physics 314 collisions: about a minute.")
-@click.option("--scenes", callback=_words, metavar="A,B,...", help="Of tradeoffs: these scenes alone.")
-@click.option("--engines", callback=_engines, metavar="A,B,...", help="Of tradeoffs: these beside exact.")
+@click.option(
+    "--scenes",
+    callback=_words,
+    metavar="A,B,...",
+    shell_complete=completion.among([subject.name for subject in SUBJECTS]),
+    help="Of tradeoffs: these scenes alone.",
+)
+@click.option(
+    "--engines",
+    callback=_engines,
+    metavar="A,B,...",
+    shell_complete=completion.engines,
+    help="Of tradeoffs: these beside exact.",
+)
 @click.option(
     "--processes",
     type=Whole(1),
@@ -236,9 +250,9 @@ def _engines(context: click.Context, parameter: click.Parameter, value: str | No
     metavar="N",
     help="Of tradeoffs: fresh processes for each row, more while they differ; 1 for a quick look.",
 )
-@click.option("--svg", metavar="FILE", help="Of tradeoffs: also write the plot of time against digits.")
-@click.option("--against", "compared", metavar="FILE", help="Compare the ratios with those of an earlier --json.")
-@click.option("--keep", metavar="FILE", help="Of tradeoffs: take the scenes of an earlier --json over.")
+@a_file("--svg", help="Of tradeoffs: also write the plot of time against digits.")
+@a_file("--against", "compared", help="Compare the ratios with those of an earlier --json.")
+@a_file("--keep", help="Of tradeoffs: take the scenes of an earlier --json over.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def command(
     names: tuple[str, ...],

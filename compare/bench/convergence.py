@@ -1,4 +1,4 @@
-"""How pymunk's outcome nears that of a tie policy as its step shrinks: `python -m truebreak.compare.convergence`.
+"""How pymunk's outcome nears that of a tie policy as its step shrinks: `python -m truebreak.compare.bench.convergence`.
 
 Prints a table: for each scene and step, the largest difference between pymunk's final velocities, and final
 positions, and those of the exact engine under each policy.

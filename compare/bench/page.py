@@ -14,7 +14,7 @@ from typing import Any
 
 from ...scenarios.errors import SceneError
 from ..report.pictures.tradeoff_plot import tradeoff_plot
-from .report import idleness_of, load, rows_of
+from .reported.report import idleness_of, load, rows_of
 from .subjects import SUBJECTS
 from .tradeoff import Tradeoff, told_digits
 

@@ -13,7 +13,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
 from ..advice.ladder import Size, cost
-from ..chaos.accuracy import end_error
+from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named

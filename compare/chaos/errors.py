@@ -7,7 +7,7 @@ that decisions meet: its size beside the margin of each decision, event by event
 from __future__ import annotations
 
 from enum import Enum
-from math import hypot, inf, log2, sqrt
+from math import hypot, inf, log2
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,9 +20,10 @@ from ...exact.results.motion import motion_of, steps_through
 from ..tangent.growth import Displacements
 from ..tangent.impacts import LEAST_BITS, moving
 from .margins import Course, margins
+from .overturning import Errors, shares
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from numpy.typing import NDArray
 
@@ -137,17 +138,18 @@ class ErrorCurve:
 def error_curve(trajectory: Trajectory, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> ErrorCurve:
     """The curve of one model along the first events of a certified run, those of `struck`."""
     scene = trajectory.scene
-    free = moving(scene)
-    errors = _widths(trajectory, struck) if model is ErrorModel.ENCLOSED else _carried(scene, struck, model)
+    if model is not ErrorModel.ENCLOSED:
+        return ErrorCurve(model, len(struck), list(_carried(scene, struck, model)))
     decisions: list[tuple[int, float]] = []
-    for event, (told, margin_of) in enumerate(zip(errors, margins(scene, struck, free), strict=True)):
+    widths = _widths(trajectory, struck)
+    for event, (told, margin_of) in enumerate(zip(widths, margins(scene, struck, moving(scene)), strict=True)):
         for i, found in margin_of:
             decisions += [(event, told[i] - log2(margin) if margin else inf) for margin in found.tolist()]
     return ErrorCurve(model, len(struck), decisions)
 
 
-def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> list[dict[int, float]]:
-    """log2 of the error of each circle's place at the events in which it takes part, for a unit of 1."""
+def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> Iterator[tuple[int, float]]:
+    """Each decision's event, and log2 of what the errors carried there are of its margin, for a unit of 1."""
     draw = np.random.default_rng(SEED)
     free = moving(scene)
     row = {i: k for k, i in enumerate(free)}
@@ -156,27 +158,22 @@ def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel
     if model is ErrorModel.ROUNDING:
         state = np.hstack([course.places, course.speeds])[free]
         start = state[:, :, None] * draw.uniform(-1, 1, start.shape)
-    carried, told = Displacements(scene, start), []
-    for impacts in struck:
+    carried, errors = Displacements(scene, start), np.zeros((len(scene.circles), 4, SAMPLES))
+    for event, impacts in enumerate(struck):
         time = float(impacts[0].time)
         course.fly(time)
         carried.fly(time)
-        errors: dict[int, float] = {}
+        errors[free] = carried.columns
+        ends = (0.0, 1.0) if model is ErrorModel.STEPPED else (-time, time)  # found late; or the clock is rounded
+
+        def off(count: int, ends: tuple[float, float] = ends, shrink: float = 2.0**-carried.scale) -> Errors:
+            return shrink * draw.uniform(*ends, (count, SAMPLES))
+
         for impact in impacts:
-            for i in (i for i in (impact.a, impact.b) if i in row):
-                error = sqrt(float((carried.columns[row[i], :2] ** 2).sum(axis=0).mean()))
-                errors[i] = carried.scale + log2(max(error, LEAST))
-                if model is ErrorModel.STEPPED:
-                    late = log2(max(hypot(float(impact.vx), float(impact.vy)) / sqrt(3), LEAST))
-                    errors[i] = float(np.logaddexp2(2 * errors[i], 2 * late)) / 2
-        told.append(errors)
+            found = shares(course, impacts, impact, errors, row.__contains__, off)
+            yield from ((event, carried.scale + log2(share) if share else -inf) for share in found)
         for impact in impacts:
             _strike(carried, course, row, impact, model, draw)
-    return told
-
-
-LEAST = 2.0**-FARTHEST
-"""In place of no error at all: its logarithm is a number."""
 
 
 def _strike(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...exact.laws.formulas import (
     pair_approach,
@@ -22,9 +23,27 @@ from ..tangent.impacts import Impact
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from numpy.typing import NDArray
-
     from ...scenarios.scene import Scene
+
+
+WALL = -1
+"""In place of the index of a circle."""
+
+
+class Others(NamedTuple):
+    """What a circle would meet next.
+
+    Attributes:
+        places: circles by index, or `WALL`.
+        waits: how long until then.
+        rates: how fast they then approach.
+        normals: shape (others, 2): unit vectors from the circle to each, as they then meet.
+    """
+
+    places: NDArray[np.intp]
+    waits: NDArray[np.float64]
+    rates: NDArray[np.float64]
+    normals: NDArray[np.float64]
 
 
 class Course:
@@ -53,7 +72,7 @@ class Course:
 
     def push(self, impact: Impact) -> list[tuple[int, NDArray[np.float64]]]:
         """Carries an impact out: each circle that takes part, and the change of its velocity."""
-        a, b, dx, dy, vx, vy, reach, wa, wb = _doubles(impact)
+        a, b, dx, dy, vx, vy, reach, wa, wb = as_doubles(impact)
         if b is None:
             ux, uy = self.speeds[a]
             after = np.array(wall_bounce(ux, uy, dx, dy, reach * reach))
@@ -65,7 +84,7 @@ class Course:
             self.speeds[i] += change
         return changes
 
-    def margins(self, impact: Impact, i: int) -> NDArray[np.float64]:
+    def margins(self, event: Sequence[Impact], impact: Impact, i: int) -> NDArray[np.float64]:
         """How far circle i, which takes part in an impact, may be displaced before its next meeting is another one.
 
         One number for each that it would meet next, were it not for the impact: an error changes the times of both
@@ -73,42 +92,55 @@ class Course:
         long as the margin, and of opposite effect. And one, for two circles, for how far they are from missing each
         other.
         """
-        a, b, dx, dy, vx, vy, reach, *_ = _doubles(impact)
+        _, b, dx, dy, vx, vy, reach, *_ = as_doubles(impact)
         closing = abs(pair_approach(dx, dy, vx, vy)) / reach
-        partner = None if b is None else b if i == a else a
-        waits, rates = (np.concatenate(both) for both in
-                        zip(self._next_circles(i, partner), self._next_walls(i, b is None), strict=True))  # fmt: skip
-        orders = waits * (closing * rates / (closing + rates))
+        others = self.instead(event, i)
+        orders = others.waits * (closing * others.rates / (closing + others.rates))
         if b is None:
             return orders
         return np.append(orders, max(reach - abs(dx * vy - dy * vx) / np.hypot(vx, vy), 0.0))
 
-    def _next_circles(self, i: int, partner: int | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """How long until i meets each of the circles in its way but its partner, and how fast they then approach."""
+    def instead(self, event: Sequence[Impact], i: int) -> Others:
+        """What circle i, which takes part in an event, would meet were it not for that.
+
+        Where several contacts of one circle at one instant have a tangent map, their order decides nothing.
+        """
+        met = [impact for impact in event if i in (impact.a, impact.b)]
+        partners = [impact.b if i == impact.a else impact.a for impact in met if impact.b is not None]
+        circles, walls = self._circles(i, partners), self._walls_of(i, len(met) - len(partners))
+        return Others(
+            np.concatenate([circles.places, walls.places]),
+            np.concatenate([circles.waits, walls.waits]),
+            np.concatenate([circles.rates, walls.rates]),
+            np.concatenate([circles.normals, walls.normals]),
+        )
+
+    def _circles(self, i: int, partners: Sequence[int]) -> Others:
+        """The circles in its way, but for its partners."""
         (dx, dy), (vx, vy) = (self.places - self.places[i]).T, (self.speeds - self.speeds[i]).T
         reach = self._radii + self._radii[i]
         approach, room = pair_approach(dx, dy, vx, vy), pair_discriminant(dx, dy, vx, vy, reach)
         meets = (approach < 0) & (room > 0)
-        meets[i] = False
-        if partner is not None:
-            meets[partner] = False
+        meets[[i, *partners]] = False
         dx, dy, reach, root = dx[meets], dy[meets], reach[meets], np.sqrt(room[meets])
         waits = pair_hit_time(np.maximum(pair_gap(dx, dy, reach), 0.0), approach[meets], root)
-        return waits, root / reach
+        normals = np.column_stack([dx + waits * vx[meets], dy + waits * vy[meets]]) / reach[:, None]
+        return Others(np.flatnonzero(meets), waits, root / reach, normals)
 
-    def _next_walls(self, i: int, at_wall: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The same of walls, but for the one that it is at."""
+    def _walls_of(self, i: int, at_walls: int) -> Others:
+        """The walls in its way, but for those that it is at."""
         (x0, y0, nx, ny), (x, y), (ux, uy) = self._walls.T, self.places[i], self.speeds[i]
         gap = wall_gap(x, y, x0, y0, nx, ny, 0.0)
         side = np.where(gap < 0, -1.0, 1.0)
         gap, approach = side * gap - self._radii[i], side * wall_approach(ux, uy, nx, ny)
         meets = approach < 0
-        if at_wall:
-            meets[np.abs(gap).argmin()] = False
-        return wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets]), -approach[meets]
+        meets[np.abs(gap).argsort()[:at_walls]] = False
+        waits = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets])
+        normals = -side[meets, None] * np.column_stack([nx[meets], ny[meets]])
+        return Others(np.full(len(waits), WALL), waits, -approach[meets], normals)
 
 
-def _doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
+def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
     """All of an impact but its time."""
     dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:])
     return impact.a, impact.b, dx, dy, vx, vy, reach, wa, wb
@@ -131,7 +163,7 @@ def margins(
     for event in struck:
         course.fly(float(event[0].time))
         met = [(impact, i) for impact in event for i in (impact.a, impact.b) if i is not None and i in free]
-        told.append([(i, course.margins(impact, i)) for impact, i in met])
+        told.append([(i, course.margins(event, impact, i)) for impact, i in met])
         for impact in event:
             course.push(impact)
     return told

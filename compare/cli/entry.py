@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import click
 
@@ -27,7 +27,7 @@ def main(arguments: list[str] | None = None) -> None:
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     if "_TRUEBREAK_COMPLETE" in os.environ:
-        from . import fish  # noqa: F401
+        from .arguments import fish  # noqa: F401
 
         cli.main(given, prog_name="truebreak")
     _open_streams()
@@ -84,9 +84,12 @@ def _internal(error: Exception, debug: bool) -> ExitCode:
 
 def _open_streams() -> None:
     """Gives a stream that the caller has closed a place that forgets: the exit code is still to be had."""
-    for name in ("stdout", "stderr"):
-        if getattr(sys, name) is None:
-            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+    sys.stdout, sys.stderr = sys.stdout or _nowhere(), sys.stderr or _nowhere()
+
+
+def _nowhere() -> TextIO:
+    """A place that forgets what is written to it, open to the end of the program."""
+    return Path(os.devnull).open("w", encoding="utf-8")
 
 
 def _drop_stdout() -> None:

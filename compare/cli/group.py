@@ -15,6 +15,7 @@ Examples:
   truebreak compare gas:n=10,seed=1 --events 200 --html report.html
   truebreak run galperin:n=2 --json          314 collisions: the digits of pi
   truebreak run tennis --exact               every number as an expression
+  truebreak run gas --save gas-run.json      keeps the run, with its log
   truebreak run --resume gas-run.json        go on from what --save wrote
   truebreak run lee --certificate lee.json   then: truebreak verify lee.json
   truebreak judge gas log.jsonl              the log of any engine
@@ -30,7 +31,7 @@ Examples:
 \b
 Exit codes:
   0 agree, or done   1 diverged   2 usage or bad scene   3 internal error
-  4 undecided, or budget spent    130 interrupted
+  4 not settled, undecided, or budget spent   130 interrupted
 """
 
 PLACES = {

@@ -118,7 +118,7 @@ def showing(title: str) -> Iterator[Callable[[str], None] | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    line = Line(title)
+    line = ProgressLine(title)
     timer = threading.Timer(QUIET_SECONDS, line.begin)
     timer.daemon = True
     timer.start()
@@ -129,7 +129,7 @@ def showing(title: str) -> Iterator[Callable[[str], None] | None]:
         line.end()
 
 
-class Line:
+class ProgressLine:
     """The line; what is over before it begins shows nothing, and needs no rich."""
 
     def __init__(self, title: str) -> None:

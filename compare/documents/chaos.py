@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from .amounts import double
 from .trajectory import scene_json, stop_json
+from .values.amounts import double
 
 if TYPE_CHECKING:
-    from ..chaos.blocks import Rate
     from ..chaos.chaos import Chaos
+    from ..chaos.growth.blocks import Rate
     from ..chaos.horizon import Horizon, Place
 
 CHAOS_SCHEMA = "truebreak/chaos-1"

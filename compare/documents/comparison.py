@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from .amounts import plain
 from .trajectory import assumptions_json, scene_json, stop_json
+from .values.amounts import plain
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory

@@ -20,7 +20,7 @@ from mpmath.libmp import MPZ
 from ...exact.results.ball_parts import from_parts, parts_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json
-from ...scenarios.late import Late
+from ...scenarios.lazy.late import Late
 from ...scenarios.numbers.doubles import Double
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower.element import Element

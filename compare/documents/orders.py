@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .amounts import double
 from .trajectory import stop_json
+from .values.amounts import double
 
 if TYPE_CHECKING:
-    from ...exact.policies.all_orders import Leaf, OrderTree
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Stop
+    from ..orders.all_orders import Leaf, OrderTree
 
 ORDERS_SCHEMA = "truebreak/orders-1"
 

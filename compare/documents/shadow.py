@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from .amounts import double
+from .values.amounts import double
 
 if TYPE_CHECKING:
     from ..alignment.divergence import Divergence

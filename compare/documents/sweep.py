@@ -69,19 +69,24 @@ def print_sweep(
     out = console()
     asked = " ".join([settings["scene"], *settings["vary"]])
     say(out, f"{asked}: {counted(scenes, 'scene')}, each held against its certified run.", "bold")
-    table = grid("engine", "verdicts", "half have left by", "inside the band", "t = a ln(1/eps)/lambda + b",
-                 "outcomes changed")  # fmt: skip
+    asked_for = any(summary.changed is not None for summary in told)
+    last = ["outcomes changed"] if asked_for else []
+    table = grid("engine", "verdicts", "half have left by", "inside the band", "t = a ln(1/eps)/lambda + b", *last)
     for summary in told:
         inside, left = summary.inside
         law, changed = summary.law, summary.changed
-        table.add_row(
+        cells = [
             summary.engine,
             ", ".join(f"{count} {verdict}" for verdict, count in summary.verdicts.items()),
             "" if summary.median is None else f"event {summary.median}",
             f"{inside} of {left}" if left else "",
             "" if law is None else f"a = {law.slope:.3f}, b = {law.intercept:.3g}, r = {law.correlation:.2f}",
-            "" if changed is None else f"{changed[0]} of {changed[1]} (95 %: {changed[2]:.3f} to {changed[3]:.3f})",
-        )
+        ]
+        if asked_for:
+            cells.append(
+                "" if changed is None else f"{changed[0]} of {changed[1]} (95 %: {changed[2]:.3f} to {changed[3]:.3f})"
+            )
+        table.add_row(*cells)
     out.print(table)
     for outcome, found in unsure.items():
         if found.exponent is not None:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ...scenarios.numbers.real import real
 from ..deadline import Clock
-from .amounts import bounds, double, plain
-from .exact_texts import ExactTexts
+from .values.amounts import bounds, double, plain
+from .values.exact_texts import ExactTexts
 
 if TYPE_CHECKING:
     from ...scenarios.event import Assumption, Event

@@ -16,9 +16,9 @@ from statistics import median
 
 from ...scenarios import catalogue
 from ..comparison import compare
-from .row import Job
+from .rows.row import Job
+from .rows.worker import carry_out
 from .sweep import pool, sweep
-from .worker import carry_out
 
 SCENES, EVENTS = 500, 300
 

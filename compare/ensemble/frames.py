@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .row import COLUMNS
+from .rows.row import COLUMNS
 
 if TYPE_CHECKING:
-    from .row import Row
+    from .rows.row import Row
 
 TEXTS = ("margin", "changed", "work")
 """Columns of lists and of dicts: as JSON text, which every reader of tables takes."""

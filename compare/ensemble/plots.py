@@ -10,7 +10,7 @@ from ..report.pictures.sweep_plots import law_points
 from .survival import summaries
 
 if TYPE_CHECKING:
-    from .row import Row
+    from .rows.row import Row
 
 
 def plot_survival(rows: Sequence[Row], ax: Any = None) -> Any:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .row import Row
+from .rows.row import Row
 
 Z_95 = 1.959963984540054
 """The normal distribution's two-sided 95 % quantile."""

@@ -17,9 +17,9 @@ from ..engines import suggestion
 from ..outcomes.table import OUTCOMES
 from ..validation import check_engine
 from .family import Family, family, shard_of
-from .row import PERTURBED, Job, Row, engine_of
-from .store import Store
-from .worker import carry_out, prepare
+from .rows.row import PERTURBED, Job, Row, engine_of
+from .rows.store import Store
+from .rows.worker import carry_out, prepare
 
 ASK_FIRST = 100_000
 """Scenes from which on a sweep is asked for twice: at ten a second they take three hours."""
@@ -175,7 +175,7 @@ def sweep(
     Args:
         store: the file that keeps the rows; what is in it already is not done again.
         asked: `events`, `perturb`, `outcomes`, `causes`, `work` and `shard`, as for `plan`.
-        others: see `plan` and `run`.
+        jobs, executor, progress: see `run`.
 
     Raises:
         SceneError: as `plan`, `Store` and `run`.

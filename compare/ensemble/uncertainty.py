@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...scenarios.numbers.quantity import Quantity
-from .row import PERTURBED
+from .rows.row import PERTURBED
 from .survival import Z_95, wilson
 
 if TYPE_CHECKING:
-    from .row import Row
+    from .rows.row import Row
 
 FEWEST = 3
 """Sizes for a line and the scatter about it."""

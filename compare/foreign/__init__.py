@@ -10,8 +10,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from ...scenarios.lazy.names import handed_on
 
 if TYPE_CHECKING:
     from .log import read_log
@@ -22,14 +23,10 @@ if TYPE_CHECKING:
 __all__ = ["LogEngine", "RecordedEngine", "Recording", "read_log"]
 
 _HOMES = {
-    "LogEngine": ".log_engine",
-    "RecordedEngine": ".recorded",
-    "Recording": ".recording",
-    "read_log": ".log",
+    "LogEngine": "log_engine",
+    "RecordedEngine": "recorded",
+    "Recording": "recording",
+    "read_log": "log",
 }
 
-
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name], __name__), name)
+__getattr__, __dir__ = handed_on(__name__, _HOMES)

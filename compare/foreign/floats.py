@@ -12,6 +12,7 @@ from ...scenarios.numbers.quantity import Quantity
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
+    from ...scenarios.things import Circle, Pocket, Wall
 
 FLOATS_SCHEMA = "truebreak/floats-1"
 
@@ -64,13 +65,13 @@ def floats_csv(scene: Scene) -> str:
     return out.getvalue()
 
 
-def _thing(thing: Any, keys: tuple[str, ...]) -> dict[str, Any]:
+def _thing(thing: Circle | Wall | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
     pairs = {key: _pair(thing, key) for key in keys}
     row: dict[str, Any] = {"id": thing.id, **{key: _finite(double) for key, (double, _) in pairs.items()}}
     return {**row, "error": {key: error for key, (_, error) in pairs.items()}}
 
 
-def _pair(thing: Any, key: str) -> tuple[float, float]:
+def _pair(thing: Circle | Wall | Pocket, key: str) -> tuple[float, float]:
     value = getattr(thing, key)
     return double_and_error(value, f"{thing.id!r}: {key}") if isinstance(value, Quantity) else (math.inf, 0.0)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.trajectory import Trajectory
@@ -120,7 +120,7 @@ class GuardedMotion:
             raise EngineError(f"{told}; must be (x, y, vx, vy) of each of the {len(self.circles)} circles")
         for circle, row in zip(self.circles, rows, strict=True):
             for key, value in zip(("x", "y", "vx", "vy"), row, strict=True):
-                if not hasattr(value, "__float__") or (isinstance(value, float) and not math.isfinite(value)):
+                if not (math.isfinite(value) if isinstance(value, float) else isinstance(value, SupportsFloat)):
                     raise EngineError(f"{where}: circle {circle!r}: {key} = {str(value)[:60]}; must be a finite number")
         return rows
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from ...floating.knots import DoubleMotion, Knot
 from ...floating.pymunk.pockets import entries
+from ...scenarios.checks.limits import positive_count, positive_time
 from ...scenarios.event import Contact, Event, Reversal, Tie, TieProof
-from ...scenarios.limits import positive_count, positive_time
 from ...scenarios.numbers.doubles import Double
 from ...scenarios.trajectory import Progress, Stop, StopReason, Trajectory
 from ..validation import EngineError, checked_event

@@ -14,16 +14,16 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...exact.numbers import ball
-from ...exact.policies.all_orders import Runner, all_orders
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.real import real
 from ...scenarios.trajectory import StopReason, Trajectory
 from ..deadline import OutOfTime
+from ..orders.all_orders import Runner, all_orders
+from ..orders.guided import Guided
+from ..orders.order_search import Attended
 from .break_pattern import pattern as pattern_of
-from .guided import Guided
 from .nearby import Witness, nearby_scenes
-from .order_search import Attended
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

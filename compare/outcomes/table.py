@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ..documents.amounts import plain
+from ..documents.values.amounts import plain
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory

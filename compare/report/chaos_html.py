@@ -87,7 +87,7 @@ def _convergence(chaos: Chaos, width: int) -> Markup:
     rate = chaos.spectrum.per_time()
     estimates = [(time, value) for _, time, value in chaos.spectrum.running(CONVERGENCE_POINTS)]
     limits = [
-        Curve(label, [(0.0, value), (chaos.time, value)], "e0")
+        Curve(label, [(0.0, value), (chaos.time, value)], "bound")
         for label, value in (("95 %, low", rate.low), ("95 %, high", rate.high))
         if value is not None
     ]

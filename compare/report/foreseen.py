@@ -19,6 +19,9 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     'foreseen to leave between event 23 and event 31, half of such engines by event 27'
     >>> foreseen_phrase(found, 1)
     'foreseen to keep the history in the 60 events looked at, by the growth of errors alone'
+    >>> near = foreseen(compare(catalogue.build("near-tie:k=40"), ["interval"]))
+    >>> foreseen_phrase(near, 0)
+    'foreseen to leave at event 0'
     """
     horizon = None if found is None else found.horizons[number]
     if found is None or horizon is None:
@@ -28,6 +31,8 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     if horizon.high.event is None:
         half = "" if horizon.expected.event is None else f", half of such engines by event {horizon.expected.event:,}"
         return f"foreseen to leave from event {horizon.low.event:,} on{half}"
+    if horizon.low.event == horizon.high.event:
+        return f"foreseen to leave at event {horizon.low.event:,}"
     return (
         f"foreseen to leave between event {horizon.low.event:,} and event {horizon.high.event:,}, "
         f"half of such engines by event {horizon.expected.event:,}"

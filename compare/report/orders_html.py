@@ -21,17 +21,15 @@ from .page.rendering import rendered
 from .text.listing import laid_out
 
 if TYPE_CHECKING:
-    from ...exact.policies.all_orders import Leaf, OrderTree
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Stop, Trajectory
+    from ..orders.all_orders import Leaf, OrderTree
 
 MOST_PLAYED = 24
 """Outcomes that can be played beside the first."""
 
 MOST_LISTED = 400
 """Rows of the table."""
-
-AGAIN = "the command above, with --json"
 
 PLAYER = {
     "title": "Two outcomes, side by side",

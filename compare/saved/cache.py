@@ -16,8 +16,8 @@ from ...exact.engine import ExactEngine
 from ...exact.results.motion import ExactMotion
 from ...exact.simulation.limits import run_limits
 from ...scenarios.errors import SceneError
+from ...scenarios.lazy.version import VERSION
 from ...scenarios.trajectory import StopReason
-from ...scenarios.version import VERSION
 from ..engines import engine as engine_named
 
 if TYPE_CHECKING:

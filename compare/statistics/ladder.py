@@ -29,6 +29,9 @@ LOST = 0.05
 MORE_EVENTS = 10
 """A run with so many times the events of the certified one has stuck: it no longer gets on in time."""
 
+ENDS = (StopReason.HORIZON, StopReason.QUIET)
+"""Of a run that tells something."""
+
 NORMAL = NormalDist()
 
 
@@ -38,9 +41,11 @@ class Ensemble:
 
     Attributes:
         values: for each scene; None where the run is lost: it stuck, or was refused.
+        endless: how many of the lost ones stopped by themselves, in rounds without end.
     """
 
     values: tuple[float | None, ...]
+    endless: int = 0
 
     @property
     def lost(self) -> int:
@@ -57,6 +62,7 @@ class Bias:
         error: its standard error.
         margin: what does no harm, in the quantity's own unit.
         lost: runs that tell nothing.
+        endless: those of them that stopped by themselves, in rounds without end.
         runs: all of them.
         p_differs: of no bias at all, by the mean's normal distribution.
         p_harms: of a bias of the margin or more, of either sign (two one-sided tests, Schuirmann 1987).
@@ -66,6 +72,7 @@ class Bias:
     error: float
     margin: float
     lost: int
+    endless: int
     runs: int
     p_differs: float
     p_harms: float
@@ -88,15 +95,16 @@ def bias(exact: Ensemble, other: Ensemble, margin: float) -> Bias:
     (0.15, 'unharmed, biased')
     """
     pairs = [(a, b) for a, b in zip(exact.values, other.values, strict=True) if a is not None and b is not None]
+    runs = other.lost, other.endless, len(other.values)
     if len(pairs) < 2:
-        return Bias(math.nan, math.nan, margin, other.lost, len(other.values), 1.0, 1.0)
+        return Bias(math.nan, math.nan, margin, *runs, 1.0, 1.0)
     gaps = [b - a for a, b in pairs]
     value, error = fmean(gaps), stdev(gaps) / math.sqrt(len(gaps))
     if error == 0:
-        return Bias(value, error, margin, other.lost, len(other.values), float(value == 0), float(abs(value) >= margin))
+        return Bias(value, error, margin, *runs, float(value == 0), float(abs(value) >= margin))
     differs = 2 * (1 - NORMAL.cdf(abs(value) / error))
     harms = 1 - NORMAL.cdf((margin - abs(value)) / error)
-    return Bias(value, error, margin, other.lost, len(other.values), differs, harms)
+    return Bias(value, error, margin, *runs, differs, harms)
 
 
 def power(exact: Ensemble, margin: float, tests: int) -> float:
@@ -124,27 +132,33 @@ def certified(quantity: Measured, scenes: Sequence[Scene]) -> tuple[Ensemble, li
     events: list[int] = []
     for scene in scenes:
         run = _run(ExactEngine(), scene, quantity.until, None)
-        if not run.certified or run.stop.reason in (StopReason.UNDECIDED, StopReason.BUDGET):
+        if not run.certified or run.stop.reason not in ENDS:
             raise SceneError(f"{scene.name!r}: its run is not certified ({run.stop.message})")
         values.append(quantity.tell(run))
         events.append(len(run.events))
     return Ensemble(tuple(values)), events
 
 
-def approximate(quantity: Measured, scenes: Sequence[Scene], events: Sequence[int], engine: str) -> Ensemble:
-    """The quantity in an engine's runs of the same starts; a run that sticks tells nothing."""
+def approximate(quantity: Measured, scenes: Sequence[Scene], events: Sequence[int], name: str) -> Ensemble:
+    """The quantity in an engine's runs of the same starts; a run that sticks tells nothing.
+
+    Raises:
+        SceneError: for an engine that there is not.
+    """
+    engine = engine_named(name)
     values: list[float | None] = []
+    endless = 0
     for scene, count in zip(scenes, events, strict=True):
         most = MORE_EVENTS * max(count, MORE_EVENTS)
         try:
-            run = _run(engine_named(engine), scene, quantity.until, most)
+            run = _run(engine, scene, quantity.until, most)
         except SceneError:
             values.append(None)
             continue
-        stuck = run.stop.reason in (StopReason.EVENTS, StopReason.UNDECIDED)
-        value = None if stuck else quantity.tell(run)
+        endless += run.stop.reason is StopReason.BUDGET
+        value = quantity.tell(run) if run.stop.reason in ENDS else None
         values.append(value if value is not None and math.isfinite(value) else None)
-    return Ensemble(tuple(values))
+    return Ensemble(tuple(values), endless)
 
 
 def _run(engine: Engine, scene: Scene, until: int | None, events: int | None) -> Trajectory:

@@ -37,11 +37,12 @@ def picture(scene: Scene, engines: Sequence[str] = ENGINES) -> tuple[str, dict[s
     """
     curves: list[Curve] = []
     told: dict[str, float] = {}
-    for name in engines:
+    for number, name in enumerate(engines):
         run = engine_named(name).run(scene)
-        curves.append(Curve(name, h_curve(run, POINTS)))
+        curves.append(Curve(name, h_curve(run, POINTS), f"e{number - 1}" if number else "reference"))
         told[name] = h_returned(run)
-    return standalone(plot(f"Boltzmann's H of {scene.name}, turned back once", "time", "H", curves)), told
+    drawn = plot(f"Boltzmann's H of {scene.name}, turned back once", "time", "H", curves)
+    return standalone(drawn, len(curves) - 1), told
 
 
 def main(arguments: list[str] | None = None) -> int:

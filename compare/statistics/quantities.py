@@ -12,7 +12,7 @@ from ...scenarios import catalogue
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import StopReason
-from ..chaos.spectrum import spectrum
+from ..chaos.growth.spectrum import spectrum
 from ..tangent.impacts import NoTangentMap, impacts
 from ..truths.ensembles import directions, met
 from .boltzmann import h_returned

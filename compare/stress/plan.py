@@ -12,7 +12,7 @@ from typing import Any
 
 from ...scenarios.errors import SceneError
 from ..engines import engine as engine_named
-from ..ensemble.row import versions
+from ..ensemble.rows.row import versions
 from ..ensemble.sweep import pool
 from ..validation import check_engine
 from .cell import Job, Row, row_of

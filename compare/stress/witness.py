@@ -6,10 +6,10 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...exact.certificate import certificate_json
 from ...scenarios.errors import SceneError
 from ...tools.verify import BROKEN
 from ..alignment.align import UNKNOWING
+from ..certificate import certificate_json
 from ..certificates import Certified, certified, verdict
 from .marks import Mark
 

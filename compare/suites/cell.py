@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from ..documents.amounts import plain
+from ..documents.values.amounts import plain
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from ..adapters.package import NotInstalled
+from ..adapters.base.package import NotInstalled
 from ..alignment.align import VERDICTS
 from ..deadline import OutOfTime
 from ..engines import engine

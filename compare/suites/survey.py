@@ -9,15 +9,15 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
-from ..adapters.adapted import version_of
+from ..adapters.base.adapted import version_of
 from ..deadline import Clock, OutOfTime
 from ..engines import ENGINES, engine, suggestion
 from ..scene_argument import scene_from
 from ..validation import EngineError
-from .advised import Advised, adjustable, advised
 from .holding import hold
 from .running import SuiteReport, broken, run_cell
 from .suite import Task
+from .surveys.advised import Advised, adjustable, advised
 
 if TYPE_CHECKING:
     from .cell import Cell

@@ -18,6 +18,7 @@ from ...exact.results.motion import ExactMotion, steps_through
 
 if TYPE_CHECKING:
     from ...scenarios.event import Event
+    from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
 
@@ -70,10 +71,15 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if circles go out of play, or touch at time 0 and go on touching.
+        NoTangentMap: if circles go out of play, or touch at time 0 and go on touching; and if doubles, in which
+            displacements are carried, do not hold the products of its numbers.
     """
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
+    ends = [value for wall in scene.walls for value in (wall.x0, wall.y0, wall.x1, wall.y1)]
+    flights = [value for c in scene.circles for value in (c.x, c.y, c.r, c.vx, c.vy)]
+    if not all(_held(value) for value in (*ends, *flights)):
+        raise NoTangentMap(f"lengths or speeds above 2**{HELD_BITS} or below 2**-{HELD_BITS}; choose other units")
     free = moving(scene)
     for i, j in scene.touching:
         a = scene.circles[i]
@@ -88,6 +94,18 @@ def check_start(scene: Scene) -> None:
         if closing.sign() == 0:
             names = f"{scene.ids[i]} and {scene.ids[j]}"
             raise NoTangentMap(f"{names} touch from the start on: a displacement would make them overlap")
+
+
+HELD_BITS = 240
+"""Sizes from 2**-240 to 2**240 are held by doubles to the fourth power, which is what the formulas come to."""
+
+
+def _held(value: Quantity) -> bool:
+    try:
+        size = abs(float(value))
+    except OverflowError:
+        return False
+    return 2.0**-HELD_BITS <= size <= 2.0**HELD_BITS or value.sign() == 0
 
 
 def check_event(scene: Scene, event: Event) -> None:
@@ -140,16 +158,50 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
     if turned < events:
         raise NoTangentMap(f"the run turns back after {turned} events", turned)
     if isinstance(trajectory.motion, ExactMotion):
-        if bits is not None:
-            return _replayed(trajectory, trajectory.motion, events, bits)
-        bits = trajectory.motion.log.lost + LEAST_BITS
-        while True:
-            found = _replayed(trajectory, trajectory.motion, events, bits)
-            with ball.precision(bits):
-                if all(_sharp(impact) for mine in found for impact in mine):
-                    return found
-            bits *= 2
+        motion = trajectory.motion
+        if bits is None:
+            told = _sharply(trajectory, motion, events, together=False)
+        else:
+            told = _replayed(trajectory, motion, events, bits, together=False)
+        return [[impact for struck in mine for impact in struck] for mine in told]
     return list(_read(trajectory, events))
+
+
+def rounds(trajectory: Trajectory, events: int) -> list[list[list[Impact]]]:
+    """The impacts of the first events of an exact run, event by event and round by round.
+
+    Those of a round all have the velocities that it finds. Nearby runs are here those that take the contacts of each
+    instant in the same rounds: then there is a map from event to event, whatever meets at one instant.
+
+    Raises:
+        NoTangentMap: from a reversal, or a circle's leaving play, on; for a run of floats.
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.scenarios import catalogue
+    >>> [[struck]] = rounds(ExactEngine().run(catalogue.build("lee")), 1)
+    >>> [(impact.a, impact.b) for impact in struck]
+    [(0, 1), (1, 2)]
+    """
+    if not isinstance(trajectory.motion, ExactMotion):
+        raise NoTangentMap("rounds are read off the log of an exact run")
+    turned = events if trajectory.reversal is None else trajectory.reversal.after
+    if trajectory.scene.capture and trajectory.pocketings:
+        first = min(float(entry.time) for entry in trajectory.pocketings)
+        turned = min(turned, sum(float(event.time) < first for event in trajectory.events))
+    if turned < events:
+        raise NoTangentMap(f"velocities turn back, or a circle leaves play, after {turned} events", turned)
+    return _sharply(trajectory, trajectory.motion, events, together=True)
+
+
+def _sharply(trajectory: Trajectory, motion: ExactMotion, events: int, *, together: bool) -> list[list[list[Impact]]]:
+    """The rounds of each event, with as many bits as it takes for each number to be told to a double."""
+    bits = motion.log.lost + LEAST_BITS
+    while True:
+        found = _replayed(trajectory, motion, events, bits, together=together)
+        with ball.precision(bits):
+            if all(_sharp(impact) for mine in found for struck in mine for impact in struck):
+                return found
+        bits *= 2
 
 
 LEAST_BITS = 320
@@ -173,18 +225,20 @@ def _sharp(impact: Impact) -> bool:
     )
 
 
-def _replayed(trajectory: Trajectory, motion: ExactMotion, events: int, bits: int) -> list[list[Impact]]:
+def _replayed(
+    trajectory: Trajectory, motion: ExactMotion, events: int, bits: int, *, together: bool
+) -> list[list[list[Impact]]]:
     log = motion.log
-    found: list[list[Impact]] = []
+    found: list[list[list[Impact]]] = []
     with ball.precision(bits):
         state = CentredState(trajectory.scene, log.centred)
         done = 0
         for event in trajectory.events[:events]:
             upto = steps_through(event)
-            mine: list[Impact] = []
+            mine: list[list[Impact]] = []
             for step in log.steps[done:upto]:
                 if isinstance(step, Kick):
-                    mine += _struck(state, step.links)
+                    mine.append(list(_struck(state, step.links, together)))
                 elif not isinstance(step, Go):
                     raise NoTangentMap(f"event {event.index}: the run turns back at it", event.index)
                 state.do(step)
@@ -193,8 +247,8 @@ def _replayed(trajectory: Trajectory, motion: ExactMotion, events: int, bits: in
     return found
 
 
-def _struck(state: BallState, links: Sequence[Touch]) -> Iterator[Impact]:
-    """The impacts of one round, one after the other: the later ones see the velocities that the former leave."""
+def _struck(state: BallState, links: Sequence[Touch], together: bool) -> Iterator[Impact]:
+    """The impacts of one round: together, or the later ones with the velocities that the former leave."""
     speeds = {i: state.bodies[i].flight[2:4] for link in links for i in link.circles}
     for link in links:
         i, j, *_ = link
@@ -202,11 +256,14 @@ def _struck(state: BallState, links: Sequence[Touch]) -> Iterator[Impact]:
         if isinstance(link, AtWall):
             line = state.line(link.circle, link.wall)
             yield Impact(state.instant, i, None, line.nx, line.ny, ux, uy, line.length, state.zero, state.zero)
-            speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
+            if not together:
+                speeds[i] = wall_bounce(ux, uy, line.nx, line.ny, line.nn)
             continue
         (a, b), (dx, dy), (vx, vy) = link.ends(state), state.span(link), speeds[j]
         reach = state.reach(a, b)
         yield Impact(state.instant, i, j, dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
+        if together:
+            continue
         jx, jy = pair_impulse(dx, dy, vx - ux, vy - uy, reach, a.w, b.w)
         speeds[i] = ux - a.w * jx, uy - a.w * jy
         speeds[j] = vx + b.w * jx, vy + b.w * jy

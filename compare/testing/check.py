@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,6 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..comparison import Comparison, compare
-from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..outcomes.permitted import Relation, permitted_patterns
@@ -22,25 +21,21 @@ from ..report.sentences import verdict_sentence
 from ..saved.cache import cached
 from ..scene_argument import scene_from
 from ..study import Study
-from ..validation import check_engine, check_trajectory
-from .invariants import broken_invariant
-from .local_error import LocalError, local_error
+from ..validation import check_trajectory
+from .asked import bits_asked, engine_asked
 from .message import failure
-from .numbers import Demand, number_off
-from .own_order import in_its_own_order
-from .reach import OutOfReach, Reach, reach_of
 from .reproduction import reproduction
+from .tolerances.invariants import broken_invariant
+from .tolerances.local_error import LocalError, local_error
+from .tolerances.numbers import Demand, number_off
+from .tolerances.own_order import permission
+from .tolerances.reach import OutOfReach, Reach, reach_of
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.trajectory import Trajectory
-
-LOGS = (".jsonl", ".csv", ".log", ".ndjson")
-"""Suffixes by which a text is known for the path of a log."""
-
-WIDTHS = {"float16": 11, "float32": 24, "single": 24, "float64": 53, "double": 53, "quad": 106, "float128": 113}
-"""Horizons by name: bits of the numbers whose errors are granted."""
+    from ..candidate import Candidate
 
 FIRST, THEN = 64, 256
 """Events of the true run that are looked at first: most engines come no farther."""
@@ -123,7 +118,7 @@ def check(
     """
     where = scene if isinstance(scene, str) else scene.name
     loaded = scene_from(scene) if isinstance(scene, str) else scene
-    chosen, name = _engine(engine, loaded, declared)
+    chosen, name = engine_asked(engine, loaded, declared)
     truth = cached(ExactEngine(work=DEFAULT_WORK if work is None else work))
     demand = Demand(digits, atol, rtol)
     case = _Case(
@@ -137,10 +132,10 @@ def check(
         isinstance(engine, str) and not isinstance(chosen, LogEngine),
     )
     if events is not None or until is not None or permitted:
-        return case.span(events, until, _bits(chosen, horizon))
+        return case.span(events, until, bits_asked(chosen, horizon))
     if len(loaded.circles) > MOST_CIRCLES:
         raise SceneError(f"{where!r}: has more than {MOST_CIRCLES} circles; give events= or until=")
-    return case.as_far_as_it_reaches(_bits(chosen, horizon))
+    return case.as_far_as_it_reaches(bits_asked(chosen, horizon))
 
 
 @dataclass
@@ -163,15 +158,13 @@ class _Case:
         comparison = self._compared(events=events, until=until)
         asserted = [f"the same history in {len(comparison.reference.events)} events"]
         if self.permitted and (events is not None or until is not None or len(self.scene.circles) > MOST_CIRCLES):
-            asserted = [self._permitted(comparison, None)]
+            asserted = self._permitted(comparison, None)
         elif self.permitted:
             reference, local, _ = self._reach(bits)
-            asserted = [self._permitted(comparison, local), *self._invariants(reference, local, comparison)]
+            asserted = [*self._permitted(comparison, local), *self._invariants(reference, local, comparison)]
         else:
             self._same_history(comparison, None)
-        off = None if self.permitted else number_off(comparison, self.demand, None, self._tells_places)
-        if off is not None:
-            raise CheckFailed(self._failure(comparison, None, off), comparison)
+            self._same_numbers(comparison, comparison.reference, comparison.candidates[0], None)
         return self._done([*asserted, *self.demand.told], None, comparison)
 
     def as_far_as_it_reaches(self, bits: int | None) -> Checked:
@@ -184,12 +177,8 @@ class _Case:
                 limits = {"until": self._log_end} if self._log_end else {}
             comparison = self._compared(**limits)
             self._same_history(comparison, reach, local)
-            off = number_off(comparison, self.demand, reach, self._tells_places)
-            if off is not None:
-                raise CheckFailed(self._failure(comparison, reach, off), comparison)
-            places = "times and places" if self._tells_places else "times"
             asserted = [f"the same history in {reach.events} events"]
-            asserted += [f"{places} of {reach.linear} within honest errors ({local.told})"] if reach.linear else []
+            asserted += self._same_numbers(comparison, comparison.reference, comparison.candidates[0], reach, local)
         if reach.limit is not None:
             asserted.append(f"beyond reach: {reach.limit}")
             asserted += self._tie_resolved(reach.limit)
@@ -235,25 +224,41 @@ class _Case:
             told = [verdict_sentence(comparison), f"  {candidate.engine}: {candidate.trajectory.stop.message}"]
             raise NotDecided("\n".join([*told, f"  reproduce: {self._reproduced(comparison)}"]), comparison)
 
-    def _permitted(self, comparison: Comparison, local: LocalError | None) -> str:
-        """The class of the engine's pattern, if some order of simultaneous impulses has it."""
+    def _same_numbers(
+        self,
+        comparison: Comparison,
+        reference: Trajectory,
+        candidate: Candidate,
+        reach: Reach | None,
+        local: LocalError | None = None,
+    ) -> list[str]:
+        """Times and places are as near to those of a run with the same history as is asked for, and granted."""
+        off = number_off(reference, candidate, self.demand, reach, self._tells_places)
+        if off is not None:
+            raise CheckFailed(self._failure(comparison, reach, off), comparison)
+        if reach is None or local is None or not reach.linear:
+            return []
+        places = "times and places" if self._tells_places else "times"
+        return [f"{places} of {reach.linear} within honest errors ({local.told})"]
+
+    def _permitted(self, comparison: Comparison, local: LocalError | None) -> list[str]:
+        """Some order of simultaneous impulses leads to the history, and to its times and places."""
         (candidate,) = comparison.candidates
-        if candidate.verdict != "diverged":
+        if candidate.verdict not in ("agree", "diverged"):
             self._same_history(comparison, None)
-            return f"the same history in {len(comparison.reference.events)} events"
-        found = comparison.permitted
-        relation = Relation.OWN
-        if found is not None and candidate.pattern is not None:
-            relation = found.relation(candidate.pattern)
-        if relation in (Relation.OWN, Relation.REALISABLE, Relation.SOME_ORDER):
-            return f"a history that is permitted: {relation.value}"
-        told = in_its_own_order(self.scene, candidate, self.engine, comparison.span, local)
-        if told is not None:
-            return f"a history that is permitted: {told}"
-        text = self._failure(comparison, None)
-        if relation is Relation.NOT_FOUND:
-            raise NotDecided(f"{text}\n  permitted: {relation.value}", comparison)
-        raise CheckFailed(f"{text}\n  permitted: {relation.value}", comparison)
+        found = permission(comparison, self.engine, local)
+        if found.told is None:
+            broken = None if local is None or not self._tells_places else broken_invariant(candidate.trajectory, local)
+            text = self._failure(comparison, None, amiss=[] if broken is None else [broken])
+            kind = CheckFailed if found.settled or broken is not None else NotDecided
+            raise kind(f"{text}\n  permitted: {found.relation.value}", comparison)
+        own = found.own
+        if own is None or own.told is None:
+            if self.demand.told:
+                raise NotDecided(f"{self.name} on {self.where}: {found.told}; no run is known to hold numbers against")
+            return [found.told]
+        mine = replace(candidate, trajectory=own.history, alignment=own.alignment)
+        return [found.told, *self._same_numbers(comparison, own.run, mine, own.reach, local)]
 
     def _tie_resolved(self, limit: OutOfReach) -> list[str]:
         """Whom each circle meets in an exact tie out of reach is what some order of its impulses, or a nearby scene,
@@ -285,14 +290,16 @@ class _Case:
             run = check_trajectory(told, self.scene, self.name, self.engine.bits)
         broken = broken_invariant(run, local)
         if broken is not None:
-            raise CheckFailed(f"{self.name} on {self.where}: {broken}", comparison)
+            shown = [] if comparison is None else [f"  reproduce: {self._reproduced(comparison)}"]
+            raise CheckFailed("\n".join([f"{self.name} on {self.where}: {broken}", *shown]), comparison)
         return ["energy, momentum, straight flight, no overlap, permitted impulses"]
 
     def _amiss(self, comparison: Comparison, reach: Reach | None, local: LocalError) -> list[str]:
         """The first number that is off before the histories part, and the first broken invariant: what a bug is."""
-        found = [number_off(comparison, self.demand, reach, self._tells_places)]
+        (mine,) = comparison.candidates
+        found = [number_off(comparison.reference, mine, self.demand, reach, self._tells_places)]
         if self._tells_places:
-            found.append(broken_invariant(comparison.candidates[0].trajectory, local))
+            found.append(broken_invariant(mine.trajectory, local))
         return [told for told in found if told is not None]
 
     def _failure(
@@ -305,31 +312,3 @@ class _Case:
 
     def _done(self, asserted: list[str], reach: Reach | None, comparison: Comparison | None) -> Checked:
         return Checked(self.name, self.where, tuple(asserted), reach, comparison)
-
-
-def _engine(engine: Any, scene: Scene, declared: dict[str, Any]) -> tuple[Engine, str]:
-    """The engine to check, and what messages call it."""
-    if isinstance(engine, Path) or (isinstance(engine, str) and engine.lower().endswith(LOGS)):
-        log = LogEngine.of(engine, scene, **declared)
-        return log, log.name
-    if isinstance(engine, Iterable) and not isinstance(engine, str):
-        return LogEngine.of(engine, scene, **declared), "log"
-    if declared:
-        raise SceneError(f"{next(iter(declared))}: is declared of a log only; an engine declares it itself")
-    chosen = engine_named(engine) if isinstance(engine, str) else check_engine(engine)
-    return chosen, engine if isinstance(engine, str) else chosen.name
-
-
-def _bits(engine: Engine, horizon: str | int | None) -> int | None:
-    """The width whose errors are granted."""
-    if horizon is None:
-        return engine.bits
-    if isinstance(horizon, str) and horizon in WIDTHS:
-        return WIDTHS[horizon]
-    try:
-        bits = int(horizon)
-    except ValueError:
-        bits = 0
-    if bits < 1:
-        raise SceneError(f"horizon = {horizon!r}: must be a number of bits, or one of {', '.join(WIDTHS)}")
-    return bits

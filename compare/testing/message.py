@@ -11,7 +11,7 @@ from ..report.sentences import off as off_by
 
 if TYPE_CHECKING:
     from ..comparison import Comparison
-    from .reach import Reach
+    from .tolerances.reach import Reach
 
 DIGITS = 15
 """Certified digits of a time that a message shows."""

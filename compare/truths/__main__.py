@@ -35,8 +35,10 @@ COLUMNS = "| what | published | ours | difference | source | to see it |\n|---|-
 TAIL = """
 A difference in brackets is in standard errors: that of ours, and that of what was measured before, together.
 
-ChaosBook's figure is quoted from memory: it was looked for in what text is at hand, and not seen in print. Ours does
-not rest on it: the expansion below gives all of its digits, and six more.
+ChaosBook's figure is quoted from memory: it was looked for in what public text is at hand, twice, and not seen in print
+(of Gaspard and Rice, of P. Gaspard and D. Alonso Ramirez, Phys. Rev. A 45 (1992), 8383, and of A. Wirzba,
+chao-dyn/9712015, there are the abstracts, without a figure). Ours does not rest on it: the expansion below gives all
+of its digits, and six more.
 
 ## Three discs
 

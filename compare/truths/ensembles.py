@@ -11,7 +11,7 @@ import numpy as np
 from ...exact.engine import ExactEngine
 from ...scenarios import catalogue
 from ...scenarios.catalogue.draw import Draw
-from ..chaos.spectrum import TURNING, spectrum
+from ..chaos.growth.spectrum import TURNING, spectrum
 from ..tangent.impacts import impacts
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from ...scenarios import catalogue
 from ...scenarios.catalogue.scenes.billiards import FOLDED, IN_A_BOX, PINBALL
 from ...scenarios.numbers.quantity import Quantity
 from ..chaos.following import follow
-from ..chaos.spectrum import spectrum
+from ..chaos.growth.spectrum import spectrum
 from ..engines import engine
 from ..repeller.escape import escape
 from ..tangent.growth import Displacements, unit_displacements

@@ -52,7 +52,7 @@ class InField:
             return None
         assert state.field is not None
         try:
-            parts = question.root_sum(state.field)
+            parts = question.sum_of_roots(state.field)
         except LeavesField:
             return None
         if parts[2] == 0 and parts[4] == 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...scenarios.frozen import frozen
+from ...scenarios.lazy.frozen import frozen
 from ...scenarios.numbers.tower import TowerLimit, sign_of_root_sum
 from ...scenarios.scene import Scene
 from ...scenarios.work import Work
@@ -53,7 +53,7 @@ class NestedRoots:
         try:
             state = State(self.scene, numbers, only=bodies)
             replay(state, steps, needed)
-            return sign_of_root_sum(*question.root_sum(state)), ""
+            return sign_of_root_sum(*question.sum_of_roots(state)), ""
         except TowerLimit as limit:
             self._hopeless.append(Hopeless(past, allowed if work.is_spent else None))
             return None, f"nested square roots: {limit}"

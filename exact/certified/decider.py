@@ -20,10 +20,10 @@ from ..replay.body import Body
 from ..replay.contact import Entry, Link, name_of
 from ..replay.refinable import Projection, RefinableState
 from ..replay.steps import Step
+from ..simulation.arrivals.initial import touching_at_start
+from ..simulation.arrivals.queue import ArrivalQueue
 from ..simulation.history import History
-from ..simulation.initial import touching_at_start
 from ..simulation.limits import Limits
-from ..simulation.queue import ArrivalQueue
 from ..symmetry.held import Held
 from ..symmetry.log_symmetry import LogSymmetry
 from ..symmetry.past import Past
@@ -152,6 +152,12 @@ class CertifiedDecider:
 
     def _spend(self, units: int) -> None:
         self._instant_work += units
+
+    def close(self) -> None:
+        """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
+        vars(self.meetings.predictor).clear()
+        vars(self.meetings).clear()
+        vars(self).clear()
 
     # -- questions
 

@@ -16,7 +16,7 @@ from ..predicates.question import Decision, Question
 from ..replay.body import Body
 from ..replay.contact import AtWall, Entry, Link
 from ..replay.refinable import RefinableState
-from ..simulation.queue import Arrival, ArrivalQueue
+from ..simulation.arrivals.queue import Arrival, ArrivalQueue
 from .precision import Precision
 from .prediction import FilteredPredictor
 

@@ -14,9 +14,9 @@ from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import Body, Doubles
 from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
-from ..simulation.cells import Flight
-from ..simulation.prediction import Predictor, link_of
-from ..simulation.queue import ArrivalQueue
+from ..simulation.arrivals.grid import Flight
+from ..simulation.arrivals.prediction import Predictor, link_of
+from ..simulation.arrivals.queue import ArrivalQueue
 
 QUICK_BITS = 128
 """Precision of predictions: two machine words, the most that flint keeps without a call for memory."""

@@ -16,8 +16,8 @@ from ..replay.body import Body
 from ..replay.contact import Touch
 from ..replay.refinable import RefinableState
 from ..replay.steps import Go, Kick
+from ..simulation.arrivals.queue import ArrivalQueue
 from ..simulation.history import History, Mark, Record
-from ..simulation.queue import ArrivalQueue
 from .meetings import CertifiedMeetings
 from .precision import SAFE_BITS, Precision
 from .reading import CertifiedReading

@@ -278,12 +278,12 @@ def derive_and_prove(shown: TextIO, progress: TextIO) -> str:
     """
     text = render()
     written = functions(text)
-    start = time.perf_counter()
+    begun = time.perf_counter()
     for proof in PROOFS:
         law = proof.law()
         shown.write(f"{proof.name} (derivation.{proof.law.__name__}):\n{_readable(law)}\n\n")
         prove(proof, written)
-        progress.write(f"{time.perf_counter() - start:5.1f} s  proved: {proof.name}\n")
+        progress.write(f"{time.perf_counter() - begun:5.1f} s  proved: {proof.name}\n")
         progress.flush()
     shown.write(text.split("N = TypeVar", 1)[1].split("\n", 1)[1].strip() + "\n")
     return text

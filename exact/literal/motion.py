@@ -39,8 +39,8 @@ class SymbolicMotion:
         at: Any = Quantity.of(time).sympy()
         if sign(at) < 0 or sign(at - self.end) > 0:
             raise ValueError(f"time {time} is not between 0 and the end of the run, {quantity(self.end)}")
-        for start, leg in zip(reversed(self.starts), reversed(self.legs), strict=True):
-            since = at - start
+        for begun, leg in zip(reversed(self.starts), reversed(self.legs), strict=True):
+            since = at - begun
             if sign(since) >= 0:
                 return [
                     (
@@ -55,7 +55,7 @@ class SymbolicMotion:
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the same as doubles, flights computed in doubles."""
-        starts = [float(quantity(start)) for start in self.starts]
+        starts = [float(quantity(begun)) for begun in self.starts]
         legs = np.array([[[float(quantity(n)) for n in (d.x, d.y, d.vx, d.vy)] for d in leg] for leg in self.legs])
         places = [max(bisect_right(starts, time) - 1, 0) for time in times]
         found = legs[places].copy()

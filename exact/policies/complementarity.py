@@ -11,11 +11,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from ..numbers.undecided import BudgetSpent
 from ..predicates.impulses import Pivot, Share, Slack, Strength
 from ..predicates.question import Question
 from ..replay.contact import Touch
 
 Ask = Callable[[Question], int]
+
+ENDLESS = "rounds without end: rounded numbers contradict each other on which of {} contacts at one instant push"
 
 
 def pushing_contacts(approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
@@ -26,12 +29,15 @@ def pushing_contacts(approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...
         ask: decides the sign of a question.
 
     Raises:
+        BudgetSpent: if a set of contacts comes a second time, which no true signs lead to.
         whatever `ask` raises when a sign is not known.
     """
     if len(approaching) == 1:
         return tuple(approaching)
     basis: list[Touch] = []
-    while True:
+    seen: set[tuple[Touch, ...]] = set()
+    while tuple(basis) not in seen:
+        seen.add(tuple(basis))
         pushing = []
         for link in approaching:
             if link in basis:
@@ -45,17 +51,19 @@ def pushing_contacts(approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...
                 break
         else:
             return tuple(pushing)
+    raise BudgetSpent(ENDLESS.format(len(approaching)))
 
 
 def _exchange(basis: list[Touch], link: Touch, order: Sequence[Touch], ask: Ask) -> None:
-    """One criss-cross exchange at the first infeasible contact."""
+    """One criss-cross exchange at the first infeasible contact; none where the signs leave none."""
     if link in basis:
         basis.remove(link)
         return
     if basis and ask(Pivot(tuple(basis), link)) == 0:
-        leaving = next(
-            other for other in order if other in basis and ask(Share(tuple(basis), other, entering=link)) > 0
-        )
+        sharing = (other for other in order if other in basis and ask(Share(tuple(basis), other, entering=link)) > 0)
+        leaving = next(sharing, None)
+        if leaving is None:
+            return
         basis.remove(leaving)
     basis.append(link)
     basis.sort(key=order.index)

@@ -29,7 +29,7 @@ themselves.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import inf, isfinite, sqrt
+from math import inf, isfinite, nan, sqrt
 from typing import NamedTuple
 
 from flint import arb
@@ -46,8 +46,8 @@ BIG = 1e50
 
 TINY = 1 / BIG
 
-AHEAD = 1 + 2.0**-6
-"""By how much the bounds of a filter look ahead."""
+AHEAD = 1.125
+"""How far ahead of the latest clock bounds are taken, so that they hold for a while."""
 
 
 class FloatLine(NamedTuple):
@@ -81,30 +81,35 @@ class DoubleFilter:
     Attributes:
         largest: the largest coordinate seen (S).
         fastest: the largest speed component seen (V).
-        latest: the latest clock seen (T), and up to `AHEAD` beyond, so that its bounds hold for a while.
+        latest: no less than the latest clock seen (T).
     """
 
     def __init__(self) -> None:
         self.largest = 0.0
         self.fastest = 0.0
         self.latest = 0.0
+        self._clock: arb | None = None
+        self._beside: arb | None = None
+        self._at = self._late = 0.0
         self._bounds: tuple[float, float, float, float, float] | None = None
 
     def admit(self, body: Body[arb]) -> None:
         """Sets a body's doubles from its short balls, or None if they are not accurate enough."""
         x, y, vx, vy, t = body.q
+        beside = body.flight.late
+        if t is not self._clock or beside is not self._beside:
+            self._stand(t, beside)
+        ft, late = self._at, self._late
         if not (
             x.rel_accuracy_bits() > ACCURATE_BITS
             and y.rel_accuracy_bits() > ACCURATE_BITS
             and vx.rel_accuracy_bits() > ACCURATE_BITS
             and vy.rel_accuracy_bits() > ACCURATE_BITS
-            and t.rel_accuracy_bits() > ACCURATE_BITS
+            and ft < BIG
         ):
             body.f = None
             return
-        beside = body.flight.late
-        late = 0.0 if beside is None else float(beside.abs_upper()) * ROUND_UP
-        self.take(body, (float(x), float(y), float(vx), float(vy), float(t), late))
+        self.take(body, (float(x), float(y), float(vx), float(vy), ft, late))
 
     def take(self, body: Body[arb], doubles: Doubles) -> None:
         """Sets a body's doubles, which are off by at most 2u, or None if they are too large or too small."""
@@ -112,21 +117,35 @@ class DoubleFilter:
         px, py, sx, sy = abs(fx), abs(fy), abs(fvx), abs(fvy)
         place = px if px > py else py
         speed = sx if sx > sy else sy
-        if not (place < BIG and speed < BIG and ft < BIG) or (
-            not (px > TINY and py > TINY and sx > TINY and sy > TINY and ft > TINY)
-            and (0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY or 0.0 < ft < TINY)
+        if not (place < BIG and speed < BIG) or (
+            not (px > TINY and py > TINY and sx > TINY and sy > TINY)
+            and (0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY)
         ):
             body.f = None
             return
-        if not late < BIG:
+        if not (ft < BIG and late < BIG) or 0.0 < ft < TINY:
             body.f = None
             return
         if place > self.largest or speed > self.fastest or ft > self.latest:
-            self.largest = max(self.largest, place)
-            self.fastest = max(self.fastest, speed)
-            self.latest = max(self.latest, ft * AHEAD)
-            self._bounds = None
+            self._widen(place, speed, ft)
         body.f = (fx, fy, fvx, fvy, ft, late)
+
+    def _stand(self, t: arb, beside: arb | None) -> None:
+        """Keeps the double of a clock and a bound of `late`, which the two of a contact share; not a number where
+        doubles do not tell them."""
+        self._clock, self._beside = t, beside
+        ft = float(t)
+        late = 0.0 if beside is None else float(beside.abs_upper()) * ROUND_UP
+        told = t.rel_accuracy_bits() > ACCURATE_BITS and not 0.0 < ft < TINY and late < BIG
+        self._at, self._late = ft if told else nan, late
+
+    def _widen(self, place: float, speed: float, time: float) -> None:
+        """Has the bounds cover what goes beyond them; clocks, which always do, by an eighth more than that."""
+        self.largest = max(self.largest, place)
+        self.fastest = max(self.fastest, speed)
+        if time > self.latest:
+            self.latest = time * AHEAD
+        self._bounds = None
 
     def _bound(self) -> tuple[float, float, float, float, float]:
         """4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: bounds that hold for any pair."""

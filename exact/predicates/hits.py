@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
-from ...scenarios.frozen import frozen
+from ...scenarios.lazy.frozen import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import N
 from ..replay.contact import AtWall, Entry, Link, Round
@@ -135,7 +135,7 @@ class Sooner:
             return wait1 - wait2
         return (t1 - t2) + wait1 - wait2
 
-    def root_sum(self, state: State[N]) -> RootSum[N]:
+    def sum_of_roots(self, state: State[N]) -> RootSum[N]:
         p1, q1, d1 = self.first.parts(state)
         p2, q2, d2 = self.second.parts(state)
         return p1 - p2, q1, d1, -q2, d2
@@ -170,7 +170,7 @@ class BeforeTime(Plain):
         t, wait = self.moment.wait(state)
         return (t - self._limit(state)) + wait
 
-    def root_sum(self, state: State[N]) -> RootSum[N]:
+    def sum_of_roots(self, state: State[N]) -> RootSum[N]:
         p, q, d = self.moment.parts(state)
         return p - self._limit(state), q, d, state.zero, state.zero
 

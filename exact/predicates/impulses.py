@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ...scenarios.frozen import frozen
+from ...scenarios.lazy.frozen import frozen
+from ..numbers.linear import solve_positive
 from ..numbers.system import N
 from ..replay.contact import Link, Touch
-from ..replay.linear import solve_positive
 from ..replay.state import State
 from .question import RootFree, circles_of
 

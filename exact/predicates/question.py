@@ -1,7 +1,7 @@
 """A question that a run asks of its numbers, the sign of something that any number system can compute; its answer.
 
 A question is posed once and can be put to several number systems: to the balls at hand, to balls of more bits, to
-nested square roots. `value` may take square roots, so it suits enclosures; `root_sum` adds none.
+nested square roots. `value` may take square roots, so it suits enclosures; `sum_of_roots` adds none.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Question(Protocol):
         """The number."""
         ...
 
-    def root_sum(self, state: State[N]) -> RootSum[N]:
+    def sum_of_roots(self, state: State[N]) -> RootSum[N]:
         """The number as A + B*sqrt(D1) + C*sqrt(D2), with parts that need no new root."""
         ...
 
@@ -90,7 +90,7 @@ class RootFree(Plain):
         """Each question has its own."""
         raise NotImplementedError
 
-    def root_sum(self, state: State[N]) -> RootSum[N]:
+    def sum_of_roots(self, state: State[N]) -> RootSum[N]:
         """The number itself."""
         zero = state.zero
         return self.value(state), zero, zero, zero, zero

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...scenarios.errors import SceneError
-from ...scenarios.frozen import frozen
+from ...scenarios.lazy.frozen import frozen
 
 MAX_ASSUMED = 1_000_000
 """Most bits that agreement may be asked to."""

@@ -15,6 +15,31 @@ from ..numbers.system import N
 from .body import Body
 
 
+def _gap(link: Round, state: Formulas[N]) -> N:
+    """See `Flights.round_gap`."""
+    return state.round_gap(link)
+
+
+def _approach(link: Round, state: Formulas[N]) -> N:
+    """See `Flights.round_approach`."""
+    return state.round_approach(link)
+
+
+def _closing(link: Round, state: Formulas[N]) -> N:
+    """See `State.round_closing`."""
+    return state.round_closing(link)
+
+
+def _hit(link: Round, state: Formulas[N]) -> tuple[N, N]:
+    """See `Flights.round_hit`."""
+    return state.round_hit(link)
+
+
+def _parts(link: Round, state: Formulas[N]) -> tuple[N, N, N]:
+    """See `Flights.round_parts`."""
+    return state.round_parts(link)
+
+
 class Pair(NamedTuple):
     """Circles a and b, a < b."""
 
@@ -23,6 +48,7 @@ class Pair(NamedTuple):
 
     pushes = True
     grazes = True
+    gap, approach, closing, hit, parts = _gap, _approach, _closing, _hit, _parts
 
     @property
     def circles(self) -> tuple[int, ...]:
@@ -36,26 +62,6 @@ class Pair(NamedTuple):
     def later(self, state: Formulas[N]) -> Body[N]:
         """The one whose flight is newer."""
         return state.later(self)
-
-    def gap(self, state: Formulas[N]) -> N:
-        """See `Flights.round_gap`."""
-        return state.round_gap(self)
-
-    def approach(self, state: Formulas[N]) -> N:
-        """See `Flights.round_approach`."""
-        return state.round_approach(self)
-
-    def closing(self, state: Formulas[N]) -> N:
-        """See `State.round_closing`."""
-        return state.round_closing(self)
-
-    def hit(self, state: Formulas[N]) -> tuple[N, N]:
-        """See `Flights.round_hit`."""
-        return state.round_hit(self)
-
-    def parts(self, state: Formulas[N]) -> tuple[N, N, N]:
-        """See `Flights.round_parts`."""
-        return state.round_parts(self)
 
     def bounce(self, state: Formulas[N]) -> None:
         """See `State.bounce_pair`."""
@@ -124,6 +130,7 @@ class Entry(NamedTuple):
 
     pushes = False
     grazes = True
+    gap, approach, closing, hit, parts = _gap, _approach, _closing, _hit, _parts
 
     @property
     def circles(self) -> tuple[int, ...]:
@@ -137,26 +144,6 @@ class Entry(NamedTuple):
     def later(self, state: Formulas[N]) -> Body[N]:
         """The circle."""
         return state.bodies[self.circle]
-
-    def gap(self, state: Formulas[N]) -> N:
-        """See `Flights.round_gap`."""
-        return state.round_gap(self)
-
-    def approach(self, state: Formulas[N]) -> N:
-        """See `Flights.round_approach`."""
-        return state.round_approach(self)
-
-    def closing(self, state: Formulas[N]) -> N:
-        """See `State.round_closing`."""
-        return state.round_closing(self)
-
-    def hit(self, state: Formulas[N]) -> tuple[N, N]:
-        """See `Flights.round_hit`."""
-        return state.round_hit(self)
-
-    def parts(self, state: Formulas[N]) -> tuple[N, N, N]:
-        """See `Flights.round_parts`."""
-        return state.round_parts(self)
 
 
 Touch: TypeAlias = Pair | AtWall

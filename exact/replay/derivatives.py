@@ -9,6 +9,15 @@ from .errors import CLOSE, UP, Collision
 MOST_TURN = 2.0**100
 """Beyond this, two circles all but graze, and doubles are no measure."""
 
+LEAST = 1e-280
+"""Squares of speeds, and speeds along a line, that doubles hold to a rounding, and some products of them."""
+
+FLAT = 2.0**-30
+"""Share of |n| |v| that n.v must have: in doubles it is off by less than 2**-51 of that, 2**-21 of itself."""
+
+STEEPER = 1.0 + 2.0**-20
+"""Covers what n.v in doubles is off by."""
+
 
 def pair_derivative(
     dx: float,
@@ -37,10 +46,8 @@ def pair_derivative(
     moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
     |d + tau v| = R (see `laws/tangent.py`).
     """
-    if not strength < 0.0 < speed < inf:
-        return None
     square, reach = vx * vx + vy * vy, sqrt(dx * dx + dy * dy)
-    if not 0.0 < square < inf:
+    if not (strength < 0.0 and LEAST < speed < inf and LEAST < square < inf and reach > 0.0):
         return None
     slow, steep = sqrt(square), reach / speed * UP
     slant = slow * steep
@@ -58,4 +65,4 @@ def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:
     True
     """
     speed, size = -(nx * vx + ny * vy), abs(nx) + abs(ny)
-    return size / speed * UP * UP if speed > CLOSE * size * (abs(vx) + abs(vy)) * 2.0**20 else inf
+    return size / speed * STEEPER if speed > FLAT * size * (abs(vx) + abs(vy)) and speed > LEAST else inf

@@ -18,8 +18,8 @@ from .errors import MOST, SMALL_WAIT, UP, Collision, Mirror, Spent, scaled
 LEAST_TURN = 16.0
 """Where |v|^2 / |d.v| is less, a wait of `SMALL_WAIT` turns a direction by less than 2**-44: its part in `WIDER`."""
 
-LEAST_WEIGHT = 1e-100
-"""Bounds the squares of radii over masses that doubles hold well."""
+LEAST_WEIGHT, LEAST_REACH = 1e-100, 1e-75
+"""Bounds the squares of radii over masses, and the radii, of which doubles hold well all that is made of them."""
 
 ENOUGH = 2**40
 """More bits than any number has."""
@@ -56,7 +56,7 @@ class Deviations:
 
     Attributes:
         errors: the set.
-        mid: the midpoints of each body, by index.
+        mid: the midpoints of each body, and their clock, by index.
         place: where each body stands in it, by index.
         unit: of time, in which the set counts velocities; 2**time_power.
         weights: the inverse mass of every circle, by index.
@@ -69,7 +69,7 @@ class Deviations:
         self.unit = 2.0**self.time_power
         self._near_time = SMALL_WAIT / 2 * self.unit
         self.weights = [float(body.w) for body in circles]
-        self.mid = {body.index: _midpoints(numbers_of(body)) for body in members}
+        self.mid = {body.index: (*_midpoints(numbers_of(body)), body.flight.t) for body in members}
         self.place = {body.index: k for k, body in enumerate(members)}
         radii = [[number.rad().man_exp() for number in numbers_of(body)] for body in members]
         shift = max((int(e) + 30 for four in radii for m, e in four if m != 0), default=-ball.bits_in_use())
@@ -88,12 +88,12 @@ class Deviations:
 
     def centre(self, body: Body[arb], numbers: Numbers | None = None) -> None:
         """Gives a body its midpoints, or other numbers made of midpoints alone."""
-        set_numbers(body, numbers or self.mid[body.index])
+        set_numbers(body, numbers or self.mid[body.index][:4])
 
     def show(self, body: Body[arb]) -> None:
         """Gives a body its balls: its midpoints, and its bound; none for a velocity of exactly zero."""
         wide, narrow = self.balls_of(self.place[body.index])
-        x, y, vx, vy = self.mid[body.index]
+        x, y, vx, vy, _ = self.mid[body.index]
         if body.flight.rest:
             _, _, vx, vy, *_ = body.flight
         else:
@@ -143,6 +143,7 @@ class Deviations:
         try:
             for i, lag in lags:
                 self.errors.fly(self.place[i], ldexp(lag, -self.time_power))
+                self.errors.power_of(self.errors.bounds.place[self.place[i]])
             if isinstance(link, AtWall):
                 return self._to_wall(state, link)
             return None if told is None or root is None else self._to_pair(state, *told, root)
@@ -225,8 +226,10 @@ class Deviations:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if link not in self._strengths:
             a, b = link.ends(state)
-            weight = float(state.reach(a, b)) ** 2 * (self.weights[a.index] + self.weights[b.index])
-            self._strengths[link] = -2.0 / weight if LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT else 0.0
+            reach = float(state.reach(a, b))
+            weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
+            known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
+            self._strengths[link] = -2.0 / weight if known else 0.0
         return self._strengths[link]
 
     def face(self, state: BallState, link: AtWall) -> Face:
@@ -241,7 +244,7 @@ class Deviations:
 
     def mirror(self, face: Face, body: Body[arb]) -> bool:
         """A wall has mirrored a body; whether that could be carried."""
-        rounding, _ = self.recentre([(body, *numbers_of(body))])
+        rounding, _ = self.recentre([(body, *numbers_of(body))], body.flight.t)
         self.errors.fly(self.place[body.index], 0.0, face.mirror, rounding)
         return self.bounded((body,))
 
@@ -249,15 +252,14 @@ class Deviations:
         """Two circles have collided; whether that could be carried."""
         i, j = (self.place.get(k, -1) for k in link)
         weights = self.weights[link.a], self.weights[link.b]
-        self.errors.meet(
-            i, j, (0.0, 0.0), weights, hit, self.recentre([(body, *numbers_of(body)) for body in movers])[0]
-        )
+        moved = [(body, *numbers_of(body)) for body in movers]
+        self.errors.meet(i, j, (0.0, 0.0), weights, hit, self.recentre(moved, movers[0].flight.t)[0])
         return self.bounded(movers)
 
     def land(self, body: Body[arb], numbers: Numbers) -> bool:
         """A body has flown on, and no impulse came; whether that could be carried."""
         set_numbers(body, numbers)
-        rounding, _ = self.recentre([(body, *numbers_of(body))])
+        rounding, _ = self.recentre([(body, *numbers_of(body))], body.flight.t)
         self.errors.fly(self.place[body.index], 0.0, rounding=rounding)
         if not self.bounded((body,)):
             return False
@@ -276,7 +278,7 @@ class Deviations:
         bounds = self.errors.bounds
         return all(bounds.both(self.place[body.index]) < MOST for body in bodies)
 
-    def recentre(self, moved: Iterable[Moved]) -> tuple[float, list[tuple[float, float, float, float]]]:
+    def recentre(self, moved: Sequence[Moved], clock: arb) -> tuple[float, list[tuple[float, float, float, float]]]:
         """Takes bodies' midpoints from their numbers; gives a bound of what that drops, as the set counts it, and the
         midpoints in doubles.
 
@@ -286,7 +288,7 @@ class Deviations:
         size, bits, unit = 0.0, ENOUGH, self.unit
         doubles: list[tuple[float, float, float, float]] = []
         for body, x, y, vx, vy in moved:
-            self.mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid()
+            self.mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid(), clock
             four = fx, fy, fvx, fvy = float(x), float(y), float(vx), float(vy)
             doubles.append(four)
             size += abs(fx) + abs(fy) + unit * (abs(fvx) + abs(fvy))
@@ -330,4 +332,6 @@ def _unit_of_time(bodies: Sequence[Body[arb]]) -> int:
     """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
     speed = max(max(abs(float(body.flight.vx)), abs(float(body.flight.vy))) for body in bodies)
     width = sum(float(body.r) for body in bodies) / len(bodies)
-    return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed)))) if width > 0.0 and speed > 0.0 else 0
+    if not (0.0 < width < inf and 0.0 < speed < inf):
+        return 0
+    return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed))))

@@ -75,8 +75,8 @@ class LoneCentred:
         square_reach, share_a, share_b, alike = self._known.partners(link)
         worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
-        ax, ay, avx, avy = held.mid[link[0]]
-        bx, by, bvx, bvy = held.mid[link[1]]
+        ax, ay, avx, avy, _ = held.mid[link[0]]
+        bx, by, bvx, bvy, _ = held.mid[link[1]]
         vx, vy = bvx - avx, bvy - avy
         of_a = f.last >= g.last  # the younger of the two is the one from which the other is reckoned
         if of_a:
@@ -119,7 +119,7 @@ class LoneCentred:
             jx, jy = strength * ex, strength * ey
         bx, by, bvx, bvy = bx - jx * late, by - jy * late, bvx + jx, bvy + jy
         moved = (a, ax, ay, avx, avy), (b, bx, by, bvx, bvy)
-        rounding, doubles = held.recentre(moved)
+        rounding, doubles = held.recentre(moved, clock)
         held.errors.meet(i, j, lags, (held.weights[link[0]], held.weights[link[1]]), hit, rounding)
         return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
 
@@ -135,7 +135,7 @@ class LoneCentred:
         worst = body.acc + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
         base = body.flight.t
-        x, y, vx, vy = held.mid[index]
+        x, y, vx, vy, _ = held.mid[index]
         if isinstance(wall, Oblique):
             wait = wall_hit_time(wall_gap(x, y, *wall[:5]), wall_approach(vx, vy, wall.nx, wall.ny))
         else:
@@ -161,7 +161,7 @@ class LoneCentred:
         else:
             x, y, vx = wall.touch + vx * late, y + vy * lag, -vx
         moved = ((body, x, y, vx, vy),)
-        rounding, doubles = held.recentre(moved)
+        rounding, doubles = held.recentre(moved, clock)
         held.errors.fly(i, time_lag, face.mirror, rounding)
         return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
 
@@ -206,7 +206,7 @@ class LoneCentred:
             i = held.place[index]
             far, fast = frexp(bounds.place[i])[1] + shift, frexp(bounds.pace[i])[1] + shift - time_power
             wide, narrow = held.ball(far), held.ball(fast)
-            x, y, vx, vy = held.mid[index]
+            x, y, vx, vy, _ = held.mid[index]
             numbers = x + wide, y + wide, vx + narrow, vy + narrow
             body.flight = new_flight(Flight, (*numbers, clock, instant, late, step, False))
             body.acc = accuracy

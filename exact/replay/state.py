@@ -12,11 +12,11 @@ from collections.abc import Iterable, Sequence
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..laws.formulas import advance, pair_approach, pair_gap, pair_impulse, wall_bounce
+from ..numbers.linear import solve_positive
 from ..numbers.system import Arithmetic, N
 from .body import Body, Flight
 from .contact import AtWall, Entry, Link, Pair, Round, Touch
 from .flights import Flights
-from .linear import solve_positive
 from .steps import Go, Kick, Step, Take
 
 

@@ -36,13 +36,13 @@ def return_note(scene: Scene, home: bool, exact: Sequence[bool], motion: ExactMo
     places = velocities = True
     for i, (circle, row) in enumerate(zip(scene.circles, rows, strict=True)):
         wanted = (circle.x, circle.y, -circle.vx, -circle.vy)
-        for k, (value, start) in enumerate(zip(row, wanted, strict=True)):
-            if _differs(value.ball(HOME_BITS), ball.constant(start)):
+        for k, (value, first) in enumerate(zip(row, wanted, strict=True)):
+            if _differs(value.ball(HOME_BITS), ball.constant(first)):
                 apart += [str(circle.id)] if k < 2 else []
                 velocities = velocities and k < 2
             else:
                 number = value.exact() if exact[i] else None
-                same = number is not None and (number - start.in_tower(number.tower)).is_zero()
+                same = number is not None and (number - first.in_tower(number.tower)).is_zero()
                 places, velocities = places and (same or k >= 2), velocities and (same or k < 2)
     if apart:
         return f"did not come back to the start: circle {apart[0]} is elsewhere at the return"
@@ -59,6 +59,6 @@ def return_note(scene: Scene, home: bool, exact: Sequence[bool], motion: ExactMo
     )
 
 
-def _differs(value: arb, start: arb) -> bool:
-    gap = value - start
+def _differs(value: arb, first: arb) -> bool:
+    gap = value - first
     return bool(gap > ball.ZERO) or bool(gap < ball.ZERO)

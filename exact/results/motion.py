@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
 
-from ...scenarios.frozen import frozen
+from ...scenarios.lazy.frozen import frozen
 from ...scenarios.numbers.doubles import certain_double
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.numbers.tower.element import Element

@@ -11,8 +11,8 @@ from ..predicates.question import Decision, Question
 from ..replay.body import Body
 from ..replay.contact import Entry, Link, Touch
 from ..replay.steps import Step
+from .arrivals.queue import Arrival, ArrivalQueue
 from .history import History, K
-from .queue import Arrival, ArrivalQueue
 
 
 class Meetings(Protocol[N]):

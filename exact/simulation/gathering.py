@@ -17,11 +17,11 @@ from ..numbers.system import N
 from ..predicates.hits import BeforeTime, Moment
 from ..predicates.question import Decision
 from ..replay.contact import AtWall, Entry, Pair, Touch, contact_of, scene_order
+from .arrivals.queue import Arrival
 from .decider import Decider
 from .history import K
 from .instant import Instant
 from .limits import Limits
-from .queue import Arrival
 from .rounds import Touching
 
 

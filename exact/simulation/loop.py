@@ -25,10 +25,10 @@ from ..policies import Policy, policy_for
 from ..predicates.hits import Closing
 from ..replay.body import Body
 from ..replay.contact import Link, Touch
+from .arrivals.initial import rims_at_start, touching_at_start
 from .decider import Decider, Ordinary
 from .gathering import Gatherer
 from .history import K
-from .initial import rims_at_start, touching_at_start
 from .instant import Instant, Resolved, Resolver
 from .limits import Limits
 from .tape import Found, Tape, instant_of

@@ -11,8 +11,7 @@ from functools import lru_cache
 from math import inf
 from typing import TypeAlias
 
-from ...scenarios.errors import SceneError
-from ...scenarios.frozen import frozen
+from ...scenarios.lazy.frozen import frozen
 from ...scenarios.scene import Scene
 from ..numbers.field import LeavesField
 from .isometry import Isometry, Matrix, Vector, from_vectors, minus, scene_data, turned
@@ -53,19 +52,6 @@ def symmetries(scene: Scene) -> tuple[Symmetry, ...]:
     [(1, 0, 2)]
     """
     return _symmetries(scene)
-
-
-def require_symmetry(scene: Scene) -> None:
-    """Refuses a scene without symmetry.
-
-    Raises:
-        SceneError: if no mirror and no rotation maps the scene to itself.
-    """
-    if not symmetries(scene):
-        raise SceneError(
-            f"scene {scene.name!r}: no mirror and no rotation maps it to itself exactly; "
-            "make it symmetric, or leave out --symmetric"
-        )
 
 
 @lru_cache(maxsize=8)

@@ -1,6 +1,6 @@
 """`python -m truebreak.floating.flat`: writes `inlined.py`."""
 
-from .inlining import write
+from .formulas.inlining import write
 
 if __name__ == "__main__":
     print(f"wrote {write()}")

@@ -24,7 +24,7 @@ FlatFlight: TypeAlias = tuple[float, float, float, float, float, float, int]
 FlatLine: TypeAlias = tuple[int, float, float, float, float, float, float]
 """(place, x0, y0, nx, ny, r |n|, |n|^2) of a wall as seen from a circle (see `SeenWall`)."""
 
-Entry: TypeAlias = tuple[float, int, int, int, int, int, float | None, bool]
+Queued: TypeAlias = tuple[float, int, int, int, int, int, float | None, bool]
 """An arrival: its time, its order among equal ones, the places of the two, the serial numbers of their flights, the
 time to it from the clock of the first, and whether it is a graze. What is no plain hit, or has been taken off before,
 has None in place of the wait: the general loop sees to it."""
@@ -63,7 +63,7 @@ class FlatFlights:
         self.weights = [
             (body.w, circle.fixed) for body, circle in zip(state.bodies.values(), scene.circles, strict=True)
         ]
-        self.heap: list[Entry] = []
+        self.heap: list[Queued] = []
         self.tick = count(1).__next__
         self.steps = 0
         self.shifted: set[int] = set()
@@ -93,7 +93,7 @@ class FlatFlights:
         """The places of a contact."""
         return (link[0], self.n + link[1]) if isinstance(link, AtWall) else (link[0], link[1])
 
-    def stale(self, entry: Entry) -> bool:
+    def stale(self, entry: Queued) -> bool:
         """Whether an arrival rests on flights that are over."""
         return self.serial[entry[2]] != entry[4] or self.serial[entry[3]] != entry[5]
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
+from typing import Any
 
 from ...exact.numbers.system import NumberSystem
 from ...exact.policies import Policy, policy_for
@@ -16,7 +18,7 @@ from ...exact.simulation.limits import Limits
 from ...exact.simulation.loop import Loop
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Stop
-from ..plain_decider import PlainDecider
+from ..plain.decider import PlainDecider
 from .flights import FlatFlights
 from .history import FlatHistory
 from .meetings import FlatMeetings
@@ -32,6 +34,7 @@ class FlatDecider(PlainDecider[float]):
 
     def __init__(self, scene: Scene, state: State[float], numbers: NumberSystem[float]) -> None:
         super().__init__(scene, state, numbers)
+        vars(self.meetings).clear()  # others take their place
         self.flights = FlatFlights(scene, state)
         self.history = self._kept = FlatHistory(self.flights)
         self.queue = FlatQueue(self.flights)
@@ -49,9 +52,20 @@ class FlatDecider(PlainDecider[float]):
         else:
             self.flights.changed(self.bodies)
 
-    def finish(self) -> None:
+    def _clock(self) -> float:
         """See `PlainDecider`."""
-        self._kept.unfold()
+        newest: Any = self.history.records[-1]
+        return newest[0] if type(newest) is tuple else newest.mark.time
+
+    def _flights(self) -> list[tuple[float, ...]]:
+        """See `PlainDecider`."""
+        self.flights.sync()
+        return super()._flights()
+
+    @property
+    def finish(self) -> Callable[[], None]:
+        """Puts every contact into the general loop's terms."""
+        return self._kept.unfold
 
 
 class FlatGatherer(Gatherer[float, float]):
@@ -61,6 +75,7 @@ class FlatGatherer(Gatherer[float, float]):
 
     def gather(self, last: int) -> Instant | Stop | None:
         """See `Gatherer`; None also after a stride."""
+        self.decider.pass_on()
         if not self._touching and self.decider.plain_stride(self._most(), self._before()):
             return None
         self.decider.flights.sync()

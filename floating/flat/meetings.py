@@ -11,13 +11,13 @@ from ...exact.predicates.question import Question
 from ...exact.replay.body import Body
 from ...exact.replay.contact import Link
 from ...exact.replay.state import State
-from ...exact.simulation import cells as crowding
-from ...exact.simulation.crowd import cells_for
+from ...exact.simulation.arrivals import grid as crowding
+from ...exact.simulation.arrivals.crowd import cells_for
 from ...scenarios.scene import Scene
-from ..plain_decider import PlainMeetings
+from ..plain.decider import PlainMeetings
 from .crowd import FlatCrowd, in_range
 from .flights import FlatFlights
-from .inlined import pairs, walls
+from .formulas.inlined import pairs, walls
 from .queue import FlatQueue
 
 
@@ -78,20 +78,8 @@ class FlatMeetings(PlainMeetings[float]):
                 self._count(i, done)
 
     def alone(self, i: int, j: int) -> None:
-        """Queues the next meetings of the two of a contact alone; the second may be a wall."""
-        f, crowd = self._flights, self.crowd
-        if crowd is not None:
-            crowd.enter(i)
-            if j >= f.n:
-                self._walls(i, (j,))
-                crowd.pairs(i, (), ())
-                return
-            crowd.enter(j)
-            self._walls(i, ())
-            self._walls(j, ())
-            crowd.pairs(i, (j,), ())
-            crowd.pairs(j, (), (i,))
-            return
+        """Queues the next meetings of the two of a contact alone, without cells; the second may be a wall."""
+        f = self._flights
         flights, both = f.flights, (i, j)
         if j >= f.n:
             self._walls(i, (j,))

@@ -6,8 +6,8 @@ from heapq import heappop, heappush
 from math import inf
 
 from ...exact.replay.contact import AtWall, Link
-from ...exact.simulation.queue import Arrival, ArrivalQueue
-from .flights import Entry, FlatFlights
+from ...exact.simulation.arrivals.queue import Arrival, ArrivalQueue
+from .flights import FlatFlights, Queued
 
 
 class FlatQueue(ArrivalQueue[float]):
@@ -72,7 +72,7 @@ class FlatQueue(ArrivalQueue[float]):
         while heap and stale(heap[0]):
             heappop(heap)
 
-    def _arrival(self, entry: Entry) -> Arrival[float]:
+    def _arrival(self, entry: Queued) -> Arrival[float]:
         time, order, i, j, si, sj, _, graze = entry
         serials = (si, sj) if j >= self._flights.n or i < j else (sj, si)
         return Arrival(time, order, time, True, time, self._flights.link(i, j), serials, graze)

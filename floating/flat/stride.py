@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from heapq import heappop, heappush
+from typing import Any
 
 from .flights import FlatFlights
+from .formulas.inlined import rebound, strike
 from .history import FlatHistory
-from .inlined import rebound, strike
 from .meetings import FlatMeetings
 
 
@@ -33,7 +34,9 @@ class FlatStride:
             most: how many at most.
             before: a time that all come before.
         """
-        f, records, alone, crowd = self._flights, self._history.records, self._meetings.alone, self._meetings.crowd
+        f, crowd = self._flights, self._meetings.crowd
+        alone = self._meetings.alone if crowd is None else crowd.alone
+        records: list[Any] = self._history.records
         heap, flights, serial, last, n = f.heap, f.flights, f.serial, f.last, f.n
         f.take_up()
         shifted, ahead = f.shifted, f.ahead
@@ -45,7 +48,7 @@ class FlatStride:
             if serial[i] != si or serial[j] != sj:
                 heappop(heap)
                 continue
-            if crowd is not None and crowd.next_crossing <= time:
+            if crowd is not None and crowd.cells.next_crossing <= time:
                 crowd.cross()
                 continue
             if wait is None or not time < before or (shifted and (i in shifted or j in shifted)):
@@ -60,13 +63,13 @@ class FlatStride:
                 break
             if j >= n:
                 rebound(f, i, j, time, wait)
-                records.append((time, flights[i], None, j))  # type: ignore[arg-type]
+                records.append((time, flights[i], None, j))
                 ahead.add(i)
             else:
                 strike(f, i, j, time, wait)
                 if i > j:
                     i, j = j, i
-                records.append((time, flights[i], flights[j], j))  # type: ignore[arg-type]
+                records.append((time, flights[i], flights[j], j))
                 ahead.update((i, j))
             alone(i, j)
             done += 1

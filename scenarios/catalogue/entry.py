@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from ..checks.showing import cut
 from ..errors import SceneError
-from ..frozen import frozen
+from ..lazy.frozen import frozen
 from ..scene import Scene
-from ..showing import cut
 from .settings import Reader
 
 

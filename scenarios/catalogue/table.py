@@ -5,9 +5,9 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
+from ..checks.showing import cut
 from ..errors import SceneError
 from ..scene import Scene
-from ..showing import cut
 from .entry import Entry
 
 FAMILIES = {

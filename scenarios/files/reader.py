@@ -7,10 +7,10 @@ import re
 import tomllib
 from typing import Any, cast
 
+from ..checks.showing import SHOWN, Bare, cut
 from ..errors import SceneError
 from ..numbers.parsing import MAX_LENGTH
 from ..scene import Scene
-from ..showing import SHOWN, Bare, cut
 from .table import JSON_LIST, scene_from_table
 
 MAX_TOML = 2_000_000

@@ -7,9 +7,9 @@ import secrets
 import stat
 from pathlib import Path
 
+from ..checks.showing import cut
 from ..errors import SceneError
 from ..scene import Scene
-from ..showing import cut
 from .reader import MAX_JSON, MAX_TOML, loads_json, loads_toml
 from .writer import dump_json, dump_toml
 

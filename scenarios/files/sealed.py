@@ -7,9 +7,9 @@ import json
 from dataclasses import dataclass
 from typing import Any, cast
 
+from ..checks.showing import cut
 from ..errors import SceneError
-from ..showing import cut
-from ..version import VERSION
+from ..lazy.version import VERSION
 
 
 @dataclass(frozen=True)

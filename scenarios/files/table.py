@@ -7,11 +7,11 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeGuard, cast
 
+from ..checks.showing import SHOWN, Bare, cut
 from ..errors import SceneError
 from ..numbers.parsing import MAX_LENGTH
 from ..numbers.quantity import Quantity
 from ..scene import MAX_CIRCLES, Scene
-from ..showing import SHOWN, Bare, cut
 from ..things import FIXED, Circle, Pocket, Wall
 
 HALF_PAIR = re.compile("[\ud800-\udfff]")

@@ -6,10 +6,10 @@ import json
 import re
 from typing import Any, cast
 
+from ..checks.showing import cut
 from ..errors import SceneError
 from ..numbers.quantity import Quantity
 from ..scene import Scene
-from ..showing import cut
 from .reader import MAX_JSON, MAX_TOML
 from .table import HALF_PAIR
 

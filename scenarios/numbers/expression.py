@@ -8,7 +8,7 @@ from typing import Literal, Protocol, Self, TypeAlias, TypeVar
 
 from flint import fmpq
 
-from ..showing import shortened
+from ..checks.showing import shortened
 
 Op: TypeAlias = Literal["q", "+", "-", "*", "/", "sqrt"]
 

@@ -8,8 +8,8 @@ from typing import Generic, NamedTuple, Protocol, TypeVar
 
 from flint import fmpq, fmpz
 
+from ..checks.showing import shortened
 from ..errors import SceneError
-from ..showing import shortened
 
 MAX_LENGTH = 20_000
 """Longest text of one number, in characters: ten times what any scene needs, read in a millisecond."""

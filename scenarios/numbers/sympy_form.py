@@ -9,8 +9,8 @@ from typing import Any
 
 from flint import fmpq
 
+from ..checks.showing import shortened
 from ..errors import SceneError
-from ..showing import shortened
 from .parsing import N
 
 MAX_ROOTS = 1 << 10

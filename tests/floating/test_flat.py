@@ -13,9 +13,10 @@ from typing import Any
 import pytest
 
 from truebreak.floating import DoubleEngine
-from truebreak.floating.event_engine import EventEngine
-from truebreak.floating.flat import crowd, flying, inlining, meetings, stride
+from truebreak.floating.flat import crowd, meetings, stride
+from truebreak.floating.flat.formulas import flying, inlining
 from truebreak.floating.flat.loop import follows
+from truebreak.floating.plain.event_engine import EventEngine
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
 from truebreak.scenarios.errors import TimeIsUp
 from truebreak.scenarios.trajectory import StopReason

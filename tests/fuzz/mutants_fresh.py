@@ -8,7 +8,7 @@ SIMULATION, SYMMETRY = "exact/simulation", "exact/symmetry"
 INSTANT, ROUNDS, LOOP = (f"{SIMULATION}/{name}.py" for name in ("instant", "rounds", "loop"))
 GATHERING = f"{SIMULATION}/gathering.py"
 MEETINGS, DECIDER = "exact/certified/meetings.py", "exact/certified/decider.py"
-QUEUE, PREDICTION, HISTORY = (f"{SIMULATION}/{name}.py" for name in ("queue", "prediction", "history"))
+QUEUE, PREDICTION, HISTORY = (f"{SIMULATION}/{n}.py" for n in ("arrivals/queue", "arrivals/prediction", "history"))
 LOG, PAST, ISOMETRY, RETRACE = (f"{SYMMETRY}/{n}.py" for n in ("log_symmetry", "past", "isometry", "retrace"))
 HELD, CASCADE, FILTER = f"{SYMMETRY}/held.py", "exact/cascade/cascade.py", "exact/predicates/double_filter.py"
 FILTERED, BALLS, LIVE = (
@@ -17,7 +17,7 @@ FILTERED, BALLS, LIVE = (
     "exact/replay/refinable.py",
 )
 PUSHING, MOTION, BALL = "exact/policies/complementarity.py", "exact/results/motion.py", "exact/numbers/ball.py"
-PLAIN = "floating/plain_decider.py"
+PLAIN = "floating/plain/decider.py"
 TOO_SMALL = " * 2.0**-20"
 
 CONTACTS = (
@@ -151,7 +151,7 @@ CONTACTS = (
         "impulses together are reckoned with the mass of the first circle of a contact",
     ),
     Mutant(
-        "touch_at_start_of_walls", "scenarios/validation.py",
+        "touch_at_start_of_walls", "scenarios/checks/validation.py",
         "return sign == 0\n\n\ndef shown_amount",
         "return sign == 0 and height.sign() > 0\n\n\ndef shown_amount",
         "a circle that touches a wall from its other side is not seen at time 0",
@@ -265,7 +265,7 @@ GATHERING = (
         "what comes shortly before a wall is left out with what comes after it",
     ),
     Mutant(
-        "wall_of_an_old_flight", "exact/simulation/prediction.py",
+        "wall_of_an_old_flight", "exact/simulation/arrivals/prediction.py",
         "            a.until = inf\n",
         "",
         "the wall that ended the flight before ends the new one too",

@@ -33,7 +33,6 @@ def test_quick_ones_are_found(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     rows = [json.loads(line) for line in (tmp_path / "out").read_text().splitlines()]
     assert {row["name"]: row["outcome"] for row in rows} == dict.fromkeys(QUICK, "found")
-    assert all(row["seconds"] < 10 for row in rows)
     assert (tmp_path / "report").read_text().count("\n") == 2 + len(QUICK)
     assert all((TOP / file).read_bytes() == text for file, text in files.items())
 

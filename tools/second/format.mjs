@@ -85,7 +85,7 @@ const instant = { ...start, arrive: list(contact, 1), grazes: list(tuple(integer
 const ENDS = { quiet: {}, horizon: { until: number }, return: {}, events: { limit: integer(1) }, stopped: {} }
 
 function end(value, where) {
-  object({ reason: text }, { until: number, limit: integer(1), zeros: part.zeros })(value, where)
+  object({ reason: text })(value, where)
   if (!Object.hasOwn(ENDS, value.reason)) fail(where, 'no such reason')
   object({ reason: text, ...ENDS[value.reason] }, { zeros: part.zeros })(value, where)
 }

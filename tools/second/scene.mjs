@@ -31,7 +31,7 @@ export class Scene {
     this.reverseAfter = data.scene.reverse_after
     const set = data.scene.reverse_at
     this.reverseAt = set === undefined ? undefined : this.#setTime(set, 'reverse_at')
-    this.until = data.end.until === undefined ? undefined : this.#setTime(data.end.until, 'until')
+    this.until = data.end.reason === 'horizon' ? this.#setTime(data.end.until, 'until') : undefined
     this.n = circles.length
     this.stride = this.n + walls.length + pockets.length
   }

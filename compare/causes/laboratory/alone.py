@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import inf
 from typing import TYPE_CHECKING
 
 from ....scenarios.errors import SceneError
@@ -118,9 +119,14 @@ def _moment(lab: Laboratory, given: Trajectory) -> tuple[int, Fraction] | None:
 
 
 def _sizes(lab: Laboratory, given: Trajectory, time: Fraction) -> tuple[float, float]:
-    """How far the exact run of the scene in doubles lies from that of the scene, and the engine from the former."""
-    at = [float(time)]
-    exact, entered, own = (run.sample(at)[0] for run in (lab.reference, given, lab.candidate.trajectory))
+    """How far the exact run of the scene in doubles lies from that of the scene, and the engine from the former.
+
+    Infinitely far where one of them does not get to that time.
+    """
+    at, runs = [float(time)], (lab.reference, given, lab.candidate.trajectory)
+    if any(float(run.final_time) < at[0] for run in runs):
+        return inf, inf
+    exact, entered, own = (run.sample(at)[0] for run in runs)
     return float(abs(entered - exact).max()), float(abs(own - entered).max())
 
 

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .. import completion
+from ..arguments import completion
+from ..arguments.numbers import Whole
+from ..arguments.options import JSON, SCENE, SCENE_HELP, UNTIL, WithDefault, one_engine
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Whole
-from ..options import JSON, SCENE, SCENE_HELP, UNTIL
 
 if TYPE_CHECKING:
     from ...advice.goal import Goal
@@ -41,14 +41,10 @@ Exit codes:
 """
 
 
-class WithDefaultBudget(click.Option):
-    """An option whose help ends with the default budget; it is loaded when that is read."""
+def _default_budget() -> str:
+    from ...advice.search import DEFAULT_BUDGET
 
-    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        from ...advice.search import DEFAULT_BUDGET
-
-        names, text = super().get_help_record(ctx) or ("", "")
-        return names, f"{text} ({DEFAULT_BUDGET:,})."
+    return f"{DEFAULT_BUDGET:,}"
 
 
 @click.command(epilog=EPILOG)
@@ -57,14 +53,8 @@ class WithDefaultBudget(click.Option):
 @click.option("--digits", type=Whole(1), metavar="D", help="Get so many digits of every place at the end right.")
 @click.option("--events", type=Whole(1), metavar="N", help="Get the first N events right.")
 @UNTIL
-@click.option(
-    "--engine",
-    "engine_text",
-    default="pymunk",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="Whose settings: pymunk, interval, or your own. A setting that is given is where the search begins.",
+@one_engine(
+    "Whose settings: pymunk, interval, or your own. A setting that is given is where the search begins.", "pymunk"
 )
 @click.option(
     "--perturbed",
@@ -85,7 +75,8 @@ class WithDefaultBudget(click.Option):
 @click.option(
     "--budget",
     type=Whole(1),
-    cls=WithDefaultBudget,
+    cls=WithDefault,
+    told=_default_budget,
     metavar="N",
     help="The most that all runs may cost together, in counted units of about a microsecond",
 )

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import click
 
-from .. import completion
-from ..examples import examples
+from ..arguments.examples import examples
+from ..arguments.options import JSON, SCENE, a_file
 from ..exit_codes import DONE
-from ..options import JSON, SCENE
 
 
 @click.command(epilog=examples("scenes"))
@@ -22,7 +21,7 @@ def scenes(as_json: bool) -> int:
 
 @click.command(epilog=examples("show"))
 @SCENE
-@click.option("--plot", metavar="FILE", shell_complete=completion.files, help="Write a picture of the scene (.svg).")
+@a_file("--plot", help="Write a picture of the scene (.svg).")
 @JSON
 def show(scene: str, plot: str | None, as_json: bool) -> int:
     """Show a scene, exactly, and where it comes from."""

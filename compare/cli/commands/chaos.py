@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import click
 
-from .. import completion
+from ..arguments.numbers import Whole
+from ..arguments.options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, a_file, some_engines
 from ..exit_codes import of_stop
-from ..numbers import Whole
-from ..options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -30,12 +29,7 @@ Examples:
 @click.command(epilog=EPILOG)
 @SCENE
 @EVENTS
-@click.option(
-    "--engines",
-    metavar="A,B,...",
-    shell_complete=completion.engines,
-    help="Whose horizons to foresee (single,double,quad,interval,pymunk); none for no engine.",
-)
+@some_engines("Whose horizons to foresee (single,double,quad,interval,pymunk); none for no engine.", None)
 @click.option(
     "--exponents",
     type=Whole(1),
@@ -45,12 +39,7 @@ Examples:
 @click.option("--no-run", is_flag=True, help="Foresee only: do not run the engines to show what happens.")
 @REVERSE
 @JSON
-@click.option(
-    "--html",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Also write the measurement as one offline HTML file.",
-)
+@a_file("--html", help="Also write the measurement as one offline HTML file.")
 def chaos(
     scene: str,
     events: int | None,

@@ -4,94 +4,64 @@ from __future__ import annotations
 
 import click
 
-from .. import completion
-from ..examples import examples
+from ..arguments.examples import examples
+from ..arguments.options import SCENE, HeldAgainst, a_file, held_against, some_engines
 from ..exit_codes import DONE, of_comparison
-from ..options import SCENE, held_against
 
 
 @click.command(epilog=examples("compare"))
 @SCENE
-@click.option(
-    "--engines",
-    default="double,interval,pymunk",
-    show_default=True,
-    metavar="A,B,...",
-    shell_complete=completion.engines,
-    help="The engines to hold against the reference: names, package.module:Class, or LABEL=package.module:Class.",
+@some_engines(
+    "The engines to hold against the reference: names, package.module:Class, or LABEL=package.module:Class.",
+    "double,interval,pymunk",
 )
 @held_against
-@click.option(
-    "--save",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Also save the comparison with its runs, for `truebreak.load_comparison`.",
-)
+@a_file("--save", help="Also save the comparison with its runs, for `truebreak.load_comparison`.")
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
-def compare(
-    scene: str,
-    engines: str,
-    reference: str,
-    until: str | None,
-    events: int | None,
-    reverse_after: int | None,
-    tie_policy: str | None,
-    ties: str | None,
-    work: int | None,
-    max_seconds: float | None,
-    symmetric: bool,
-    no_cache: bool,
-    as_json: bool,
-    html: str | None,
-    certify: bool,
-    save: str | None,
-    exit_zero: bool,
-) -> int:
+def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_zero: bool) -> int:
     """Run a scene in several engines: do they tell the same history?
 
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
     each run has by then is compared, and what was left out is named.
     """
-    from ...attached import with_certificates
+    from ...certificate.attached import with_certificates
     from ...certificates import check_engine
     from ...comparison import compare as compare_engines
     from ...documents.comparison import comparison_json
     from ...engines import split_engines
     from ...report.text.listing import print_json
     from ...report.text.terminal import print_comparison
-    from ...saved.cache import reference_named
-    from ...scene_argument import changed, with_settings
     from ..progress import goal_of, showing_progress
     from ..writing import check_writable, write_whole
 
-    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
-    for file in (html, save):
+    loaded = held.scene(scene)
+    for file in (held.html, save):
         if file is not None:
             check_writable(file)
-    if certify:
-        check_engine(reference, "--certify")
-    with showing_progress(loaded.name, goal_of(loaded, until, events)) as progress:
+    if held.certify:
+        check_engine(held.reference, "--certify")
+    with showing_progress(loaded.name, goal_of(loaded, held.until, held.events)) as progress:
         comparison = compare_engines(
             loaded,
             split_engines(engines),
-            until=until,
-            events=events,
-            reference=reference_named(with_settings(reference, ties=ties, work=work), cache=not no_cache),
-            max_seconds=max_seconds,
+            until=held.until,
+            events=held.events,
+            reference=held.engine(),
+            max_seconds=held.max_seconds,
             progress=progress,
         )
-    if certify:
+    if held.certify:
         comparison = with_certificates(comparison)
-    if html is not None:
+    if held.html is not None:
         from ...report.html import html_report
         from ..retold import command_of
 
-        write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
+        write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
     if save is not None:
         from ...saved.comparisons import save_comparison
 
         save_comparison(comparison, save)
-    if as_json:
+    if held.as_json:
         print_json(comparison_json(comparison))
     else:
         print_comparison(comparison)

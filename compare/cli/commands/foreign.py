@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import completion
-from ..examples import examples
+from ..arguments import completion
+from ..arguments.examples import examples
+from ..arguments.numbers import Whole
+from ..arguments.options import SCENE, SCENE_HELP, HeldAgainst, a_file, held_against
 from ..exit_codes import DONE, of_comparison
-from ..numbers import Whole
-from ..options import SCENE, SCENE_HELP, held_against
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
@@ -68,19 +68,7 @@ def judge(
     step: str | None,
     exact_input: bool,
     lacks: str,
-    reference: str,
-    until: str | None,
-    events: int | None,
-    reverse_after: int | None,
-    tie_policy: str | None,
-    ties: str | None,
-    work: int | None,
-    max_seconds: float | None,
-    symmetric: bool,
-    no_cache: bool,
-    as_json: bool,
-    html: str | None,
-    certify: bool,
+    held: HeldAgainst,
     exit_zero: bool,
 ) -> int:
     """Judge the log of any engine, in any language. Does it tell the scene's history?
@@ -95,38 +83,36 @@ def judge(
     from ...report.text.listing import print_json
     from ...report.text.output import console, say
     from ...report.text.terminal import print_comparison
-    from ...saved.cache import reference_named
-    from ...scene_argument import changed, with_settings
     from ..progress import showing_progress
     from ..writing import check_writable, write_whole
 
-    loaded = changed(scene, reverse_after, tie_policy, limited=bool(until or events), symmetric=symmetric)
-    if html is not None:
-        check_writable(html)
+    loaded = held.scene(scene)
+    if held.html is not None:
+        check_writable(held.html)
     engines = [_log(path, loaded, bits, step, exact_input, lacks) for path in logs]
-    limits: dict[str, Any] = {"until": until, "events": events}
-    if until is None and events is None:
+    limits: dict[str, Any] = {"until": held.until, "events": held.events}
+    if held.until is None and held.events is None:
         limits = _as_far_as(engines, loaded)
     with showing_progress(loaded.name) as progress:
         comparison = compare(
             loaded,
             engines,
             **limits,
-            reference=reference_named(with_settings(reference, ties=ties, work=work), cache=not no_cache),
-            max_seconds=max_seconds,
+            reference=held.engine(),
+            max_seconds=held.max_seconds,
             progress=progress,
         )
-    if certify:
+    if held.certify:
         from ...certificates import certified
 
         comparison = replace(comparison, certificate=certified(comparison.reference))
     changes = changes_of(comparison)
-    if html is not None:
+    if held.html is not None:
         from ...report.html import html_report
         from ..retold import command_of
 
-        write_whole(html, html_report(comparison, command=command_of(click.get_current_context())))
-    if as_json:
+        write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
+    if held.as_json:
         data = comparison_json(comparison)
         print_json({**data, "changes": [change.data() for change in changes]} if changes else data)
     else:
@@ -142,9 +128,9 @@ def judge(
 
 def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool, lacks: str) -> LogEngine:
     """The engine of one log, with what the command line declares of it."""
+    from ....scenarios.checks.limits import positive_time
     from ....scenarios.engine import SCENE_KEYS
     from ....scenarios.errors import SceneError
-    from ....scenarios.limits import positive_time
     from ...engines import suggestion
     from ...foreign.log_engine import LogEngine
 
@@ -177,7 +163,7 @@ def _as_far_as(engines: list[LogEngine], scene: Scene) -> dict[str, Any]:
     "--floats", is_flag=True, help="In the nearest doubles, each with its error, for a program that counts so."
 )
 @click.option("--csv", "as_csv", is_flag=True, help="With --floats: rows instead of JSON, easy to read in C.")
-@click.option("--out", metavar="FILE", shell_complete=completion.files, help="Write there instead of to stdout.")
+@a_file("--out", help="Write there instead of to stdout.")
 def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
     """Write a scene for another program, exactly or in doubles. Exactly, it is a scene file in JSON.
 

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .. import completion
+from ..arguments.numbers import Seconds, Whole
+from ..arguments.options import EVENTS, SCENE, SCENE_HELP, UNTIL, WithDefault, a_file, one_engine
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Seconds, Whole
-from ..options import EVENTS, SCENE, SCENE_HELP, UNTIL
 
 if TYPE_CHECKING:
     from ...reduction.minimise import Searching
@@ -32,30 +31,18 @@ Exit codes:
 """
 
 
-class WithDefaultRuns(click.Option):
-    """An option whose help ends with the default number of comparisons; it is loaded when that is read."""
+def _default_runs() -> str:
+    from ...reduction.minimise import DEFAULT_RUNS
 
-    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        from ...reduction.minimise import DEFAULT_RUNS
-
-        names, text = super().get_help_record(ctx) or ("", "")
-        return names, f"{text} ({DEFAULT_RUNS:,})."
+    return f"{DEFAULT_RUNS:,}"
 
 
 @click.command(epilog=EPILOG)
 @SCENE
-@click.option(
-    "--engine", "engine_text", required=True, metavar="E", shell_complete=completion.engine, help="What diverges."
-)
+@one_engine("What diverges.", None)
 @UNTIL
 @EVENTS
-@click.option(
-    "-o",
-    "--out",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Write the scene there (TOML) instead of to stdout.",
-)
+@a_file("-o", "--out", help="Write the scene there (TOML) instead of to stdout.")
 @click.option(
     "--same",
     type=click.Choice(["any", "cause"]),
@@ -63,7 +50,9 @@ class WithDefaultRuns(click.Option):
     show_default=True,
     help="What must remain: any divergence, or one of the same cause (many times the work).",
 )
-@click.option("--runs", type=Whole(1), cls=WithDefaultRuns, metavar="N", help="The most comparisons to make")
+@click.option(
+    "--runs", type=Whole(1), cls=WithDefault, told=_default_runs, metavar="N", help="The most comparisons to make"
+)
 @click.option(
     "--max-seconds",
     type=Seconds(),

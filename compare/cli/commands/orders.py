@@ -4,24 +4,15 @@ from __future__ import annotations
 
 import click
 
-from .. import completion
-from ..examples import examples
+from ..arguments.examples import examples
+from ..arguments.numbers import Whole
+from ..arguments.options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK, a_file, one_engine
 from ..exit_codes import DONE, of_stop
-from ..numbers import Whole
-from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK
 
 
 @click.command(epilog=examples("orders"))
 @SCENE
-@click.option(
-    "--engine",
-    "engine_text",
-    default="exact",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="exact or double.",
-)
+@one_engine("exact or double.")
 @UNTIL
 @EVENTS
 @click.option("--cap", type=Whole(), metavar="N", help="The most outcomes to enumerate (256).")
@@ -30,9 +21,7 @@ from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK
 @WORK
 @SECONDS
 @JSON
-@click.option(
-    "--html", metavar="FILE", shell_complete=completion.files, help="Also write the outcomes as one offline HTML file."
-)
+@a_file("--html", help="Also write the outcomes as one offline HTML file.")
 def orders(
     scene: str,
     engine_text: str,
@@ -52,11 +41,11 @@ def orders(
     swap contacts without a common circle count once, and branches that reach the same state exactly are merged.
     With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
-    from ....exact.policies.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner
     from ....scenarios.errors import SceneError
     from ...documents.orders import orders_json, print_orders
     from ...engines import engine
-    from ...outcomes.order_search import search_orders
+    from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner
+    from ...orders.order_search import search_orders
     from ...report.text.listing import print_json
     from ...scene_argument import scene_from, with_settings
     from ...validation import check_until

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import click
 
-from .. import completion
-from ..examples import examples
-from ..exit_codes import of_stop
-from ..options import (
+from ..arguments.examples import examples
+from ..arguments.options import (
     EVENTS,
     JSON,
     NO_CACHE,
@@ -19,43 +17,28 @@ from ..options import (
     TIES,
     UNTIL,
     WORK,
+    a_file,
+    one_engine,
     refuse_beside,
     required,
 )
+from ..exit_codes import of_stop
 
 
 @click.command(epilog=examples("run"))
 @OPTIONAL_SCENE
-@click.option(
-    "--engine",
-    "engine_text",
-    default="exact",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="exact, sympy, double, interval or pymunk; parameters as in pymunk:dt=1/1000,iterations=30; "
-    "or package.module:Class, your own.",
+@one_engine(
+    "exact, sympy, double, single, quad, rounded, interval or pymunk; parameters as in "
+    "pymunk:dt=1/1000,iterations=30; another installed engine, or package.module:Class, your own."
 )
 @UNTIL
 @EVENTS
 @click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
 @JSON
-@click.option(
-    "--certificate",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Also write a certificate that `truebreak verify` checks.",
-)
-@click.option(
-    "--save",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Also save the run, or what there is of it, for `truebreak.load_run`.",
-)
-@click.option(
+@a_file("--certificate", help="Also write a certificate that `truebreak verify` checks.")
+@a_file("--save", help="Also save the run, or what there is of it, for `truebreak.load_run`.")
+@a_file(
     "--resume",
-    metavar="FILE",
-    shell_complete=completion.files,
     help="Go on from a run that --save wrote, in place of a SCENE: to the limits that it had, or to those given now.",
 )
 @TIES

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import click
 
-from .. import completion
+from ..arguments.options import EVENTS, JSON, SCENE, SCENE_HELP, a_file, one_engine
 from ..exit_codes import DONE, ExitCode
-from ..options import EVENTS, JSON, SCENE, SCENE_HELP
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -26,24 +25,10 @@ Exit codes:
 
 @click.command(epilog=EPILOG)
 @SCENE
-@click.option(
-    "--engine",
-    "engine_text",
-    default="double",
-    show_default=True,
-    metavar="E",
-    shell_complete=completion.engine,
-    help="Whose run.",
-)
+@one_engine("Whose run.", "double")
 @EVENTS
 @click.option("--longest", is_flag=True, help="Where none is found, look for one of ever shorter beginnings.")
-@click.option(
-    "--write",
-    "out",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Write the start that was found as a scene (TOML).",
-)
+@a_file("--write", "out", help="Write the start that was found as a scene (TOML).")
 @JSON
 def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out: str | None, as_json: bool) -> int:
     """Ask whether a wrong run is the true history of a nearby start.

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .. import completion
+from ..arguments.numbers import Whole
+from ..arguments.options import JSON, WithDefault, a_file, some_engines
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Whole
-from ..options import JSON
 from ..progress import duration, showing
 
 if TYPE_CHECKING:
@@ -37,31 +36,21 @@ Exit codes:
 """
 
 
-class WithDefaultEngines(click.Option):
-    """An option whose help ends with the default engines; they are loaded when that is read."""
+def _default_engines() -> str:
+    from ...stress.plan import DEFAULT_ENGINES
 
-    def get_help_record(self, ctx: click.Context) -> tuple[str, str] | None:
-        from ...stress.plan import DEFAULT_ENGINES
-
-        names, text = super().get_help_record(ctx) or ("", "")
-        return names, f"{text} ({','.join(DEFAULT_ENGINES)})."
+    return ",".join(DEFAULT_ENGINES)
 
 
 @click.command(epilog=EPILOG)
 @click.argument("families", metavar="[FAMILY]...", nargs=-1)
-@click.option(
-    "--engines",
-    metavar="A,B,...",
-    cls=WithDefaultEngines,
-    shell_complete=completion.engines,
-    help="What to hold against the exact engine, which is always in the map",
+@some_engines(
+    "What to hold against the exact engine, which is always in the map", None, cls=WithDefault, told=_default_engines
 )
 @click.option("--levels", metavar="LOW..HIGH", help="The k of every family; else each family's own.")
 @click.option("--short", is_flag=True, help="Only four of each family's own levels.")
-@click.option(
-    "--store", metavar="FILE", shell_complete=completion.files, help="Keep the rows in this file, and resume from it."
-)
-@click.option("--svg", metavar="FILE", shell_complete=completion.files, help="Also write the map as a picture.")
+@a_file("--store", help="Keep the rows in this file, and resume from it.")
+@a_file("--svg", help="Also write the map as a picture.")
 @click.option("--jobs", type=Whole(1), default=1, show_default=True, metavar="N", help="Worker processes.")
 @click.option("--list", "listed", is_flag=True, help="List the families.")
 @click.option("--show", type=Whole(), metavar="K", help="Print the scene of one place (TOML), and run nothing.")

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 
 import click
 
-from .. import completion
+from ..arguments import completion
+from ..arguments.numbers import Seconds
+from ..arguments.options import JSON, a_file, some_engines
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Seconds
-from ..options import JSON
 from ..progress import duration, showing
 
 SUITE_HELP = """
@@ -98,26 +98,14 @@ def suite(
 
 
 @click.command(epilog=SURVEY_HELP)
-@click.option("--engines", default="", metavar="A,B,...", shell_complete=completion.engines, help="Only these.")
+@some_engines("Only these.", "")
 @click.option("--scenes", default="", metavar="A;B;...", help="Only these, by the names that the report has.")
 @click.option("--no-causes", is_flag=True, help="Do not look for causes: a fraction of the work.")
 @click.option("--no-advice", is_flag=True, help="Do not look for the cheapest setting that is right.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one run may take, and why it diverged.")
-@click.option(
-    "--store",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Keep each row in this file as soon as it is made, and make none that it has.",
-)
-@click.option(
-    "--from",
-    "recorded",
-    multiple=True,
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Run nothing: show what --json has written.",
-)
-@click.option("--page", metavar="FILE", shell_complete=completion.files, help="Write the survey as a page in Markdown.")
+@a_file("--store", help="Keep each row in this file as soon as it is made, and make none that it has.")
+@a_file("--from", "recorded", multiple=True, help="Run nothing: show what --json has written.")
+@a_file("--page", help="Write the survey as a page in Markdown.")
 @JSON
 def survey(
     engines: str,
@@ -137,11 +125,11 @@ def survey(
     """
     from ...report.text.listing import print_json
     from ...suites.document import survey_json
-    from ...suites.recorded_survey import read_survey
     from ...suites.shown import print_survey
     from ...suites.survey import survey as run_survey
-    from ...suites.survey_page import page_text
-    from ...suites.survey_store import SurveyStore, survey_settings
+    from ...suites.surveys.recorded_survey import read_survey
+    from ...suites.surveys.survey_page import page_text
+    from ...suites.surveys.survey_store import SurveyStore, survey_settings
     from ..writing import check_writable, write_whole
 
     if page is not None:

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from .. import completion
+from ..arguments import completion
+from ..arguments.numbers import Whole
+from ..arguments.options import EVENTS, JSON, SCENE_HELP, WORK, a_file, some_engines
 from ..exit_codes import DONE, ExitCode
-from ..numbers import Whole
-from ..options import EVENTS, JSON, SCENE_HELP, WORK
 from ..progress import duration, showing
 
 if TYPE_CHECKING:
@@ -45,14 +45,7 @@ ended it.
     metavar="KEY=VALUES",
     help="A parameter of the scene: n=3..20, seed=0..90:10 or gap=0,1/10. Several make a grid.",
 )
-@click.option(
-    "--engines",
-    default="double",
-    show_default=True,
-    metavar="A,B,...",
-    shell_complete=completion.engines,
-    help="What to hold against the truth.",
-)
+@some_engines("What to hold against the truth.", "double")
 @click.option(
     "--perturb",
     multiple=True,
@@ -70,16 +63,8 @@ ended it.
 )
 @EVENTS
 @WORK
-@click.option(
-    "--store",
-    multiple=True,
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Keep the rows in this SQLite file, and resume from it.",
-)
-@click.option(
-    "--csv", "csv_file", metavar="FILE", shell_complete=completion.files, help="Write the table here; - is stdout."
-)
+@a_file("--store", multiple=True, help="Keep the rows in this SQLite file, and resume from it.")
+@a_file("--csv", "csv_file", help="Write the table here; - is stdout.")
 @click.option("--shard", default="1/1", metavar="K/N", help="Do only the Kth of N parts.")
 @click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
 @click.option(
@@ -88,12 +73,7 @@ ended it.
     metavar="dask://HOST:PORT",
     help="Workers of a Dask cluster, in place of processes here.",
 )
-@click.option(
-    "--svg",
-    metavar="FILE",
-    shell_complete=completion.files,
-    help="Draw how long each engine's histories stay true, as one SVG file.",
-)
+@a_file("--svg", help="Draw how long each engine's histories stay true, as one SVG file.")
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
 @JSON
 def sweep(
@@ -121,10 +101,10 @@ def sweep(
     """
     from ...documents.sweep import print_sweep, sweep_json
     from ...engines import split_engines
-    from ...ensemble.store import Store, merged
+    from ...ensemble.rows.store import Store, merged
+    from ...ensemble.rows.table import csv_text
     from ...ensemble.survival import summaries
     from ...ensemble.sweep import plan, run
-    from ...ensemble.table import csv_text
     from ...ensemble.uncertainty import uncertainty
     from ...report.pictures.sweep_plots import survival_svg
     from ...report.text.listing import print_json
@@ -141,6 +121,7 @@ def sweep(
         if not store:
             raise click.UsageError("nothing to do: give a SCENE to run, or a --store to read")
         rows, settings, failures = merged(store)
+        _tell_missing(settings, rows)
     else:
         if len(store) > 1:
             raise click.UsageError("several stores can be read, and one be written to; give one --store")
@@ -165,14 +146,26 @@ def sweep(
         print_json(sweep_json(settings, scenes, summaries(rows), failures, unsure))
     elif csv_file != "-":
         print_sweep(settings, scenes, summaries(rows), unsure)
+    there = {row["index"] for row in rows}
     for index, attempt, note in failures:
-        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}", err=True)
-    return ExitCode.UNDECIDED if failures else DONE
+        after = "; another attempt was done" if index in there else ""
+        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}", err=True)
+    return ExitCode.UNDECIDED if any(index not in there for index, _, _ in failures) else DONE
+
+
+def _tell_missing(settings: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> None:
+    """Says on stderr how many scenes of a sweep are not in the stores that are read."""
+    from ...ensemble.family import family
+
+    wanted, there = len(family(settings["scene"], settings["vary"])), len({row["index"] for row in rows})
+    if there < wanted:
+        click.echo(f"truebreak: {there:,} of {wanted:,} scenes are there; the others are in another shard's store, or "
+                   "not done yet", err=True)  # fmt: skip
 
 
 def _displaced(settings: Mapping[str, Any]) -> bool:
     """Whether a sweep displaces its scenes."""
-    from ...ensemble.row import PERTURBED
+    from ...ensemble.rows.row import PERTURBED
 
     return any(label.startswith(PERTURBED) for label in settings["engines"])
 

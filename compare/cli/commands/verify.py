@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from .. import completion
-from ..examples import examples
+from ..arguments import completion
+from ..arguments.examples import examples
 from ..exit_codes import ExitCode
 
 

@@ -282,18 +282,23 @@ const KEYS = {
   End: () => seek(data.end),
 };
 
-player.addEventListener("keydown", (event) => {
+// Keys are the player's where it has the focus, and where nothing has it while its panes are in sight.
+function meant(event) {
+  const box = part("pane-truth").getBoundingClientRect();
+  return player.contains(event.target) || (event.target === document.body && box.bottom > 0 && box.top < innerHeight);
+}
+
+document.addEventListener("keydown", (event) => {
   const list = event.target.closest("[role=listbox]");
   const own = event.target.tagName === "SELECT" || (event.target.tagName === "BUTTON" && event.key === " ");
   const way = { ArrowUp: -1, ArrowDown: 1 }[event.key];
   const act = list && way ? () => step(way, [list.id.slice(5)]) : KEYS[event.key];
-  if (!act || own || event.altKey || event.ctrlKey || event.metaKey) return;
+  if (!act || own || !meant(event) || event.altKey || event.ctrlKey || event.metaKey || event.shiftKey) return;
   event.preventDefault();
   act();
 });
 
-part("scrubber").min = data.begin;
-part("scrubber").max = data.end;
+Object.assign(part("scrubber"), { min: data.begin, max: data.end });
 part("scrubber").addEventListener("input", (event) => { if (state.playing) stop(); seek(Number(event.target.value)); });
 part("play").addEventListener("click", () => (state.playing ? stop() : play()));
 part("back").addEventListener("click", () => step(-1));

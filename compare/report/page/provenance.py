@@ -215,11 +215,14 @@ def downloads(comparison: Comparison) -> Iterator[Download]:
     file, stem = scene_file(comparison.scene), stem_of(comparison.scene)
     if file is not None:
         yield file
+    told = comparison_json(comparison)
+    for part in (told["reference"], *told["candidates"]):
+        del part["seconds"]  # the machine's: with them, no page could be made again letter for letter
     yield download(
         f"{stem}-comparison.json",
         "all results (JSON)",
         "application/json",
-        laid_out(comparison_json(comparison)) + "\n",
+        laid_out(told) + "\n",
         "the command above, with --json",
     )
     yield download(

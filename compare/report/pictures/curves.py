@@ -9,10 +9,16 @@ from html import escape
 
 WIDTH, HEIGHT = 720, 320
 LEFT, RIGHT, TOP, BOTTOM = 64, 150, 26, 40
-"""Room for the labels around the plot, in pixels."""
+"""Room for the labels around the plot, in pixels; to the right there is more where a label is longer."""
+
+LETTER, LINE = 7, 20
+"""Pixels of a letter of the legend, none of which is wider in the mean, and of one of its lines."""
 
 NARROW = 400
 """Up to this width, every other label of time is left out."""
+
+MARK = 46
+"""Pixels of the legend beside its letters: a line, and room around it."""
 
 BARE_RIGHT = 14
 """Room to the right of a plot without a legend."""
@@ -20,11 +26,11 @@ BARE_RIGHT = 14
 
 @dataclass(frozen=True)
 class Curve:
-    """Points joined by a line; its style is a class of the page's style sheet, or else the next of five."""
+    """Points joined by a line; its style is a class of the style sheet, `reference` or that of an engine."""
 
     label: str
     points: Sequence[tuple[float, float]]
-    style: str = ""
+    style: str
 
 
 @dataclass(frozen=True)
@@ -35,8 +41,8 @@ class Band:
     low: float
     high: float
     height: float
-    mark: float | None = None
-    style: str = ""
+    mark: float | None
+    style: str
 
 
 def plot(
@@ -55,57 +61,54 @@ def plot(
 
     Args:
         width: in pixels.
-        legend: whether the labels stand beside the curves, for which there is room in a wide plot alone.
+        legend: whether the labels stand beside the curves, for which there is room in a wide plot alone; of what has
+            one style the last one does.
         kind: a further class of the element.
     """
     points = [p for curve in (*curves, *dots) for p in curve.points if math.isfinite(p[1])]
     end = max((x for x, _ in points), default=1.0) or 1.0
     heights = [y for _, y in points] + [band.height for band in bands]
     low, high = min([0.0, *heights]), max([*heights, 1e-300])
+    labels = {item.style: item.label for item in (*curves, *bands, *dots)} if legend else {}
     right = width - (RIGHT if legend else BARE_RIGHT)
+    width += max(0, max((MARK + LETTER * len(label) for label in labels.values()), default=0) - RIGHT)
+    height = max(HEIGHT, TOP + LINE * (len(labels) + 1))
     view = _View(end, low, high if high > low else low + 1.0, right)
     parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {HEIGHT}" width="{width}" '
-        f'height="{HEIGHT}" role="img" class="{f"plot {kind}".strip()}" data-left="{LEFT}" data-right="{right}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
+        f'height="{height}" role="img" class="{f"plot {kind}".strip()}" data-left="{LEFT}" data-right="{right}" '
         f'data-top="{TOP}" data-bottom="{HEIGHT - BOTTOM}" data-end="{end!r}">',
         f"<title>{escape(title)}</title>",
         *view.axes(across, up),
     ]
-    for number, curve in enumerate(curves):
+    for curve in curves:
         path = " ".join(f"{view.x(x):.1f},{view.y(y):.1f}" for x, y in curve.points if math.isfinite(y))
-        style = curve.style or f"s{number % 5}"
         parts.append(
-            f'<polyline class="series {style}" points="{path}"><title>{escape(curve.label)}</title></polyline>'
+            f'<polyline class="series {curve.style}" points="{path}"><title>{escape(curve.label)}</title></polyline>'
         )
-        if legend:
-            parts += _legend(number, curve.label, style, right)
-    for number, band in enumerate(bands, start=len(curves)):
-        y, style = view.y(band.height), band.style or f"s{number % 5}"
+    for band in bands:
+        y = view.y(band.height)
         ends = (view.x(min(value, end)) for value in (band.low, band.high))
         parts.append('<line class="series {}" x1="{:.1f}" x2="{:.1f}" y1="{:.1f}" y2="{:.1f}"/>'.format(
-            style, *ends, y, y))  # fmt: skip
+            band.style, *ends, y, y))  # fmt: skip
         if band.mark is not None:
-            parts.append(f'<circle class="dot {style}" cx="{view.x(band.mark):.1f}" cy="{y:.1f}" r="4.5"/>')
-        if legend:
-            parts += _legend(number, band.label, style, right)
-    for number, cloud in enumerate(dots, start=len(curves) + len(bands)):
-        style = cloud.style or f"s{number % 5}"
+            parts.append(f'<circle class="dot {band.style}" cx="{view.x(band.mark):.1f}" cy="{y:.1f}" r="4.5"/>')
+    for cloud in dots:
         parts += [
-            f'<circle class="dot {style}" cx="{view.x(x):.1f}" cy="{view.y(y):.1f}" r="3"/>'
+            f'<circle class="dot {cloud.style}" cx="{view.x(x):.1f}" cy="{view.y(y):.1f}" r="3"/>'
             for x, y in cloud.points
             if math.isfinite(y)
         ]
-        if legend:
-            parts += _legend(number, cloud.label, style, right)
+    for number, (style, label) in enumerate(labels.items()):
+        parts += _legend(number, label, style, right)
     return "\n".join([*parts, "</svg>"])
 
 
 def _legend(number: int, label: str, style: str, right: int) -> list[str]:
-    x, y = right + 12, TOP + 14 + 20 * number
-    shown = label if len(label) <= 17 else f"{label[:16]}…"
+    x, y = right + 12, TOP + 14 + LINE * number
     return [
         f'<line class="series {style}" x1="{x}" x2="{x + 22}" y1="{y}" y2="{y}"/>',
-        f'<text x="{x + 28}" y="{y}" class="tick start">{escape(shown)}</text>',
+        f'<text x="{x + 28}" y="{y}" class="tick start">{escape(label)}</text>',
     ]
 
 

@@ -115,7 +115,7 @@ def separation_plot(comparison: Comparison, width: int = WIDE, bands: Sequence[B
         "<title>Largest distance of a circle from its place in the reference run, over time, on a "
         "logarithmic scale</title>",
         *_axes(scale),
-        *(_shaded(band, scale) for band in bands if band.low < scale.end),
+        *_shaded([band for band in bands if band.low < scale.end], scale),
     ]
     for line in lines:
         parts += _drawn(line, scale)
@@ -123,12 +123,21 @@ def separation_plot(comparison: Comparison, width: int = WIDE, bands: Sequence[B
     return "\n".join(parts)
 
 
-def _shaded(band: Band, scale: Scale) -> str:
-    left, right = scale.x(band.low), scale.x(min(band.high, scale.end))
-    return (
-        f'<rect class="horizon e{band.number}" x="{left:.1f}" y="{TOP}" width="{max(right - left, 1):.1f}" '
-        f'height="{HEIGHT - TOP - BOTTOM}"><title>{escape(band.label)}</title></rect>'
-    )
+def _shaded(bands: Sequence[Band], scale: Scale) -> list[str]:
+    """Each band, paler the more of them lie on each other, with a line of its engine's at each end within the plot."""
+    parts = []
+    for band in bands:
+        left, right = scale.x(band.low), scale.x(min(band.high, scale.end))
+        parts.append(
+            f'<rect class="horizon e{band.number}" x="{left:.1f}" y="{TOP}" width="{max(right - left, 1):.1f}" '
+            f'height="{HEIGHT - TOP - BOTTOM}" fill-opacity="{min(1.0, 3 / len(bands)):.2f}">'
+            f"<title>{escape(band.label)}</title></rect>"
+        )
+        parts += [
+            f'<line class="brink e{band.number}" x1="{x:.1f}" x2="{x:.1f}" y1="{TOP}" y2="{HEIGHT - BOTTOM}"/>'
+            for x in ([left, right] if band.high < scale.end else [left])
+        ]
+    return parts
 
 
 def _axes(scale: Scale) -> list[str]:

@@ -6,21 +6,17 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from .curves import Curve, plot
+from .engine_style import REFERENCE, plain_css
 
 if TYPE_CHECKING:
-    from ...ensemble.row import Row
+    from ...ensemble.rows.row import Row
     from ...ensemble.survival import Step, Summary
 
-STYLE = """<style>
-svg { background: #fff; font: 12px sans-serif; } .gridline { stroke: #ddd; } .series { fill: none; stroke-width: 2; }
-.tick { text-anchor: middle; dominant-baseline: middle; fill: #333; } .end { text-anchor: end; }
-.start { text-anchor: start; }
-.s0 { stroke: #0072b2; } .s1 { stroke: #d55e00; } .s2 { stroke: #009e73; } .s3 { stroke: #cc79a7; }
-.s4 { stroke: #6b5b00; }
-.dot.s0 { fill: #0072b2; } .dot.s1 { fill: #d55e00; } .dot.s2 { fill: #009e73; } .dot.s3 { fill: #cc79a7; }
-.dot.s4 { fill: #6b5b00; }
+STYLE = f"""<style>
+svg {{ background: #fff; font: 12px sans-serif; }} .gridline {{ stroke: #ddd; }}
+.tick {{ text-anchor: middle; dominant-baseline: middle; fill: #333; }} .end {{ text-anchor: end; }}
+.start {{ text-anchor: start; }} .series {{ fill: none; stroke-width: 2; }} .reference {{ stroke: {REFERENCE}; }}
 </style>"""
-"""Colours that those who see few colours tell apart (Okabe and Ito)."""
 
 
 def staircase(steps: Sequence[Step]) -> list[tuple[float, float]]:
@@ -46,27 +42,31 @@ def law_points(rows: Iterable[Row]) -> dict[str, list[tuple[float, float]]]:
     return found
 
 
-def standalone(svg: str) -> str:
-    """An SVG element of a page as a file of its own."""
+def standalone(svg: str, engines: int = 0) -> str:
+    """An SVG element of a page as a file of its own, with the styles of so many engines."""
     head, rest = svg.split("\n", 1)
-    return f"{head}\n{STYLE}\n{rest}\n"
+    told = f"<style>\n{plain_css(engines)}</style>\n" if engines else ""
+    return f"{head}\n{STYLE}\n{told}{rest}\n"
 
 
 def survival_svg(told: Sequence[Summary]) -> str:
     """The share of scenes whose history is still true, over events, an engine a curve."""
-    curves = [Curve(summary.engine, staircase(summary.survival)) for summary in told]
-    return standalone(plot("Share of scenes whose history is still true", "event", "share", curves))
+    curves = [Curve(summary.engine, staircase(summary.survival), f"e{k}") for k, summary in enumerate(told)]
+    return standalone(plot("Share of scenes whose history is still true", "event", "share", curves), len(told))
 
 
 def law_svg(rows: Iterable[Row], told: Sequence[Summary]) -> str:
     """The time at which each scene's history was left over ln(1/eps)/lambda, with each engine's fitted line."""
     clouds = law_points(rows)
+    engines = dict.fromkeys([*(summary.engine for summary in told), *clouds])
+    styles = {engine: f"e{k}" for k, engine in enumerate(engines)}
     lines: list[Curve] = []
     for summary in told:
         if summary.law is not None and summary.engine in clouds:
             law = summary.law
             ends = (f(x for x, _ in clouds[summary.engine]) for f in (min, max))
-            lines.append(Curve(f"line {summary.engine}", [(x, law.slope * x + law.intercept) for x in ends]))
-    dots = [Curve(engine, points) for engine, points in clouds.items()]
+            line = [(x, law.slope * x + law.intercept) for x in ends]
+            lines.append(Curve(f"line {summary.engine}", line, styles[summary.engine]))
+    dots = [Curve(engine, points, styles[engine]) for engine, points in clouds.items()]
     svg = plot("Time of divergence over ln(1/eps)/lambda", "ln(1/eps)/lambda", "time", lines, dots=dots)
-    return standalone(svg)
+    return standalone(svg, len(styles))

@@ -9,7 +9,7 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from .engine_style import engine_style
+from .engine_style import REFERENCE, engine_style
 
 if TYPE_CHECKING:
     from ...bench.tradeoff import Tradeoff
@@ -19,7 +19,13 @@ COLUMNS, WIDTH, HEIGHT = 2, 430, 250
 
 LEFT, RIGHT, TOP, BOTTOM = 46, 14, 34, 38
 HEAD, LEGEND = 16, 22
-"""Room around a panel, above all, and for the line that tells the engines apart."""
+"""Room around a panel, above all, and for each line of what tells the engines apart."""
+
+LETTER, MARK = 7, 26
+"""Pixels of a letter of the legend, none of which is wider in the mean, and of a dot with the room around it."""
+
+EXACT = "exact"
+"""The engine whose time is the unit, in the colour that the reference has everywhere."""
 
 MOST_DIGITS = 20
 """Digits of the upper edge: what has more is drawn there."""
@@ -60,22 +66,24 @@ def tradeoff_plot(rows: Sequence[Tradeoff]) -> str:
     drawn = [(name, [row for row in mine if _has_point(row)]) for name, mine in scenes]
     drawn = [(name, mine) for name, mine in drawn if mine]
     families = list(dict.fromkeys(_family(row) for _, mine in drawn for row in mine))
-    tall = HEAD + LEGEND + HEIGHT * -(-len(drawn) // COLUMNS)
     wide = WIDTH * min(COLUMNS, max(len(drawn), 1))
+    legend, lines = _legend(families, wide)
+    head = HEAD + LEGEND * lines
+    tall = head + HEIGHT * -(-len(drawn) // COLUMNS)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {wide} {tall}" width="{wide}" height="{tall}" '
         'role="img">',
         "<title>Digits that are right at the end, over run time as a multiple of the exact engine's</title>",
         f"<style>{STYLE}</style>",
         f'<rect width="{wide}" height="{tall}" fill="#fff"/>',
-        *_legend(families, wide),
+        *legend,
     ]
     for place, (name, mine) in enumerate(drawn):
         ratios = [math.log10(row.ratio) for row in mine]
         low = math.floor(min(ratios))
         panel = _Panel(
             WIDTH * (place % COLUMNS),
-            HEAD + LEGEND + HEIGHT * (place // COLUMNS),
+            head + HEIGHT * (place // COLUMNS),
             low,
             max(math.ceil(max(ratios)), low + 1),
         )
@@ -92,16 +100,22 @@ def _family(row: Tradeoff) -> str:
 
 
 def _colour(family: str, families: Sequence[str]) -> str:
-    return engine_style(families.index(family)).light
+    others = [name for name in families if name != EXACT]
+    return REFERENCE if family == EXACT else engine_style(others.index(family)).light
 
 
-def _legend(families: Sequence[str], wide: int) -> list[str]:
-    parts, x, stride = [], LEFT, min(90, (wide - LEFT) // max(len(families), 1))
+def _legend(families: Sequence[str], wide: int) -> tuple[list[str], int]:
+    """A dot and a name for each engine, in as many lines as they take; how many these are."""
+    parts, x, line = [], LEFT, 0
     for family in families:
-        parts.append(f'<circle cx="{x}" cy="{HEAD}" r="4.5" fill="{_colour(family, families)}"/>')
-        parts.append(f'<text x="{x + 9}" y="{HEAD + 4}">{escape(family)}</text>')
-        x += stride
-    return parts
+        room = MARK + LETTER * len(family)
+        if x > LEFT and x + room > wide:
+            x, line = LEFT, line + 1
+        y = HEAD + LEGEND * line
+        parts.append(f'<circle cx="{x}" cy="{y}" r="4.5" fill="{_colour(family, families)}"/>')
+        parts.append(f'<text x="{x + 9}" y="{y + 4}">{escape(family)}</text>')
+        x += room
+    return parts, line + 1
 
 
 def _axes(panel: _Panel, name: str) -> list[str]:

@@ -10,8 +10,8 @@ from ..sentences import listed
 from .output import console, grid, say
 
 if TYPE_CHECKING:
-    from ...chaos.blocks import Rate
     from ...chaos.chaos import Chaos
+    from ...chaos.growth.blocks import Rate
     from ...chaos.horizon import Horizon, Place
 
 SHOWN_EXPONENTS = 12
@@ -23,7 +23,7 @@ HORIZON_HEADINGS = ("engine", "foreseen at event", "90 % band", "time", "ln(1/ep
 def rate_phrase(rate: Rate) -> str:
     """A rate with its interval.
 
-    >>> from truebreak.compare.chaos.blocks import Rate
+    >>> from truebreak.compare.chaos.growth.blocks import Rate
     >>> rate_phrase(Rate(0.25, 0.2, 0.3, 20)), rate_phrase(Rate(0.25))
     ('0.25 (95 %: 0.2 to 0.3)', '0.25 (too short for an interval)')
     """
@@ -43,10 +43,8 @@ def sentences(chaos: Chaos) -> list[str]:
         f"{per_event.value / math.log(2):.4g} an event.",
     ]
     if not found.chaotic:
-        told.append(
-            f"Not told from zero: displacements that grow in proportion to time would give {found.linear:.3g} here. "
-            "Take more events."
-        )
+        would = f"would give {found.linear:.3g} here" if math.isfinite(found.linear) else "may give as much"
+        told.append(f"Not told from zero: displacements that grow in proportion to time {would}. Take more events.")
     if chaos.certified is not None:
         grown = chaos.certified
         told.append(

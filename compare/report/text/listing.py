@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ....scenarios.numbers.real import real
-from ...documents.amounts import bounds, double
+from ...documents.values.amounts import bounds, double
 from ..counting import counted
 from .output import Table, console, grid, say
 
@@ -63,7 +63,7 @@ def print_catalogue(as_json: bool) -> None:
 
     entries = [catalogue.entry(name) for name in catalogue.names()]
     if as_json:
-        from ...documents.amounts import plain
+        from ...documents.values.amounts import plain
 
         print_json({"scenes": [plain(catalogue_row(entry)) for entry in entries]})
         return

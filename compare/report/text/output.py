@@ -21,6 +21,9 @@ LEAST_WIDTH = 40
 BETWEEN = 3
 """Columns between two cells of a row."""
 
+NARROWEST = 10
+"""Columns into which no cell is pressed that has a longer word: rows become lists before that."""
+
 
 def columns() -> int | None:
     """The columns that the variable COLUMNS asks for; None without one that makes sense."""
@@ -54,7 +57,7 @@ class Table:
         Args:
             width: columns that there are.
         """
-        rows = [self.headings, *(tuple(c if isinstance(c, str) else c.text for c in cells) for cells, _ in self.rows)]
+        rows = [self.headings, *(self._texts(cells) for cells, _ in self.rows)]
         split = [[cell.split("\n") for cell in row] for row in rows]
         sizes = [max(len(line) for cell in column for line in cell) for column in zip(*split, strict=True)]
         inside = sum(sizes) + BETWEEN * (len(sizes) - 1)
@@ -79,12 +82,56 @@ class Table:
             columns.append([line.rjust(size) if heading in self.right else line.ljust(size) for line in filled])
         return [f" {(' ' * BETWEEN).join(parts)} " for parts in zip(*columns, strict=True)]
 
-    def rich(self) -> rich.table.Table:
-        """The table as rich has it."""
+    def least(self) -> int:
+        """Fewest columns in which it can be read as a table.
+
+        >>> table = grid("engine", "position error", whole=("engine",))
+        >>> table.add_row("interval:bits=100", "4.44e-16")
+        >>> table.least()
+        30
+        """
+        columns = zip(self.headings, *(self._texts(cells) for cells, _ in self.rows), strict=True)
+        return 2 + BETWEEN * (len(self.headings) - 1) + sum(map(self._narrowest, self.headings, columns))
+
+    @staticmethod
+    def _texts(cells: Sequence[str | Tinted]) -> tuple[str, ...]:
+        return tuple(cell if isinstance(cell, str) else cell.text for cell in cells)
+
+    def _narrowest(self, heading: str, cells: Sequence[str]) -> int:
+        parts = [part for cell in cells for part in (cell.split("\n") if heading in self.whole else cell.split())]
+        longest = max(map(len, parts), default=0)
+        return longest if heading in self.whole else min(longest, NARROWEST)
+
+    def listed(self) -> rich.table.Table:
+        """Each row as a list of its cells under each other, with their headings: for few columns."""
+        import rich.table
+        from rich.text import Text
+
+        title = None if self.title is None else Text(self.title, style="table.title")
+        table = rich.table.Table(box=None, title=title, title_justify="left", show_header=False, pad_edge=False)
+        table.add_column(overflow="fold", ratio=1)
+        table.add_column(overflow="fold", ratio=2)
+        for cells, style in self.rows:
+            table.add_row("", "")
+            for heading, cell in zip(self.headings, cells, strict=True):
+                text = Text(cell) if isinstance(cell, str) else Text(*cell)
+                if text.plain.strip():
+                    table.add_row(Text(" ".join(heading.split())), text, style=style)
+        table.add_row("", "")
+        return table
+
+    def rich(self, width: int | None = None) -> rich.table.Table:
+        """The table as rich has it.
+
+        Args:
+            width: columns that there are; too few for a table make a list of each row.
+        """
         import rich.box
         import rich.table
         from rich.text import Text
 
+        if width is not None and width < self.least():
+            return self.listed()
         title = None if self.title is None else Text(self.title, style="table.title")
         table = rich.table.Table(box=rich.box.SIMPLE, title=title, title_justify="left", pad_edge=False)
         for heading in self.headings:
@@ -126,7 +173,8 @@ class Output:
         encoding = (getattr(sys.stdout, "encoding", None) or "utf-8").lower()
         lines = table.lines(self.width) if self.plain and self.width and encoding.startswith("utf") else None
         if lines is None:
-            self.rich().print(table.rich())
+            out = self.rich()
+            out.print(table.rich(out.width))
         else:
             _write("\n".join(lines))
 

@@ -18,7 +18,7 @@ def sentences(told: Shadow) -> list[str]:
     whose = f"{told.engine} over {counted(told.events, 'event')}"
     found: list[str] = []
     if told.proof is not None:
-        found.append(f"Proved: {_claim(told.proof, told.events, whose)}.")
+        found.append(f"Proved: {_claim(told.proof, whose)}.")
         if told.proof.swaps:
             found.append(
                 f"In the whole order {counted(told.proof.swaps, 'contact')} stand elsewhere: independent ones, swapped."
@@ -53,7 +53,7 @@ def at_most(bound: float) -> str:
     return f"{UPWARDS.create_decimal(Decimal(bound)):.3g}"
 
 
-def _claim(proof: Proof, events: int, whose: str) -> str:
+def _claim(proof: Proof, whose: str) -> str:
     start, apart = proof.start, proof.run_distance
     return (
         f"a start within {at_most(start.position)} (velocities: {at_most(start.velocity)}) of the scene's has the "

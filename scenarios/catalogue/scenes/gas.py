@@ -124,7 +124,7 @@ PARAMETERS = (
 SCENES = {
     "gas": Entry(
         name="gas",
-        summary="Hard discs in a box, drawn from a seed: rounding errors grow about tenfold with every hit.",
+        summary="Hard discs in a box, drawn from a seed: every hit of two makes rounding errors grow.",
         parameters=PARAMETERS,
         known=(
             "Hard discs are chaotic (Sinai 1970): a run in doubles keeps the true order of events for some "

@@ -7,7 +7,9 @@ from importlib.util import find_spec
 
 import pytest
 
-from truebreak.compare.adapters.package import NotInstalled, package
+from truebreak.compare.adapters.__main__ import SCENES as COSTED
+from truebreak.compare.adapters.__main__ import main as costs_command
+from truebreak.compare.adapters.base.package import NotInstalled, package
 from truebreak.compare.comparison import compare
 from truebreak.compare.engines import engine
 from truebreak.scenarios import Circle, Scene, SceneError, Wall
@@ -205,7 +207,7 @@ def test_a_comparison_with_an_engine_that_is_not_installed_is_refused(monkeypatc
     def missing(name: str) -> None:
         raise ModuleNotFoundError(f"No module named {name!r}")
 
-    monkeypatch.setattr("truebreak.compare.adapters.package.import_module", missing)
+    monkeypatch.setattr("truebreak.compare.adapters.base.package.import_module", missing)
     with pytest.raises(NotInstalled, match=r"pip install 'truebreak\[box2d\]'"):
         compare(two(), ["box2d"], events=3)
 
@@ -216,3 +218,13 @@ def test_a_circle_that_leaves_the_edges_ends_the_run() -> None:
     run = engine(f"{installed('box2d')}:dt=1/64").run(scene, until=10_000)
     assert run.stop.reason is StopReason.BUDGET
     assert "end of an edge" in run.stop.message
+
+
+def test_what_a_step_costs_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+    """A row for each engine of steps that is installed, and each scene."""
+    assert costs_command(["--steps", "20"]) == 0
+    rows = [line.split("|")[1:4] for line in capsys.readouterr().out.splitlines()[2:]]
+    assert {row[0].strip(" `") for row in rows} >= {"pymunk"}
+    assert len(rows) % len(COSTED) == 0
+    assert all(float(row[2]) > 0 for row in rows if "not possible" not in row[2])
+    assert costs_command(["--steps", "0"]) == 2

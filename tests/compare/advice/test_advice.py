@@ -18,7 +18,7 @@ from truebreak.compare.advice.found import Advice, End
 from truebreak.compare.advice.goal import Digits, Goal, History, OutcomeGoal, difference
 from truebreak.compare.advice.ladder import Size, ladder
 from truebreak.compare.advice.search import advise
-from truebreak.compare.chaos.accuracy import end_error
+from truebreak.compare.chaos.growth.accuracy import end_error
 from truebreak.compare.cli.entry import main
 from truebreak.compare.documents.advice import advice_json, sentences
 from truebreak.compare.documents.schemas import schema

@@ -10,12 +10,12 @@ import click
 import jsonschema
 import pytest
 
-from truebreak.compare.adapters import package
+from truebreak.compare.adapters.base import package
 from truebreak.compare.bench import command as bench
-from truebreak.compare.bench import rivals
 from truebreak.compare.bench.command import TRADEOFFS, measure
-from truebreak.compare.bench.figures import GAS, TINY, Figure, Target, _agreed, interleaved
-from truebreak.compare.bench.table import BENCHMARKS
+from truebreak.compare.bench.ratios import rivals
+from truebreak.compare.bench.ratios.figures import GAS, TINY, Figure, Target, _agreed, interleaved
+from truebreak.compare.bench.ratios.table import BENCHMARKS
 from truebreak.compare.documents.schemas import schema
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import SceneError

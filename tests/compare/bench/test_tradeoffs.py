@@ -12,13 +12,13 @@ import jsonschema
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.bench.against import WITHIN, Against, Change, against
 from truebreak.compare.bench.command import _words, chosen
 from truebreak.compare.bench.command import measure as measure_all
 from truebreak.compare.bench.machine import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
 from truebreak.compare.bench.measured import measure
 from truebreak.compare.bench.page import main as page_main
-from truebreak.compare.bench.report import Report, check_scenes, load, rows_of
+from truebreak.compare.bench.reported.against import WITHIN, Against, Change, against
+from truebreak.compare.bench.reported.report import Report, check_scenes, load, rows_of
 from truebreak.compare.bench.subjects import SETTINGS, SUBJECTS, digest_of, settings_of, subjects
 from truebreak.compare.bench.tradeoff import Subject, Tradeoff, in_exact, study_of, tradeoffs, with_front
 from truebreak.compare.cli.entry import main

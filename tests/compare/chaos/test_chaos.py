@@ -12,13 +12,12 @@ import numpy as np
 import pytest
 
 from truebreak.compare.chaos import calibration
-from truebreak.compare.chaos.blocks import rate
 from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
 from truebreak.compare.chaos.errors import TOSS, ErrorCurve, ErrorModel, model_of
+from truebreak.compare.chaos.growth.blocks import rate
+from truebreak.compare.chaos.growth.spectrum import spectrum
 from truebreak.compare.chaos.horizon import Forecaster, Horizon, Place
 from truebreak.compare.chaos.levels import LEVELS
-from truebreak.compare.chaos.margins import margins
-from truebreak.compare.chaos.spectrum import spectrum
 from truebreak.compare.cli import main
 from truebreak.compare.documents.chaos import chaos_json
 from truebreak.compare.documents.schemas import schema
@@ -26,7 +25,7 @@ from truebreak.compare.engines import engine
 from truebreak.compare.report.text.chaos import horizon_rows, sentences
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
+from truebreak.scenarios import Circle, Scene, SceneError, Wall, catalogue
 
 GAS = catalogue.build("gas")
 
@@ -155,28 +154,6 @@ def test_a_decision_that_is_lost_is_a_coin_toss_but_for_enclosures() -> None:
         assert abs(LEVELS[name][1] - math.log2(TOSS)) < 1
     assert ErrorCurve(ErrorModel.ROUNDING, 3, lost).unit_at(math.log2(TOSS) + 2) == math.inf
     assert ErrorCurve(ErrorModel.ROUNDING, 1, [(0, math.inf)]).unit_at(0.0) == -math.inf
-
-
-def test_margins_are_what_it_takes_to_turn_a_decision_over() -> None:
-    """Displaced by a little less than the margin a circle meets the same thing first; by a little more, another."""
-    corner = Scene([Circle(0, 0, vx=1, vy=1)], [Wall(10, 0, 10, 1), Wall(0, "101/10", 1, "101/10")])
-    pair = Scene([Circle(0, 0, vx=1), Circle(6, "1/2", m="oo"), Circle(20, 0, r=5, m="oo")])
-    assert deciding(corner) == pytest.approx([1 / 20])
-    assert [meets(corner, f"-{d}", d) for d in ("49/1000", "51/1000")] == ["w1", "w2"]
-    order, miss = deciding(pair)
-    assert miss == pytest.approx(1.5) and order > miss
-    assert [meets(pair, "0", f"-{d}") for d in ("149/100", "151/100")] == ["c2", "c3"]
-
-
-def deciding(scene: Scene) -> list[float]:
-    ((_, told),) = margins(scene, impacts(ExactEngine().run(scene, events=1), 1), [0])[0]
-    return told.tolist()
-
-
-def meets(scene: Scene, dx: str, dy: str) -> str:
-    ball, *rest = scene.circles
-    moved = Circle(ball.x + Quantity.of(dx), ball.y + Quantity.of(dy), vx=ball.vx, vy=ball.vy)
-    return ExactEngine().run(scene.with_changes(circles=[moved, *rest]), events=1).events[0].contacts[0].second
 
 
 def test_twice_the_bits_are_trusted_about_twice_as_long() -> None:

@@ -13,11 +13,13 @@ from pathlib import Path
 
 import click
 import pytest
+from click.shell_completion import ShellComplete
 
+from truebreak.compare.bench.command import command as bench_command
 from truebreak.compare.cli import main, progress
-from truebreak.compare.cli.examples import LINES
+from truebreak.compare.cli.arguments.examples import LINES
 from truebreak.compare.cli.group import cli
-from truebreak.compare.cli.progress import Goal, Line, Pace, goal_of, showing
+from truebreak.compare.cli.progress import Goal, Pace, ProgressLine, goal_of, showing
 from truebreak.compare.cli.retold import command_of
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.trajectory import Progress
@@ -122,13 +124,29 @@ def test_every_command_completes_its_scene_and_its_engines() -> None:
     assert {("sweep", "scene"), ("sweep", "engines"), ("chaos", "engines"), ("judge", "reference")} <= set(told)
 
 
+@pytest.mark.parametrize(
+    ("words", "typed", "expected"),
+    [
+        ((), "gas-", "gas-billiards"),
+        ((), "--s", "--scenes"),
+        (("tradeoffs", "--engines"), "double,py", "double,pymunk"),
+        (("tradeoffs", "--scenes"), "gas,cra", "gas,cradle"),
+        (("--svg",), "a", "a"),
+    ],
+)
+def test_bench_is_completed_as_its_own_reader_has_it(words: tuple[str, ...], typed: str, expected: str) -> None:
+    found = ShellComplete(cli, {}, "truebreak", "").get_completions(["bench", *words], typed)
+    assert expected in [item.value for item in found]
+    assert [item.type for item in found] == ["file"] or "--svg" not in words
+
+
 FILES = re.compile(r"FILE|LOG\.\.\.|\S+\.json|DIR")
 
 
 def test_every_file_is_completed() -> None:
     """Whatever is a file or a folder, under any command, is looked up by the shell."""
     told = 0
-    for name, command in cli.commands.items():
+    for name, command in {**cli.commands, "bench": bench_command}.items():
         context = click.Context(command, info_name=name, parent=parent())
         for parameter in command.params:
             if FILES.fullmatch(parameter.metavar or ""):
@@ -171,6 +189,26 @@ def test_bash_itself_completes(words: tuple[str, ...], expected: str, path: dict
     command = ["bash", "--norc", "-c", BASH, "bash", "truebreak", *words]
     done = subprocess.run(command, env=path, capture_output=True, text=True, check=True)
     assert expected in done.stdout.splitlines()
+
+
+ZSH = """
+compdef() { : }
+_describe() { print -rl -- "${(@P)3}" }
+compadd() { print -rl -- "${(@)${(@P)5}//:/\\\\:}" }
+eval "$(_TRUEBREAK_COMPLETE=zsh_source truebreak)"
+words=("$@"); CURRENT=$#
+_truebreak_completion
+"""
+
+
+@pytest.mark.skipif(shutil.which("zsh") is None, reason="no zsh here")
+@pytest.mark.parametrize(("words", "expected"), LINES_TO_COMPLETE)
+def test_zsh_itself_completes(words: tuple[str, ...], expected: str, path: dict[str, str]) -> None:
+    """By the script that it is given; what zsh shows then is printed in its place."""
+    command = ["zsh", "-f", "-c", ZSH, "zsh", "truebreak", *words]
+    done = subprocess.run(command, env=path, capture_output=True, text=True, check=True)
+    offered = [re.split(r"(?<!\\):", line)[0].replace("\\:", ":") for line in done.stdout.splitlines()]
+    assert expected in offered, done.stdout + done.stderr
 
 
 @pytest.mark.skipif(shutil.which("fish") is None, reason="no fish here")
@@ -248,7 +286,7 @@ def test_a_line_on_a_terminal_comes_with_what_takes_its_time(monkeypatch: pytest
         show("done")
     assert quick.getvalue() == ""
     monkeypatch.setattr(sys, "stderr", slow)
-    line = Line("slow")
+    line = ProgressLine("slow")
     line.write("half of it")
     line.begin()
     line.write("nearly [all] :snake:")

@@ -19,9 +19,9 @@ from ended import ended_at
 from truebreak.compare import compare, engine, trajectory_json
 from truebreak.compare.deadline import Clock, OutOfTime, time_limit
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.outcomes.order_search import search_orders
+from truebreak.compare.orders.all_orders import all_orders
+from truebreak.compare.orders.order_search import search_orders
 from truebreak.exact import ExactEngine
-from truebreak.exact.policies.all_orders import all_orders
 from truebreak.exact.simulation.history import History, Noted
 from truebreak.exact.simulation.loop import Loop
 from truebreak.scenarios import Scene, SceneError, StopReason, Trajectory, catalogue

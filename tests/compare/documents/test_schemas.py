@@ -121,8 +121,8 @@ def test_a_comparison_is_printed(text: str) -> None:
 @pytest.mark.parametrize("scene", ["lee", "rack:rows=3"])
 def test_orders_are_what_their_schema_says(scene: str) -> None:
     from truebreak.compare.documents.orders import orders_json
+    from truebreak.compare.orders.all_orders import all_orders
     from truebreak.exact import ExactEngine
-    from truebreak.exact.policies.all_orders import all_orders
 
     tree = all_orders(ExactEngine(), catalogue.build(scene), events=1, cap=3, samples=2)
     data = orders_json(catalogue.build(scene), tree)

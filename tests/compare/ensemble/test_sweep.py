@@ -19,7 +19,7 @@ from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble.family import family, shard_of, varied
 from truebreak.compare.ensemble.perturbed import Perturbed, displaced
-from truebreak.compare.ensemble.row import COLUMNS, Job, rows_of, text_of
+from truebreak.compare.ensemble.rows.row import COLUMNS, Job, rows_of, text_of
 from truebreak.compare.ensemble.survival import fitted, summaries, survival, wilson
 from truebreak.compare.ensemble.sweep import sweep
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue

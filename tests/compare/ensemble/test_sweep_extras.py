@@ -16,14 +16,16 @@ import pytest
 
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.ensemble import cost, worker
+from truebreak.compare.ensemble import cost
 from truebreak.compare.ensemble.executors import executor_named
 from truebreak.compare.ensemble.frames import to_pandas, write_parquet
 from truebreak.compare.ensemble.plots import plot_changed, plot_law, plot_survival
-from truebreak.compare.ensemble.row import COLUMNS
+from truebreak.compare.ensemble.rows import worker
+from truebreak.compare.ensemble.rows.row import COLUMNS
 from truebreak.compare.ensemble.survival import summaries, wilson
 from truebreak.compare.ensemble.sweep import sweep
 from truebreak.compare.ensemble.uncertainty import Share, slope, uncertainty
+from truebreak.compare.report.pictures.engine_style import engine_style
 from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
 from truebreak.scenarios import SceneError
 
@@ -93,6 +95,26 @@ def test_svg_needs_no_matplotlib(rows: list[dict[str, Any]], tmp_path: Path) -> 
     file = tmp_path / "s.svg"
     assert call(["sweep", "gas:n=2", "--vary", "seed=1..2", "--events", "20", "--jobs", "1", "--svg", str(file)]) == 0
     assert ElementTree.parse(file).getroot().tag.endswith("svg")
+
+
+def test_any_number_of_engines_is_told_apart_and_no_label_is_cut(rows: list[dict[str, Any]]) -> None:
+    """Each has one class in curve, points and legend, whose style is the report's; the legend is inside the picture."""
+    names = [f"pymunk:dt=1/{2**k},iterations={10**k}" for k in range(18)]
+    many = [{**row, "engine": name} for name in names for row in rows if row["engine"] == "double"]
+    for text in (survival_svg(summaries(many)), law_svg(many, summaries(many))):
+        root = ElementTree.fromstring(text)
+        labels = {e.text: e for e in root.iter() if e.tag.endswith("}text") and e.text in names}
+        assert list(labels) == names
+        wide, tall = float(root.get("width", "")), float(root.get("height", ""))
+        for name, label in labels.items():
+            assert float(label.get("x", "")) + 6 * len(name) < wide
+            assert float(label.get("y", "")) < tall
+        for k in range(len(names)):
+            style = engine_style(k)
+            assert f".e{k} {{ stroke: {style.light}; stroke-dasharray: {style.dash}; }}" in text
+            assert f'class="series e{k}"' in text
+    clouds = [e for e in root.iter() if str(e.get("class")).startswith("dot e")]
+    assert len(clouds) == sum(row["event"] is not None for row in many)
 
 
 # -- tables
@@ -192,7 +214,7 @@ def test_jobs_in_threads_of_one_process_do_not_change_each_other() -> None:
 
 
 def test_the_lock_is_held_while_a_job_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    import truebreak.compare.ensemble.row as module
+    import truebreak.compare.ensemble.rows.row as module
 
     seen: list[bool] = []
     monkeypatch.setattr(module, "rows_of", lambda job: seen.append(worker.ONE_AT_A_TIME.locked()) or [])

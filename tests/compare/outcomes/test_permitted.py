@@ -10,16 +10,16 @@ import jsonschema
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.attached import with_certificates
+from truebreak.compare.certificate.attached import with_certificates
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
+from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.outcomes.break_pattern import pattern
 from truebreak.compare.outcomes.nearby import NEARBY, nearby
 from truebreak.compare.outcomes.permitted import Relation, permitted_patterns
 from truebreak.compare.report.sentences import pattern_phrase
 from truebreak.compare.study import Study
 from truebreak.exact import ExactEngine
-from truebreak.exact.policies.all_orders import all_orders
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 from truebreak.scenarios.files import load_scene
 

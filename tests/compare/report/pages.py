@@ -9,10 +9,10 @@ from pathlib import Path
 from truebreak.compare import compare, html_report
 from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.comparison import Comparison
+from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.report.chaos_html import chaos_html
 from truebreak.compare.report.orders_html import orders_html
 from truebreak.exact.engine import ExactEngine
-from truebreak.exact.policies.all_orders import all_orders
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 COMMAND = "truebreak compare SCENE --html page.html"

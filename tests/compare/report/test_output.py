@@ -57,6 +57,28 @@ def test_what_does_not_fit_is_left_to_rich(capsys: pytest.CaptureFixture[str], m
     assert [len(line) <= 40 for line in capsys.readouterr().out.splitlines()] == [True] * 3
 
 
+def test_with_too_few_columns_each_row_is_a_list(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    headings = ("engine", "verdict", "agreed", "differs at", "cause", "position\nerror")
+    table = grid(*headings, whole=("engine",))
+    table.add_row("pymunk:dt=1/1024", Tinted("diverged", "red"), "12", "event 13", "arithmetic rounding", "4.44e-16")
+    table.add_row("exact", "reference", "", "", "", "")
+    monkeypatch.setenv("COLUMNS", str(table.least()))
+    console().print(table)
+    assert len(capsys.readouterr().out.splitlines()) < 10
+    monkeypatch.setenv("COLUMNS", str(table.least() - 1))
+    console().print(table)
+    told = [line.split("  ")[0].strip() for line in capsys.readouterr().out.splitlines()]
+    names = [" ".join(heading.split()) for heading in headings]
+    assert told == ["", *names, "", *names[:2], ""]
+    monkeypatch.setenv("COLUMNS", "40")
+    console().print(table)
+    lines = capsys.readouterr().out.splitlines()
+    assert all(len(line) <= 40 for line in lines)
+    assert "position error  4.44e-16" in " ".join(lines).replace("   ", "  ")
+
+
 def test_cells_are_text(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     """Neither markup nor the name of a picture, plain or by rich."""
     monkeypatch.delenv("COLUMNS", raising=False)

@@ -225,6 +225,28 @@ def test_keys_go_from_event_to_event(browser: Browser, files: Files) -> None:
     assert browser.ask("document.getElementById('play').textContent") == "Play"
 
 
+def test_keys_need_no_focus_while_the_panes_are_in_sight(browser: Browser, files: Files) -> None:
+    browser.size(1200)
+    browser.open(files / "gas.html")
+    assert browser.ask("document.activeElement.tagName") == "BODY"
+    browser.press("Home")
+    assert browser.ask(CLOCK) == 0
+    browser.press("ArrowRight")
+    after = browser.ask(CLOCK)
+    assert after > 0
+    browser.press("Space")
+    assert browser.ask("document.getElementById('play').textContent") == "Stop"
+    browser.press("Space")
+    assert browser.ask("scrollY") == 0
+    stopped = browser.ask(CLOCK)
+    browser.ask("document.querySelector('footer').scrollIntoView()")
+    browser.press("Home")
+    assert browser.ask(CLOCK) == stopped, "out of sight, Home is the page's"
+    browser.ask("document.querySelector('table.sortable th button').focus()")
+    browser.press("ArrowRight")
+    assert browser.ask(CLOCK) == stopped, "what has the focus has the keys"
+
+
 def test_playing_moves_the_clock_until_it_is_stopped(browser: Browser, files: Files) -> None:
     browser.open(files / "gas.html")
     browser.ask("document.getElementById('scrubber').focus()")

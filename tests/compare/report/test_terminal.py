@@ -9,7 +9,7 @@ import pytest
 from pages import comparison, page
 
 from truebreak.compare.cli import main
-from truebreak.compare.report.sentences import about, margin_phrase
+from truebreak.compare.report.sentences import about, margin_phrase, short
 from truebreak.compare.report.text.output import PLAIN_WIDTH, columns, console
 from truebreak.compare.report.text.terminal import print_comparison
 from truebreak.scenarios.errors import SceneError
@@ -32,18 +32,20 @@ def said(capsys: pytest.CaptureFixture[str], *words: str) -> str:
     return told.err
 
 
+@pytest.mark.parametrize("width", [80, 40])
 @pytest.mark.parametrize("kind", ["gas", "near-tie", "rack", "reversal", "hostile", "many-engines"])
-def test_nothing_is_cut_at_80_columns(
-    kind: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+def test_nothing_is_cut_at_80_columns_nor_at_40(
+    kind: str, width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("COLUMNS", str(width))
     told = printed(kind, capsys)
-    assert max(map(len, told.splitlines())) <= 80
+    assert max(map(len, told.splitlines())) <= width
     assert "…" not in told
     joined = "".join(told.split())
     for candidate in comparison(kind).candidates:
         assert candidate.verdict in told.split()
         assert "".join(candidate.engine.split()) in joined
+        assert short(candidate.separation.maximum) in joined
 
 
 def test_piped_output_is_as_wide_as_columns_says_and_plain(

@@ -100,6 +100,15 @@ def test_a_run_that_sticks_is_lost() -> None:
     assert approximate(quantity, scenes, [0, 0], "double").lost == 2
 
 
+def test_a_run_without_end_is_lost_and_counted_apart() -> None:
+    quantity = QUANTITIES[1]
+    scenes = [catalogue.build(f"two-in-a-box:seed={seed}") for seed in (2004, 2005)]
+    told = approximate(quantity, scenes, [120, 120], "rounded:bits=8")
+    assert told.values[1] is None and told.endless == 1
+    found = bias(Ensemble((1.0, 1.0)), told, 1.0)
+    assert (found.lost, found.endless) == (told.lost, 1)
+
+
 def test_what_is_not_certified_is_refused() -> None:
     scene = catalogue.build("rack:rows=2").with_changes(until=None)
     with pytest.MonkeyPatch.context() as patch:
@@ -124,6 +133,36 @@ def test_the_command_prints_a_table(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--scenes", "2", "--only", "5", "--engines", "rounded:bits=8,double"]) == 0
     told = capsys.readouterr().out
     assert "| rounded:bits=8 |" in told and "| double | +0 | 0 | 0 | unharmed |" in told
+
+
+def test_the_command_puts_rows_into_the_page(tmp_path: Path) -> None:
+    """One row of a whole ensemble: the page has it, and nothing else moves."""
+    page = tmp_path / "statistics.md"
+    whole = (DOCS / "statistics.md").read_text("utf-8")
+    page.write_text(re.sub(r"^\| single .*\n", "", whole, flags=re.MULTILINE), "utf-8")
+    assert main(["--only", "4", "--engines", "single", "--page", str(page)]) == 0
+    missing = [line for line in whole.splitlines() if line.startswith("| single ")]
+    assert len(missing) == len(QUANTITIES)
+    expected = whole
+    for k, line in enumerate(missing, 1):
+        expected = expected if k == 4 else expected.replace(f"{line}\n", "", 1)
+    assert page.read_text("utf-8") == expected
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--page", "x.md", "--scenes", "3"], "its own numbers of starts"),
+        (["--page", "x.md", "--engines", "quad"], "its own ladder"),
+        (["--only", "7"], "invalid choice: 7"),
+        (["--only", "5", "--scenes", "2", "--engines", "doubel"], "doubel"),
+    ],
+)
+def test_what_cannot_be_measured_is_refused(arguments: list[str], words: str, capsys) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    assert words in capsys.readouterr().err
 
 
 def test_the_picture_of_the_page_is_current() -> None:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.compare.certificates import Certified, verdict
 from truebreak.compare.cli import main
 from truebreak.compare.cli.commands.stress import code_of
@@ -20,7 +21,6 @@ from truebreak.compare.stress.marks import Mark
 from truebreak.compare.stress.table import family
 from truebreak.compare.stress.witness import witness
 from truebreak.exact import ExactEngine
-from truebreak.exact.certificate import certificate_json, certify
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Scene, SceneError, Trajectory
 
@@ -173,7 +173,7 @@ def test_a_certificate_of_too_few_bits_is_checked_with_more(monkeypatch: pytest.
     one = family("near-ties")
     place = one.place(30)
     run = ExactEngine().run(one.scene(place))
-    text = certificate_json({**certify(run), "bits": [[0, 80]]})
+    text = certificate_json({**certificate_of(run), "bits": [[0, 80]]})
     assert verdict(text)[0] == 4
     monkeypatch.setattr(witnessing, "certified", lambda run: Certified(text, *verdict(text)))
     told = witness(run, one, place)

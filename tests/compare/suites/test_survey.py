@@ -12,9 +12,9 @@ from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES, engine
 from truebreak.compare.suites.document import survey_json
-from truebreak.compare.suites.recorded_survey import read_survey
 from truebreak.compare.suites.survey import SCENES, SURVEYED, Entry, Survey, installed, survey, texts
-from truebreak.compare.suites.survey_page import page_text
+from truebreak.compare.suites.surveys.recorded_survey import read_survey
+from truebreak.compare.suites.surveys.survey_page import page_text
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build
 

@@ -12,6 +12,7 @@ from test_policies import SCENE_ORDER, C
 
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers.field import Field
+from truebreak.exact.numbers.undecided import BudgetSpent
 from truebreak.exact.policies.complementarity import pushing_contacts
 from truebreak.exact.predicates.question import Question
 from truebreak.exact.replay.contact import Pair, Touch
@@ -148,3 +149,17 @@ def solved(matrix: list[list[Fraction]], right: list[Fraction]) -> list[Fraction
             if k != column and row[column]:
                 rows[k] = [a - row[column] * b for a, b in zip(row, rows[column], strict=True)]
     return [row[-1] for row in rows]
+
+
+# -- signs that cannot be true
+
+
+@pytest.mark.parametrize("told", [-1, 0, 1])
+def test_signs_that_contradict_each_other_end_with_a_word(told: int) -> None:
+    """No true signs lead to a set of contacts twice; rounded ones may, and then would for ever."""
+
+    def ask(question: Question) -> int:
+        return -1 if type(question).__name__ in ("Slack", "Strength") else told
+
+    with pytest.raises(BudgetSpent, match=r"rounds without end.* which of 3 contacts"):
+        pushing_contacts([Pair(0, 1), Pair(1, 2), Pair(2, 3)], ask)

@@ -128,7 +128,7 @@ def test_a_velocity_that_is_zero_in_its_midpoints_alone_is_no_rest():
         body, held = state.bodies[0], state._begin()
         state._deviations = held
         moved = ((body, body.flight.x, body.flight.y, ball.ZERO, ball.ZERO),)
-        _, doubles = held.recentre(moved)
+        _, doubles = held.recentre(moved, body.flight.t)
         lone = LoneCentred(state)
         lone._land(held, moved, doubles, (ball.ZERO, ball.ZERO, ball.ZERO, 0.0, 1.0), 1, FEW)
     assert not body.flight.rest

@@ -12,6 +12,9 @@ from counted import calls
 
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.files import load_scene, loads_json, loads_toml
+from truebreak.scenarios.files.reader import MAX_JSON, MAX_TOML
+from truebreak.scenarios.numbers import parsing
+from truebreak.scenarios.scene import MAX_CIRCLES
 
 BALL = '[[circle]]\nid = "a"\nx = 0\ny = 0\nr = 1\n'
 
@@ -254,3 +257,13 @@ def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(pipe)
     with pytest.raises(SceneError, match="is not a regular file"):
         load_scene(pipe)
+
+
+def test_the_limits_are_those_that_the_pages_promise(root: Path) -> None:
+    promised = (root / "SECURITY.md").read_text("utf-8")
+    assert f"{MAX_TOML // 10**6} MB of TOML, {MAX_JSON // 10**6} MB of JSON, {MAX_CIRCLES:,} circles" in promised
+    page = (root / "docs" / "scenes.md").read_text("utf-8")
+    told = f"at most {MAX_CIRCLES:,} circles, a TOML file {MAX_TOML // 10**6} MB, a JSON file {MAX_JSON // 10**6} MB"
+    assert told in " ".join(page.split())
+    for name in ("MAX_LENGTH", "MAX_DEPTH", "MAX_EXPONENT", "MAX_BITS", "MAX_TERMS"):
+        assert f"| {getattr(parsing, name):,} | `{name}` |" in page

@@ -1,0 +1,170 @@
+"""Writes the certificate of a run of the exact engine."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from copy import deepcopy
+from typing import Any
+
+from ...exact.certified.precision import FIRST_BITS
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.trajectory import StopReason, Trajectory
+from ...tools.verify import BITS, CIRCLES, FORMAT, Exact, Refuted, Undecided
+from .log import instants
+from .prover import Prover
+from .scene_text import exact_number, scene_part, text_of
+
+DIGITS = 17
+"""Decimals after the point of times and of the final state, unless others are asked for."""
+
+LEAST_BITS = 128
+"""Bits tried first for the shortest runs. Others begin with a quarter more than the engine had: in a gas its forms lose
+0.79 bits an event, the plain ones 0.96 (docs/how-it-is-exact.md)."""
+
+ENOUGH = 16
+"""By how much more bits than the engine had are tried, before a zero is said to have no witness."""
+
+EACH = 4
+"""More of them for each instant: where the engine's forms lose none, as on a line, the plain ones lose one or two."""
+
+MARGIN = 32
+"""Bits that a certificate allows beyond those that its writer needed, so that a checker whose intervals are somewhat
+wider decides all the same."""
+
+
+class CertificateError(SceneError):
+    """A run of which no certificate can be written."""
+
+
+def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, Any]:
+    """The certificate of a run: what docs/certificates.md describes, as a JSON object.
+
+    Args:
+        trajectory: a run of the exact engine.
+        digits: decimals after the point of the times and of the final state.
+
+    Raises:
+        CertificateError: for a run of another engine, one that rests on an assumption, a scene whose numbers need too
+            many roots, or a zero for which no witness is found.
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> told = certificate_of(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])))
+    >>> told["instants"]
+    [{'arrive': [[0, 1]], 'time': '2.26794919243112271'}]
+    """
+    if trajectory.engine != "exact":
+        raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
+    if len(trajectory.scene.circles) > CIRCLES:
+        raise CertificateError(
+            f"the scene has {len(trajectory.scene.circles)} circles; a certificate at most {CIRCLES}"
+        )
+    if not trajectory.certified:
+        raise CertificateError("the run rests on a tie that is assumed, not proved; run it with --ties proved")
+    with _long_numbers():
+        return _certified(trajectory, digits)
+
+
+@contextmanager
+def _long_numbers() -> Iterator[None]:
+    """Whole numbers of any length are written and read as decimals: a scene may have them."""
+    saved = sys.get_int_max_str_digits()
+    sys.set_int_max_str_digits(0)
+    try:
+        yield
+    finally:
+        sys.set_int_max_str_digits(saved)
+
+
+def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
+    """As `certificate_of`, of a run that may have a certificate."""
+    try:
+        frame = _frame(trajectory)
+    except Undecided as doubt:
+        raise CertificateError(f"the scene's numbers: {doubt}") from None
+    log, contacts = instants(trajectory)
+    had = int(trajectory.plan["bits"])
+    bits = LEAST_BITS if had <= FIRST_BITS else had * 5 // 4
+    most = min(BITS // 2, ENOUGH * bits + 4 * len(json.dumps(frame["scene"])) + EACH * len(log))
+    while True:
+        told = {**deepcopy(frame), "bits": [[0, bits]], "start": deepcopy(log[0]), "instants": deepcopy(log[1:])}
+        Exact.work = 0
+        prover = Prover(told, contacts, digits)
+        try:
+            prover.run()
+            break
+        except Undecided as doubt:
+            if bits > most:
+                raise CertificateError(f"no certificate within {bits} bits: {prover.where}: {doubt}") from None
+            bits *= 2
+        except Refuted as fault:
+            if told["end"]["reason"] == "stopped" and not told["instants"]:
+                raise CertificateError("the run stopped within time 0: there is nothing to certify") from None
+            raise AssertionError(f"{prover.where}: {fault}: a defect, of the engine or of the checker") from None
+    told["bits"] = [[k, b + MARGIN] for k, b in [[0, bits], *prover.drops]]
+    return _short(told)
+
+
+def _frame(trajectory: Trajectory) -> dict[str, Any]:
+    """All but the log."""
+    scene = scene_part(trajectory.scene)
+    reason, final_time = trajectory.stop.reason, trajectory.final_time
+    end: dict[str, Any] = {"reason": "stopped"}
+    if reason is StopReason.HORIZON and isinstance(final_time, Quantity):
+        end = {"reason": "horizon", "until": text_of(exact_number(final_time))}
+    elif reason is StopReason.HORIZON:
+        end = {"reason": "return"}
+    elif reason is StopReason.EVENTS:
+        end = {"reason": "events", "limit": len(trajectory.events)}
+    elif reason is StopReason.QUIET:
+        end = {"reason": "quiet"}
+    return {
+        "format": FORMAT,
+        "writer": "truebreak",
+        "roots": [text_of(root) for root in Exact.roots],
+        "scene": scene,
+        "isometries": [],
+        "end": end,
+        "final": {"time": "0", "circles": [["0"] * 4 for _ in trajectory.scene.circles]},
+    }
+
+
+def _short(told: dict[str, Any]) -> dict[str, Any]:
+    """The certificate without isometries that are not used, and without what goes without saying."""
+    entries = [told["start"], *told["instants"]]
+    entries += [entry["reversal"] for entry in entries if "reversal" in entry]
+    zeros = [zero for entry in [*entries, told["end"]] for zero in entry.get("zeros", ())]
+    used = sorted({zero[2] for zero in zeros if isinstance(zero[2], int)})
+    for zero in zeros:
+        if isinstance(zero[2], int):
+            zero[2] = used.index(zero[2])
+    told["isometries"] = [told["isometries"][k] for k in used]
+    for entry in entries:
+        arrive = entry.get("arrive", [])
+        if len(arrive) == 1 and entry["rounds"] == [arrive]:
+            del entry["rounds"]
+    for entry in [*entries, told["end"]]:
+        for key in [key for key, value in entry.items() if value == []]:
+            del entry[key]
+    return told
+
+
+def certificate_json(certificate: dict[str, Any]) -> str:
+    r"""A certificate as text: one line an instant, a circle, an isometry.
+
+    >>> certificate_json({"format": "f", "instants": [{"time": "1"}, {"time": "2"}]})
+    '{"format":"f",\n"instants":[\n{"time":"1"},\n{"time":"2"}]}\n'
+    """
+
+    def text(value: Any) -> str:
+        return json.dumps(value, separators=(",", ":"))
+
+    def lines(value: Any) -> str:
+        rows = isinstance(value, list) and value and not isinstance(value[0], str | int)
+        return "[\n" + ",\n".join(map(text, value)) + "]" if rows else text(value)
+
+    return "{" + ",\n".join(f"{text(key)}:{lines(value)}" for key, value in certificate.items()) + "}\n"

@@ -1,0 +1,1 @@
+"""The rows of a sweep: made by a worker, kept in a store, shown as a table."""

@@ -1,0 +1,1 @@
+"""What costs nothing before it is asked for: names, dataclasses, sequences, the version."""

@@ -1,0 +1,59 @@
+"""Both checkers, put to certificates, and certificates put to both."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from truebreak.compare.certificate import certificate_json
+from truebreak.tools.verify import verdict
+
+TOOLS = Path(__file__).resolve().parents[3] / "tools"
+NODE = shutil.which("node")
+
+needs_node = pytest.mark.skipif(NODE is None, reason="node is not at hand")
+
+
+def by_python(path: Path) -> tuple[int, str]:
+    """The first checker's verdict, in this process."""
+    return verdict(path)
+
+
+def by_program(path: Path) -> tuple[int, str]:
+    """The first checker's verdict, as a program of its own."""
+    done = subprocess.run(
+        [sys.executable, "-I", str(TOOLS / "verify.py"), str(path)], capture_output=True, text=True, check=False
+    )
+    assert done.stderr == ""
+    return done.returncode, done.stdout.strip()
+
+
+def by_node(paths: Iterable[Path]) -> list[tuple[int, str]]:
+    """The second checker's verdicts, all by one process."""
+    assert NODE is not None
+    words = [str(path) for path in paths]
+    done = subprocess.run([NODE, str(TOOLS / "verify.mjs"), *words], capture_output=True, text=True, check=False)
+    lines = done.stdout.splitlines()
+    assert done.stderr == "" and len(lines) == len(words)
+    codes = {"verified": 0, "refuted": 1, "no certificate": 2, "not decided": 4}
+    return [(codes[line.partition(":")[0]], line) for line in lines]
+
+
+def both_verify(certificates: Iterable[tuple[str, dict[str, Any]]], folder: Path) -> None:
+    """Asserts that both checkers verify certificates."""
+    paths = []
+    for name, told in certificates:
+        path = folder / f"{name.replace(':', '-').replace('/', '_')}.json"
+        path.write_text(certificate_json(told), encoding="utf-8")
+        code, sentence = by_python(path)
+        assert code == 0, f"{name}: {sentence}"
+        paths.append(path)
+    if NODE is not None and paths:
+        for path, (code, sentence) in zip(paths, by_node(paths), strict=True):
+            assert code == 0, f"{path.stem}: {sentence}"

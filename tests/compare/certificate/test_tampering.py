@@ -1,0 +1,252 @@
+"""Certificates altered at random are refused, or still true, and then shown to be so by running their scenes again."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from copy import deepcopy
+from decimal import Decimal
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+
+from certificate.checkers import NODE, by_node, by_python, needs_node
+from certificate.samples import samples
+from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Pocket, Scene, Wall
+from truebreak.scenarios.errors import SceneError
+
+Told = dict[str, Any]
+Way = Callable[[Told, Random], None]
+
+
+def parts(told: Told) -> list[Told]:
+    """All that holds rounds or witnesses."""
+    found = [told["start"], *told["instants"], told["end"]]
+    return found + [entry["reversal"] for entry in found if "reversal" in entry]
+
+
+def swap_contact(told: Told, draw: Random) -> None:
+    """A contact of an instant becomes another."""
+    entry = draw.choice([entry for entry in told["instants"] if "arrive" in entry])
+    n = len(told["scene"]["circles"])
+    entry["arrive"][draw.randrange(len(entry["arrive"]))] = sorted(draw.sample(range(n + 1), 2))
+
+
+def drop_contact(told: Told, draw: Random) -> None:
+    """One of several contacts of an instant is left out, or a whole instant."""
+    entry = draw.choice(told["instants"])
+    if len(entry.get("arrive", [])) > 1:
+        entry["arrive"].pop(draw.randrange(len(entry["arrive"])))
+    else:
+        told["instants"].remove(entry)
+
+
+def add_contact(told: Told, draw: Random) -> None:
+    """An instant gets one contact more, or comes twice."""
+    place = draw.randrange(len(told["instants"]))
+    entry = told["instants"][place]
+    if draw.random() < 0.5:
+        told["instants"].insert(place, deepcopy(entry))
+    else:
+        entry.setdefault("arrive", []).append(sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2)))
+
+
+def exchange(told: Told, draw: Random) -> None:
+    """Two instants change places."""
+    i, j = (draw.randrange(len(told["instants"])) for _ in "ij")
+    told["instants"][i], told["instants"][j] = told["instants"][j], told["instants"][i]
+
+
+def move_time(told: Told, draw: Random) -> None:
+    """A digit of a time or of the final state changes."""
+    if draw.random() < 0.5:
+        entry = draw.choice(told["instants"])
+        entry["time"] = other_digit(entry["time"], draw)
+    else:
+        row = draw.choice(told["final"]["circles"])
+        k = draw.randrange(4)
+        row[k] = other_digit(row[k], draw)
+
+
+def change_impulse(told: Told, draw: Random) -> None:
+    """A round loses a contact, gains one, comes twice, goes, or is split."""
+    entry = draw.choice([part for part in parts(told) if part.get("rounds") or part.get("arrive")])
+    rounds = entry.setdefault("rounds", [deepcopy(entry.get("arrive", []))])
+    choice, place = draw.randrange(5), draw.randrange(len(rounds))
+    if choice == 0:
+        rounds[place].pop(draw.randrange(len(rounds[place])))
+    elif choice == 1:
+        rounds[place].append(sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2)))
+    elif choice == 2:
+        rounds.insert(place, deepcopy(rounds[place]))
+    elif choice == 3:
+        rounds.pop(place)
+    else:
+        rounds[place : place + 1] = [rounds[place][:1], rounds[place][1:]]
+
+
+def falsify_witness(told: Told, draw: Random) -> None:
+    """A witness goes, becomes another, or speaks of another contact or question; or an isometry changes."""
+    holding = [part for part in parts(told) if part.get("zeros")]
+    if not holding or (told["isometries"] and draw.random() < 0.3):
+        if told["isometries"]:
+            motion = draw.choice(told["isometries"])
+            key = draw.choice(["matrix", "shift", "map"])
+            if key == "map":
+                draw.choice(motion["map"])[1] = draw.randrange(len(told["scene"]["circles"]))
+            else:
+                motion[key][draw.randrange(len(motion[key]))] = draw.choice(["0", "1", "-1", "1/2"])
+        return
+    zeros = draw.choice(holding)["zeros"]
+    zero = draw.choice(zeros)
+    choice = draw.randrange(4)
+    if choice == 0:
+        zeros.remove(zero)
+    elif choice == 1:
+        zero[2] = draw.choice(["exact", "back", 0, 1])
+    elif choice == 2:
+        zero[1] = sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2))
+    else:
+        zero[0] = draw.choice(["tie", "graze", "still", "together", "slack", "until"])
+
+
+def change_scene(told: Told, draw: Random) -> None:
+    """A digit of the scene changes."""
+    kind = draw.choice([kind for kind in ("circles", "walls", "pockets") if told["scene"].get(kind)])
+    row = draw.choice(told["scene"][kind])
+    key = draw.choice([key for key in row if key != "id" and row[key] != "oo"])
+    row[key] = other_digit(row[key], draw)
+
+
+def change_end(told: Told, draw: Random) -> None:
+    """Another end, or a limit that is off by one."""
+    end = told["end"]
+    choice = draw.randrange(3)
+    if choice == 0 and "limit" in end:
+        end["limit"] += draw.choice([-1, 1])
+    elif choice == 1 and told["instants"]:
+        told["instants"].pop()
+    else:
+        told["end"] = draw.choice(
+            [{"reason": "quiet"}, {"reason": "horizon", "until": "3"}, {"reason": "return"}, {"reason": "stopped"}]
+        )
+
+
+def other_digit(text: str, draw: Random) -> str:
+    """The text with one digit replaced by another, a root's number never."""
+    places = [
+        m.start() for m in re.finditer(r"(?<![r\d])\d|(?<=\d)\d", text) if not re.search(r"r\d*$", text[: m.start()])
+    ]
+    place = draw.choice(places)
+    return text[:place] + draw.choice([d for d in "0123456789" if d != text[place]]) + text[place + 1 :]
+
+
+WAYS = (
+    swap_contact, drop_contact, add_contact, exchange, move_time, change_impulse, falsify_witness, change_scene,
+    change_end,
+)  # fmt: skip
+
+
+def altered(count: int, ways: Sequence[Way] = WAYS, start: str = "tampering") -> list[tuple[str, Told]]:
+    """Certificates, each altered in one way."""
+    made = []
+    usable = {name: told for name, told in samples().items() if any("arrive" in i for i in told["instants"])}
+    for number in range(count):
+        draw = Random(f"{start} {number}")
+        name = draw.choice(sorted(usable))
+        way = ways[number % len(ways)]
+        told = deepcopy(usable[name])
+        way(told, draw)
+        made.append((f"{number} {way.__name__} {name}", told))
+    return made
+
+
+def exact_text(text: str, roots: list[str]) -> str:
+    """A number of a certificate in the grammar of scene files."""
+    return re.sub(r"r(\d+)", lambda m: f"sqrt({exact_text(roots[int(m[1]) - 1], roots)})", text)
+
+
+def run_again(told: Told) -> Told:
+    """The certificate of the engine's own run of a certificate's scene, to the same end."""
+    scene, end, roots = told["scene"], told["end"], told["roots"]
+
+    def things(kind: Any, name: str, **more: Any) -> list[Any]:
+        rows = (
+            {key: exact_text(v, roots) if key != "id" else v for key, v in row.items()} for row in scene.get(name, ())
+        )
+        return [kind(**row, **(more if row.get("r") == "0" else {})) for row in rows]
+
+    built = Scene(
+        things(Circle, "circles", point=True),
+        things(Wall, "walls"),
+        tie_policy=scene["tie_policy"],
+        reverse_after=scene.get("reverse_after"),
+        reverse_at=exact_text(scene["reverse_at"], roots) if "reverse_at" in scene else None,
+        pockets=things(Pocket, "pockets"),
+        capture=scene.get("capture", False),
+    )
+    until = exact_text(end["until"], roots) if "until" in end else None
+    count = sum(bool(rounds(part)) for part in parts(told))
+    events = {"events": count, "stopped": count, "quiet": count + 1}.get(end["reason"])
+    return certificate_of(ExactEngine().run(built, until=until, events=events))
+
+
+def rounds(part: Told) -> list[list[Any]]:
+    """The rounds of an instant, those that go without saying included."""
+    arrive = [c for c in part.get("arrive", ()) if c[1] >= 0]
+    return part.get("rounds", [arrive] if arrive else [])
+
+
+def shown_true(told: Told) -> bool:
+    """Whether the engine's own run of the scene is the run that a certificate tells."""
+    if told["end"]["reason"] == "stopped" and not any(map(rounds, parts(told))):
+        return True  # it tells of nothing
+    ours = run_again(told)
+
+    def history(of: Told) -> list[Any]:
+        entries = [*parts(of)]
+        return [
+            (sorted(p.get("arrive", ())), [sorted(r) for r in rounds(p)], sorted(p.get("entries", ())))
+            for p in entries
+            if rounds(p) or p.get("entries") or p.get("arrive")
+        ]
+
+    def near(mine: str, theirs: str) -> bool:
+        unit = Decimal(10) ** -min(len(x.partition(".")[2]) for x in (mine, theirs))
+        return abs(Decimal(mine) - Decimal(theirs)) <= 2 * unit
+
+    if told["end"]["reason"] == "stopped":
+        return history(ours)[: len(history(told))] == history(told)
+    numbers = [[of["final"]["time"], *(x for row in of["final"]["circles"] for x in row)] for of in (told, ours)]
+    return history(ours) == history(told) and all(map(near, *numbers))
+
+
+@needs_node
+@pytest.mark.parametrize("count", [90, pytest.param(1000, marks=pytest.mark.slow)])
+def test_altered_certificates_are_refused_or_shown_to_be_true(count: int, tmp_path: Path) -> None:
+    assert refused(altered(count), tmp_path) > count * 2 // 3
+
+
+def refused(tried: list[tuple[str, Told]], folder: Path) -> int:
+    """How many certificates both checkers refuse; the others are shown to be true."""
+    assert NODE is not None
+    paths: list[Path] = []
+    for number, (_, told) in enumerate(tried):
+        paths.append(folder / f"{number}.json")
+        paths[-1].write_text(certificate_json(told), encoding="utf-8")
+    count = 0
+    for (name, told), path, (second, other) in zip(tried, paths, by_node(paths), strict=True):
+        first, sentence = by_python(path)
+        assert first == second or {first, second} == {1, 4}, f"{name}: {sentence}; {other}"
+        if first:
+            count += 1
+            continue
+        try:
+            assert shown_true(told), f"{name}: {sentence}, but it is false"
+        except (SceneError, CertificateError) as error:
+            raise AssertionError(f"{name}: {sentence}, but {error}") from error
+    return count

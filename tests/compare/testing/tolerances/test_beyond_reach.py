@@ -1,0 +1,198 @@
+"""Beyond reach nothing is asked of positions, but what happens at an instant is still what the laws permit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from bugs import BUGS, Planted
+
+from truebreak.compare import engine
+from truebreak.compare.foreign import Recording
+from truebreak.compare.testing.check import CheckFailed, check
+from truebreak.compare.testing.tolerances.local_error import ROUNDINGS, UNSEEN, LocalError, local_error
+from truebreak.compare.testing.tolerances.permitted import PermittedImpulses, Room
+from truebreak.floating import DoubleEngine, PymunkEngine
+from truebreak.scenarios import Circle, Declared, Scene, Trajectory, Wall, catalogue
+
+HONEST = LocalError(ROUNDINGS * 2.0**-53, 2.0**-53)
+
+FAR = 130
+"""An event of `gas` that is beyond the reach of doubles, which ends at 110."""
+
+Rows = dict[str, tuple[float, float, float, float]]
+
+
+@dataclass(frozen=True)
+class Retold(Declared):
+    """Doubles, all told again, but for one event of which something else is told."""
+
+    event: int
+    told: Callable[[Recording, Any, Rows], None]
+    name: str = "retold"
+    bits: int | None = 53
+    rounds_input: bool = True
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        """The run of doubles, recorded again."""
+        run = DoubleEngine().run(scene, **limits)
+        recording = Recording(scene, self.name)
+        for event in run.events:
+            rows = {c.id: (float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in run.at(event.time).circles}
+            if event.index == self.event:
+                self.told(recording, event, rows)
+            else:
+                recording.hits(float(event.time), event.impulses, rows)
+        recording.end()
+        return replace(recording.trajectory(), stop=run.stop)
+
+
+def honest(recording: Recording, event: Any, rows: Rows) -> None:
+    """What happened."""
+    recording.hits(float(event.time), event.impulses, rows)
+
+
+def phantom(recording: Recording, event: Any, rows: Rows) -> None:
+    """What happened, and a meeting of two that are nowhere near each other."""
+    names = sorted(rows, key=lambda name: rows[name][0])
+    recording.hits(float(event.time), [*event.impulses, (names[0], names[-1])], rows)
+
+
+def crooked(recording: Recording, event: Any, rows: Rows) -> None:
+    """Two discs leave each other in a direction turned by 20 degrees: energy and momentum are kept."""
+    (pair,) = event.impulses
+    (_, _, ax, ay), (_, _, bx, by) = rows[pair.first], rows[pair.second]
+    mx, my, rx, ry = (ax + bx) / 2, (ay + by) / 2, (bx - ax) / 2, (by - ay) / 2
+    cos, sin = math.cos(math.radians(20)), math.sin(math.radians(20))
+    tx, ty = cos * rx - sin * ry, sin * rx + cos * ry
+    rows[pair.first] = (*rows[pair.first][:2], mx - tx, my - ty)
+    rows[pair.second] = (*rows[pair.second][:2], mx + tx, my + ty)
+    recording.hits(float(event.time), event.impulses, rows)
+
+
+def an_event_of_two_discs(after: int) -> int:
+    run = DoubleEngine().run(catalogue.build("gas"))
+    walls = {wall.id for wall in run.scene.walls}
+    return next(e.index for e in run.events[after:] if not walls & set(e.impulses[0]))
+
+
+@pytest.mark.parametrize(
+    ("bug", "told"),
+    [
+        (phantom, "meet while they are"),
+        (crooked, "is no push apart along lines of centres"),
+    ],
+)
+def test_what_keeps_energy_and_momentum_beyond_reach_may_yet_be_wrong(bug: Any, told: str) -> None:
+    event = an_event_of_two_discs(FAR)
+    checked = check(Retold(event, honest), "gas")
+    assert checked.reach is not None
+    assert checked.reach.events < FAR
+    assert "permitted impulses" in str(checked)
+    with pytest.raises(CheckFailed, match=told) as caught:
+        check(Retold(event, bug), "gas")
+    assert f"event {event} " in str(caught.value), "and where"
+
+
+def states(*rows: tuple[float, float, float, float]) -> np.ndarray[Any, Any]:
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("velocities", [(-2.0, -1.0, 0.0), (-2.2, -0.32, -0.12), (-1.6, -1.56, 0.04)])
+def test_any_order_of_impulses_is_permitted(velocities: tuple[float, float, float]) -> None:
+    """Lee's three balls: all three outcomes of the one instant, and no other."""
+    run = DoubleEngine().run(catalogue.build("lee"))
+    laws, room = PermittedImpulses(run.scene, HONEST), Room(1e-12, 0.0)
+    before = states(*((0, 0, float(c.vx), float(c.vy)) for c in run.scene.circles))[:, 2:]
+    after = states((-2, 0, velocities[0], 0), (0, 0, velocities[1], 0), (3, 0, velocities[2], 0))
+    assert laws.broken(run.events[:1], before, after, room, 1e-12) is None
+    turned = after + np.array([[0, 0, 0, 0.1], [0, 0, 0, -0.1], [0, 0, 0, 0]])
+    assert "is no push" in str(laws.broken(run.events[:1], before, turned, room, 1e-12))
+
+
+def test_a_contact_does_not_pull() -> None:
+    """Two that touch and part, and are drawn together."""
+    scene = Scene([Circle(0, 0, vx=-1), Circle(2, 0, vx=1)])
+    run = DoubleEngine().run(Scene([Circle(0, 0, vx=1), Circle(2, 0, vx=-1)]))
+    laws = PermittedImpulses(scene, HONEST)
+    before, after = states((0, 0, -1, 0), (2, 0, 1, 0))[:, 2:], states((0, 0, 1, 0), (2, 0, -1, 0))
+    assert "is no push" in str(laws.broken(run.events[:1], before, after, Room(0.0, 0.0), 1e-12))
+
+
+def test_a_late_contact_may_be_along_a_line_that_has_turned() -> None:
+    """An engine of steps is granted the angle by which centres turn in the time by which it may be late."""
+    scene = Scene([Circle(0, 0, vx=1), Circle(2, 0)])
+    run = DoubleEngine().run(scene, events=1)
+    before = states((0, 0, 1, 0), (2, 0, 0, 0))[:, 2:]
+    angle = math.radians(1)
+    push = math.cos(angle)
+    after = states((0, 0, 1 - push * math.cos(angle), -push * math.sin(angle)),
+                   (2, 0, push * math.cos(angle), push * math.sin(angle)))  # fmt: skip
+    stepped = replace(HONEST, lateness=1 / 64, order=1.0)
+    assert PermittedImpulses(scene, stepped).broken(run.events[:1], before, after, Room(1e-12, 0.1), 1e-12) is None
+    assert PermittedImpulses(scene, HONEST).broken(run.events[:1], before, after, Room(1e-12, 0.1), 1e-12) is not None
+
+
+def test_a_tie_out_of_reach_is_resolved_in_some_order() -> None:
+    """A row of touching balls: the striker is told to meet the second, through the first."""
+
+    def through(recording: Recording, event: Any, rows: Rows) -> None:
+        recording.hits(float(event.time), [("striker", "b2"), *event.impulses[1:]], rows)
+
+    assert "its tie: the policy's own" in str(check(Retold(99, honest), "cradle:gap=0"))
+    with pytest.raises(CheckFailed, match="permitted: no order of the impulses leads to it"):
+        check(Retold(0, through), "cradle:gap=0")
+
+
+@pytest.mark.parametrize("name", ["double", "single", "quad"])
+def test_far_from_the_origin_energy_is_kept_as_well_as_places_are(name: str) -> None:
+    """A push along a line of centres that is askew by rounding gains or loses a share of the energy."""
+    far = 10**6 if name != "single" else 100
+    circles = [Circle(far, 0, vx=-1, vy="1/9"), Circle(far - 9, 1), Circle(far - 15, 0, 2, m=5)]
+    box = [Wall(far - 30, 0, far - 30, 1), Wall(far + 10, 0, far + 10, 1), Wall(0, -10, 1, -10), Wall(0, 10, 1, 10)]
+    assert check(name, Scene(circles, box, name="far", events=40)).asserted
+
+
+LATE = next(bug for bug in BUGS if bug.name == "late clock")
+
+
+@pytest.mark.parametrize(
+    ("scene", "told"), [("gas", "time = "), ("rack:rows=3,gap=1/40", "from where it flew to since t = ")]
+)
+@pytest.mark.parametrize("name", ["pymunk", "pymunk:dt=1/64"])
+def test_a_late_clock_of_an_engine_of_steps_is_no_matter_of_its_step(name: str, scene: str, told: str) -> None:
+    """Lateness that does not fall with the step is not granted, so that times are off; beyond reach flights are."""
+    assert check(name, scene).asserted
+    with pytest.raises(CheckFailed, match=told):
+        check(Planted(engine(name), LATE), scene)
+
+
+def test_where_the_step_cannot_be_halved_lateness_is_granted_up_to_some_steps() -> None:
+    run = DoubleEngine().run(catalogue.build("gas"), events=30)
+    local = local_error(Planted(NoFiner(), LATE), run, 53)
+    assert (local.order, local.lateness) == (1.0, UNSEEN / 256)
+
+
+@dataclass(frozen=True)
+class NoFiner(PymunkEngine):
+    """Pymunk, as if its step could not be halved."""
+
+    def finer(self) -> Any:
+        """None."""
+
+
+def test_what_a_bug_is_stands_beside_where_the_histories_part() -> None:
+    """A wrong mass changes whom a disc meets only after some hits; what each hit does to velocities is told as well."""
+    bug = next(bug for bug in BUGS if bug.name == "wrong mass")
+    with pytest.raises(CheckFailed) as caught:
+        check(Planted(engine("double"), bug), "gas:n=6")
+    first, *others = str(caught.value).splitlines()
+    assert "first differs at event" in first
+    amiss = [line for line in others if line.startswith("  amiss:    ")]
+    assert len(amiss) == 2
+    assert "the velocity of c2 after it is off by" in amiss[0]
+    assert any(word in amiss[1] for word in ("energy is", "momentum has changed"))

@@ -1,0 +1,249 @@
+"""A log carried out again by the textbook, in many bits, and the derivative of each contact by dual numbers.
+
+Nothing here is taken from `exact/`: a hit is the smaller root of a quadratic in the time, from places at time 0; an
+impulse turns approach speeds around; a derivative is what the rules of differentiation make of the very formulas that
+give the new lines. What a log's steps are called is all that both know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeVar
+
+from flint import arb, arb_mat, ctx
+
+from truebreak.exact.replay.contact import AtWall, Entry, Pair
+from truebreak.exact.replay.steps import Flip, Go, Kick, Step, Take
+from truebreak.scenarios import Scene
+
+BITS = 4096
+"""Precision of the truth: a few thousand bits beyond what any bound here is about."""
+
+
+class Line(NamedTuple):
+    """A circle passes (x, y) at time t with velocity (vx, vy)."""
+
+    x: Any
+    y: Any
+    vx: Any
+    vy: Any
+    t: Any
+
+    def at(self, t: Any) -> Line:
+        """The same line, told by where it is at another time."""
+        late = t - self.t
+        return Line(self.x + self.vx * late, self.y + self.vy * late, self.vx, self.vy, t)
+
+
+class Dual:
+    """A number with its derivatives by some variables; for 0 + 1, 0 - 1 and the like plain numbers do as well."""
+
+    def __init__(self, value: arb, by: list[arb]) -> None:
+        self.value = value
+        self.by = by
+
+    def _of(self, other: Any) -> Dual:
+        return other if isinstance(other, Dual) else Dual(other, [arb(0)] * len(self.by))
+
+    def __add__(self, other: Any) -> Dual:
+        other = self._of(other)
+        return Dual(self.value + other.value, [p + q for p, q in zip(self.by, other.by, strict=True)])
+
+    def __sub__(self, other: Any) -> Dual:
+        other = self._of(other)
+        return Dual(self.value - other.value, [p - q for p, q in zip(self.by, other.by, strict=True)])
+
+    def __mul__(self, other: Any) -> Dual:
+        other = self._of(other)
+        a, b = self.value, other.value
+        return Dual(a * b, [p * b + a * q for p, q in zip(self.by, other.by, strict=True)])
+
+    def __truediv__(self, other: Any) -> Dual:
+        other = self._of(other)
+        a, b = self.value, other.value
+        return Dual(a / b, [(p - q * a / b) / b for p, q in zip(self.by, other.by, strict=True)])
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, [-p for p in self.by])
+
+    def __radd__(self, other: Any) -> Dual:
+        return self + other
+
+    def __rsub__(self, other: Any) -> Dual:
+        return -self + other
+
+    def __rmul__(self, other: Any) -> Dual:
+        return self * other
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        return self._of(other) / self
+
+    def sqrt(self) -> Dual:
+        """The square root."""
+        root = self.value.sqrt()
+        return Dual(root, [p / (root + root) for p in self.by])
+
+
+L = TypeVar("L")
+
+
+class Table(NamedTuple):
+    """What of a scene never changes, as enclosures: radii, inverse masses, walls as (x0, y0, nx, ny), pockets."""
+
+    r: list[arb]
+    w: list[arb]
+    walls: list[tuple[arb, arb, arb, arb]]
+    pockets: list[tuple[arb, arb, arb]]
+
+
+def table_of(scene: Scene) -> Table:
+    """The table of a scene, at the precision in use."""
+    bits = ctx.prec
+
+    def of(*numbers: Any) -> tuple[arb, ...]:
+        return tuple(number.ball(bits) for number in numbers)
+
+    w = [arb(0) if circle.fixed else 1 / circle.m.ball(bits) for circle in scene.circles]
+    walls = []
+    for wall in scene.walls:
+        x0, y0, x1, y1 = of(wall.x0, wall.y0, wall.x1, wall.y1)
+        walls.append((x0, y0, y0 - y1, x1 - x0))
+    return Table([of(c.r)[0] for c in scene.circles], w, walls, [of(p.x, p.y, p.r) for p in scene.pockets])
+
+
+def first_root(a: Any, half: Any, c: Any) -> Any:
+    """The smaller zero of a t^2 + 2 half t + c; the double one where the discriminant may be zero."""
+    disc = half * half - a * c
+    value = disc.value if isinstance(disc, Dual) else disc
+    return -half / a if value.contains(0) else (-half - disc.sqrt()) / a
+
+
+def meeting_time(a: Line, b: Line, reach: Any) -> Any:
+    """When two lines come as near as `reach`."""
+    px, py = (b.x - b.vx * b.t) - (a.x - a.vx * a.t), (b.y - b.vy * b.t) - (a.y - a.vy * a.t)
+    vx, vy = b.vx - a.vx, b.vy - a.vy
+    return first_root(vx * vx + vy * vy, px * vx + py * vy, px * px + py * py - reach * reach)
+
+
+def wall_time(a: Line, wall: Sequence[Any], r: Any, side: int) -> Any:
+    """When a line comes as near to a wall as r, on one side of it."""
+    x0, y0, nx, ny = wall
+    far = (nx * nx + ny * ny).sqrt() * r * side
+    return (far - (nx * (a.x - a.vx * a.t - x0) + ny * (a.y - a.vy * a.t - y0))) / (nx * a.vx + ny * a.vy)
+
+
+def collided(a: Line, b: Line, reach: Any, wa: Any, wb: Any, clock: Any) -> tuple[Line, Line]:
+    """The lines after two circles have met, told at a time."""
+    t = meeting_time(a, b, reach)
+    a, b = a.at(t), b.at(t)
+    dx, dy = b.x - a.x, b.y - a.y
+    push = (dx * (b.vx - a.vx) + dy * (b.vy - a.vy)) * (-2) / ((dx * dx + dy * dy) * (wa + wb))
+    jx, jy = push * dx, push * dy
+    a = Line(a.x, a.y, a.vx - wa * jx, a.vy - wa * jy, t)
+    b = Line(b.x, b.y, b.vx + wb * jx, b.vy + wb * jy, t)
+    return a.at(clock), b.at(clock)
+
+
+def rebounded(a: Line, wall: Sequence[Any], r: Any, side: int, clock: Any) -> Line:
+    """The line after a circle has met a wall, told at a time."""
+    _, _, nx, ny = wall
+    a = a.at(wall_time(a, wall, r, side))
+    turn = (nx * a.vx + ny * a.vy) * 2 / (nx * nx + ny * ny)
+    return Line(a.x, a.y, a.vx - turn * nx, a.vy - turn * ny, a.t).at(clock)
+
+
+class Truth:
+    """A log carried out with `BITS` bits: for each circle its lines, each from a number of steps on.
+
+    Args:
+        scene, steps: the log.
+    """
+
+    def __init__(self, scene: Scene, steps: Sequence[Step]) -> None:
+        with ctx.workprec(BITS):
+            self._table = table_of(scene)
+            zero = arb(0)
+            starts = [[number.ball(BITS) for number in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]
+            self.lines = [[(0, Line(*start, zero))] for start in starts]
+            self._now = [rows[0][1] for rows in self.lines]
+            self.sides = [[self._side(i, k) for k in range(len(scene.walls))] for i in range(len(starts))]
+            self._free = [not c.fixed for c in scene.circles]
+            self._time: arb = zero
+            self.times = [zero]
+            for count, step in enumerate(steps, 1):
+                for i in self._do(step):
+                    self.lines[i].append((count, self._now[i]))
+                self.times.append(self._time)
+
+    def after(self, i: int, steps: int) -> Line:
+        """How circle i flies after so many steps."""
+        return next(line for count, line in reversed(self.lines[i]) if count <= steps)
+
+    def _side(self, i: int, k: int) -> int:
+        x0, y0, nx, ny = self._table.walls[k]
+        return 1 if nx * (self._now[i].x - x0) + ny * (self._now[i].y - y0) > 0 else -1
+
+    def _do(self, step: Step) -> Sequence[int]:
+        """Carries out a step; the circles that have a new line."""
+        now = self._now
+        if isinstance(step, Go):
+            self._time = self._instant(step.source)
+            for i in step.bodies:
+                now[i] = now[i].at(self._time)
+            return step.bodies
+        if isinstance(step, Kick):
+            return self._kick(step.links)
+        if isinstance(step, Take):
+            x, y, *_ = now[step.body].at(self._time)
+            now[step.body] = Line(x, y, arb(0), arb(0), self._time)
+            return (step.body,)
+        assert isinstance(step, Flip)
+        for i, line in enumerate(now):
+            x, y, vx, vy, t = line.at(self._time)
+            now[i] = Line(x, y, -vx, -vy, t)
+        return range(len(now))
+
+    def _instant(self, source: Any) -> arb:
+        now, table = self._now, self._table
+        if isinstance(source, int):
+            return now[source].t
+        if isinstance(source, Pair):
+            return meeting_time(now[source.a], now[source.b], table.r[source.a] + table.r[source.b])
+        if isinstance(source, AtWall):
+            i, k = source.circle, source.wall
+            return wall_time(now[i], table.walls[k], table.r[i], self.sides[i][k])
+        if isinstance(source, Entry):
+            x, y, r = table.pockets[source.pocket]
+            zero = arb(0)
+            return meeting_time(now[source.circle], Line(x, y, zero, zero, zero), r)
+        return source.ball(BITS)
+
+    def _arms(self, link: Any) -> dict[int, tuple[arb, arb]]:
+        """The direction in which each circle of a contact is pushed."""
+        if isinstance(link, AtWall):
+            i, k = link.circle, link.wall
+            _, _, nx, ny = self._table.walls[k]
+            return {i: (nx * self.sides[i][k], ny * self.sides[i][k])}
+        a, b = (self._now[i].at(self._time) for i in link)
+        dx, dy = b.x - a.x, b.y - a.y
+        return {link.a: (-dx, -dy), link.b: (dx, dy)}
+
+    def _kick(self, links: Sequence[Any]) -> list[int]:
+        arms, now, w = [self._arms(link) for link in links], self._now, self._table.w
+
+        def product(one: dict[int, tuple[arb, arb]], other: dict[int, tuple[arb, arb]]) -> arb:
+            both = [(w[i], *one[i], *other[i]) for i in one if i in other]
+            return sum((m * (x * p + y * q) for m, x, y, p, q in both), arb(0))
+
+        speeds = [sum((x * now[i].vx + y * now[i].vy for i, (x, y) in arm.items()), arb(0)) for arm in arms]
+        matrix = arb_mat([[product(one, other) for other in arms] for one in arms])
+        strengths = matrix.solve(arb_mat([[-2 * speed] for speed in speeds]))
+        struck = sorted({i for arm in arms for i in arm if self._free[i]})
+        for i in struck:
+            x, y, vx, vy, t = now[i].at(self._time)
+            for k, arm in enumerate(arms):
+                if i in arm:
+                    gain = w[i] * strengths[k, 0]
+                    vx, vy = vx + gain * arm[i][0], vy + gain * arm[i][1]
+            now[i] = Line(x, y, vx, vy, t)
+        return struck

@@ -1,0 +1,209 @@
+"""Scenes for the error bound: rooms of all kinds, each drawn from its number, and the catalogue's."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction as F
+from random import Random
+from typing import Any
+
+from truebreak.scenarios import Circle, Pocket, Scene, Wall, catalogue
+
+CATALOGUE = (
+    "gas:n=3,seed=2", "gas:n=5,seed=1,mixed=yes", "gas:n=10,seed=1", "gas:n=20,seed=3", "rack:rows=3,gap=0",
+    "rack:rows=3,gap=1/9,jitter=1/1000,seed=4", "pinball", "lorentz", "inscribed:n=4", "corner:angle=60",
+    "galperin:n=2",
+)  # fmt: skip
+
+Rows = list[dict[str, Any]]
+Point = tuple[Any, Any]
+
+
+class Room:
+    """Two to five circles between four walls, none of them parallel to an axis: what a kind of room changes.
+
+    Attributes:
+        draw: decides.
+        rows: of each circle, what it is made of.
+        corners: of the walls.
+        settings: of the scene.
+    """
+
+    def __init__(self, draw: Random, count: int) -> None:
+        self.draw = draw
+        self.rows: Rows = [self._row(k) for k in range(count)]
+        right, high = 3 * min(count, 4) + 1, 3 * ((count - 1) // 4) + 4
+        lean = [(F(draw.randrange(1, 9), 10), F(draw.randrange(1, 9), 11)) for _ in range(4)]
+        (a, b), (c, d), (e, f), (g, h) = lean
+        self.corners: list[Point] = [(-3 - a, -3 - b), (right + c, -3 - d), (right + e, high + f), (-3 - g, high + h)]
+        self.settings: dict[str, Any] = {}
+
+    def _row(self, k: int) -> dict[str, Any]:
+        x, y = 3 * (k % 4) + F(self.draw.randrange(-20, 21), 97), 3 * (k // 4) + F(self.draw.randrange(-20, 21), 89)
+        r = F(self.draw.randrange(40, 100), 101)
+        return {"x": x, "y": y, "r": r, "vx": self.speed(), "vy": self.speed(), "m": 1}
+
+    def speed(self) -> F:
+        """Not zero."""
+        return self.draw.choice([-1, 1]) * F(self.draw.randrange(20, 90), self.draw.choice([89, 97, 101]))
+
+    def upright(self) -> None:
+        """Walls along the axes."""
+        xs, ys = [x for x, _ in self.corners], [y for _, y in self.corners]
+        self.corners = [(min(xs), min(ys)), (max(xs), min(ys)), (max(xs), max(ys)), (min(xs), max(ys))]
+
+    def scaled(self, lengths: F, speeds: F, dx: F = F(0), dy: F = F(0)) -> None:
+        """All lengths and speeds times something, and shifted."""
+        for row in self.rows:
+            row |= {"x": row["x"] * lengths + dx, "y": row["y"] * lengths + dy, "r": row["r"] * lengths}
+            row |= {"vx": row["vx"] * speeds, "vy": row["vy"] * speeds}
+        self.corners = [(x * lengths + dx, y * lengths + dy) for x, y in self.corners]
+
+    def scene(self) -> Scene:
+        """The scene."""
+        ends = zip(self.corners, self.corners[1:] + self.corners[:1], strict=True)
+        return Scene([Circle(**row) for row in self.rows], [Wall(*p, *q) for p, q in ends], **self.settings)
+
+
+def rest(row: dict[str, Any], **values: Any) -> None:
+    """A circle does not move, and is otherwise as told."""
+    row |= {"vx": F(0), "vy": F(0), **values}
+
+
+def oblique(room: Room) -> None:
+    """A radius that is no fraction."""
+    room.rows[1]["r"] = "sqrt(2)/2"
+
+
+def fixed(room: Room) -> None:
+    """Fixed circles."""
+    for row in room.rows[1::3]:
+        rest(row, m="oo")
+
+
+def points(room: Room) -> None:
+    """Points."""
+    for row in room.rows[1::2]:
+        row |= {"r": 0, "point": True}
+
+
+def masses(room: Room) -> None:
+    """Masses from 1/7 to 7."""
+    for row in room.rows:
+        row["m"] = F(room.draw.randrange(1, 8), room.draw.randrange(1, 8))
+
+
+def heavy(room: Room) -> None:
+    """Masses from 10**-12 to 10**12."""
+    for row in room.rows:
+        row["m"] = F(10) ** room.draw.choice([-12, 0, 12])
+
+
+def pockets(room: Room) -> None:
+    """Pockets that capture."""
+    holes(room)
+    room.settings["capture"] = True
+
+
+def holes(room: Room) -> None:
+    """Pockets that do not."""
+    room.settings["pockets"] = [Pocket(F(3, 2), F(3, 2), F(1, 5)), Pocket(F(-5, 3), F(5, 3), F(1, 3))]
+
+
+def back(room: Room) -> None:
+    """A reversal after some events."""
+    room.settings["reverse_after"] = room.draw.randrange(20, 50)
+
+
+def later(room: Room) -> None:
+    """A reversal at a set time."""
+    room.settings["reverse_at"] = F(room.draw.randrange(20, 60), 7)
+
+
+def still(room: Room) -> None:
+    """All but one at rest."""
+    for row in room.rows[1:]:
+        rest(row)
+
+
+def together(room: Room) -> None:
+    """Pairs that touch: several contacts at one instant."""
+    for one, other in zip(room.rows[::2], room.rows[1::2], strict=False):
+        one["r"] = F(9, 10)
+        rest(other, x=one["x"] + F(18, 10), y=one["y"], r=F(9, 10))
+
+
+def row(room: Room) -> None:
+    """Touching balls level with an axis, and one that flies at them: velocities and places of exactly zero."""
+    room.upright()
+    for k, ball in enumerate(room.rows):
+        rest(ball, x=F(2 * k), y=F(1, 3), r=F(1), m=F(k + 1, 3))
+    room.rows[0] |= {"x": F(-3, 2), "vx": F(5, 7)}
+
+
+def level(room: Room) -> None:
+    """Upright walls."""
+    room.upright()
+
+
+def flat(room: Room) -> None:
+    """Two walls that are nearly level with the flights."""
+    room.upright()
+    for ball in room.rows:
+        ball["vy"] /= 10**4
+    (a, b), (c, d), (e, f), (g, h) = room.corners
+    room.corners = [(a, b), (c, d + F(1, 10**4)), (e + F(1, 10**4), f), (g, h)]
+
+
+def far(room: Room) -> None:
+    """Far from the origin."""
+    room.scaled(F(1), F(1), F(10) ** 9 / 7, -(F(10) ** 8) / 13)
+
+
+def swift(room: Room) -> None:
+    """One a million times faster than the rest."""
+    room.rows[0] |= {"vx": room.rows[0]["vx"] * 10**6, "vy": room.rows[0]["vy"] * 10**6}
+
+
+def huge(room: Room) -> None:
+    """Lengths of 10**30, speeds of 10**-20."""
+    room.scaled(F(10) ** 30, F(10) ** -20)
+
+
+def tiny(room: Room) -> None:
+    """Lengths of 10**-40, speeds of 10**40."""
+    room.scaled(F(10) ** -40, F(10) ** 40)
+
+
+def beyond(room: Room) -> None:
+    """Lengths and speeds that doubles do not hold."""
+    room.scaled(F(10) ** room.draw.choice([-400, 160, 400]), F(10) ** room.draw.choice([-400, -160, 400]))
+
+
+def hall(room: Room) -> None:
+    """Two of twelve are fixed."""
+    for ball in room.rows[5:7]:
+        rest(ball, m="oo")
+
+
+KINDS: dict[str, Callable[[Room], None]] = {
+    kind.__name__: kind
+    for kind in (
+        oblique, fixed, points, masses, heavy, pockets, holes, back, later, still, together, row, level, flat, far,
+        swift, huge, tiny, beyond, hall,
+    )
+}  # fmt: skip
+"""The kinds of rooms, by name."""
+
+COUNTS = {"hall": 12, "together": 6, "row": 4}
+
+
+def scene_of(name: str) -> Scene:
+    """A scene of the catalogue, or a room by kind and number: `oblique 3`."""
+    kind, _, seed = name.partition(" ")
+    if not seed:
+        return catalogue.build(name)
+    draw = Random(name)
+    room = Room(draw, COUNTS.get(kind) or draw.randrange(2, 6))
+    KINDS[kind](room)
+    return room.scene()

@@ -1,0 +1,63 @@
+"""The collector of cyclic garbage is as it was once a run is over, and no run holds it back for good."""
+
+from __future__ import annotations
+
+import gc
+from collections.abc import Iterator
+
+import pytest
+
+from truebreak.compare import engine
+from truebreak.exact.replay.body import Body
+from truebreak.exact.simulation.collecting import SELDOM, SeldomCollected
+from truebreak.scenarios import catalogue
+
+
+@pytest.fixture(autouse=True)
+def threshold() -> Iterator[tuple[int, int, int]]:
+    before = gc.get_threshold()
+    gc.set_threshold(701, 11, 12)
+    yield gc.get_threshold()
+    gc.set_threshold(*before)
+
+
+@pytest.mark.parametrize("name", ["exact", "double", "interval"])
+def test_a_run_leaves_the_collector_as_it_was(name: str, threshold: tuple[int, int, int]) -> None:
+    engine(name).run(catalogue.build("gas:n=3"), events=5)
+    assert gc.get_threshold() == threshold
+
+
+@pytest.mark.parametrize("name", ["exact", "double"])
+def test_nothing_of_a_run_awaits_the_collector(name: str) -> None:
+    def alive() -> int:
+        return sum(isinstance(found, Body) for found in gc.get_objects())
+
+    scene, looks, note = catalogue.build("gas:n=70"), [0], lambda phase, _: looks.append(phase == "start")
+    engine(name).run(scene, events=3)
+    gc.collect()
+    before = alive()
+    gc.callbacks.append(note)
+    try:
+        engine(name).run(scene, events=300)
+        assert sum(looks) == 0
+    finally:
+        gc.callbacks.remove(note)
+    assert alive() == before
+
+
+def test_the_last_of_several_runs_puts_it_back(threshold: tuple[int, int, int]) -> None:
+    collected = SeldomCollected()
+    with collected:
+        assert gc.get_threshold() == (SELDOM, 11, 12)
+        with pytest.raises(KeyboardInterrupt), collected:
+            raise KeyboardInterrupt
+        assert gc.get_threshold() == (SELDOM, 11, 12)
+    assert gc.get_threshold() == threshold
+
+
+@pytest.mark.parametrize("first", [0, 3 * SELDOM])
+def test_one_that_is_off_or_looks_less_often_still_stays_so(first: int) -> None:
+    gc.set_threshold(first, 11, 12)
+    with SeldomCollected():
+        assert gc.get_threshold() == (first, 11, 12)
+    assert gc.get_threshold() == (first, 11, 12)

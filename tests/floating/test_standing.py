@@ -1,0 +1,63 @@
+"""Runs in finite precision whose clock no longer gets on: they end, and say why."""
+
+from __future__ import annotations
+
+import pytest
+
+from truebreak.compare import compare
+from truebreak.compare.engines import engine
+from truebreak.floating.plain import standing
+from truebreak.scenarios import Circle, Scene, StopReason, Wall, catalogue
+
+SQUEEZED = Scene(
+    [Circle(0, 0, vx=1), Circle(2, 0, vx=-1, m=2)],
+    [Wall("-1-10**-30", 0, "-1-10**-30", 1), Wall("3+10**-30", 0, "3+10**-30", 1)],
+    until=1,
+)
+"""Two balls that fill a channel but for 10**-30: in few bits they push each other and the walls at one instant."""
+
+
+@pytest.mark.parametrize("name", ["double", "single", "rounded:bits=8"])
+def test_a_run_whose_flights_come_back_while_no_time_passes_ends(name: str) -> None:
+    run = engine(name).run(SQUEEZED)
+    assert run.stop.reason is StopReason.BUDGET
+    assert "rounds without end" in run.stop.message and "the same flights again" in run.stop.message
+    assert run.final_time == 0
+
+
+def test_it_is_no_end_where_the_numbers_are_fine_enough() -> None:
+    assert engine("quad").run(SQUEEZED, events=3000).stop.reason is StopReason.EVENTS
+
+
+def test_a_comparison_with_such_a_run_tells_why_it_left() -> None:
+    """Its clock stands at 0, where no exact event is."""
+    (told,) = compare(SQUEEZED, ["double"], events=500).candidates
+    assert told.verdict == "diverged" and told.diagnosis is not None
+    assert "arithmetic rounding" in str(told.diagnosis)
+    assert "rounds without end" in told.trajectory.stop.message
+
+
+def test_events_at_one_time_that_lead_on_are_let_be() -> None:
+    """Near its turning point Galperin's ball hits thousands of times within the last bit of the clock."""
+    run = engine("rounded:bits=12").run(catalogue.build("galperin:n=3"))
+    times = [float(event.time) for event in run.events]
+    assert run.stop.reason is StopReason.QUIET
+    assert max(times.count(time) for time in set(times)) > 1000
+
+
+@pytest.mark.parametrize("name", ["double", "rounded:bits=12"])
+def test_events_at_one_time_are_counted(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(standing, "MOST", 500)
+    monkeypatch.setattr(standing, "RETURNS", 10**9)
+    run = engine(name).run(SQUEEZED if name == "double" else catalogue.build("galperin:n=3"))
+    assert run.stop.reason is StopReason.BUDGET
+    assert "rounds without end" in run.stop.message and "again" not in run.stop.message
+    assert 500 <= len(run.events) < 1500
+
+
+def test_signs_that_contradict_each_other_end_an_instant() -> None:
+    """Which of two contacts push went round in circles here, for ever."""
+    run = engine("rounded:bits=8").run(catalogue.build("two-in-a-box:seed=2005"), until=40)
+    assert run.stop.reason is StopReason.BUDGET
+    assert "rounds without end" in run.stop.message and "contradict" in run.stop.message
+    assert run.events
