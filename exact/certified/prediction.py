@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
+from math import inf
 
 from flint import arb
 
@@ -11,7 +12,7 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
-from ..replay.body import Body, Doubles
+from ..replay.body import FAINT, Body, Landed
 from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
 from ..simulation.arrivals.grid import Flight
@@ -20,6 +21,9 @@ from ..simulation.arrivals.queue import ArrivalQueue
 
 QUICK_BITS = 128
 """Precision of predictions: two machine words, the most that flint keeps without a call for memory."""
+
+NEAR = arb(0, arb((1, FAINT)))
+"""Holds all deviations that are at most 2**FAINT."""
 
 
 class FilteredPredictor(Predictor[arb]):
@@ -103,17 +107,34 @@ class FilteredPredictor(Predictor[arb]):
             body.q = (+x, +y, +vx, +vy, t)
             admit(body)
 
-    def take(self, bodies: Sequence[Body[arb]], told: Sequence[Doubles | None]) -> None:
-        """As `refresh`, of circles that are not exact, and whose flights in doubles are told; see `LoneContacts`."""
+    def take(self, landed: Iterable[Landed[arb]], clock: arb) -> None:
+        """As `refresh`, of circles that are not exact, at one clock; see `LoneContacts`."""
         ball.use_bits(QUICK_BITS)
-        t = +bodies[0].flight.t
-        for body, doubles in zip(bodies, told, strict=True):
-            x, y, vx, vy, *_ = body.flight
-            body.q = (+x, +y, +vx, +vy, t)
+        t, take = +clock, self.filter.take
+        for body, (x, y, vx, vy, *_), doubles in landed:
             if doubles is None:
+                x, y, vx, vy, *_ = body.flight
+                body.q = (+x, +y, +vx, +vy, t)
                 self.filter.admit(body)
             else:
-                self.filter.take(body, doubles)
+                body.q = (x + NEAR, y + NEAR, vx + NEAR, vy + NEAR, t)
+                take(body, doubles)
+
+    def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """See `Predictor.predict`; where doubles tell all, flights are not asked for."""
+        if gone or not self.few or not all((f := a.f) and (f[2] or f[3]) for a in moved):
+            super().predict(moved, standing, gone)
+            return
+        every, count, plan = range(self.wall_count), self.wall_count, self.plan
+        for a in moved:
+            a.until = inf
+            self.walls(a, every, standing)
+        plan["walls predicted"] += len(moved) * count
+        others = [*self.state.bodies.values()]
+        for a in moved:
+            others.remove(a)
+            self.pairs(a, others, standing)
+            plan["pairs predicted"] += len(others)
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`; the order is that of `others`."""

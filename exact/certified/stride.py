@@ -109,14 +109,13 @@ class Stride:
             precision.secure()
         bodies, circles, alone = state.bodies, both[0].bodies, both[1].links
         moved = [bodies[i] for i in circles]
-        doubles = state.lone.doubles if in_balls else None
-        if doubles is not None:
-            self._take(moved, doubles)
+        landed = state.lone.landed if in_balls else None
+        if landed is not None:
+            self._take(landed, landed[0][1][4])
         else:
             self._refresh(moved)
         done = len(state.steps)
-        first = moved[0]
-        time = +first.flight.instant if in_balls else reading.now(first)  # short, as `refresh` has left it
+        time = +state.balls.instant if in_balls else reading.now(moved[0])  # short, as `refresh` has left it
         mark = _new(Mark, (number, time, done, circles[0]))
         history.records.append(_new(Record, (mark, alone, alone, (), False)))
         knots = history.knots

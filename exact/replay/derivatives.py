@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import inf, sqrt
 
-from .errors import CLOSE, UP, Collision
+from .errors import UP, Collision
 
 MOST_TURN = 2.0**100
 """Beyond this, two circles all but graze, and doubles are no measure."""

@@ -10,7 +10,7 @@ from flint import arb
 
 from ..numbers import ball
 from .ball_state import BallState, Told
-from .body import Body, Flight, new_flight
+from .body import Body, Flight, Midpoints, new_flight
 from .contact import AtWall, Link, Pair, Round
 from .derivatives import pair_derivative, wall_steepness
 from .errors import MOST, SMALL_WAIT, UP, Collision, Mirror, Spent, scaled
@@ -56,7 +56,8 @@ class Deviations:
 
     Attributes:
         errors: the set.
-        mid: the midpoints of each body, and their clock, by index.
+        mid: the midpoints of each body, by index.
+        carried: those that have been carried through a step.
         place: where each body stands in it, by index.
         unit: of time, in which the set counts velocities; 2**time_power.
         weights: the inverse mass of every circle, by index.
@@ -69,7 +70,8 @@ class Deviations:
         self.unit = 2.0**self.time_power
         self._near_time = SMALL_WAIT / 2 * self.unit
         self.weights = [float(body.w) for body in circles]
-        self.mid = {body.index: (*_midpoints(numbers_of(body)), body.flight.t) for body in members}
+        self.mid = {body.index: _midpoints(body.flight) for body in members}
+        self.carried: set[int] = set()
         self.place = {body.index: k for k, body in enumerate(members)}
         radii = [[number.rad().man_exp() for number in numbers_of(body)] for body in members]
         shift = max((int(e) + 30 for four in radii for m, e in four if m != 0), default=-ball.bits_in_use())
@@ -93,7 +95,7 @@ class Deviations:
     def show(self, body: Body[arb]) -> None:
         """Gives a body its balls: its midpoints, and its bound; none for a velocity of exactly zero."""
         wide, narrow = self.balls_of(self.place[body.index])
-        x, y, vx, vy, _ = self.mid[body.index]
+        x, y, vx, vy, *_ = self.mid[body.index]
         if body.flight.rest:
             _, _, vx, vy, *_ = body.flight
         else:
@@ -244,7 +246,7 @@ class Deviations:
 
     def mirror(self, face: Face, body: Body[arb]) -> bool:
         """A wall has mirrored a body; whether that could be carried."""
-        rounding, _ = self.recentre([(body, *numbers_of(body))], body.flight.t)
+        rounding, _ = self.recentre([(body, *numbers_of(body))], body.flight.t, body.flight.last)
         self.errors.fly(self.place[body.index], 0.0, face.mirror, rounding)
         return self.bounded((body,))
 
@@ -253,13 +255,14 @@ class Deviations:
         i, j = (self.place.get(k, -1) for k in link)
         weights = self.weights[link.a], self.weights[link.b]
         moved = [(body, *numbers_of(body)) for body in movers]
-        self.errors.meet(i, j, (0.0, 0.0), weights, hit, self.recentre(moved, movers[0].flight.t)[0])
+        rounding, _ = self.recentre(moved, movers[0].flight.t, movers[0].flight.last)
+        self.errors.meet(i, j, (0.0, 0.0), weights, hit, rounding)
         return self.bounded(movers)
 
     def land(self, body: Body[arb], numbers: Numbers) -> bool:
         """A body has flown on, and no impulse came; whether that could be carried."""
         set_numbers(body, numbers)
-        rounding, _ = self.recentre([(body, *numbers_of(body))], body.flight.t)
+        rounding, _ = self.recentre([(body, *numbers_of(body))], body.flight.t, body.flight.last)
         self.errors.fly(self.place[body.index], 0.0, rounding=rounding)
         if not self.bounded((body,)):
             return False
@@ -278,23 +281,35 @@ class Deviations:
         bounds = self.errors.bounds
         return all(bounds.both(self.place[body.index]) < MOST for body in bodies)
 
-    def recentre(self, moved: Sequence[Moved], clock: arb) -> tuple[float, list[tuple[float, float, float, float]]]:
+    def recentre(
+        self, moved: Sequence[Moved], clock: arb, last: int
+    ) -> tuple[float, list[tuple[float, float, float, float]]]:
         """Takes bodies' midpoints from their numbers; gives a bound of what that drops, as the set counts it, and the
         midpoints in doubles.
 
         A radius is below 2**(2 - accuracy) of its number. Infinite where the bits were too few for a number, or for
         doubles to tell.
+
+        Args:
+            moved: the bodies and their numbers.
+            clock, last: of their flights.
         """
-        size, bits, unit = 0.0, ENOUGH, self.unit
+        size, bits, unit, mid = 0.0, ENOUGH, self.unit, self.mid
         doubles: list[tuple[float, float, float, float]] = []
         for body, x, y, vx, vy in moved:
-            self.mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid(), clock
-            four = fx, fy, fvx, fvy = float(x), float(y), float(vx), float(vy)
-            doubles.append(four)
+            mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid(), clock, last
+            fx, fy, fvx, fvy = float(x), float(y), float(vx), float(vy)
+            doubles.append((fx, fy, fvx, fvy))
             size += abs(fx) + abs(fy) + unit * (abs(fvx) + abs(fvy))
-            for number in (x, y, vx, vy):
-                known = number.rel_accuracy_bits()
-                bits = min(bits, known)
+            if (known := x.rel_accuracy_bits()) < bits:
+                bits = known
+            if (known := y.rel_accuracy_bits()) < bits:
+                bits = known
+            if (known := vx.rel_accuracy_bits()) < bits:
+                bits = known
+            if (known := vy.rel_accuracy_bits()) < bits:
+                bits = known
+            self.carried.add(body.index)
         power = 2 - bits - self.errors.shift
         return (ldexp(size * UP, max(power, -900)) if power < 500 and size < 2.0**500 else inf), doubles
 
@@ -323,9 +338,8 @@ def is_finite(body: Body[arb]) -> bool:
     return all(number.is_finite() for number in numbers_of(body))
 
 
-def _midpoints(numbers: Numbers) -> Numbers:
-    x, y, vx, vy = numbers
-    return x.mid(), y.mid(), vx.mid(), vy.mid()
+def _midpoints(flight: Flight[arb]) -> Midpoints[arb]:
+    return flight.x.mid(), flight.y.mid(), flight.vx.mid(), flight.vy.mid(), flight.t, flight.last
 
 
 def _unit_of_time(bodies: Sequence[Body[arb]]) -> int:

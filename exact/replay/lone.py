@@ -14,7 +14,7 @@ from flint import arb
 from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
 from .ball_state import BallState
-from .body import Doubles, Flight, new_flight
+from .body import Flight, Landed, new_flight
 from .contact import AtWall, Pair, Touch
 from .unchanging import Oblique, Unchanging
 
@@ -29,11 +29,11 @@ class LoneContacts:
         state: whose bodies fly.
 
     Attributes:
-        doubles: of the circles of the contact carried out last, in order, their flights in doubles where these are off
-            by less than 2u; None where that is not known.
+        landed: the circles of the contact carried out last, in order, with their doubles where these are off by less
+            than 2u; None where there is nothing but their flights.
     """
 
-    doubles: tuple[Doubles | None, ...] | None = None
+    landed: list[Landed[arb]] | None = None
 
     def __init__(self, state: BallState) -> None:
         self._state = state

@@ -1,19 +1,21 @@
 """A contact alone, carried out in one go on midpoints, with their deviations: `CentredState` does it in two steps.
 
-The numbers are those of `LoneContacts`, made of midpoints, with three products fewer: one circle is reckoned from the
-other and from d at the hit. The deviations follow in one step of their set (docs/error-bound.md). What is not ordinary
-is left to the two steps, with nothing changed.
+The numbers are those of `LoneContacts`, made of midpoints, with fewer products: d at the hit is d moved on by v, and
+one circle is reckoned from the other and from that. The deviations follow in one step of their set
+(docs/error-bound.md). Balls are made when somebody asks for them, which few do. What is not ordinary is left to the two
+steps, with nothing changed.
 """
 
 from __future__ import annotations
 
+from functools import partial
 from math import frexp, ldexp
 
 from flint import arb
 
-from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
+from ..laws.formulas import wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
-from .body import Doubles, Flight, new_flight
+from .body import FAINT, Flight, Landed, Midpoints, new_flight
 from .centred_state import CentredState
 from .contact import AtWall, Pair, Touch
 from .deviations import Deviations, Moved
@@ -21,11 +23,9 @@ from .errors import MOST, UP, Spent
 from .lone import SPARE_BITS, LoneContacts
 from .unchanging import Oblique, Unchanging
 
-PLAIN = 2.0**-180
-"""Numbers beyond this, with a radius of at most 2**FAINT, are told by the doubles of their midpoints."""
-
-FAINT = -240
-"""See `PLAIN`: a radius is then less than 2**-60 of its midpoint."""
+PLAIN = 2.0**-100
+"""Numbers beyond this, with a radius of at most 2**FAINT, less than 2**-140 of them, are told by the doubles of their
+midpoints, and by short balls around these."""
 
 
 def lone_contacts(state: CentredState) -> LoneContacts | LoneCentred:
@@ -40,17 +40,17 @@ class LoneCentred:
         state: whose bodies fly.
 
     Attributes:
-        doubles: see `LoneContacts`.
+        landed: see `LoneContacts`.
     """
 
     def __init__(self, state: CentredState) -> None:
-        self.doubles: tuple[Doubles | None, ...] | None = None
+        self.landed: list[Landed[arb]] | None = None
         self._state = state
         self._known = Unchanging(state)
 
     def strike(self, link: Touch, bits: int, done: int) -> int | None:
         """As `LoneContacts.strike`."""
-        self.doubles = None
+        self.landed = None
         held = self._state.ready(link)
         if held is None:
             return None
@@ -70,37 +70,38 @@ class LoneCentred:
             Spent: if the deviations are too large after it.
         """
         state = self._state
-        a, b = state.bodies[link[0]], state.bodies[link[1]]
-        f, g = a.flight, b.flight
+        one, other = link
+        a, b = state.bodies[one], state.bodies[other]
         square_reach, share_a, share_b, alike = self._known.partners(link)
         worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
-        ax, ay, avx, avy, _ = held.mid[link[0]]
-        bx, by, bvx, bvy, _ = held.mid[link[1]]
+        ax, ay, avx, avy, at, a_last = held.mid[one]
+        bx, by, bvx, bvy, bt, b_last = held.mid[other]
         vx, vy = bvx - avx, bvy - avy
-        of_a = f.last >= g.last  # the younger of the two is the one from which the other is reckoned
+        of_a = a_last >= b_last  # the younger of the two is the one from which the other is reckoned
         if of_a:
-            base = f.t
-            lag = base - g.t
+            base = at
+            lag = at - bt
             dx, dy = bx + bvx * lag - ax, by + bvy * lag - ay
         else:
-            base = g.t
-            lag = base - f.t
+            base = bt
+            lag = bt - at
             dx, dy = bx - (ax + avx * lag), by - (ay + avy * lag)
         cross = dx * vy - dy * vx
         square = vx * vx + vy * vy
         disc = square * square_reach - cross * cross
-        if cross.is_zero() or ball.sign_of(disc) != 1:
+        if cross.is_zero() or not disc > ball.ZERO:
             return None
         root = disc.sqrt()
-        wait, ex, ey = pair_meeting(dx * vx + dy * vy, cross, square, root, vx, vy)
+        wait = -(dx * vx + dy * vy + root) / square
+        ex, ey = dx + vx * wait, dy + vy * wait
         instant = base + wait
         clock = instant.mid()
         lag = clock - base
         late = wait - lag
         beside, unit = float(late.abs_upper()) * UP, held.unit
-        lags = float(clock - f.t) / unit, float(clock - g.t) / unit
-        i, j = held.place[link[0]], held.place[link[1]]
+        lags = float(clock - at) / unit, float(clock - bt) / unit
+        i, j = held.place[one], held.place[other]
         found = held.collision(state, link, (ex, ey, vx, vy, root), i, j, lags, beside)
         if found is None:
             return None
@@ -119,8 +120,8 @@ class LoneCentred:
             jx, jy = strength * ex, strength * ey
         bx, by, bvx, bvy = bx - jx * late, by - jy * late, bvx + jx, bvy + jy
         moved = (a, ax, ay, avx, avy), (b, bx, by, bvx, bvy)
-        rounding, doubles = held.recentre(moved, clock)
-        held.errors.meet(i, j, lags, (held.weights[link[0]], held.weights[link[1]]), hit, rounding)
+        rounding, doubles = held.recentre(moved, clock, step)
+        held.errors.meet(i, j, lags, (held.weights[one], held.weights[other]), hit, rounding)
         return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
 
     def _rebound(self, held: Deviations, link: AtWall, bits: int, step: int) -> int | None:
@@ -134,8 +135,7 @@ class LoneCentred:
         wall = self._known.wall(link)
         worst = body.acc + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
-        base = body.flight.t
-        x, y, vx, vy, _ = held.mid[index]
+        x, y, vx, vy, base, _ = held.mid[index]
         if isinstance(wall, Oblique):
             wait = wall_hit_time(wall_gap(x, y, *wall[:5]), wall_approach(vx, vy, wall.nx, wall.ny))
         else:
@@ -161,7 +161,7 @@ class LoneCentred:
         else:
             x, y, vx = wall.touch + vx * late, y + vy * lag, -vx
         moved = ((body, x, y, vx, vy),)
-        rounding, doubles = held.recentre(moved, clock)
+        rounding, doubles = held.recentre(moved, clock, step)
         held.errors.fly(i, time_lag, face.mirror, rounding)
         return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
 
@@ -189,10 +189,8 @@ class LoneCentred:
             Spent: if the deviations are too large.
         """
         instant, clock, late, beside, spread = when
-        bounds, shift, time_power = held.errors.bounds, held.errors.shift, held.time_power
-        one, other = held.place[moved[0][0].index], held.place[moved[-1][0].index]
-        if not spread + bounds.both(one) + bounds.both(other) < MOST:
-            raise Spent
+        errors, place = held.errors, held.place
+        places, paces, shift, least = errors.bounds.place, errors.bounds.pace, errors.shift, held.time_power
         power = frexp(spread)[1] + shift
         time, now = held.ball(power), float(clock)
         beside = (beside + ldexp(1.0, power if power > -1000 else -1000)) * UP
@@ -200,16 +198,17 @@ class LoneCentred:
         accuracy = instant.rel_accuracy_bits()
         if not 0 < accuracy < bits:
             accuracy = max(0, min(bits, accuracy))
-        told: list[Doubles | None] = []
+        used, landed = ball.bits_in_use(), []
         for (body, *_), (fx, fy, fvx, fvy) in zip(moved, doubles, strict=True):
             index = body.index
-            i = held.place[index]
-            far, fast = frexp(bounds.place[i])[1] + shift, frexp(bounds.pace[i])[1] + shift - time_power
-            wide, narrow = held.ball(far), held.ball(fast)
-            x, y, vx, vy, _ = held.mid[index]
-            numbers = x + wide, y + wide, vx + narrow, vy + narrow
-            body.flight = new_flight(Flight, (*numbers, clock, instant, late, step, False))
+            i = place[index]
+            far, fast = places[i], paces[i]
+            if not spread + far + fast < MOST:
+                raise Spent
+            far, fast = frexp(far)[1] + shift, frexp(fast)[1] + shift - least
+            mid = held.mid[index]
             body.acc = accuracy
+            body.await_flight(partial(_flight, held, mid, far, fast, used, instant, late))
             if (
                 far < FAINT
                 and fast < FAINT
@@ -218,10 +217,22 @@ class LoneCentred:
                 and (fvx > PLAIN or fvx < -PLAIN)
                 and (fvy > PLAIN or fvy < -PLAIN)
             ):
-                told.append((fx, fy, fvx, fvy, now, beside))
+                landed.append((body, mid, (fx, fy, fvx, fvy, now, beside)))
             else:
-                told.append(None)
+                landed.append((body, mid, None))
         self._state.stand(instant, late, step + 1)
-        self._state.renew()
-        self.doubles = tuple(told)
+        if errors.full:
+            self._state.renew()
+        self.landed = landed
         return accuracy
+
+
+def _flight(
+    held: Deviations, mid: Midpoints[arb], far: int, fast: int, bits: int, instant: arb, late: arb
+) -> Flight[arb]:
+    """A flight in balls: its midpoints, at most 2**far and 2**fast off."""
+    x, y, vx, vy, clock, last = mid
+    wide, narrow = held.ball(far), held.ball(fast)
+    with ball.precision(bits):
+        numbers = x + wide, y + wide, vx + narrow, vy + narrow
+    return new_flight(Flight, (*numbers, clock, instant, late, last, False))

@@ -126,9 +126,9 @@ class Watch:
             begin(held, members, circles)
             watch.begin(held, members)
 
-        def centred(held: Deviations, moved: Sequence[Moved], clock: arb) -> Any:
+        def centred(held: Deviations, moved: Sequence[Moved], clock: arb, last: int) -> Any:
             watch.step(held, moved, clock)
-            return centre(held, moved, clock)
+            return centre(held, moved, clock, last)
 
         def kicked(state: CentredState, links: tuple[Touch, ...]) -> None:
             watch._link = links[0] if len(links) == 1 else None
