@@ -55,6 +55,7 @@ class FilteredPredictor(Predictor[arb]):
         self._float_reaches = [[float(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
+        self._partners: dict[tuple[int, int], list[list[Body[arb]]]] = {}
 
     def prepare(self) -> None:
         """Short precision."""
@@ -122,19 +123,34 @@ class FilteredPredictor(Predictor[arb]):
 
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """See `Predictor.predict`; where doubles tell all, flights are not asked for."""
-        if gone or not self.few or not all((f := a.f) and (f[2] or f[3]) for a in moved):
+        if gone or not self.few or not 0 < len(moved) < 3:
             super().predict(moved, standing, gone)
             return
-        every, count, plan = range(self.wall_count), self.wall_count, self.plan
+        for a in moved:
+            if a.f is None or not (a.f[2] or a.f[3]):
+                super().predict(moved, standing, gone)
+                return
+        plan, lines, walls, push_walls = self.plan, self._float_lines, self.filter.walls, self.queue.push_walls
         for a in moved:
             a.until = inf
-            self.walls(a, every, standing)
-        plan["walls predicted"] += len(moved) * count
-        others = [*self.state.bodies.values()]
-        for a in moved:
-            others.remove(a)
+            found, unclear = walls(a, lines.get(a.index) or self._as_seen_from(a))
+            push_walls(a, found, standing)
+            if unclear:
+                self._unclear_walls(a, unclear, standing)
+        plan["walls predicted"] += len(moved) * self.wall_count
+        key = moved[0].index, moved[-1].index
+        predicted = 0
+        for a, others in zip(moved, self._partners.get(key) or self._partners_of(key), strict=True):
             self.pairs(a, others, standing)
-            plan["pairs predicted"] += len(others)
+            predicted += len(others)
+        plan["pairs predicted"] += predicted
+
+    def _partners_of(self, key: tuple[int, int]) -> list[list[Body[arb]]]:
+        """With whom two circles, or one, are to be looked at: the second not with the first."""
+        i, j = key
+        of_first, of_second = ([b for b in self.state.bodies.values() if b.index not in out] for out in ((i,), key))
+        found = self._partners[key] = [of_first] if i == j else [of_first, of_second]
+        return found
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`; the order is that of `others`."""
@@ -159,8 +175,12 @@ class FilteredPredictor(Predictor[arb]):
         found, unclear = self.filter.walls(a, lines)
         self.queue.push_walls(a, found, standing)
         if unclear:
-            self.plan["unclear in doubles"] += len(unclear)
-            self.prepare()
+            self._unclear_walls(a, unclear, standing)
+
+    def _unclear_walls(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
+        """Walls that doubles left open."""
+        self.plan["unclear in doubles"] += len(unclear)
+        self.prepare()
         for k in unclear:
             self.wall(a, k, standing)
 

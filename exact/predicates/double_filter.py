@@ -23,9 +23,9 @@ part do so beyond one bound for all, with W <= 4 V, D <= 4 S + 2 V T and |v|^2 <
 so beyond such bounds of d x v and |v|^2.
 
 The line of a flight is kept by where it is at time 0 too, x - v t in doubles, off by less than 4u S + 7u V T: so d at
-time 0 is off by less than 8u S + 14u V T and a rounding, less than E, and D is at most 4 (S + V T). d x v is the same at
-all times, and is reckoned from these first, since most pairs miss: E W + F D + E F and roundings of 1.5 F D are at most
-4 E V + 10 F (S + V T) + E F there, a quarter of the bound for all.
+time 0 is off by less than 8u S + 14u V T and a rounding, less than E, and D is at most 4 (S + V T). d x v is the same
+at all times, and is reckoned from these first, since most pairs miss: E W + F D + E F and roundings of 1.5 F D are at
+most 4 E V + 10 F (S + V T) + E F there, a quarter of the bound for all.
 
 All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
 themselves.

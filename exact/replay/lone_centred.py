@@ -189,8 +189,10 @@ class LoneCentred:
             Spent: if the deviations are too large.
         """
         instant, clock, late, beside, spread = when
-        errors, place = held.errors, held.place
-        places, paces, shift, least = errors.bounds.place, errors.bounds.pace, errors.shift, held.time_power
+        errors, place, mids = held.errors, held.place, held.mid
+        bounds, shift, least = errors.bounds, errors.shift, held.time_power
+        if not spread + bounds.both(place[moved[0][0].index]) + bounds.both(place[moved[-1][0].index]) < MOST:
+            raise Spent
         power = frexp(spread)[1] + shift
         time, now = held.ball(power), float(clock)
         beside = (beside + ldexp(1.0, power if power > -1000 else -1000)) * UP
@@ -198,28 +200,24 @@ class LoneCentred:
         accuracy = instant.rel_accuracy_bits()
         if not 0 < accuracy < bits:
             accuracy = max(0, min(bits, accuracy))
-        used, landed = ball.bits_in_use(), []
+        used = ball.bits_in_use()
+        landed: list[Landed[arb]] = []
         for (body, *_), (fx, fy, fvx, fvy) in zip(moved, doubles, strict=True):
             index = body.index
             i = place[index]
-            far, fast = places[i], paces[i]
-            if not spread + far + fast < MOST:
-                raise Spent
-            far, fast = frexp(far)[1] + shift, frexp(fast)[1] + shift - least
-            mid = held.mid[index]
+            far, fast = frexp(bounds.place[i])[1] + shift, frexp(bounds.pace[i])[1] + shift - least
+            mid = mids[index]
             body.acc = accuracy
             body.await_flight(partial(_flight, held, mid, far, fast, used, instant, late))
-            if (
+            told = (
                 far < FAINT
                 and fast < FAINT
                 and (fx > PLAIN or fx < -PLAIN)
                 and (fy > PLAIN or fy < -PLAIN)
                 and (fvx > PLAIN or fvx < -PLAIN)
                 and (fvy > PLAIN or fvy < -PLAIN)
-            ):
-                landed.append((body, mid, (fx, fy, fvx, fvy, now, beside)))
-            else:
-                landed.append((body, mid, None))
+            )
+            landed.append((body, mid, (fx, fy, fvx, fvy, now, beside) if told else None))
         self._state.stand(instant, late, step + 1)
         if errors.full:
             self._state.renew()
