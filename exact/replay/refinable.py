@@ -17,10 +17,10 @@ from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
 from .body import Body, Flight
-from .centred_state import CentredState
+from .centred.centred_state import CentredState
+from .centred.lone_centred import lone_contacts
 from .contact import AtWall, Pair, Touch
 from .lone import SPARE_BITS
-from .lone_centred import lone_contacts
 from .state import State
 from .steps import Flip, Go, Kick, Step, circles_of
 

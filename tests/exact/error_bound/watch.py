@@ -19,10 +19,10 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.certified import decider, precision
 from truebreak.exact.replay import refinable
 from truebreak.exact.replay.body import Body
-from truebreak.exact.replay.centred_state import CentredState
+from truebreak.exact.replay.centred.centred_state import CentredState
+from truebreak.exact.replay.centred.deviations import Deviations, Moved
+from truebreak.exact.replay.centred.lone_centred import LoneCentred, lone_contacts
 from truebreak.exact.replay.contact import Touch
-from truebreak.exact.replay.deviations import Deviations, Moved
-from truebreak.exact.replay.lone_centred import LoneCentred, lone_contacts
 from truebreak.exact.replay.refinable import RefinableState
 from truebreak.exact.replay.steps import Flip, Go, Step, circles_of
 from truebreak.scenarios import Scene

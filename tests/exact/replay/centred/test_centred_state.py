@@ -12,10 +12,10 @@ from truebreak.exact.certified import precision
 from truebreak.exact.laws.tangent_formulas import pair_tangent_blocks
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
-from truebreak.exact.replay.centred_state import CentredState
-from truebreak.exact.replay.error_set import ErrorSet
-from truebreak.exact.replay.errors import Collision, Mirror, Spent
-from truebreak.exact.replay.lone_centred import LoneCentred
+from truebreak.exact.replay.centred.centred_state import CentredState
+from truebreak.exact.replay.centred.error_set import ErrorSet
+from truebreak.exact.replay.centred.errors import Collision, Mirror, Spent
+from truebreak.exact.replay.centred.lone_centred import LoneCentred
 from truebreak.exact.replay.steps import Go, Kick
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 

@@ -8,10 +8,10 @@ from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
-from ..numbers import ball
-from .ball_state import BallState, Told
-from .body import Body, Flight, Midpoints, new_flight
-from .contact import AtWall, Link, Pair, Round
+from ...numbers import ball
+from ..ball_state import BallState, Told
+from ..body import Body, Flight, Midpoints, new_flight
+from ..contact import AtWall, Link, Pair, Round
 from .derivatives import pair_derivative, wall_steepness
 from .errors import MOST, SMALL_WAIT, UP, Collision, Mirror, Spent, scaled
 
@@ -34,7 +34,6 @@ Moved: TypeAlias = tuple[Body[arb], arb, arb, arb, arb]
 
 FINE = 5
 """Of a power of two, the bits that are told apart within a coarse one."""
-
 
 POWERS = tuple(arb(1 << k) for k in range(1 << FINE))
 
@@ -278,8 +277,8 @@ class Deviations:
         return True
 
     def bounded(self, bodies: Iterable[Body[arb]]) -> bool:
-        bounds = self.errors.bounds
-        return all(bounds.both(self.place[body.index]) < MOST for body in bodies)
+        """Whether doubles still hold the bounds of bodies."""
+        return all(self.errors.bounds.both(self.place[body.index]) < MOST for body in bodies)
 
     def recentre(
         self, moved: Sequence[Moved], clock: arb, last: int

@@ -31,7 +31,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..laws.tangent_formulas import pair_tangent_blocks
+from ...laws.tangent_formulas import pair_tangent_blocks
 from .errors import CLOSE, MOST, NO_MIRROR, UP, Bounds, Collision, Mirror, Spent
 
 Floats = NDArray[np.float64]

@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 from flint import arb
 
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.scene import Scene
-from .ball_state import BallState, Told
-from .body import Body, Flight
-from .contact import AtWall, Entry, Link, Touch
+from ....scenarios.numbers.quantity import Quantity
+from ....scenarios.scene import Scene
+from ..ball_state import BallState, Told
+from ..body import Body, Flight
+from ..contact import AtWall, Entry, Link, Touch
 from .deviations import Deviations, Numbers, is_finite, numbers_of
 from .errors import Collision
 

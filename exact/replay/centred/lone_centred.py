@@ -13,15 +13,15 @@ from math import frexp, ldexp
 
 from flint import arb
 
-from ..laws.formulas import wall_approach, wall_gap, wall_hit_time
-from ..numbers import ball
-from .body import FAINT, Flight, Landed, Midpoints, new_flight
+from ...laws.formulas import wall_approach, wall_gap, wall_hit_time
+from ...numbers import ball
+from ..body import FAINT, Flight, Landed, Midpoints, new_flight
+from ..contact import AtWall, Pair, Touch
+from ..lone import SPARE_BITS, LoneContacts
+from ..unchanging import Oblique, Unchanging
 from .centred_state import CentredState
-from .contact import AtWall, Pair, Touch
 from .deviations import Deviations, Moved
 from .errors import MOST, UP, Spent
-from .lone import SPARE_BITS, LoneContacts
-from .unchanging import Oblique, Unchanging
 
 PLAIN = 2.0**-100
 """Numbers beyond this, with a radius of at most 2**FAINT, less than 2**-140 of them, are told by the doubles of their
