@@ -19,10 +19,10 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.certified import decider, precision
 from truebreak.exact.replay import refinable
 from truebreak.exact.replay.body import Body
-from truebreak.exact.replay.centred_state import CentredState
+from truebreak.exact.replay.centred.centred_state import CentredState
+from truebreak.exact.replay.centred.deviations import Deviations, Moved
+from truebreak.exact.replay.centred.lone_centred import LoneCentred, lone_contacts
 from truebreak.exact.replay.contact import Touch
-from truebreak.exact.replay.deviations import Deviations
-from truebreak.exact.replay.lone_centred import LoneCentred, lone_contacts
 from truebreak.exact.replay.refinable import RefinableState
 from truebreak.exact.replay.steps import Flip, Go, Step, circles_of
 from truebreak.scenarios import Scene
@@ -110,6 +110,9 @@ class Watch:
             def __init__(self, state: CentredState) -> None:
                 self._state, self._lone = state, lone_contacts(state)
 
+            def __getattr__(self, name: str) -> Any:
+                return getattr(self._lone, name)
+
             def strike(self, link: Touch, bits: int, done: int) -> int | None:
                 watch._link, watch._steps = link, done
                 accuracy = self._lone.strike(link, bits, done)
@@ -123,9 +126,9 @@ class Watch:
             begin(held, members, circles)
             watch.begin(held, members)
 
-        def centred(held: Deviations, bodies: Any) -> float:
-            watch.step(held, bodies)
-            return centre(held, bodies)
+        def centred(held: Deviations, moved: Sequence[Moved], clock: arb, last: int) -> Any:
+            watch.step(held, moved, clock)
+            return centre(held, moved, clock, last)
 
         def kicked(state: CentredState, links: tuple[Touch, ...]) -> None:
             watch._link = links[0] if len(links) == 1 else None
@@ -214,14 +217,14 @@ class Watch:
             radii = {b.index: [arb(number.rad()) for number in b.flight[:4]] for b in members}
             self._twins[id(held)] = held, Zonotope(lines, radii, self._table, self._truth.sides)
 
-    def step(self, held: Deviations, bodies: list[Body[arb]]) -> None:
-        """Circles get new midpoints, which they have as balls by now."""
+    def step(self, held: Deviations, flown: Sequence[Moved], clock: arb) -> None:
+        """Circles get new midpoints at a clock, from balls around them."""
         if id(held) not in self._twins:
             return
         twin, link = self._twins[id(held)][1], self._link
-        moved = [body.index for body in bodies]
-        after = {b.index: Line(*(number.mid() for number in b.flight[:4]), b.flight.t) for b in bodies}
-        radii = {b.index: [arb(number.rad()) for number in b.flight[:4]] for b in bodies}
+        moved = [body.index for body, *_ in flown]
+        after = {body.index: Line(*(number.mid() for number in four), clock) for body, *four in flown}
+        radii = {body.index: [arb(number.rad()) for number in four] for body, *four in flown}
         ends = moved if link is None else link.circles
         twin.step(link, moved, after, {i: self._truth.after(i, self._steps) for i in ends}, radii)
 
@@ -232,9 +235,8 @@ class Watch:
             unit, scale = arb(held.unit), arb((1, errors.shift))
             for i, place in held.place.items():
                 x, y, vx, vy = twin.hull(i)
-                self._hold(
-                    max_of((x, y, unit * vx, unit * vy)), arb(errors.bounds.nu[place]) * scale, f"circle {i}", done
-                )
+                self._hold(x.max(y), arb(errors.bounds.place[place]) * scale, f"the place of circle {i}", done)
+                self._hold(unit * vx.max(vy), arb(errors.bounds.pace[place]) * scale, f"circle {i}'s velocity", done)
             if self._ended:
                 along = twin.along(arb_mat(errors._basis.tolist()), list(held.place), held.unit)
                 box = [arb(edge) * scale for edge in errors._box.tolist()]
@@ -258,14 +260,6 @@ class Watch:
         else:
             self.tally.more.append(loose - self._loose)
         self._loose = loose
-
-
-def max_of(numbers: tuple[arb, ...]) -> arb:
-    """The largest of some numbers, up to what their balls leave open."""
-    most = numbers[0]
-    for number in numbers[1:]:
-        most = most.max(number)
-    return most
 
 
 def watched(

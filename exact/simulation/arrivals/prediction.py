@@ -45,6 +45,10 @@ class Predictor(Generic[M]):
         plan: counts what is predicted and what is skipped.
         bounds: doubles that enclose a time.
         unsure: deals with a prediction whose signs were not all certain.
+
+    Attributes:
+        few: whether there is nothing but circles and walls, and every pair of circles is looked at; known once the
+            first meetings are predicted.
     """
 
     def __init__(
@@ -68,6 +72,7 @@ class Predictor(Generic[M]):
         self.points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
         self._begun = False
         self._crowd: Crowd[M] | None = None
+        self.few = False
         self.zero = state.zero
         self.root = state.root
 
@@ -100,6 +105,7 @@ class Predictor(Generic[M]):
         if not self._begun:
             self._begun = True
             self._gather_crowd()
+            self.few = self._crowd is None and not self.state.pockets
         if self._crowd is not None:
             self._crowd.predict(moved, standing, gone)
             return

@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, sqrt
 
 from .errors import UP, Collision
 
-SMALL_WAIT = 2.0**-48
-"""The most that a clock may stand beside its instant, in the set's unit of time, to be a mere perturbation."""
-
-CLOSE = 2.0**-50
-"""How near to the truth the doubles must be, relatively, of which a derivative is made."""
-
-OFF = 2.0**-44
-"""What a derivative made of such doubles is off, relatively to the sum of its sizes: each entry is a sum of at most
-three products of at most six factors, and two entries are a row: 36 times `CLOSE` and the roundings, 2**-53 each."""
-
-
-OFF_BESIDE = OFF + 2.0 * SMALL_WAIT
-"""The same, at a clock beside the instant."""
+MOST_TURN = 2.0**100
+"""Beyond this, two circles all but graze, and doubles are no measure."""
 
 LEAST = 1e-280
 """Squares of speeds, and speeds along a line, that doubles hold to a rounding, and some products of them."""
@@ -38,7 +27,8 @@ def pair_derivative(
     speed: float,
     strength: float,
     unit: float,
-    spread: float,
+    place: float,
+    pace: float,
     near: float,
 ) -> Collision | None:
     """The derivative of a collision, at the clock beside its instant, or None where the truth may be too far.
@@ -48,27 +38,24 @@ def pair_derivative(
         speed: -d.v at the hit.
         strength: -2 / (R^2 (wa + wb)); 0 where it is not to be had.
         unit: the set's unit of time.
-        spread: a bound of the deviations of d and of unit * v, however scaled.
+        place: a bound of the deviation of d at the clock and beside it, however scaled.
+        pace: of unit * v, scaled like that.
         near: `CLOSE`, scaled like that.
 
     With tau the time from the clock to the hit, the derivative is (b - tau a, -tau^2 a; a, b + tau a). The instant
     moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
     |d + tau v| = R (see `laws/tangent.py`).
     """
-    size_d, size_v, square = abs(dx) + abs(dy), abs(vx) + abs(vy), vx * vx + vy * vy
-    if not (strength < 0.0 and LEAST < speed < inf and square > LEAST):
+    square, reach = vx * vx + vy * vy, sqrt(dx * dx + dy * dy)
+    if not (strength < 0.0 and LEAST < speed < inf and LEAST < square < inf and reach > 0.0):
         return None
-    steep = size_d / speed * UP
-    apart = (1.0 + size_v * steep) * spread * UP
-    far = apart * size_v + size_d * spread / unit
-    if not (apart < near * size_d and spread < near * unit * size_v and far < near * speed):
+    slow, steep = sqrt(square), reach / speed * UP
+    slant = slow * steep
+    apart = (1.0 + slant) * place * UP
+    turn = unit * square / speed * UP
+    if not (slant * (apart / reach + pace / (unit * slow)) * UP < near and turn < MOST_TURN):
         return None
-    cross, push = abs(dx * vy - dy * vx), -strength
-    size_b = push * size_d * size_d
-    size = size_b + unit * (push * (speed + size_d * size_v) + square / speed * size_b)
-    norm_b = push * max(abs(dx), abs(dy)) * size_d
-    norm = (norm_b + unit * (push * (speed + cross) + square / speed * norm_b)) * UP
-    return Collision(steep, apart, norm, size * OFF_BESIDE * UP, dx, dy, vx, vy, speed, strength)
+    return Collision(steep, apart, turn, dx, dy, vx, vy, speed, strength)
 
 
 def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:

@@ -16,11 +16,11 @@ from typing import NamedTuple
 
 from flint import arb
 
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.scene import Scene
-from .ball_state import BallState, Told
-from .body import Body
-from .contact import AtWall, Entry, Link, Touch
+from ....scenarios.numbers.quantity import Quantity
+from ....scenarios.scene import Scene
+from ..ball_state import BallState, Told
+from ..body import Body, Flight
+from ..contact import AtWall, Entry, Link, Touch
 from .deviations import Deviations, Numbers, is_finite, numbers_of
 from .errors import Collision
 
@@ -214,16 +214,9 @@ class CentredState(BallState):
         if held is None:
             return None
         for i in link.circles:
-            flight = self.bodies[i].flight
-            if i not in held.place or flight.rest or flight.vx.is_exact() or flight.vy.is_exact():
+            if i not in held.carried and not (i in held.place and _flies_inexactly(self.bodies[i].flight)):
                 return None
         return held
-
-    def spread(self, time: arb, bits: int) -> int:
-        """Widens the instant by what the deviations make of it; gives how many bits of it are known, of so many."""
-        instant = self.instant = self.instant + time
-        self.late = time if self.late is None else self.late + time
-        return max(0, min(bits, instant.rel_accuracy_bits()))
 
     def renew(self) -> None:
         """Ends a block that is full; bodies keep the balls that they have until they are next struck."""
@@ -238,4 +231,9 @@ class CentredState(BallState):
 
 def _is_inexact(body: Body[arb]) -> bool:
     """Whether both velocities have a radius, and no number an infinite one."""
-    return not (body.flight.vx.is_exact() or body.flight.vy.is_exact()) and is_finite(body)
+    return _flies_inexactly(body.flight) and is_finite(body)
+
+
+def _flies_inexactly(flight: Flight[arb]) -> bool:
+    """Whether a circle flies, and both velocities have a radius: a step of the set leaves them one."""
+    return not (flight.rest or flight.vx.is_exact() or flight.vy.is_exact())
