@@ -15,6 +15,7 @@ from ...exact.replay.centred_state import CentredState
 from ...exact.replay.contact import AtWall, Touch
 from ...exact.replay.steps import Go, Kick
 from ...exact.results.motion import ExactMotion, steps_through
+from .grazes import first_graze
 
 if TYPE_CHECKING:
     from ...scenarios.event import Event
@@ -142,7 +143,8 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
         bits: the precision of the replay; by default as many as it takes for each number to be told to a double.
 
     Raises:
-        NoTangentMap: where there is none (see `check_start`, `check_event`), and from a reversal on.
+        NoTangentMap: where there is none (see `check_start`, `check_event`), from a reversal on, and from where two
+            circles of an exact run graze.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -159,6 +161,9 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
         raise NoTangentMap(f"the run turns back after {turned} events", turned)
     if isinstance(trajectory.motion, ExactMotion):
         motion = trajectory.motion
+        if (graze := first_graze(trajectory, motion, events)) is not None:
+            pair = f"{graze.one} and {graze.other}"
+            raise NoTangentMap(f"before event {graze.events}, {pair} graze: nearby they hit or miss", graze.events)
         if bits is None:
             told = _sharply(trajectory, motion, events, together=False)
         else:
