@@ -44,7 +44,10 @@ class Store:
         self.path = path
         fresh = path == ":memory:" or not Path(path).exists() or Path(path).stat().st_size == 0
         if fresh and settings is None:
-            raise SceneError(f"--store {path!r}: there is no such file; give a scene to make one")
+            there = "the file is empty" if Path(path).exists() else "there is no such file"
+            raise SceneError(f"--store {path!r}: {there}; give a scene to make one")
+        if Path(path).is_dir():
+            raise SceneError(f"--store {path!r}: is a folder; name a file in it")
         if not Path(path).parent.is_dir():
             raise SceneError(f"--store {path!r}: there is no folder {str(Path(path).parent)!r}; create it first")
         with self._told():
