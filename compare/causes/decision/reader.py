@@ -169,6 +169,18 @@ class Reader:
         root = ball.root(law.pair_discriminant(dx, dy, vx, vy, reach))
         return float(enter), float(enter + (root + root) / (vx * vx + vy * vy))
 
+    def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
+        """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
+        told = self._wall(pairing, bits) if self.is_wall(pairing) else self._relative(pairing, bits)
+        if told is None:
+            return False
+        if self.is_wall(pairing):
+            gap, approach = told[1:3]
+        else:
+            dx, dy, vx, vy, reach = told[1:]
+            gap, approach = law.pair_gap(dx, dy, reach), law.pair_approach(dx, dy, vx, vy)
+        return ball.sign_of(approach) == 1 or (ball.sign_of(approach) == 0 and ball.sign_of(gap) == 1)
+
     def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """The least distance between two surfaces in free flight; negative: how deep they would sink in.
 
