@@ -21,7 +21,7 @@ from ..report.sentences import verdict_sentence
 from ..saved.cache import cached
 from ..scene_argument import scene_from
 from ..study import Study
-from ..validation import check_trajectory
+from ..validation import check_trajectory, unsupported
 from .asked import bits_asked, engine_asked
 from .message import failure
 from .reproduction import reproduction
@@ -119,6 +119,9 @@ def check(
     where = scene if isinstance(scene, str) else scene.name
     loaded = scene_from(scene) if isinstance(scene, str) else scene
     chosen, name = engine_asked(engine, loaded, declared)
+    key = unsupported(chosen, loaded)
+    if key is not None:
+        raise NotDecided(f"{name} on {where}: cannot run this scene: it does not follow {key!r}, by its scene_keys")
     truth = cached(ExactEngine(work=DEFAULT_WORK if work is None else work))
     demand = Demand(digits, atol, rtol)
     case = _Case(
