@@ -294,6 +294,28 @@ def test_what_cannot_be_checked_is_refused() -> None:
         check("duoble", "gas")
 
 
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"digits": 0}, "digits = 0: must be a whole number from 1"),
+        ({"digits": 1.5}, "digits = 1.5: must be"),
+        ({"atol": float("nan")}, "atol = nan: must be a finite number from 0"),
+        ({"atol": float("inf")}, "atol = inf: must be"),
+        ({"rtol": -1}, "rtol = -1: must be"),
+        ({"atol": "1"}, "atol = '1': must be"),
+        ({"horizon": 2.5}, "horizon = 2.5: must be a number of bits"),
+        ({"horizon": True}, "horizon = True: must be"),
+        ({"max_seconds": 0}, "max_seconds = 0: must be a number of seconds above zero"),
+        ({"max_seconds": "5"}, "max_seconds = '5': must be"),
+    ],
+)
+def test_a_demand_that_asks_for_nothing_is_refused(asked: dict[str, Any], told: str) -> None:
+    with pytest.raises(SceneError, match=told.replace("'", ".")):
+        check("double", "near-tie:k=2", **asked)
+    with pytest.raises(SceneError, match="scene = 3: must be a Scene"):
+        check("double", 3)  # pyright: ignore[reportArgumentType]
+
+
 def test_a_horizon_of_fewer_bits_asks_for_less() -> None:
     scene = Scene([Circle(0, 0, vx=1, id="a"), Circle(4, "1/2", id="b"), Circle(8, 1, id="c")], name="row")
     few, many = check("double", "gas", horizon="float32").reach, check("double", "gas").reach
