@@ -171,13 +171,16 @@ class Reader:
 
     def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
         """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
-        told = self._wall(pairing, bits) if self.is_wall(pairing) else self._relative(pairing, bits)
-        if told is None:
-            return False
         if self.is_wall(pairing):
-            gap, approach = told[1:3]
+            wall = self._wall(pairing, bits)
+            if wall is None:
+                return False
+            _, gap, approach, _ = wall
         else:
-            dx, dy, vx, vy, reach = told[1:]
+            relative = self._relative(pairing, bits)
+            if relative is None:
+                return False
+            _, dx, dy, vx, vy, reach = relative
             gap, approach = law.pair_gap(dx, dy, reach), law.pair_approach(dx, dy, vx, vy)
         return ball.sign_of(approach) == 1 or (ball.sign_of(approach) == 0 and ball.sign_of(gap) == 1)
 
