@@ -58,7 +58,8 @@ def checked_seconds(seconds: float | None) -> float | None:
     Raises:
         SceneError: for any other.
     """
-    if seconds is not None and not 0 < seconds <= threading.TIMEOUT_MAX:
+    number = isinstance(seconds, int | float) and not isinstance(seconds, bool)
+    if seconds is not None and not (number and 0 < seconds <= threading.TIMEOUT_MAX):
         raise SceneError(f"max_seconds = {seconds!r}: must be a number of seconds above zero")
     return seconds
 

@@ -169,6 +169,21 @@ class RunReader:
         root = ball.root(law.pair_discriminant(dx, dy, vx, vy, reach))
         return float(enter), float(enter + (root + root) / (vx * vx + vy * vy))
 
+    def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
+        """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
+        if self.is_wall(pairing):
+            wall = self._wall(pairing, bits)
+            if wall is None:
+                return False
+            _, gap, approach, _ = wall
+        else:
+            relative = self._relative(pairing, bits)
+            if relative is None:
+                return False
+            _, dx, dy, vx, vy, reach = relative
+            gap, approach = law.pair_gap(dx, dy, reach), law.pair_approach(dx, dy, vx, vy)
+        return ball.sign_of(approach) == 1 or (ball.sign_of(approach) == 0 and ball.sign_of(gap) == 1)
+
     def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """The least distance between two surfaces in free flight; negative: how deep they would sink in.
 

@@ -69,9 +69,13 @@ class Laboratory:
         self.got = None if self.decision is None else self.own.value(self.decision)
 
     def _decision(self) -> DecidingNumber | None:
-        """The decision that the candidate has otherwise; where its own flights have none, the closest."""
+        """The decision that the candidate has otherwise; where its own flights have none, the closest.
+
+        Two that part in both, as after their last meeting, decide nothing: whatever the candidate tells of them.
+        """
         found = decisions(self.reference, self.candidate.trajectory, self.candidate.alignment)
-        told = [(d, v) for d in found if (v := self.truth.value(d)) is not None]
+        asked = [d for d in found if d.kind == "order" or not (self.truth.parts(d.first) and self.own.parts(d.first))]
+        told = [(d, v) for d in asked if (v := self.truth.value(d)) is not None]
         for decision, value in told:
             other = self.own.value(decision)
             if other is not None and answer(decision, other) != answer(decision, value):
