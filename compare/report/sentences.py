@@ -221,7 +221,9 @@ def margin_phrase(candidate: Candidate) -> str | None:
     elif margin.distance is not None:
         away = middle(margin.distance)
         if margin.distance == (0.0, 0.0):
-            parts.append("in the exact motion it is a graze, a miss by exactly 0")
+            parts.append("in the exact motion they touch without depth, a miss by exactly 0")
+        elif margin.distance[0] <= 0 <= margin.distance[1]:
+            parts.append(f"in the exact motion it is {about(margin.distance)} from a touch")
         else:
             kind = "a hit by a depth of" if away < 0 else "a miss by"
             parts.append(f"in the exact motion it is {kind} {about(margin.distance)}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ....scenarios.numbers.quantity import Quantity
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import OnProgress, Stop, Trajectory
-    from .decision import Decision, Pairing
+    from .decision import Decision, Flight, Pairing
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class Replay(Reader):
         """As `Reader.numbers`, at the replay's bits."""
         return self._numbers[name, self._upto(pairing, name)]
 
-    def _exactly_grazing(self, pairing: Pairing) -> bool:
+    def _proves(self, is_zero: Callable[[Flight, Flight, Quantity], bool], pairing: Pairing) -> bool:
         """Balls do not tell."""
         return False
 

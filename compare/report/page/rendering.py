@@ -22,6 +22,7 @@ def _environment() -> jinja2.Environment:
     )
     environment.filters["longest_word"] = longest_word
     environment.filters["unbroken"] = unbroken
+    environment.filters["breakable"] = breakable
     return environment
 
 
@@ -65,8 +66,23 @@ NUMBER = re.compile(r"[-−]?\d[\d.]*e[-+]?\d+")
 VECTOR = re.compile(r"\([-\d.e+]+, [-\d.e+]+\)")
 
 
+LONG_WORD = re.compile(r"\S{17,}")
+
+JOINT = re.compile(r"(?<=[:=,_])(?=.)")
+"""Where a long name of an engine may go on in the next line."""
+
+
+def breakable(text: str) -> str:
+    """A text whose long words may be parted where their parts join, with no sign.
+
+    >>> breakable("pymunk:max_steps=100000 agrees").split("\u200b")
+    ['pymunk:', 'max_', 'steps=', '100000 agrees']
+    """
+    return LONG_WORD.sub(lambda word: JOINT.sub("\u200b", word[0]), text)
+
+
 def unbroken(text: str) -> Markup:
-    """A text of which no line ends within `t = 12`, `1e-40` or `(0, 1)`.
+    """A text of which no line ends within `t = 12`, `1e-40` or `(0, 1)`, and long names end only where parts join.
 
     >>> print(unbroken("<a> is off by 1e-40"))
     &lt;a&gt; is off by <span class="whole">1e-40</span>
@@ -75,7 +91,7 @@ def unbroken(text: str) -> Markup:
     >>> unbroken("event 3, t = 12") == "event 3, t\u00a0=\u00a012"
     True
     """
-    told = str(escape(text.replace("t = ", "t\u00a0=\u00a0")))
+    told = str(escape(breakable(text.replace("t = ", "t\u00a0=\u00a0")))).replace("\u200b", "<wbr>")
     told = VECTOR.sub(lambda vector: f'<span class="vector">{vector[0]}</span>', told)
     return Markup(NUMBER.sub(lambda number: f'<span class="whole">{number[0]}</span>', told))
 
@@ -93,6 +109,7 @@ COMPARED = {
     "title": "What happened, side by side",
     "choice": "engine",
     "note": "Solid outlines in the engine's pane are the reference's circles; the circles of the first divergence are "
-    "ringed. With sound, the left ear hears the reference, the right one the engine.",
+    "ringed. With sound, the left ear hears the reference, the right one the engine. Events are numbered from 0 in "
+    "each run; a divergence bears the number that its event has, or would have, in the reference.",
 }
 """What the player says of itself where an engine is held against a reference."""

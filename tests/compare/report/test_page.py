@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import csv
+import gzip
 import io
 import json
 import re
@@ -14,6 +15,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from command_line import done
 from pages import COMMAND, PAGES, comparison, page
 
 from truebreak.compare import compare, html_report
@@ -29,7 +31,7 @@ from truebreak.compare.report.page.recording import JUMP, MOST_EVENTS, recording
 from truebreak.scenarios import Circle, Scene, SceneError, catalogue
 from truebreak.scenarios.files import loads_toml
 
-VOID = ("meta", "link", "img", "br", "input", "hr")
+VOID = ("meta", "link", "img", "br", "input", "hr", "wbr")
 
 
 class Tags(HTMLParser):
@@ -79,7 +81,8 @@ def tags(text: str) -> Tags:
 def saved(text: str, ending: str) -> str:
     """The contents of the file that a page offers under a name with this ending."""
     (address,) = [a for name, a in tags(text).files.items() if name.endswith(ending)]
-    return base64.b64decode(address.partition("base64,")[2]).decode()
+    data = base64.b64decode(address.partition("base64,")[2])
+    return (gzip.decompress(data) if ending.endswith(".gz") else data).decode()
 
 
 @pytest.mark.parametrize("kind", PAGES)
@@ -225,6 +228,28 @@ def test_commands_name_the_file_that_the_page_saves(monkeypatch: pytest.MonkeyPa
     assert told.command.startswith("truebreak compare near-tie-k-40.json ")
     shorter = page_provenance.minimise_command(found, found.candidates[0])
     assert shorter is not None and shorter.startswith("truebreak minimise near-tie-k-40.json ")
+
+
+def test_a_long_file_is_carried_compressed_and_one_too_long_for_that_is_told_how_to_get(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = comparison("gas")
+    monkeypatch.setattr(page_provenance, "MOST_BYTES", 2000)
+    told = {file.name: file for file in provenance(found).files}
+    assert set(told) == {"gas.toml", "gas-comparison.json", "gas-events.csv.gz"}
+    assert told["gas-comparison.json"].address == ""
+    assert told["gas-comparison.json"].remedy.endswith("bytes, too many for a page: the command above, with --json")
+    text = html_report(found)
+    assert saved(text, "events.csv.gz") == events_csv(found)
+    assert text == html_report(found)
+
+
+def test_the_certificate_saved_from_a_page_is_verified(tmp_path: Path) -> None:
+    on_page, alone = tmp_path / "page.html", tmp_path / "lee.json"
+    assert done("compare", "lee", "--engines", "double", "--certify", "--html", str(on_page)).returncode == 0
+    alone.write_text(saved(on_page.read_text(), "certificate.json"))
+    told = done("verify", str(alone))
+    assert told.returncode == 0, told.stdout + told.stderr
 
 
 def test_a_changed_scene_is_not_told_as_the_catalogue_has_it() -> None:

@@ -32,7 +32,7 @@ class Tags(HTMLParser):
         self.resources: list[str] = []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag not in ("meta", "link", "img", "br", "input", "hr"):
+        if tag not in ("meta", "link", "img", "br", "input", "hr", "wbr"):
             self.open.append(tag)
         self.resources += [value or "" for key, value in attrs if key in ("src", "href", "srcset", "action")]
 
