@@ -23,6 +23,7 @@ def _environment() -> jinja2.Environment:
     environment.filters["longest_word"] = longest_word
     environment.filters["unbroken"] = unbroken
     environment.filters["breakable"] = breakable
+    environment.filters["in_cell"] = in_cell
     return environment
 
 
@@ -82,7 +83,7 @@ def breakable(text: str) -> str:
 
 
 def unbroken(text: str) -> Markup:
-    """A text of which no line ends within `t = 12`, `1e-40` or `(0, 1)`, and long names end only where parts join.
+    """A text of which no line ends within `t = 12`, `1e-40` or `(0, 1)`.
 
     >>> print(unbroken("<a> is off by 1e-40"))
     &lt;a&gt; is off by <span class="whole">1e-40</span>
@@ -91,9 +92,18 @@ def unbroken(text: str) -> Markup:
     >>> unbroken("event 3, t = 12") == "event 3, t\u00a0=\u00a012"
     True
     """
-    told = str(escape(breakable(text.replace("t = ", "t\u00a0=\u00a0")))).replace("\u200b", "<wbr>")
+    told = str(escape(text.replace("t = ", "t\u00a0=\u00a0")))
     told = VECTOR.sub(lambda vector: f'<span class="vector">{vector[0]}</span>', told)
     return Markup(NUMBER.sub(lambda number: f'<span class="whole">{number[0]}</span>', told))
+
+
+def in_cell(text: str) -> Markup:
+    """`unbroken`, for a narrow column: a long name of an engine ends a line where its parts join.
+
+    >>> print(in_cell("pymunk:iterations=64"))
+    pymunk:<wbr>iterations=<wbr>64
+    """
+    return unbroken(breakable(text)).replace("\u200b", Markup("<wbr>"))
 
 
 def longest_word(text: str) -> int:
