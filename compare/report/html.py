@@ -21,6 +21,7 @@ from .sentences import (
     consequence_phrase,
     counted,
     divergence_phrase,
+    ended_phrase,
     experiment_rows,
     margin_phrase,
     pattern_phrase,
@@ -96,7 +97,7 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
             f"{reference.engine}: {counted(len(reference.events), 'event')}, "
             f"{counted(reference.collisions, 'collision')}",
         ),
-        ("Compared", f"{span_phrase(comparison)}; {reference.stop.message}"),
+        ("Compared", f"{span_phrase(comparison)}; {ended_phrase(reference)}"),
         ("Proof", proof_phrase(comparison)),
     ]
     if comparison.certificate is not None:
