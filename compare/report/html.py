@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from ...scenarios.picture import PICTURED_CIRCLES, scene_picture
 from ..chaos.foreseen import foreseen
-from .foreseen import foreseen_phrase
+from .foreseen import foreseen_phrase, not_foreseen_phrase
 from .page.outcome_tables import changed, kept, settled
 from .page.patterns import gallery
 from .page.provenance import minimise_command, provenance
@@ -61,7 +61,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
             for number, candidate in enumerate(comparison.candidates)
         ],
         bands=bands,
-        not_foreseen=horizons.reason if horizons else "",
+        not_foreseen=not_foreseen_phrase(horizons),
         returns=comparison.return_miss is not None,
         reference_miss=short(comparison.return_miss),
         plots=[Markup(separation_plot(comparison, width, bands)) for width in (WIDE, NARROW)],

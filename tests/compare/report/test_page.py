@@ -70,8 +70,11 @@ def test_the_horizon_stands_in_the_plot_as_a_band_and_beside_it_in_words() -> No
 
 
 def test_nothing_is_foreseen_beyond_a_tie_or_without_an_exact_reference() -> None:
-    assert foreseen(comparison("rack")) is None
+    told = foreseen(comparison("rack"))
+    assert told is not None
+    assert (told.events, told.horizons) == (0, (None, None))
     assert 'class="horizon' not in page("rack")
+    assert f"No horizon is foreseen: {told.reason}." in page("rack")
     assert foreseen(compare(catalogue.build("gas"), ["single"], events=20, reference="double")) is None
 
 
