@@ -75,6 +75,9 @@ def diagnosed(experiments: list[Experiment]) -> Diagnosis:
     >>> diagnosed([Experiment(CauseName["INPUT"], "moves it by 3", 3.0, True, 0.75)]).name.value
     'input rounding'
     """
+    if not any(e.suffices for e in experiments):
+        told = "nothing that was tried changes the decision by itself"
+        return Diagnosis(CauseName["UNKNOWN"], tuple(experiments), told)
     measured = all(e.displacement is not None for e in experiments if e.suffices)
     total = sum(abs(e.displacement) for e in experiments if e.displacement is not None) if measured else 0.0
     rows = tuple(
@@ -83,8 +86,5 @@ def diagnosed(experiments: list[Experiment]) -> Diagnosis:
         else Experiment(e.cause, e.result, e.displacement, e.suffices, abs(e.displacement) / total)
         for e in experiments
     )
-    enough = [e for e in rows if e.suffices]
-    if not enough:
-        return Diagnosis(CauseName["UNKNOWN"], rows, "nothing that was tried changes the decision by itself")
-    first = max(enough, key=lambda e: e.share or 0.0)
+    first = max((e for e in rows if e.suffices), key=lambda e: e.share or 0.0)
     return Diagnosis(first.cause, rows, first.result)

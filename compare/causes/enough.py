@@ -10,10 +10,10 @@ from ...exact.results.motion import motion_of
 from ...scenarios.trajectory import StopReason
 from ..deadline import OutOfTime, time_limit
 from .decision.balls import BallRun, Replay
+from .decision.decision import MOST_BITS, DecidingNumber
 from .margin import BitsEnough
 
 if TYPE_CHECKING:
-    from .decision.decision import DecidingNumber
     from .laboratory.laboratory import Laboratory
 
 FEWEST, MOST = 24, 1 << 17
@@ -50,8 +50,11 @@ def bits_enough(lab: Laboratory) -> BitsEnough:
     motion = motion_of(lab.reference)
     if motion is None:
         return BitsEnough(told=f"not searched: {study.truth.name} keeps no log that balls could carry out")
-    if ball.sign_of(lab.margin) not in (-1, 1):
+    sign = ball.sign_of(lab.margin)
+    if sign == 0:
         return BitsEnough(told="no number of bits tells an exact zero")
+    if sign is None:
+        return BitsEnough(told=f"none of up to {MOST_BITS:,} bits decide it, and it is not proved to be zero")
     most = min(MOST, MOST_WORK // max(len(motion.log.steps), 1))
     if most < STEP_BITS:
         return BitsEnough(told=f"not searched: the run has more than {MOST_WORK // STEP_BITS:,} steps")

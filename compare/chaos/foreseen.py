@@ -24,8 +24,8 @@ class Foreseen:
     """What the exact run says of its engines before they are run.
 
     Attributes:
-        events: how many events were looked at, and the time of the last.
-        horizons: one for each candidate, in their order; None for an engine of exact numbers.
+        events: how many events were looked at, and the time of the last; none where the start has no tangent map.
+        horizons: one for each candidate, in their order; None for an engine of exact numbers, and without events.
         reason: why not all events of the run were looked at; empty if they were.
     """
 
@@ -53,7 +53,7 @@ def foreseen(comparison: Comparison) -> Foreseen | None:
         struck = impacts(reference, most)
     except NoTangentMap as error:
         if not error.events:
-            return None
+            return Foreseen(0, 0.0, (None,) * len(comparison.candidates), str(error))
         reason = str(error)
         struck = impacts(reference, error.events)
     return _forecast(comparison, struck, reason)

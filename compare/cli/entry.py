@@ -27,7 +27,7 @@ def main(arguments: list[str] | None = None) -> None:
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
     if "_TRUEBREAK_COMPLETE" in os.environ:
-        from .arguments import fish  # noqa: F401
+        from .arguments import shells  # noqa: F401
 
         cli.main(given, prog_name="truebreak")
     _open_streams()

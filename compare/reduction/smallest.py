@@ -45,10 +45,14 @@ class Reduction:
 
         >>> Reduction("circles", ("a", "b"), None, 3).told, Reduction("events", ("12",), None, 4).told
         ('circles a, b', 'events after 12')
+        >>> Step("circles", ("a",), None, 5).told
+        'circle a'
         """
         if self.kind == "events":
             return f"events after {self.removed[0]}"
-        return f"{self.kind}{' of' if self.kind == 'digits' else ''} {', '.join(self.removed)}"
+        if self.kind == "digits":
+            return f"digits of {', '.join(self.removed)}"
+        return f"{self.kind if len(self.removed) > 1 else self.kind.removesuffix('s')} {', '.join(self.removed)}"
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
     >>> from truebreak.scenarios import catalogue
     >>> found = foreseen(compare(catalogue.build("gas:n=4"), ["single", "quad"], events=60))
     >>> foreseen_phrase(found, 0)
-    'foreseen to leave between event 23 and event 31, half of such engines by event 27'
+    'foreseen to leave between event 25 and event 33, half of such engines by event 26'
     >>> foreseen_phrase(found, 1)
     'foreseen to keep the history in the 60 events looked at, by the growth of errors alone'
     >>> near = foreseen(compare(catalogue.build("near-tie:k=40"), ["interval"]))
@@ -37,3 +37,17 @@ def foreseen_phrase(found: Foreseen | None, number: int) -> str:
         f"foreseen to leave between event {horizon.low.event:,} and event {horizon.high.event:,}, "
         f"half of such engines by event {horizon.expected.event:,}"
     )
+
+
+def not_foreseen_phrase(found: Foreseen | None) -> str:
+    """Why the run is not looked at to its end, or not at all; empty where it is.
+
+    >>> from truebreak.compare.chaos.foreseen import Foreseen
+    >>> not_foreseen_phrase(Foreseen(7, 2.5, (), "the run turns back after 7 events"))
+    'Foreseen only so far: the run turns back after 7 events'
+    >>> not_foreseen_phrase(Foreseen(0, 0.0, (), "a and b touch from the start on"))
+    'No horizon is foreseen: a and b touch from the start on'
+    """
+    if found is None or not found.reason:
+        return ""
+    return f"{'Foreseen only so far' if found.events else 'No horizon is foreseen'}: {found.reason}"

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from ...scenarios.pictures.picture import PICTURED_CIRCLES, scene_picture
 from ..chaos.foreseen import foreseen
-from .foreseen import foreseen_phrase
+from .foreseen import foreseen_phrase, not_foreseen_phrase
 from .page.outcome_tables import changed, kept, settled
 from .page.patterns import gallery
 from .page.provenance import minimise_command, provenance
@@ -21,6 +21,7 @@ from .sentences import (
     consequence_phrase,
     counted,
     divergence_phrase,
+    ended_phrase,
     experiment_rows,
     margin_phrase,
     pattern_phrase,
@@ -60,7 +61,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
             for number, candidate in enumerate(comparison.candidates)
         ],
         bands=bands,
-        not_foreseen=horizons.reason if horizons else "",
+        not_foreseen=not_foreseen_phrase(horizons),
         returns=comparison.return_miss is not None,
         reference_miss=short(comparison.return_miss),
         plots=[Markup(separation_plot(comparison, width, bands)) for width in (WIDE, NARROW)],
@@ -96,7 +97,7 @@ def _facts(comparison: Comparison) -> list[tuple[str, str]]:
             f"{reference.engine}: {counted(len(reference.events), 'event')}, "
             f"{counted(reference.collisions, 'collision')}",
         ),
-        ("Compared", f"{span_phrase(comparison)}; {reference.stop.message}"),
+        ("Compared", f"{span_phrase(comparison)}; {ended_phrase(reference)}"),
         ("Proof", proof_phrase(comparison)),
     ]
     if comparison.certificate is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from ...scenarios.trajectory import StopReason
 from ..alignment.align import VERDICTS
 from ..alignment.divergence import Kind
 from ..causes.table import NO_CAUSE
@@ -13,9 +14,14 @@ from .counting import counted
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
     from ..candidate import Candidate
     from ..causes.margin import BitsEnough
     from ..comparison import Comparison
+
+
+LONGEST_LIMIT = 48
+"""Characters of a reason to stop with a time limit that is read at a glance."""
 
 
 def verdict_sentence(comparison: Comparison) -> str:
@@ -221,7 +227,9 @@ def margin_phrase(candidate: Candidate) -> str | None:
     elif margin.distance is not None:
         away = middle(margin.distance)
         if margin.distance == (0.0, 0.0):
-            parts.append("in the exact motion it is a graze, a miss by exactly 0")
+            parts.append("in the exact motion they touch without depth, a miss by exactly 0")
+        elif margin.distance[0] <= 0 <= margin.distance[1]:
+            parts.append(f"in the exact motion it is {about(margin.distance)} from a touch")
         else:
             kind = "a hit by a depth of" if away < 0 else "a miss by"
             parts.append(f"in the exact motion it is {kind} {about(margin.distance)}")
@@ -242,6 +250,12 @@ def span_phrase(comparison: Comparison) -> str:
     if math.isfinite(comparison.span):
         return f"to time {comparison.span:.9g}"
     return "for all time"
+
+
+def ended_phrase(run: Trajectory) -> str:
+    """Why a run ended. A time limit too long to be read, such as a double written exactly, is not told once more."""
+    limited = run.stop.reason is StopReason.HORIZON and len(run.stop.message) > LONGEST_LIMIT
+    return StopReason.HORIZON.value if limited else run.stop.message
 
 
 def proof_phrase(comparison: Comparison) -> str:

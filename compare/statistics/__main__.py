@@ -11,7 +11,7 @@ from ...scenarios.errors import SceneError
 from ..cli.writing import write_whole
 from .boltzmann import CELLS
 from .ladder import approximate, bias, certified, power
-from .page import HEAD, placed, row
+from .page import HEAD, figure, placed, row
 from .quantities import QUANTITIES
 
 LADDER = (
@@ -38,7 +38,7 @@ def measured(number: int, engines: list[str], count: int | None = None) -> tuple
     for name in engines:
         found = bias(exact, approximate(quantity, scenes, events, name), margin)
         lost = f"{found.lost}, {found.endless} without end" if found.endless else f"{found.lost}"
-        rows[name] = row([name, f"{found.value:+.2g}", f"{found.error:.2g}", lost, found.verdict(tests)])
+        rows[name] = row([name, figure(found.value, "+.2g"), figure(found.error, ".2g"), lost, found.verdict(tests)])
         print(rows[name], flush=True)
     return told, rows
 

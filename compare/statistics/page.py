@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 
@@ -15,6 +16,15 @@ def row(cells: Sequence[str]) -> str:
     '| double | +0 |'
     """
     return f"| {' | '.join(cells)} |"
+
+
+def figure(value: float, form: str) -> str:
+    """A number in a form such as `+.2g`; a dash where there is none, since every run was lost.
+
+    >>> figure(0.0312, "+.2g"), figure(math.nan, "+.2g")
+    ('+0.031', '-')
+    """
+    return "-" if math.isnan(value) else format(value, form)
 
 
 def placed(page: str, number: int, told: str, rows: Mapping[str, str], order: Sequence[str]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ....scenarios.numbers.quantity import Quantity
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import OnProgress, Stop, Trajectory
-    from .decision import DecidingNumber, Pairing
+    from .decision import DecidingNumber, OwnFlight, Pairing
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class Replay(RunReader):
         """As `RunReader.numbers`, at the replay's bits."""
         return self._numbers[name, self._upto(pairing, name)]
 
-    def _exactly_grazing(self, pairing: Pairing) -> bool:
+    def _proves(self, is_zero: Callable[[OwnFlight, OwnFlight, Quantity], bool], pairing: Pairing) -> bool:
         """Balls do not tell."""
         return False
 

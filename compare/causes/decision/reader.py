@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb
@@ -13,7 +13,7 @@ from ....exact.numbers import ball
 from ....scenarios.numbers.quantity import Quantity
 from ....scenarios.numbers.real import real
 from .decision import FIRST_BITS, MOST_BITS, DecidingNumber, OwnFlight, Pairing
-from .zeros import grazes_exactly
+from .zeros import grazes_exactly, touches_exactly
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
@@ -197,9 +197,10 @@ class RunReader:
             return None
         _, dx, dy, vx, vy, reach = relative
         if ball.sign_of(law.pair_approach(dx, dy, vx, vy)) in (0, 1):
-            return ball.root(dx * dx + dy * dy) - reach
-        least = abs(dx * vy - dy * vx) / ball.root(vx * vx + vy * vy) - reach
-        return arb(0) if ball.sign_of(least) is None and self._exactly_grazing(pairing) else least
+            least, is_zero = ball.root(dx * dx + dy * dy) - reach, touches_exactly
+        else:
+            least, is_zero = abs(dx * vy - dy * vx) / ball.root(vx * vx + vy * vy) - reach, grazes_exactly
+        return arb(0) if ball.sign_of(least) is None and self._proves(is_zero, pairing) else least
 
     def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
         """The distance between two surfaces at a time of their free flight."""
@@ -213,9 +214,9 @@ class RunReader:
         x, y = law.advance(dx, vx, time - t), law.advance(dy, vy, time - t)
         return ball.root(x * x + y * y) - reach
 
-    def _exactly_grazing(self, pairing: Pairing) -> bool:
-        """Whether the discriminant is proved to be zero, where the flights' exact values are short."""
+    def _proves(self, is_zero: Callable[[OwnFlight, OwnFlight, Quantity], bool], pairing: Pairing) -> bool:
+        """Whether a zero is proved, where the flights' exact values are short."""
         names = pairing.body, pairing.partner
         one, other = (self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names)
         radii = [c.r for c in self.scene.circles if c.id in names]
-        return one is not None and other is not None and grazes_exactly(one, other, radii[0] + radii[1])
+        return one is not None and other is not None and is_zero(one, other, radii[0] + radii[1])

@@ -42,6 +42,19 @@ def grazes_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
     return _is_zero(pair_discriminant, *_relative(flights[0], flights[1]), reach)
 
 
+def touches_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
+    """Whether two circles are proved to touch, neither apart nor overlapping, where the later of their flights begins.
+
+    Args:
+        reach: the sum of their radii.
+    """
+    flights = _exact(one), _exact(other)
+    if flights[0] is None or flights[1] is None:
+        return False
+    dx, dy, _, _ = _relative(flights[0], flights[1])
+    return _is_zero(pair_gap, dx, dy, reach)
+
+
 def exact_zero(reference: Trajectory, event: int) -> str | None:
     """What is exactly zero among the flights that lead to an event, in words; None if no zero is proved.
 

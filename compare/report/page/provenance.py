@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import csv
+import gzip
 import io
 import os
 import platform
@@ -32,7 +33,8 @@ LIBRARIES = ("python-flint", "sympy", "mpmath", "numpy", "pymunk")
 """Distributions whose version can decide what a report says."""
 
 MOST_BYTES = 300_000
-"""Largest file that a page carries: a page of all of them stays well under 1 MB."""
+"""Largest file that a page carries as it is; a longer one is carried compressed, if that makes it short enough. So a
+page of all of them stays well under 1 MB."""
 
 
 @dataclass(frozen=True)
@@ -232,14 +234,25 @@ def downloads(comparison: Comparison) -> Iterator[Download]:
         events_csv(comparison),
         "truebreak run SCENE --engine E --json",
     )
+    if comparison.certificate is not None:
+        yield download(
+            f"{stem}-certificate.json",
+            "the certificate of the reference's run, which `truebreak verify FILE` checks",
+            "application/json",
+            comparison.certificate.text,
+            "truebreak run SCENE --certificate FILE",
+        )
 
 
 def download(name: str, label: str, kind: str, text: str, remedy: str) -> Download:
-    """A text as a file in the page, or, if it is too long for one, how to get it otherwise."""
-    data = text.encode()
+    """A text as a file in the page, compressed if it is long; if it is too long for a page, how to get it otherwise."""
+    data, kind = text.encode(), f"{kind};charset=utf-8"
     if len(data) > MOST_BYTES:
-        return Download(name, label, "", f"{len(data):,} bytes, too many for a page: {remedy}")
-    return Download(name, label, f"data:{kind};charset=utf-8;base64,{base64.b64encode(data).decode()}")
+        packed = gzip.compress(data, mtime=0)
+        if len(packed) > MOST_BYTES:
+            return Download(name, label, "", f"{len(data):,} bytes, too many for a page: {remedy}")
+        name, label, data, kind = f"{name}.gz", f"{label}, compressed", packed, "application/gzip"
+    return Download(name, label, f"data:{kind};base64,{base64.b64encode(data).decode()}")
 
 
 def events_csv(comparison: Comparison) -> str:

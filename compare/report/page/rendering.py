@@ -22,6 +22,8 @@ def _environment() -> jinja2.Environment:
     )
     environment.filters["longest_word"] = longest_word
     environment.filters["unbroken"] = unbroken
+    environment.filters["breakable"] = breakable
+    environment.filters["in_cell"] = in_cell
     return environment
 
 
@@ -65,6 +67,21 @@ NUMBER = re.compile(r"[-−]?\d[\d.]*e[-+]?\d+")
 VECTOR = re.compile(r"\([-\d.e+]+, [-\d.e+]+\)")
 
 
+LONG_WORD = re.compile(r"\S{17,}")
+
+JOINT = re.compile(r"(?<=[:=,_])(?=.)")
+"""Where a long name of an engine may go on in the next line."""
+
+
+def breakable(text: str) -> str:
+    """A text whose long words may be parted where their parts join, with no sign.
+
+    >>> breakable("pymunk:max_steps=100000 agrees").split("\u200b")
+    ['pymunk:', 'max_', 'steps=', '100000 agrees']
+    """
+    return LONG_WORD.sub(lambda word: JOINT.sub("\u200b", word[0]), text)
+
+
 def unbroken(text: str) -> Markup:
     """A text of which no line ends within `t = 12`, `1e-40` or `(0, 1)`.
 
@@ -80,6 +97,15 @@ def unbroken(text: str) -> Markup:
     return Markup(NUMBER.sub(lambda number: f'<span class="whole">{number[0]}</span>', told))
 
 
+def in_cell(text: str) -> Markup:
+    """`unbroken`, for a narrow column: a long name of an engine ends a line where its parts join.
+
+    >>> print(in_cell("pymunk:iterations=64"))
+    pymunk:<wbr>iterations=<wbr>64
+    """
+    return unbroken(breakable(text)).replace("\u200b", Markup("<wbr>"))
+
+
 def longest_word(text: str) -> int:
     """Letters of the longest word: a cell of short ones is never broken within a word.
 
@@ -93,6 +119,7 @@ COMPARED = {
     "title": "What happened, side by side",
     "choice": "engine",
     "note": "Solid outlines in the engine's pane are the reference's circles; the circles of the first divergence are "
-    "ringed. With sound, the left ear hears the reference, the right one the engine.",
+    "ringed. With sound, the left ear hears the reference, the right one the engine. Events are numbered from 0 in "
+    "each run; a divergence bears the number that its event has, or would have, in the reference.",
 }
 """What the player says of itself where an engine is held against a reference."""

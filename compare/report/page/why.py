@@ -43,8 +43,9 @@ def amounts(candidate: Candidate) -> list[Amount]:
         return []
     close, far = shares(abs(middle(margin.distance)), margin.error)
     told = "exactly 0" if margin.distance == (0.0, 0.0) else about(margin.distance)
+    name = "how close it was" if margin.gap is None else "how close it was, as a distance"
     return [
-        Amount("how close it was", told, close),
+        Amount(name, told, close),
         Amount(f"how far off {candidate.engine} was by then", off(margin.error), far, own=True),
     ]
 

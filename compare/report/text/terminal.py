@@ -8,6 +8,7 @@ from ..sentences import (
     consequence_phrase,
     counted,
     divergence_phrase,
+    ended_phrase,
     experiment_rows,
     listed,
     margin_phrase,
@@ -38,7 +39,7 @@ def print_comparison(comparison: Comparison) -> None:
         out,
         f"{comparison.scene.name}: {counted(len(reference.events), 'event')}, "
         f"{counted(reference.collisions, 'collision')} in the {reference.engine} run, "
-        f"{span_phrase(comparison)} ({reference.stop.message}). {proof_phrase(comparison)}",
+        f"{span_phrase(comparison)} ({ended_phrase(reference)}). {proof_phrase(comparison)}",
     )
     if comparison.certificate is not None:
         say(out, comparison.certificate.told)

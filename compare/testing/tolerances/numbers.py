@@ -12,6 +12,7 @@ from ....exact.numbers import ball
 from ....scenarios.checks.limits import positive_count
 from ....scenarios.errors import SceneError
 from ....scenarios.numbers.real import real
+from ...report.counting import counted
 
 if TYPE_CHECKING:
     from ....scenarios.event import Event
@@ -91,10 +92,10 @@ def number_off(
         known = reach is not None and pair.mine < reach.linear
         for room, why in _time_rooms(demand, reach if known else None, pair.mine, time):
             if off > room:
-                shown = max(DIGITS, demand.digits or 0)
+                shown, right = max(DIGITS, demand.digits or 0), digits_left(off, time)
                 return (
                     f"{where} = {float(got)!r} where it should be {event.time.digits(shown)}: off by {off:.3g}, "
-                    f"{room:.3g} is {why}; {digits_left(off, time)} digits are right"
+                    f"{room:.3g} is {why}; {counted(right, 'digit')} {'is' if right == 1 else 'are'} right"
                 )
         if not places:
             continue

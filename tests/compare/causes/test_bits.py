@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from truebreak.compare import compare, engine
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes import enough
 from truebreak.compare.causes.decision.balls import BallRun
-from truebreak.compare.causes.margin import BitsEnough
+from truebreak.compare.causes.decision.decision import Pairing
+from truebreak.compare.causes.decision.reader import Reader
+from truebreak.compare.causes.margin import BitsEnough, Margin
 from truebreak.compare.report.sentences import margin_phrase
+from truebreak.exact.engine import ExactEngine
+from truebreak.exact.numbers import ball
 from truebreak.scenarios import Circle, Scene, catalogue
 
 
@@ -94,3 +100,17 @@ def test_where_none_is_given_it_is_said_why(monkeypatch: pytest.MonkeyPatch) -> 
     assert told(catalogue.build("gas"), "double", 300)[1].told == "not searched: the run has more than 8 steps"
     found = compare(catalogue.build("gas:n=4"), ["exact"], reference="double", events=200).candidates[0]
     assert found.margin is None or found.margin.enough.told.startswith("not searched: double keeps no log")
+
+
+@pytest.mark.parametrize("pair", [("b8", "b9"), ("b4", "b5")])
+def test_two_that_touch_and_part_miss_by_exactly_zero(pair: tuple[str, str]) -> None:
+    run = ExactEngine().run(catalogue.build("rack:rows=5"), events=1)
+    told = Reader(run).least_gap(Pairing(*pair, dict.fromkeys(pair, 0)))
+    assert told is not None
+    assert ball.sign_of(told) == 0
+
+
+def test_what_no_double_tells_from_zero_is_called_neither_a_hit_nor_a_miss() -> None:
+    found, _ = told(catalogue.build("grazing"), "double", 5)
+    near = replace(found, margin=Margin(None, (-5e-324, 5e-324), None))
+    assert margin_phrase(near) == "in the exact motion it is less than 4.94e-324 from a touch"

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import base64
 import csv
 import io
 import json
 import re
 import struct
-from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
 
 import jsonschema
 import pytest
+from command_line import done
 from pages import COMMAND, PAGES, comparison, page
+from tags import saved, tags
 
 from truebreak.compare import compare, html_report
 from truebreak.compare.chaos.chaos import chaos
@@ -28,58 +28,6 @@ from truebreak.compare.report.page.provenance import events_csv, provenance, who
 from truebreak.compare.report.page.recording import JUMP, MOST_EVENTS, recording
 from truebreak.scenarios import Circle, Scene, SceneError, catalogue
 from truebreak.scenarios.files import loads_toml
-
-VOID = ("meta", "link", "img", "br", "input", "hr")
-
-
-class Tags(HTMLParser):
-    """Collects tags, the addresses in them, links within the page, the files to save, and the text of scripts."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.resources: list[str] = []
-        self.files: dict[str, str] = {}
-        self.scripts: dict[str, str] = {}
-        self.places: set[str] = set()
-        self.within: set[str] = set()
-        self._script: str | None = None
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = dict(attrs)
-        self.places.add(given.get("id") or "")
-        if tag not in VOID:
-            self.open.append(tag)
-        if tag == "a" and "download" in given:
-            self.files[str(given["download"])] = str(given["href"])
-            return
-        if tag == "a" and str(given["href"]).startswith("#"):
-            self.within.add(str(given["href"])[1:])
-            return
-        self.resources += [value or "" for key, value in attrs if key in ("src", "href", "srcset", "action")]
-        if tag == "script":
-            self._script = given.get("id") or given.get("type") or ""
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-        self._script = None
-
-    def handle_data(self, data: str) -> None:
-        if self._script is not None:
-            self.scripts[self._script] = self.scripts.get(self._script, "") + data
-
-
-def tags(text: str) -> Tags:
-    """The tags of a page."""
-    found = Tags()
-    found.feed(text)
-    return found
-
-
-def saved(text: str, ending: str) -> str:
-    """The contents of the file that a page offers under a name with this ending."""
-    (address,) = [a for name, a in tags(text).files.items() if name.endswith(ending)]
-    return base64.b64decode(address.partition("base64,")[2]).decode()
 
 
 @pytest.mark.parametrize("kind", PAGES)
@@ -122,8 +70,11 @@ def test_the_horizon_stands_in_the_plot_as_a_band_and_beside_it_in_words() -> No
 
 
 def test_nothing_is_foreseen_beyond_a_tie_or_without_an_exact_reference() -> None:
-    assert foreseen(comparison("rack")) is None
+    told = foreseen(comparison("rack"))
+    assert told is not None
+    assert (told.events, told.horizons) == (0, (None, None))
     assert 'class="horizon' not in page("rack")
+    assert f"No horizon is foreseen: {told.reason}." in page("rack")
     assert foreseen(compare(catalogue.build("gas"), ["single"], events=20, reference="double")) is None
 
 
@@ -225,6 +176,28 @@ def test_commands_name_the_file_that_the_page_saves(monkeypatch: pytest.MonkeyPa
     assert told.command.startswith("truebreak compare near-tie-k-40.json ")
     shorter = page_provenance.minimise_command(found, found.candidates[0])
     assert shorter is not None and shorter.startswith("truebreak minimise near-tie-k-40.json ")
+
+
+def test_a_long_file_is_carried_compressed_and_one_too_long_for_that_is_told_how_to_get(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    found = comparison("gas")
+    monkeypatch.setattr(page_provenance, "MOST_BYTES", 2000)
+    told = {file.name: file for file in provenance(found).files}
+    assert set(told) == {"gas.toml", "gas-comparison.json", "gas-events.csv.gz"}
+    assert told["gas-comparison.json"].address == ""
+    assert told["gas-comparison.json"].remedy.endswith("bytes, too many for a page: the command above, with --json")
+    text = html_report(found)
+    assert saved(text, "events.csv.gz") == events_csv(found)
+    assert text == html_report(found)
+
+
+def test_the_certificate_saved_from_a_page_is_verified(tmp_path: Path) -> None:
+    on_page, alone = tmp_path / "page.html", tmp_path / "lee.json"
+    assert done("compare", "lee", "--engines", "double", "--certify", "--html", str(on_page)).returncode == 0
+    alone.write_text(saved(on_page.read_text(), "certificate.json"))
+    told = done("verify", str(alone))
+    assert told.returncode == 0, told.stdout + told.stderr
 
 
 def test_a_changed_scene_is_not_told_as_the_catalogue_has_it() -> None:

@@ -8,10 +8,12 @@ from typing import Any
 import pytest
 from pages import comparison, page
 
+from truebreak.compare import compare
 from truebreak.compare.cli import main
 from truebreak.compare.report.sentences import about, margin_phrase, short
 from truebreak.compare.report.text.output import PLAIN_WIDTH, columns, console
 from truebreak.compare.report.text.terminal import print_comparison
+from truebreak.scenarios import catalogue
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import loads_json, loads_toml
 
@@ -148,3 +150,12 @@ def test_a_margin_too_small_for_a_double_is_not_called_zero() -> None:
 def test_a_page_of_outcomes_says_nothing_in_the_words_of_python() -> None:
     for kind in ("rack", "near-tie", "gas"):
         assert not any(word in page(kind) for word in ("kept: True", "lost_at", ">None<", ">True<"))
+
+
+@pytest.mark.parametrize(
+    ("until", "told"),
+    [("21/2", "(reached the time limit 21/2)"), ("6127674000886021/140737488355328", "(reached the time limit)")],
+)
+def test_a_time_limit_is_told_where_it_can_be_read(until: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    print_comparison(compare(catalogue.build("gas"), ["double"], until=until, causes=False))
+    assert told in capsys.readouterr().out
