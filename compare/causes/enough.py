@@ -10,7 +10,7 @@ from ...exact.results.motion import motion_of
 from ...scenarios.trajectory import StopReason
 from ..deadline import OutOfTime, time_limit
 from .decision.balls import BallRun, Replay
-from .decision.decision import MOST_BITS, Decision
+from .decision.decision import MOST_BITS, DecidingNumber
 from .margin import BitsEnough
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def bits_enough(lab: Laboratory) -> BitsEnough:
     return BitsEnough(bits, short, "replay")
 
 
-def _replays(lab: Laboratory, decision: Decision, bits: int) -> bool:
+def _replays(lab: Laboratory, decision: DecidingNumber, bits: int) -> bool:
     """Whether the log in balls of so many bits tells the decision."""
     lab.check_time()
     return Replay(lab.reference, decision, bits, lab.turned).decides
