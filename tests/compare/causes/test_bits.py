@@ -11,7 +11,7 @@ from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes import enough
 from truebreak.compare.causes.decision.balls import BallRun
 from truebreak.compare.causes.decision.decision import Pairing
-from truebreak.compare.causes.decision.reader import Reader
+from truebreak.compare.causes.decision.reader import RunReader
 from truebreak.compare.causes.margin import BitsEnough, Margin
 from truebreak.compare.report.sentences import margin_phrase
 from truebreak.exact.engine import ExactEngine
@@ -105,7 +105,7 @@ def test_where_none_is_given_it_is_said_why(monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.mark.parametrize("pair", [("b8", "b9"), ("b4", "b5")])
 def test_two_that_touch_and_part_miss_by_exactly_zero(pair: tuple[str, str]) -> None:
     run = ExactEngine().run(catalogue.build("rack:rows=5"), events=1)
-    told = Reader(run).least_gap(Pairing(*pair, dict.fromkeys(pair, 0)))
+    told = RunReader(run).least_gap(Pairing(*pair, dict.fromkeys(pair, 0)))
     assert told is not None
     assert ball.sign_of(told) == 0
 
