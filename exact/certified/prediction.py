@@ -15,7 +15,7 @@ from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
 from ..replay.body import FAINT, Body, Landed
 from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
-from ..simulation.arrivals.grid import Flight
+from ..simulation.arrivals.grid import FloatFlight
 from ..simulation.arrivals.prediction import Predictor, link_of
 from ..simulation.arrivals.queue import ArrivalQueue
 
@@ -184,7 +184,7 @@ class FilteredPredictor(Predictor[arb]):
         for k in unclear:
             self.wall(a, k, standing)
 
-    def in_doubles(self, a: Body[arb]) -> Flight | None:
+    def in_doubles(self, a: Body[arb]) -> FloatFlight | None:
         """See `Predictor.in_doubles`."""
         return None if a.f is None else a.f[:5]
 

@@ -25,7 +25,7 @@ from ...replay.state import State
 from . import grid as crowding
 from .cells import FARTHEST
 from .crowd import Crowd, cells_for
-from .grid import Flight
+from .grid import FloatFlight
 from .queue import ArrivalQueue
 
 ROUNDED_DOWN = 1 - 2.0**-50
@@ -139,7 +139,7 @@ class Predictor(Generic[M]):
         if cells is not None:
             self._crowd = self.queue.crossings = Crowd(cells, state.bodies, state.pockets, self.plan, self)
 
-    def in_doubles(self, a: Body[M]) -> Flight | None:
+    def in_doubles(self, a: Body[M]) -> FloatFlight | None:
         """A flight in doubles; None where they do not tell it to a rounding."""
         numbers: list[float] = []
         for number in a.q:
