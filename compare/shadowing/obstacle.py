@@ -12,7 +12,7 @@ from ..tangent.impacts import moving
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
-    from .record import Link, Record
+    from .record import Indices, Record
     from .refine import Refined
 
 GRAZING = 1e-12
@@ -151,7 +151,7 @@ def other_history(scene: Scene, record: Record, run: Trajectory, theirs: Record)
     raise AssertionError("streams that differ have a first difference")
 
 
-def _parted(scene: Scene, record: Record, theirs: Record, contact: int, i: int, got: Link | None) -> Blocked:
+def _parted(scene: Scene, record: Record, theirs: Record, contact: int, i: int, got: Indices | None) -> Blocked:
     """Circle i has a contact in the engine's run, and another one, or none, in the true one."""
     ids, link, event = scene.ids, record.links[contact], record.events[contact]
     turn = sum(i in other for other in record.links[:contact])
