@@ -100,7 +100,7 @@ def test_a_failure_tells_the_divergence_first(pytester: pytest.Pytester) -> None
 
 def test_a_report_that_cannot_be_written_hides_no_failure(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(FAILING)
-    Path(pytester.path, "taken").write_text("", "utf-8")
+    Path(pytester.path, "taken").touch()
     done = pytester.runpytest("--truebreak-report=taken")
     assert done.ret == pytest.ExitCode.USAGE_ERROR
     done.stderr.fnmatch_lines(["ERROR: --truebreak-report taken: is a file; name a folder"])
