@@ -100,7 +100,7 @@ def test_a_failure_tells_the_divergence_first(pytester: pytest.Pytester) -> None
 
 def test_a_report_that_cannot_be_written_hides_no_failure(pytester: pytest.Pytester) -> None:
     pytester.makepyfile(FAILING)
-    Path(pytester.path, "taken").write_text("", "utf-8")
+    Path(pytester.path, "taken").touch()
     done = pytester.runpytest("--truebreak-report=taken")
     assert done.ret == pytest.ExitCode.USAGE_ERROR
     done.stderr.fnmatch_lines(["ERROR: --truebreak-report taken: is a file; name a folder"])
@@ -150,43 +150,6 @@ def test_the_marker_and_settings_are_checked(pytester: pytest.Pytester) -> None:
     assert "work = 'much'" in pytester.runpytest("--truebreak-work=much").stdout.str()
     assert "truebreak(horizon=None" in pytester.runpytest("--markers").stdout.str()
     assert "--truebreak-report=DIR" in pytester.runpytest("--help").stdout.str()
-
-
-def test_an_engine_that_hangs_is_a_test_that_fails(pytester: pytest.Pytester) -> None:
-    """One that plays into a recording, and one that hands its own run over: both are ended, and undecided."""
-    pytester.makepyfile(
-        """
-        import pytest
-        from truebreak.compare.foreign import RecordedEngine
-        from truebreak.scenarios import Declared
-
-        class Hangs(RecordedEngine):
-            name = "hangs"
-
-            def play(self, scene, recording):
-                while recording.open:
-                    pass
-
-        class Stuck(Declared):
-            name, bits = "stuck", 53
-
-            def run(self, scene, **limits):
-                while True:
-                    pass
-
-        @pytest.mark.parametrize("asked", [{}, {"events": 2}, {"permitted": True}])
-        @pytest.mark.parametrize("engine", [Hangs(), Stuck()])
-        def test_hangs(truebreak, engine, asked):
-            truebreak.check(engine, "near-tie:k=4", **asked)
-        """
-    )
-    done = pytester.runpytest_subprocess("--truebreak-max-seconds=0.3", "-p", "no:cacheprovider")
-    done.assert_outcomes(failed=6)
-    done.stdout.fnmatch_lines(["E *hangs: *0.3 seconds (--max-seconds)*"])
-    done.stdout.fnmatch_lines(["E *stuck: *0.3 seconds (--max-seconds)*"])
-    pytester.makeini("[pytest]\ntruebreak_max_seconds = soon\n")
-    told = pytester.runpytest_subprocess("-p", "no:cacheprovider").stdout.str()
-    assert "max_seconds = 'soon'; must be a number of seconds" in told
 
 
 GOLDEN = """
