@@ -72,3 +72,12 @@ def test_signs_that_contradict_each_other_end_an_instant() -> None:
     assert run.stop.reason is StopReason.BUDGET
     assert "rounds without end" in run.stop.message and "contradict" in run.stop.message
     assert run.events
+
+
+def test_an_instant_in_which_nothing_pushes_is_no_event() -> None:
+    """At 12 bits the first ball comes to stand in the midst of the others: all approach, and nothing pushes."""
+    balls = [Circle(-1000003, 0, vx=1), Circle(0, 0), Circle("2+10**-16", 0, m="3/2"), Circle("4+10**-15", 0, m="oo")]
+    (told,) = compare(Scene(balls), ["rounded:bits=12"], until=1000003).candidates
+    assert told.trajectory.stop.reason is StopReason.BUDGET
+    assert "contradict" in told.trajectory.stop.message
+    assert told.verdict != "agree" and not told.trajectory.events
