@@ -44,8 +44,7 @@ class StandingClock:
         of these is long enough (Brent).
 
         Args:
-            events: how many there have been; where no more have come since the last look, as by grazes, there is nothing
-                to see.
+            events: how many there have been; no more since the last look, as where two only grazed, tell nothing.
             time: of the last of them.
             flights: of all circles.
 

@@ -47,7 +47,7 @@ def test_events_at_one_time_that_lead_on_are_let_be() -> None:
 
 @pytest.mark.parametrize("name", ["double", "single"])
 def test_grazes_are_no_return(name: str) -> None:
-    """Three meetings at what is one time in doubles; then the ball flies on and grazes 120 others, which is no event."""
+    """Three meetings at what is one time in doubles; then the ball flies on and grazes 120 others: no events."""
     balls = [Circle(-4098, 0, vx=1), *(Circle(f"{2 * k} + {k}/10**14", 0) for k in range(4))]
     pegs = [Circle(20 + 3 * k, 2, m="oo") for k in range(120)]
     run = engine(name).run(Scene([*balls, *pegs], [Wall(400, 0, 400, 1)]), events=5)
