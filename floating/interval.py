@@ -30,6 +30,9 @@ from .plain.state import PlainState
 
 MIN_BITS, MAX_BITS = 24, 100_000
 
+ZERO: Any = mpmath.iv.mpf(0)
+"""An interval already: what mpmath must convert first, it converts where a Ctrl-C would be dropped."""
+
 
 class IntervalNumber:
     """A value of an interval run: float() is its middle, `low` and `high` its ends.
@@ -116,11 +119,11 @@ def sign(value: Any) -> int:
     Raises:
         Undecided: if the interval holds numbers of different signs.
     """
-    if (value > 0) is True:
+    if (value > ZERO) is True:
         return 1
-    if (value < 0) is True:
+    if (value < ZERO) is True:
         return -1
-    if value.a == 0 and value.b == 0:
+    if value.a == ZERO and value.b == ZERO:
         return 0
     raise Undecided
 
@@ -128,9 +131,9 @@ def sign(value: Any) -> int:
 def root(value: Any) -> Any:
     """The square root of a number that is known not to be negative; its interval may reach below zero."""
     iv: Any = mpmath.iv
-    if (value >= 0) is True:
+    if (value >= ZERO) is True:
         return iv.sqrt(value)
-    if (value < 0) is True:
+    if (value < ZERO) is True:
         raise Undecided
     return iv.mpf([0, iv.sqrt(iv.mpf(value.b)).b])
 
@@ -199,7 +202,7 @@ class IntervalMotion:
         """
         with INTERVALS.at(self.bits):
             at, end = _interval(time), _interval(self.end)
-            if (at < 0) is True or (at > end) is True:
+            if (at < ZERO) is True or (at > end) is True:
                 raise ValueError(f"time {float(time):.17g} is outside of the run: it lasts from 0 to {self.end}")
             rows = []
             for knots in self.knots:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from typing import Any
 
 import pytest
@@ -58,6 +59,29 @@ def test_what_begins_too_late_is_not_begun() -> None:
 def test_without_a_limit_nothing_is_ended() -> None:
     with time_to_read(Clock(None)):
         pass
+
+
+DROPPING = """
+def dropped(past):
+    try:
+        while not past():
+            pass
+    except:
+        return True
+    return False
+"""
+
+
+def test_seconds_that_are_over_do_not_ring_in_code_that_drops_exceptions():
+    """mpmath drops whatever is raised while it converts a number, and goes on: that ended as an error of types."""
+    names: dict[str, Any] = {"__name__": "mpmath.ctx_iv"}
+    exec(DROPPING, names)
+    watch = Clock(0.05)
+    late = time.monotonic() + 0.3
+    with pytest.raises(OutOfTime), time_to_read(watch):
+        assert not names["dropped"](lambda: time.monotonic() > late)
+        while True:
+            pass
 
 
 def test_a_run_cut_short_is_no_evidence(monkeypatch: pytest.MonkeyPatch) -> None:

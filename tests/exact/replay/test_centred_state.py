@@ -159,7 +159,8 @@ def test_a_long_run_keeps_its_deviations_in_a_set(monkeypatch):
     assert not plain.motion.log.centred
     assert [e.contacts for e in centred.events] == [e.contacts for e in plain.events]
     assert centred.plan["bits"] < plain.plan["bits"]
-    for one, other in ((a.time.ball(400), b.time.ball(400)) for a, b in zip(centred.events, plain.events, strict=True)):
+    for index in (*range(0, 900, 60), 899):  # each replays the run up to it
+        one, other = (run.events[index].time.ball(400) for run in (centred, plain))
         assert one.overlaps(other)
         assert one.rel_accuracy_bits() > 380
 
