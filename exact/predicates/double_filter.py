@@ -115,7 +115,12 @@ class DoubleFilter:
         speed = sx if sx > sy else sy
         if not (place < BIG and speed < BIG) or (
             not (px > TINY and py > TINY and sx > TINY and sy > TINY)
-            and (0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY)
+            and (
+                (px < TINY and not x.is_zero())
+                or (py < TINY and not y.is_zero())
+                or (sx < TINY and not vx.is_zero())
+                or (sy < TINY and not vy.is_zero())
+            )
         ):
             body.f = None
             return
