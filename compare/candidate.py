@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .alignment.separation import Separation
     from .causes.diagnosis import Diagnosis
     from .causes.margin import Margin
-    from .chaos.errors import ErrorModel
+    from .chaos.hazard.errors import ErrorModel
 
 
 @dataclass(frozen=True)

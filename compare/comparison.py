@@ -9,14 +9,14 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
-from ..scenarios.notebook import html_table, shown
+from ..scenarios.pictures.notebook import html_table, shown
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
 from .alignment.impulse_order import follows_the_law
 from .alignment.separation import not_measured, return_miss, separation
 from .candidate import Candidate
-from .chaos.errors import model_of
+from .chaos.hazard.errors import model_of
 from .deadline import NO_TIME, Clock, OutOfTime, checked_seconds, time_limit, time_to_read, uninterrupted
 from .engines import engine as engine_named
 from .foreign.guard import run_guarded
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.trajectory import OnProgress
     from .alignment.align import Alignment, Verdict
-    from .certificates import Certified
+    from .certificate.certified import Certified
     from .outcomes.table import Outcome
 
 DEFAULT_ENGINES = ("double", "interval", "pymunk")

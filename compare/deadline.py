@@ -28,7 +28,7 @@ _ROOT = __name__.rpartition(".compare")[0]
 ENGINES = (f"{_ROOT}.exact.", f"{_ROOT}.floating.", f"{_ROOT}.compare.foreign.")
 """Where engines are: a function there that names `TimeIsUp` is a loop that catches it."""
 
-RECORDING = f"{_ROOT}.compare.foreign.recording"
+RECORDING = f"{_ROOT}.compare.foreign.runs.recording"
 """What takes down a run must not be stopped in the middle of an event."""
 
 DROPPING = "mpmath."
@@ -58,7 +58,8 @@ def checked_seconds(seconds: float | None) -> float | None:
     Raises:
         SceneError: for any other.
     """
-    if seconds is not None and not 0 < seconds <= threading.TIMEOUT_MAX:
+    number = isinstance(seconds, int | float) and not isinstance(seconds, bool)
+    if seconds is not None and not (number and 0 < seconds <= threading.TIMEOUT_MAX):
         raise SceneError(f"max_seconds = {seconds!r}: must be a number of seconds above zero")
     return seconds
 

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
 from .alignment.align import UNKNOWING, Alignment, Span, align
-from .alignment.instants import Finer, Instant, instants, velocity_difference
+from .alignment.instants import Finer, SharedInstant, instants, velocity_difference
 from .alignment.patience import Patience, patience_for
 from .deadline import Clock, OutOfTime, time_limit, uninterrupted
 from .foreign.guard import finer_of, run_guarded
-from .still import Still
 from .validation import EngineError, check_trajectory, unsupported
 
 if TYPE_CHECKING:
@@ -188,7 +189,7 @@ class Study:
 
         runs: dict[int, tuple[Trajectory, Alignment]] = {}
 
-        def difference(halvings: int, instant: Instant) -> float | None:
+        def difference(halvings: int, instant: SharedInstant) -> float | None:
             mine, chosen = self.longest or self.reference, finer_by(engine, halvings)
             if chosen is None or chosen.step is None:
                 return None
@@ -247,5 +248,21 @@ def run_or_unable(study: Study, engine: Engine, progress: OnProgress | None) -> 
 
 def _nothing(study: Study, engine: Engine, reason: StopReason, message: str) -> tuple[Trajectory, Alignment]:
     """The run of an engine that did not come to begin."""
-    run = Trajectory(study.scene, engine.name, {}, (), Stop(reason, message), Double(0.0), Still(study.scene))
+    run = Trajectory(study.scene, engine.name, {}, (), Stop(reason, message), Double(0.0), _Still(study.scene))
     return run, align(study.reference, run, span=study.span)
+
+
+@dataclass(frozen=True)
+class _Still:
+    """The motion of a run that did not begin: the start of its scene, at any time."""
+
+    scene: Scene
+
+    def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
+        """(x, y, vx, vy) of every circle, exactly."""
+        return [(c.x, c.y, c.vx, c.vy) for c in self.scene.circles]
+
+    def sample(self, times: Sequence[float]) -> Any:
+        """Shape (times, circles, 4): the same as doubles."""
+        row = [[float(value) for value in values] for values in self.state(0)]
+        return np.array([row for _ in times])

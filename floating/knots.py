@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-Knot: TypeAlias = tuple[float, float, float, float, float]
+DoubleKnot: TypeAlias = tuple[float, float, float, float, float]
 """(t, x, y, vx, vy) of one circle: from time t on it flies straight from (x, y) at (vx, vy)."""
 
 
@@ -32,7 +32,7 @@ class DoubleMotion:
     [1.5, 1.0]
     """
 
-    knots: Sequence[Sequence[Knot]]
+    knots: Sequence[Sequence[DoubleKnot]]
     end: float = math.inf
 
     def state(self, time: SupportsFloat) -> list[tuple[float, float, float, float]]:
@@ -75,5 +75,5 @@ class DoubleMotion:
             raise ValueError(f"time {time!r} is outside of the run: it lasts from {start!r} to {self.end!r}")
 
 
-def _time(knot: Knot) -> float:
+def _time(knot: DoubleKnot) -> float:
     return knot[0]

@@ -190,8 +190,8 @@ class Scene:
     def _repr_html_(self) -> str:
         """The circles as a table, and a picture of them at time 0, for a notebook."""
         from .checks.showing import shortened
-        from .notebook import html_table, shown
-        from .picture import scene_picture
+        from .pictures.notebook import html_table, shown
+        from .pictures.picture import scene_picture
 
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)

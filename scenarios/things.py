@@ -8,8 +8,8 @@ from typing import Any, Literal
 from .checks.limits import checked_truth
 from .errors import SceneError
 from .lazy.frozen import frozen
+from .numbers.forms.sympy_form import is_sympy
 from .numbers.quantity import ZERO, Quantity, QuantityLike
-from .numbers.sympy_form import is_sympy
 
 FIXED = "oo"
 """The mass of a circle that never moves."""

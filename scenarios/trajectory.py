@@ -162,8 +162,8 @@ class Trajectory:
 
     def _repr_html_(self) -> str:
         """The events as a table, and a picture of the state that they lead to, for a notebook."""
-        from .notebook import html_table, shown
-        from .picture import state_picture
+        from .pictures.notebook import html_table, shown
+        from .pictures.picture import state_picture
 
         rows = (
             [event.index, float(event.time), ", ".join(f"{first} and {second}" for first, second in event.impulses)]

@@ -40,7 +40,7 @@ __all__ = [
     "jacobi_units",
     "primality_units",
     "product_units",
-    "root_units",
+    "sqrt_units",
     "sqrtmod_units",
 ]
 
@@ -141,10 +141,10 @@ def gcd_units(a: int, b: int) -> int:
     return ((a - b) * PRODUCT[b.bit_length()] * 2 + b * GCD[b.bit_length()]) >> SCALE
 
 
-def root_units(bits: int) -> int:
+def sqrt_units(bits: int) -> int:
     """The whole root of a square, or the proof that a likely square is one.
 
-    >>> [root_units(bits) for bits in (64, 1_000, 10_000, 100_000, 1_000_000)]
+    >>> [sqrt_units(bits) for bits in (64, 1_000, 10_000, 100_000, 1_000_000)]
     [0, 0, 4, 114, 2192]
     """
     return 2 * product_units(bits // 2, bits // 2)

@@ -37,7 +37,7 @@ function read(path) {
 
 /** How many bits would do, found by trying. */
 function enough(data, work) {
-  const [[, bits]] = data.bits
+  const { bits } = data
   for (const factor of FACTORS) {
     try {
       new Check(data, work, factor).run()

@@ -2,29 +2,30 @@
 
 docs/certificates.md defines the format. There is no search and no queue: what is stated is proved again, or refused.
 
-*Numbers.* A `Ball` is an interval: what it says of a sign is true, or it says nothing. It remembers how its number came
-about, and so the number can be computed again as an `Exact` one, a + b*sqrt(d), where a, b, d are alike with earlier
-roots: what is zero term by term is zero, whatever the roots are.
+*Numbers.* The laws are written once, in `World`, and there are two worlds. In one, numbers are intervals (`Ball`): what
+they say of a sign is true, or they say nothing. In the other they are exact (`Form`): sums of fractions times square
+roots, which are only added and multiplied; times and impulses, which take more, are known there if the certificate
+tells them, and then put in. A form without terms is zero, whatever the roots are.
 
-*Flights.* Between instants circles fly straight. A gap, |d|^2 - R^2 of two circles or the distance from a wall, is
-convex in time, so it falls through zero once at most: `next` encloses that time, or proves that there is none.
-
-*Instants.* By induction, let all flights be enclosed. The next instant is when the contact named first meets. `later`
-proves of every other pair, wall and pocket that it meets later; or it is listed, and then a witness proves it
-simultaneous. So nothing is missed and nothing invented.
+*Flights.* Between instants circles fly straight, and a gap, |d|^2 - R^2 of two circles or twice the distance from a
+wall, is convex in time. When a flight ends, `clear` proves for all else that the gap has stayed positive while both
+flew: by its tangent at the start or at the end, or as it has no zero. So nothing is missed. A contact listed has gap
+zero: at the time that the quadratic formula gives, or that is told and put in. If the gap is not growing there it was
+positive before, as it is convex; if it is, it is that of a pocket's rim, left from within. So nothing is invented.
 
 *Impulses.* All that stands at gap zero and hangs together is signed, round by round, until nothing approaches.
 `simultaneous`: the impulses s of those said to push solve G s = -2u, are positive, and leave each other contact that
 approaches with 2u + G s >= 0; the velocities that follow are unique (Cottle, Pang, Stone, The Linear Complementarity
 Problem, 3.1). `sequential`: one contact at a time, in the order that the scene or its seed says.
 
-*Zeros.* That a number is zero takes a witness. "exact": it is computed again from the scene in `Exact` numbers. An
-isometry maps the causal past of one number to that of another, or of its negative: data are compared exactly, blocks of
-impulses by the blocks before them, and by induction flights are mapped to flights. "back": the way back of a reversed
-run undoes the way out, block by block. docs/symmetry-and-ties.md proves both theorems.
+*Zeros.* A number is zero as a form, or by a witness. An isometry maps the flights of some circles to those of others:
+first their data, compared as forms; then, instant by instant, their rows: of each circle, round by round, its contacts
+that approach. As a contact is in the rows of both its circles, its k-th time in the one with its k-th in the other, the
+rows tell what acts together, and what before what. Circles whose rows are not mapped are struck out, with all that they
+hit. "back": on the way back of a reversed run the impulses so far undo those of the way out, last first; what was known
+at the last instant not undone falls through gap zero at its mirror image only. docs/symmetry-and-ties.md proves both.
 """
 
-# fmt: off
 import json
 import random
 import re
@@ -32,511 +33,362 @@ import sys
 from collections import defaultdict, namedtuple
 from fractions import Fraction
 from functools import reduce
-from itertools import chain
+from itertools import product
 from math import isqrt
-from operator import add, mul, neg, sub, truediv
+from operator import mul, sub
 from pathlib import Path
 
-FORMAT, BYTES, CIRCLES, BITS, PAIRS, SIZE = "truebreak/certificate-1", 1 << 24, 1000, 1 << 20, 1 << 22, 1 << 30
-TEXT, ROOTS, SCENE_ROOTS, WORK, NEVER, DOUBT = 20_000, 16, 12, 1 << 37, ("never", None), ("doubt", None)
-TERM, DECIMAL = r"\d+(?:/0*[1-9]\d*)?(?:\*r[1-9]\d?)*", r"-?\d{1,400}(?:\.(\d{1,400}))?"
-POLICY = r"simultaneous|sequential(:order=scene|:seed=\d{1,18})?"
-THINGS = {"circles": "x y vx vy r", "walls": "x0 y0 x1 y1", "pockets": "x y r"}
-CONTACT, QUESTION = r"\[\d{1,15},-?\d{1,15}\]", '"(tie|graze|still|together|slack|rim|until|reverse)"'
-WITNESS = rf'\[{QUESTION},{CONTACT},("exact"|"back"|\d{{1,15}})(,{CONTACT})?\]'
-PART, SETTINGS, COUNT = "rounds entries zeros", "name digest capture reverse_after tie_policy", r"[1-9]\d*"
+FORMAT, BYTES, CIRCLES, BITS, PAIRS, SIZE = "truebreak/certificate-2", 1 << 24, 1000, 1 << 20, 1 << 22, 1 << 30
+DIGITS, ROOTS, WORK = 100_000, 99, 1 << 36
+TERM, COUNT, CONTACT = r"\d+(?:/0*[1-9]\d*)?(?:\*r[1-9]\d?)*", r"[1-9]\d{0,14}", r"\[\d{1,15},-?\d{1,15}\]"
+NUMBER, DECIMAL, ANY = f'"[+-]?{TERM}([+-]{TERM})*"', r'"-?\d+(\.\d+)?"', '".*"'
+POLICY, REASON = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"', '"(events|stopped|horizon|return|quiet)"'
+THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r"}
 def each(item, times="*"): return rf"\[({item},?){times}\]"
-SHAPES = {"arrive": each(CONTACT, "+"), "rounds": each(each(CONTACT, "+")), "zeros": each(WITNESS),
-          "time": f'"{DECIMAL}"', "circles": each(each(f'"{DECIMAL}"', "{4}")), "map": each(each(r"-?\d{1,15}", "{2}")),
-          "tie_policy": f'"({POLICY})"', "reason": '"(events|stopped|horizon|return|quiet)"', "capture": "true|false"}
-SHAPES |= {"entries": each(CONTACT), "grazes": each(CONTACT.replace("-?", "")), "bits": each(CONTACT.replace("-?", ""))}
-SHAPES |= dict.fromkeys(("limit", "reverse_after"), COUNT) | dict.fromkeys(("id", "name", "digest", "writer"), '".*"')
-Flight = namedtuple("Flight", "x y vx vy t age")  # at (x, y) at time t, which is that of the instant `age`
-Meeting = namedtuple("Meeting", "t gap closing d v square arms")
-Block = namedtuple("Block", "kind among push before age")  # before: of each circle, the number of the block before
+ZEROS = each(rf'\["(gap|closing|disc|speed|slack|until|reverse)",{CONTACT},("back"|\d{{1,15}})(,{CONTACT})?\]')
+ROUNDS, PAIR = each(each(CONTACT.replace(r"\]", rf"(,{NUMBER})?\]"), "+")), r"\[-?\d{1,15},-?\d{1,15}\]"
+SHAPE = {  # of each part what there has to be, and how it is spelt; then what there may be
+    "format": ANY, "writer": ANY, "bits": COUNT, "roots": each(NUMBER),
+    "isometries": ({"matrix": each(NUMBER, "{4}"), "shift": each(NUMBER, "{2}"), "map": each(PAIR)}, {}),
+    "instants": ({"time": DECIMAL}, {"met": each(CONTACT, "+"), "exact": NUMBER, "turn": "true", "rounds": ROUNDS,
+                                     "enter": each(CONTACT), "zeros": ZEROS}),
+    "end": ({"reason": REASON}, {"limit": COUNT, "until": NUMBER, "zeros": ZEROS}),
+    "final": ({"time": DECIMAL, "circles": each(each(DECIMAL, "{4}"))}, {}),
+    "scene": ({"tie_policy": POLICY}, {
+        "capture": "true|false", "reverse_after": COUNT, "reverse_at": NUMBER, "name": ANY, "digest": ANY,
+        **{kind: ({"id": ANY, **dict.fromkeys(keys.split(), NUMBER)}, {}) for kind, keys in THINGS.items()}})}, {}
+Flight = namedtuple("Flight", "x y vx vy age")  # at (x, y) at the instant `age`
+Meeting = namedtuple("Meeting", "gap closing speed disc arms")  # the gap at s later is gap + 2 closing s + speed s^2
 
 class Malformed(Exception): """This is no certificate."""
 class Refuted(Exception): code, word = 1, "refuted"
 class Undecided(Exception): code, word = 4, "not decided"  # the intervals are too wide, or a witness is missing
 BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
+def positive(sign, text, fault=Refuted):  # goes on if a sign is 1
+    if sign != 1: raise (Undecided if sign is None else fault)(text)
 
-class Exact:
-    """a + b*sqrt(d): d is the k-th of `roots`, a and b use those before it; for k = 0 the fraction a."""
-    roots, named, most, work, budget = [], [], ROOTS, 0, WORK
-    def __init__(self, a, b=None, k=0): self.a, self.b, self.k = a, b, k
-    def __bool__(self) -> bool: return self.k > 0 or self.a != 0
-    def parts(self, k): return (self.a, self.b) if self.k == k else (self, ZERO)
-    def __neg__(self): return Exact(-self.a, self.b and -self.b, self.k)
+class Form(dict):
+    """An exact number: a sum of terms {roots: factor}, a fraction times the square roots of these numbers. What takes a
+    division or a root, and is not told, is `UNTOLD`: a term that is not a number, and stays so."""
+    squares, work = [], 0  # of the roots, in terms of those before
+    def __neg__(self): return Form((k, -x) for k, x in self.items())
     def __sub__(self, o): return self + -o
-    def __add__(self, o):
-        if not (k := max(self.k, o.k)): return Exact(self.a + o.a)
-        (a, b), (c, d) = self.parts(k), o.parts(k)
-        return Exact(a + c, high, k) if (high := b + d) else a + c
+    def __add__(self, o): return Form((k, x) for k in {**self, **o} if (x := self.get(k, 0) + o.get(k, 0)))
     def __mul__(self, o):
-        if not (self and o): return ZERO
-        if not (k := max(self.k, o.k)):
-            Exact.work += 10_000 + (size(self.a) * size(o.a) >> 8)  # about a nanosecond a unit
-            if Exact.work > Exact.budget: raise Undecided("an exact witness takes too much work")
-            return Exact(self.a * o.a)
-        (a, b), (c, d) = self.parts(k), o.parts(k)
-        low, high = a * c + b * d * Exact.roots[k - 1], a * d + b * c
-        return Exact(low, high, k) if high else low
-    def __truediv__(self, o):
-        if o.k == 0: return self * Exact(1 / o.a)
-        return self * Exact(o.a, -o.b, o.k) / (o.a * o.a - o.b * o.b * Exact.roots[o.k - 1])
-    def sign(self):  # that of a and b; where they differ, a*a - b*b*d tells which is the greater
-        if self.k == 0: return (self.a > 0) - (self.a < 0)
-        a, b = self.a.sign(), self.b.sign()
-        return b if a in (0, b) else a * (self.a * self.a - self.b * self.b * Exact.roots[self.k - 1]).sign()
-    def sqrt(self):  # the positive root: made of the roots at hand if it can be, else a new one
-        if self.sign() < 1: raise Malformed("a number that is not positive has a root")
-        if root := self.within(len(Exact.roots)): return root if root.sign() > 0 else -root
-        if len(Exact.roots) >= Exact.most: raise Undecided("an exact witness takes too many roots")
-        Exact.roots.append(self)
-        return Exact(ZERO, ONE, len(Exact.roots))
-    def within(self, k):  # a square root made of the first k roots, or None: from (c + e*sqrt(d))^2 = a + b*sqrt(d)
-        if k == 0:
-            root = Fraction(isqrt(abs(self.a.numerator)), isqrt(self.a.denominator))
-            return Exact(root) if root * root == self.a else None
-        (a, b), d = self.parts(k), Exact.roots[k - 1]
-        if not b: return a.within(k - 1) or ((e := (a / d).within(k - 1)) and Exact(ZERO, e, k))
-        norm = (a * a - b * b * d).within(k - 1)
-        for n in (norm, -norm) if norm else ():
-            if c := ((a + n) / (ONE + ONE)).within(k - 1): return Exact(c, b / (c + c), k)
-        return None
+        parts = defaultdict(lambda: defaultdict(int))  # by the roots that both have, whose squares are told
+        for (j, x), (k, y) in product(self.items(), o.items()):
+            if j is None or k is None: return UNTOLD
+            Form.work += 10_000 + (size(x) * size(y) >> 8)  # about a nanosecond a unit
+            if Form.work > WORK: raise Undecided("the exact values take too much work")
+            parts[j & k][j ^ k] += x * y
+        return sum((reduce(mul, (Form.squares[n] for n in ks), Form((k, x) for k, x in part.items() if x))
+                    for ks, part in parts.items()), NONE)
+    def sqrt(self, _=None): return UNTOLD
+    __truediv__ = sqrt
 
 class Ball:
-    """The reals within r of m, in units of 2**-bits; what is exact at these bits stays so. `how` the number comes
-    about: its exact value, if that is known, and what it is computed by, from what."""
-    bits = 0
-    def __init__(self, m, r, *how): self.m, self.r, self.how = m, r, [None, *how]
-    def __neg__(self): return Ball(-self.m, self.r, neg, self.how)
-    def __add__(self, o): return Ball(self.m + o.m, self.r + o.r, add, self.how, o.how)
-    def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r, sub, self.how, o.how)
+    """The reals within r of m, in units of 2**-bits."""
+    bits, roots = 0, []
+    def __init__(self, m, r): self.m, self.r = m, r
+    def __neg__(self): return Ball(-self.m, self.r)
+    def __add__(self, o): return Ball(self.m + o.m, self.r + o.r)
+    def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r)
     def __mul__(self, o):
-        wide = abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
-        return Ball(self.m * o.m, wide, mul, self.how, o.how).cut(Ball.bits)
+        m, wide = self.m * o.m, abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
+        return Ball(m >> Ball.bits, (wide >> Ball.bits) + 2 if m or wide else 0)
     def __truediv__(self, o):
         if (least := abs(o.m) - o.r) <= 0: raise Undecided("a number that may be zero divides")
-        m, rest = divmod(self.m << Ball.bits, o.m)
-        wide = ((abs(self.m) * o.r // abs(o.m) + 1 + self.r) << Ball.bits) // least + 2
-        return Ball(m, wide if rest or self.r or o.r else 0, truediv, self.how, o.how)
+        m = (self.m << Ball.bits) // o.m
+        return Ball(m, ((self.r << Ball.bits) + (abs(m) + 1) * o.r) // least + 2)
     def sqrt(self):
-        if (low := (self.m - self.r) << Ball.bits) <= 0: raise Undecided("a number that may not be positive has a root")
-        root = isqrt(low)
-        half = 0 if self.r == 0 and root * root == low else (self.r << Ball.bits) // root // 2 + 2
-        return Ball(root + half, half, Exact.sqrt, self.how)
-    def cut(self, drop):  # the same in units of so many bits less
-        exact = self.r == 0 and self.m >> drop << drop == self.m
-        self.m, self.r = self.m >> drop, 0 if exact else (self.r >> drop) + 2
-        return self
+        if self.m <= self.r: raise Undecided("a number that may not be positive has a root")
+        low, high = (isqrt(self.m + r << Ball.bits) for r in (-self.r, self.r))
+        return Ball(low + high >> 1, (high - low >> 1) + 2)
     def sign(self): return 1 if self.m > self.r else -1 if self.m < -self.r else None if self.r else 0
-    @staticmethod
-    def of(x):  # the interval of an exact number
-        m, rest = (0, 0) if x.k else divmod(x.a.numerator << Ball.bits, x.a.denominator)
-        ball = Ball.of(x.a) + Ball.of(x.b) * Ball.of(Exact.roots[x.k - 1]).sqrt() if x.k else Ball(m, int(rest > 0))
-        ball.how = [x]
-        return ball
-    def zero(self):  # whether the number is zero, as it is computed again from the scene in exact numbers
-        roots, todo, done = len(Exact.roots), [self.how], []
-        try:
-            while todo:
-                value, *by = how = todo[-1]
-                if missing := [part for part in by[1:] if value is None and part[0] is None]: todo += missing
-                else:
-                    how[0] = by[0](*(part[0] for part in by[1:])) if value is None else value
-                    done.append(todo.pop())
-            return not self.how[0]
-        finally:
-            for how in done: how[0] = how[0] if how[0] is not None and how[0].k <= roots else None
-            del Exact.roots[roots:]
+def enclosed(form):  # as a ball
+    parts = ((reduce(mul, (Ball.roots[n] for n in ks), Ball(1 << Ball.bits, 0)), x) for ks, x in form.items())
+    return sum((Ball(b.m * x.numerator // x.denominator, b.r * abs(x.numerator) // x.denominator + 2)
+                for b, x in parts), Ball(0, 0))
 
-ZERO, ONE = Exact(Fraction(0)), Exact(Fraction(1))
+NONE, ONE, UNTOLD = Form(), Form({frozenset(): Fraction(1)}), Form({None: float("nan")})
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def number(text):  # reads a sum of terms such as 3/4*r1*r2
-    if len(text) > TEXT or not re.fullmatch(f"[+-]?{TERM}([+-]{TERM})*", text, re.ASCII):
-        raise Malformed(f"{text[:40]!r} is no number")
     terms = (found.split("*r") for found in re.findall(f"[+-]?{TERM}", text))
-    return sum((reduce(mul, (Exact.named[int(k) - 1] for k in ks), Exact(Fraction(x))) for x, *ks in terms), ZERO)
+    def root(k): return Form({frozenset({int(k) - 1} if Form.squares[int(k) - 1] else {}): Fraction(1)})
+    return sum((reduce(mul, map(root, ks), Form({frozenset(): Fraction(x)})) for x, *ks in terms), NONE)
 
-def put(flight, t, age):  # the same flight, told from where it is at a time t, that of the instant `age`
-    x, y, vx, vy, since, then = flight
-    return flight if age == then else Flight(x + vx * (t - since), y + vy * (t - since), vx, vy, t, age)
-
-class Laws:
-    """The laws of flight, meeting and impulse. Bodies are circles, and then pockets, which rest, counted from behind. A
-    contact (i, j) is of two circles if 0 <= j < n, of wall j - n, or of the rim of pocket -1 - j."""
-    def meeting(self, flights, c):
-        """Two at the start t of the younger flight: gap, closing speed, d, v, R^2 (of a wall, None), and the directions
-        in which the circles are pushed."""
-        (i, j), a = c, flights[c[0]]
+class World:
+    """The laws of flight, meeting and impulse, in numbers of one kind. Circles fly, and pockets, which rest: pocket k
+    is number -1 - k. A contact (i, j) is of two circles if 0 <= j < n, of wall j - n, or of the rim of a pocket."""
+    def __init__(self, n, things, sides, limits, of):
+        self.n, self.sides, self.of, self.none = n, sides, of, of(NONE)
+        self.things = {k: [*map(of, row)] for k, row in things.items()}
+        self.flights = {k: Flight(*row[:4], 0) for k, row in self.things.items() if k < n}
+        self.times, self.limits = [self.none], {key: of(x) for key, x in limits.items()}
+    def put(self, i, age):  # a flight, told from where it is at an instant
+        x, y, vx, vy, start = flight = self.flights[i]
+        wait = self.times[age] - self.times[start]
+        return flight if age == start else Flight(x + vx * wait, y + vy * wait, vx, vy, age)
+    def start(self, c): return max(self.flights[k].age for k in c if k < self.n)
+    def meeting(self, c, age):  # of two at an instant; `arms` are the directions in which they are pushed
+        (i, j), (x, y, vx, vy, _) = c, self.put(c[0], age)
         if j >= self.n:
-            x, y, nx, ny, length = self.balls[j]
-            nx, ny = (nx, ny) if self.sides[c] > 0 else (-nx, -ny)
-            gap = nx * (a.x - x) + ny * (a.y - y) - self.balls[i][4] * length
-            return Meeting(a.t, gap, nx * a.vx + ny * a.vy, None, None, None, {i: (nx, ny)})
-        t, age = max(a, flights[j], key=lambda flight: flight.age)[4:]
-        a, b = put(a, t, age), put(flights[j], t, age)
-        dx, dy, vx, vy = b.x - a.x, b.y - a.y, b.vx - a.vx, b.vy - a.vy
-        reach = self.balls[j][4] if j < 0 else self.balls[i][4] + self.balls[j][4]
-        gap = dx * dx + dy * dy - (square := reach * reach)
-        return Meeting(t, gap, dx * vx + dy * vy, (dx, dy), (vx, vy), square, {i: (-dx, -dy), j: (dx, dy)})
-    def speed(self, m): return m.v[0] * m.v[0] + m.v[1] * m.v[1]  # |v|^2
-    def disc(self, m):  # of two that approach: positive if they hit, zero if they graze, negative if they miss
-        cross = m.d[0] * m.v[1] - m.d[1] * m.v[0]
-        return self.speed(m) * m.square - cross * cross
-    def hit(self, m):  # when the gap falls through zero
-        return m.t + m.gap / (self.disc(m).sqrt() - m.closing) if m.v else m.t - m.gap / m.closing
+            u, v, p, q, length = self.things[j]
+            nx, ny = (p, q) if self.sides[c] > 0 else (-p, -q)
+            gap, closing = nx * (x - u) + ny * (y - v) - self.things[i][4] * length, nx * vx + ny * vy
+            return Meeting(gap + gap, closing, self.none, closing * closing, {i: (nx, ny)})
+        u, v, p, q, _ = self.put(j, age)
+        x, y, vx, vy = u - x, v - y, p - vx, q - vy
+        reach = self.things[j][4] if j < 0 else self.things[i][4] + self.things[j][4]
+        square, speed, cross = reach * reach, vx * vx + vy * vy, x * vy - y * vx  # disc without cancellation: Lagrange
+        disc = speed * square - cross * cross
+        return Meeting(x * x + y * y - square, x * vx + y * vy, speed, disc, {i: (-x, -y), j: (x, y)})
+    def hit(self, c):  # when the gap of two falls through zero
+        m = self.meeting(c, start := self.start(c))
+        return self.times[start] + m.gap / (m.disc.sqrt() - m.closing)
     def solve(self, rows):  # the x with G x = y, by elimination; each row is one of G, and then of y
         if not rows: return []
         (pivot, *top), *rest = rows
         rest = [[x - f * y for f in [row[0] / pivot] for x, y in zip(row[1:], top, strict=True)] for row in rest]
         low = self.solve(rest)
         return [sum((-(g * x) for g, x in zip(top[:-1], low, strict=True)), top[-1]) / pivot, *low]
-    def blow(self, flights, push, others):  # s of those that push, by G s = -2u; 2u + G s of others; the new velocities
-        met = {c: self.meeting(flights, c) for c in (*push, *others)}
+    def blow(self, age, push, others, s):  # a round with impulses s, where untold by G s = -2u; `rest` is 2u + G s
+        met = {c: self.meeting(c, age) for c in (*push, *others)}
         twice = {c: m.closing + m.closing for c, m in met.items()}
         def effect(c, o):  # an entry of G
-            if c == o and c[1] < self.n: return (self.balls[c[0]][5] + self.balls[c[1]][5]) * met[c].square
-            both = [(self.balls[i][5], *met[c].arms[i], *met[o].arms[i]) for i in met[c].arms if i in met[o].arms]
+            both = [(self.things[i][5], *met[c].arms[i], *met[o].arms[i]) for i in met[c].arms if i in met[o].arms]
             return sum(((x * p + y * q) * w for w, x, y, p, q in both), self.none)
-        s, new = self.solve([[*(effect(c, o) for o in push), -twice[c]] for c in push]), {}
-        for i, x, y, j in ((i, x, y, j) for c, j in zip(push, s, strict=True) for i, (x, y) in met[c].arms.items()):
-            (vx, vy), w = new.get(i, flights[i][2:4]), self.balls[i][5]
-            new[i] = vx + w * j * x, vy + w * j * y
-        return s, {c: sum((effect(c, o) * j for o, j in zip(push, s, strict=True)), twice[c]) for c in others}, new
+        s = [*map(self.of, s)] or self.solve([[*(effect(c, o) for o in push), -twice[c]] for c in push])
+        self.rest = {c: sum((effect(c, o) * j for o, j in zip(push, s, strict=True)), twice[c]) for c in met}
+        for c, j in zip(push, s, strict=True):
+            for i, (x, y) in met[c].arms.items():
+                (u, v, vx, vy, _), w = self.put(i, age), self.things[i][5]
+                self.flights[i] = Flight(u, v, vx + w * j * x, vy + w * j * y, age)
+        return s
+    def redirect(self, circles, age, factor):  # their velocities times a factor
+        for i in circles:
+            x, y, vx, vy, _ = self.put(i, age)
+            self.flights[i] = Flight(x, y, vx * self.of(factor), vy * self.of(factor), age)
 
-class Zeros(Laws):
-    """What proves numbers of a run zero. The past of a circle is its last block, and so all before: a round of impulses
-    among contacts that hang together through movable circles, or one circle's turn or capture."""
-    def take(self, entry, clock):  # takes up the witnesses of an entry, and the contact that tells its time
-        self.clock, self.witnesses = clock, defaultdict(list)
-        for question, c, *witness in entry.get("zeros", ()): self.witnesses[question, tuple(c)].append(witness)
-    def sign(self, question, c, value):  # the sign of a number: its interval's, or zero by a witness
-        if (sign := value.sign()) is None and not self.zero(question, c, value):
-            raise Undecided(f"{question!r} of {c} may be zero, and there is no witness")
-        return sign or 0
-    def zero(self, question, c, value, must=True):  # whether a witness proves it; one that must, and does not, refutes
-        witnesses = self.witnesses.get((question, c), ())
-        proved = any(self.proves(question, c, value, *witness) for witness in witnesses)
-        if witnesses and must and not proved: raise Refuted(f"the witness of zero {question!r} of {c} proves nothing")
-        return proved
-    def proves(self, question, c, value, how, other=None):  # whether a witness proves a number zero
-        (i, j), other, tie = c, tuple(other) if other else self.clock, question == "tie"
-        if tie and other not in self.tied: return False
-        if how == "exact": return (self.nexts[c][1] - self.nexts[other][1] if tie else value).zero()
-        if how == "back":
-            if question == "graze": return bool(self.way) and self.pasts(c) in self.grazed
-            then = self.parted(other) if tie else 0 if question == "until" and "until" not in self.limits else None
-            return then is not None and then == self.parted(c)
-        if how not in self.isometries: return False
-        (a, b, d, e), images, _ = g = self.isometries[how]
-        if tie:
-            alike = self.nexts[c][0] == self.nexts[other][0] and self.image(images, c) == other
-            return alike and all(self.maps(g, k) for k in c if 0 <= k < self.n)
-        if question not in ("still", "together") or j < 0: return False
-        if j >= self.n:
-            _, _, nx, ny, _ = self.things[j]
-            return not (a * nx + b * ny + nx or d * nx + e * ny + ny) and images.get(i) == i and self.maps(g, i)
-        unturned = not any((a - ONE, b, d, e - ONE))
-        return unturned and any(images.get(k) == m and self.maps(g, k) for k, m in ((i, j), (j, i)))
-    def isometry(self, told):  # its linear part, what it maps to what, by the data, and the images of the first blocks
+class Checker:
+    """Follows a certificate. Of the flights of now it keeps `parted`, contacts at gap zero that do not meet on them
+    again, and `lasting`, those that stay at gap zero; `out`, the instants of the way out with impulses, if not undone;
+    of an instant `met`, contacts listed, and `known`, all at gap zero, with the signs of closing, and all blows."""
+    def __init__(self, told, factor):  # takes up a certificate and its scene
+        if not isinstance(told, dict) or told.get("format") != FORMAT: raise Malformed(f"the format is not {FORMAT}")
+        self.told, self.end, scene = told, told["end"], told["scene"]
+        self.n, bits, self.policy = (n := len(scene["circles"])), told["bits"], scene["tie_policy"]
+        fits(told, SHAPE)
+        self.last, self.due, self.way = self.end["limit"] if self.end["reason"] == "events" else None, False, False
+        things, final = [thing for kind in THINGS for thing in scene.get(kind, ())], told["final"]["circles"]
+        if n > CIRCLES or (area := n * len(things)) > PAIRS or bits > min(BITS, SIZE // area) or told["roots"][ROOTS:]:
+            raise Malformed("it has no circle, or too many circles, walls, pockets, roots or bits")
+        twice = len({thing["id"] for thing in things}) < len(things) or {"reverse_at", "reverse_after"} <= scene.keys()
+        if twice or len(final) != n or not told["instants"]: raise Malformed("an id, reversal or state too many or few")
+        Ball.bits, Form.squares, Ball.roots = bits * factor, [], []
+        for text in told["roots"]:
+            Form.squares.append(number(text))
+            positive((square := enclosed(Form.squares[-1])).sign(), "what has a root is not positive", Malformed)
+            Ball.roots.append(square.sqrt())
+        circles, walls, pockets = ([[number(thing[key]) for key in keys.split()] for thing in scene.get(kind, ())]
+                                   for kind, keys in THINGS.items())
+        lines = [[x, y, y - v, u - x, length] for x, y, u, v, length in walls]
+        rims = [[x, y, NONE, NONE, r, NONE] for x, y, r in reversed(pockets)]
+        self.things = dict(enumerate(circles + lines)) | dict(enumerate(rims, -len(rims)))
+        self.movable = {i for i, row in enumerate(circles) if row[5]}
+        ends = {"reverse": scene.get("reverse_at"), "until": self.end["reason"] == "horizon" and self.end["until"]}
+        limits = {name: number(text) for name, text in ends.items() if text}
+        if any(p * p + q * q != r * r for *_, p, q, r in lines): raise Malformed("a wall's length differs")
+        if any((vx or vy) and not w for _, _, vx, vy, _, w in circles): raise Malformed("a fixed circle moves")
+        sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
+        for x in (*sizes, *limits.values()): positive(enclosed(x).sign(), "a size or time is not positive", Malformed)
+        pairs = ((i, j) for j in range(n) for i in range(j) if circles[i][4] or circles[j][4])
+        self.meets = {c for c in (*pairs, *product(self.movable, self.things.keys() - range(n))) if self.movable & {*c}}
+        sides = {(i, k): enclosed(p * (circles[i][0] - x) + q * (circles[i][1] - y)).sign()
+                 for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
+        for c, sign in sides.items(): positive(sign and sign * sign, f"the centre of {c} is on the wall, or may be")
+        self.draw = random.Random(int(self.policy[16:])) if ":seed=" in self.policy else None
+        self.worlds = self.ball, self.form = [World(n, self.things, sides, limits, of) for of in (enclosed, Form)]
+        self.isometries = [self.isometry(g) for g in told["isometries"]]
+        self.age, self.count, self.out, self.known, self.parted, self.lasting = -1, 0, [], {}, set(), {}
+    def isometry(self, told):  # its linear part, what it maps to what, by the data, and whose flights it maps
         (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
         images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
         for i, j in images.items():
-            (x, y, vx, vy, *kind), (u, v, wx, wy, *like) = self.things[i], self.things[j]
+            (x, y, vx, vy, *k), (u, v, wx, wy, *m) = self.things[i], self.things[j]
             x, y, vx, vy = a * x + b * y + p - u, d * x + e * y + q - v, a * vx + b * vy, d * vx + e * vy
-            wall = [vx * wy - vy * wx, x * wx + y * wy]
-            zeros += wall if i >= self.n else [x, y, vx - wx, vy - wy, *map(sub, kind, like)]
-        alike = all((i < 0, i < self.n) == (j < 0, j < self.n) for i, j in images.items())
-        if not alike or len(set(images.values())) < len(told["map"]) or any(zeros):
-            raise Refuted("an isometry does not map what it says")
-        return (a, b, d, e), images, [0]
+            zeros += [vx * wy - vy * wx, x * wx + y * wy] if i >= self.n else [x, y, vx - wx, vy - wy, *map(sub, k, m)]
+            zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))
+        if len({*images.values()}) < len(told["map"]) or any(zeros): raise Refuted("an isometry maps otherwise")
+        return (a, b, d, e), images, {i for i in images if 0 <= i < self.n}
     def image(self, images, c):  # the image of a contact
         i, j = images.get(c[0]), images.get(c[1])
         return None if i is None or j is None else (min(i, j), max(i, j)) if 0 <= j < self.n else (i, j)
-    def maps(self, g, i):
-        """Whether an isometry maps circle i with its past to its image: the image of a block is that of its kind with
-        the images of its contacts, and of the blocks before it."""
-        _, images, seen = g
-        for kind, among, _, before, _ in self.blocks[len(seen) : self.last[i] + 1]:
-            past = frozenset((images.get(k), seen[number]) for k, number in before.items())
-            seen.append(self.numbers.get((kind, frozenset(self.image(images, c) for c in among), past)))
-        return i in images and seen[self.last[i]] == self.last[images[i]]
-    def note(self, kind, among, push, circles):
-        """Logs a block, and gives its circles; on the way back it undoes one of the way out, or they leave that way."""
-        before = {i: self.last[i] for i in circles & self.movable}
-        block = Block(kind, frozenset(among), frozenset(push), before, self.age)
-        if kind != "take": self.numbers[kind, block.among, frozenset(before.items())] = len(self.blocks)
-        self.last |= dict.fromkeys(before, len(self.blocks))
-        self.blocks.append(block)
-        if self.way and kind == "kick":
-            one, *more = {self.way[i] for i in before}
-            old = self.blocks[0 if more or one is None else one]
-            undone = old.push == block.push and old.before.keys() == before.keys()
-            self.way |= {i: old.before[i] if undone else None for i in before}
-        return before
-    def pasts(self, c):  # with the last blocks of its circles, on the way out, that are done or not undone (None: left)
-        return c, *((self.way or self.last)[i] for i in c if 0 <= i < self.n)
-    def parted(self, c):  # the age of the instant of the way out at which two, on the flights of now, were at gap zero
-        if not self.way or None in (pasts := self.pasts(c)): return None
-        latest = max(self.blocks[k].age for k in pasts[1:])
-        return latest if c in self.standing[latest] else None
-
-class Checker(Zeros):
-    """Follows the log of a certificate. Between instants it keeps `flights`, all enclosed; `nexts`, what is known of
-    the next meeting of two: never, a hit or a graze, and when, or a doubt; `lasting`, the contacts that stay at gap
-    zero; the `last` block of each circle; `way`, after the reversal, the last one of the way out that is not undone."""
-    def __init__(self, told):  # takes up a certificate and its scene, in exact numbers
-        if not isinstance(told, dict) or told.get("format") != FORMAT: raise Malformed(f"the format is not {FORMAT}")
-        self.told, self.scene, self.end = told, (scene := told["scene"]), told["end"]
-        lists = told["roots"], told["isometries"], told["instants"], *(scene.get(kind, []) for kind in THINGS)
-        things, entries = [*chain(*lists[3:])], [told["start"], *told["instants"]]
-        turned, limit = [part["reversal"] for part in entries if "reversal" in part], self.end["reason"] == "events"
-        for keys, *parts in (("writer bits", told), (SETTINGS, scene), ("id", *things), ("map", *told["isometries"]),
-                             (PART, *entries, *turned), ("arrive grazes time", *entries[1:]),
-                             ("reason zeros" + " limit" * limit, self.end), ("time circles", told["final"])):
-            for part, key in ((part, key) for part in parts for key in keys.split() if key in part):
-                if not re.fullmatch(SHAPES[key], json.dumps(part[key], separators=(",", ":")), re.ASCII):
-                    raise Malformed(f"its {key} are not of their shape")
-        if {*map(type, lists)} != {list} or not {*map(type, turned)} <= {dict}: raise Malformed("a list is no list")
-        n, (places, bits) = len(scene["circles"]), zip(*told["bits"], strict=True)
-        area, roots = n * len(things), len(told["roots"])
-        if not 0 < n <= CIRCLES or area > PAIRS or roots > SCENE_ROOTS or area * bits[0] > SIZE:
-            raise Malformed("it has no circle, or too many circles, walls, pockets, roots or bits")
-        if len({thing["id"] for thing in things}) < len(things) or len(told["final"]["circles"]) != n:
-            raise Malformed("an id comes twice, or there is no final state of each circle")
-        if [*places] != sorted({0, *places}) or not BITS >= bits[0] >= bits[-1] > 0 or [*bits] != sorted(bits)[::-1]:
-            raise Malformed("bits out of range")
-        Exact.roots, Exact.named, Exact.most, Exact.budget = [], [], ROOTS, WORK
-        for text in told["roots"]: Exact.named.append(number(text).sqrt())
-        circles, walls, pockets = ([[number(thing[key]) for key in keys.split()] for thing in scene.get(kind, ())]
-                                   for kind, keys in THINGS.items())
-        for row, thing in zip(circles, scene["circles"], strict=True):
-            row.append(ZERO if thing["m"] == "oo" else ONE / number(thing["m"]))
-        lines = [[x, y, p := y - v, q := u - x, p * p + q * q] for x, y, u, v in walls]
-        rims = [[x, y, ZERO, ZERO, r, ZERO] for x, y, r in reversed(pockets)]
-        self.n, self.things = n, dict(enumerate(circles + lines)) | dict(enumerate(rims, -len(rims)))
-        self.movable = {i for i, row in enumerate(circles) if row[5]}
-        pairs = [(i, j) for i in range(n) for j in range(i + 1, n) if circles[i][4] or circles[j][4]]
-        others = [(i, j) for i in sorted(self.movable) for j in self.things if not 0 <= j < n]
-        self.meets = dict.fromkeys([c for c in pairs if not self.movable.isdisjoint(c)] + others)
-        self.sides = {(i, k): (p * (circles[i][0] - x) + q * (circles[i][1] - y)).sign()
-                      for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
-        self.last_event = self.end["limit"] if limit else None
-        self.limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
-        if self.end["reason"] == "horizon": self.limits["until"] = number(self.end["until"])
-        sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
-        moves = [x for row in circles if not row[5] for x in row[2:4] if x]
-        if moves or any(x.sign() < 1 for x in (*sizes, *self.limits.values())):
-            raise Malformed("a size, mass or time is not positive, or a fixed circle moves")
-        if {"reverse_at", "reverse_after"} <= scene.keys(): raise Malformed("there are two reversals")
-        self.policy, _, seed = scene["tie_policy"].partition(":seed=")
-        self.draw = random.Random(int(seed)) if seed else None
-    def check(self, factor=1):  # checks all of it, with so many times the bits
-        self.where, bits = "in the scene", dict(self.told["bits"])
-        Ball.bits = bits[0] * factor
-        self.isometries = dict(enumerate(map(self.isometry, self.told["isometries"])))
-        self.none, self.due = Ball.of(ZERO), {question: Ball.of(x) for question, x in self.limits.items()}
-        self.balls = {k: [*map(Ball.of, row)] for k, row in self.things.items()}
-        for k, row in self.balls.items(): row[4] = row[4].sqrt() if k >= self.n else row[4]
-        self.flights = {k: Flight(*row[:4], self.none, 0) for k, row in self.balls.items() if k < self.n}
-        self.time, self.age, self.count, self.way, self.last = self.none, 0, 0, {}, dict.fromkeys(range(self.n), 0)
-        self.nexts, self.lasting, self.gone, self.grazed, self.standing = {}, set(), set(), set(), {}
-        self.blocks, self.numbers = [Block("data", frozenset(), frozenset(), {}, 0)], {}
-        instants = [(f"instant {k}", self.instant, entry) for k, entry in enumerate(self.told["instants"])]
-        steps = [("at the start", self.open, self.told["start"]), *instants, ("at the end", self.close, self.end)]
-        for k, (self.where, step, entry) in enumerate(steps):
-            if k <= len(instants): self.fall(bits.get(k, 0) * factor or Ball.bits)
-            step(entry)
-    def fall(self, bits):  # goes on with so many bits, which may be fewer: what is known gets less sharp on the way
-        drop, Ball.bits = Ball.bits - bits, bits
-        rows = *(flight[:5] for flight in self.flights.values()), *self.balls.values(), self.due.values()
-        numbers = *(x for row in rows for x in row), *(when for _, when in self.nexts.values() if when)
-        for x in {id(x): x for x in numbers}.values() if drop else (): x.cut(drop)
-    def open(self, entry):  # time 0: nothing overlaps; what touches is known exactly
-        known = {}
-        self.take(entry, None)
-        if 0 in self.sides.values(): raise Refuted("a centre is on a wall")
-        for c in self.meets:
-            m = self.meeting(self.flights, c)
-            if (gap := m.gap.sign()) == 0 or (gap is None and m.gap.zero()): known[c] = self.sign("still", c, m.closing)
-            elif gap is None or gap < 0 <= c[1]: raise (Refuted if gap else Undecided)(f"{c} overlap, or may")
-        self.resolve(known, entry)
-        self.turn(entry, False)
-    def instant(self, entry):  # its time, nothing before it, all that falls on it, and what that does
-        arrive, grazes = ([tuple(c) for c in entry.get(key, ())] for key in ("arrive", "grazes"))
-        self.take(entry, arrive[0] if arrive else None)
-        self.age, self.tied, self.time, due = self.age + 2, set(), self.due.get("reverse"), False
-        if self.count == self.last_event: raise Refuted("it comes after the last event")
-        for k, c in enumerate((*arrive, *grazes)):
-            kind, when = self.next(c)
-            if kind == "doubt": raise Undecided(f"whether {c} meet, graze or miss")
-            if k == 0: self.time = when
-            elif c in self.tied or not when or self.sign("tie", c, when - self.time): kind = "at another time"
-            if kind != ("hit" if c in arrive else "graze"): raise Refuted(f"{c} do not meet at this instant")
-            self.tied.add(c)
-        if not arrive and (grazes or "reversal" not in entry or not self.time): raise Refuted("nothing falls on it")
-        self.said(self.time, entry["time"])
-        near = [c for c in self.meets if c not in self.tied and self.later(c, self.time)]
-        for question, limit in self.due.items():
-            wait = limit - self.time
-            sign = 0 if not arrive and wait.zero() else self.sign(question, self.clock, wait)
+    def mapped(self, g):  # the circles whose flights an isometry maps: what hits them it maps, with all that it hits
+        _, images, kept = g
+        def strays(i):
+            row, like = (self.rows.get(k, []) for k in (i, images[i]))
+            by = {k for part in row for c in part for k in c} & self.movable
+            return by - kept or like != [{self.image(images, c) for c in part} for part in row]
+        while bad := {i for i in kept if strays(i)}: kept = kept - bad
+        return kept
+    def proves(self, question, c, how, other=None):  # whether a witness proves a number zero
+        (i, j), other, first = c, tuple(other) if other else self.clock, question == "closing" and not self.rows
+        if how == "back":
+            due = question == "gap" or (question == "until" and self.end["reason"] == "return" and len(self.out) == 1)
+            return self.way and self.out and due and self.met.get(other, 0) < 0 and {c, other} <= self.out[-1][1]
+        (a, b, d, e), images, _ = g = self.isometries[how]
+        kept = self.mapped(g)
+        if other in self.met and self.image(images, c) == other and (question == "gap" or first > abs(self.met[other])):
+            return all(k in kept for k in c if 0 <= k < self.n)
+        if j >= self.n and question == "closing":
+            _, _, nx, ny, _ = self.things[j]
+            return not (a * nx + b * ny + nx or d * nx + e * ny + ny) and images.get(i) == i and i in kept
+        unturned = question in ("closing", "speed") and not any((a - ONE, b, d, e - ONE))
+        return unturned and any(images.get(k) == m and k in kept for k, m in ((i, j), (j, i)))
+    def zero(self, question, c, law):  # whether a number is zero, as a form or by a witness
+        return not law(self.form) or any(self.proves(question, c, *how) for how in self.witnesses[question, c])
+    def sign(self, question, c, law=None):  # the sign of a number
+        law = law or (lambda w: getattr(w.meeting(c, self.age), question))
+        if (sign := law(self.ball).sign()) is not None: return sign
+        if self.zero(question, c, law): return 0
+        raise (Refuted if self.witnesses[question, c] else Undecided)(f"{c}: no witness proves {question!r} zero")
+    def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights up to an instant, or ever
+        if c in self.parted: return
+        m, times = self.ball.meeting(c, start := self.ball.start(c)), self.ball.times
+        gap, closing, disc = m.gap.sign(), m.closing.sign(), m.disc.sign()
+        if (gap == -1 and c[1] < 0) or (gap == 1 and (closing in (0, 1) or disc == -1)): return
+        if gap == -1 or (age is None and (closing, disc) == (-1, 1)): raise Refuted(f"{c} overlap, or meet")
+        if age is not None:
+            end, wait = self.ball.meeting(c, age), times[age] - times[start]
+            after = end.gap.sign()
+            there, back = (x.gap + x.closing * s + x.closing * s for x, s in ((m, wait), (end, -wait)))
+            if (gap, there.sign()) == (1, 1) or (gap, after, back.sign()) == (1, 1, 1): return
+            if after == -1 or (closing, disc, end.closing.sign()) == (-1, 1, 1): raise Refuted(f"{c} meet before it")
+        laws = {name: lambda w, name=name: getattr(w.meeting(c, start), name) for name in ("closing", "disc")}
+        if gap == 1 and (last or after == 1) and any(self.zero(name, c, law) for name, law in laws.items()): return
+        raise Undecided(f"whether {c} meet before it")
+    def take(self, entry, where):  # takes up the witnesses of an entry
+        Checker.where, self.witnesses, self.met, self.rows, self.clock = where, defaultdict(list), {}, {}, None
+        for question, c, *witness in entry.get("zeros", ()): self.witnesses[question, tuple(c)].append(witness)
+    def instant(self, entry):  # its time; what meets at it, or the reversal; what follows
+        self.age, turn, told, met = self.age + 1, "turn" in entry, "exact" in entry, [*map(tuple, entry.get("met", ()))]
+        age, times, due = self.age, self.ball.times, self.due
+        self.take(entry, f"instant {age}")
+        if due != turn or self.count == self.last: raise Refuted("the reversal is due, or is not, or the end is")
+        if len({*met} - self.lasting.keys() & self.meets) < len(met) * (1 + turn): raise Refuted(f"{met} cannot meet")
+        for w in self.worlds if age else ():
+            w.times.append(w.times[-1] if turn else w.of(number(entry["exact"])) if told else w.hit(met[0]))
+        self.said(times[age], entry["time"])
+        if age and not turn: positive((times[age] - times[age - 1]).sign(), "it does not come later, or may not")
+        for c in met:
+            self.clock = self.clock or c
+            if (self.met or told or not age) and self.sign("gap", c): raise Refuted(f"{c} do not meet at it")
+            self.met[c] = self.sign("closing", c)
+            if age and self.met[c] > 0: self.clear(c, last=True)  # only a pocket is left, by what was in it
+        self.known = {c: -sign for c, sign in self.known.items()} if turn else self.lasting | self.met
+        self.way, self.due = self.way or turn, False
+        if turn: self.settle(self.movable)
+        for w in self.worlds if turn else ():
+            w.redirect(self.movable, age, -ONE)
+            w.limits.pop("reverse", None)
+            if self.end["reason"] == "return": w.limits["until"] = w.times[age] + w.times[age]
+        for name in self.ball.limits:
+            sign = self.sign(name, self.clock, lambda w, name=name: w.limits[name] - w.times[age])
             if sign < 0: raise Refuted("the end, or the reversal, comes before it")
-            due |= question == "reverse" and sign == 0
-        alone = {"rounds": [arrive]} if len(arrive) == 1 and arrive[0][1] >= 0 else {}
-        known = dict.fromkeys(self.lasting | {*grazes}, 0) | dict.fromkeys(arrive, -1)
-        self.resolve(known, alone | entry, near)
-        self.turn(entry, due)
-    def next(self, c):  # of the next meeting of two: never; a hit or a graze, and when; a doubt, but for witnesses
-        if self.nexts.get(c, DOUBT) == DOUBT:
-            m = self.meeting(self.flights, c) if c in self.meets and self.gone.isdisjoint(c) else None
-            closing, gap = (m.closing.sign(), m.gap.sign()) if m else (1, 1)
-            if gap == -1 and c[1] >= 0: raise Refuted(f"{c} overlap")
-            known = DOUBT
-            if closing in (0, 1) or gap == -1 or (disc := self.disc(m).sign() if m.v else 1) == -1: known = NEVER
-            elif closing is None: known = NEVER if self.zero("still", c, m.closing, must=False) else DOUBT
-            elif disc == 1: known = "hit", self.hit(m)
-            elif disc == 0 or self.zero("graze", c, self.disc(m)):
-                known = "graze", m.t - m.closing / self.speed(m)  # when two are nearest
-                self.grazed |= set() if self.way else {self.pasts(c)}
-            self.nexts[c] = known
-        return self.nexts[c]
-    def apart(self, m, time):
-        """Whether two have surely not met until a time. Their gap is at least gap + 2 closing * s at s after the start,
-        as it is convex; and if it still falls then, it has not been smaller."""
-        s, most = time - m.t, Ball(2 * (abs(m.closing.m) + m.closing.r), 0)
-        then = m.closing + self.speed(m) * s if m.v else self.none
-        return (m.gap - most * s).sign() == 1 or (then.sign() == -1 and (m.gap + (m.closing + then) * s).sign() == 1)
-    def later(self, c, time):  # proves that two meet after a time (None: never); whether they may graze at it
-        kind, when = self.next(c)
-        order = (when - time).sign() if when and time else None
-        if kind == "hit" and (order == -1 or not time): raise Refuted(f"{c} meet before it")
-        if kind in ("hit", "doubt") and order != 1 and not (time and self.apart(self.meeting(self.flights, c), time)):
-            raise Undecided(f"whether {c} meet before it")
-        return kind == "graze" and order in (0, None)
-    def resolve(self, known, entry, near=(), moved=()):
-        """What an instant does with all that stands at gap zero, `known` with the signs of its closing speeds: rounds
-        of impulses among all that hangs together with what approaches; then entries; then what lasts."""
-        solid, moved, self.stood = [c for c in known if c[1] >= 0], {*moved}, known
-        rounds = [[tuple(c) for c in push] for push in entry.get("rounds", ())]
+            self.due |= name == "reverse" and sign == 0
+        if not (met or turn or self.due or age == 0): raise Refuted("nothing falls on it")
+        self.resolve([*entry.get("rounds", ())], entry, {*self.movable} if turn else set())
+        self.due |= not self.way and 0 < self.count == self.told["scene"].get("reverse_after")
+    def settle(self, circles):  # proves that circles have met nothing but what is known, as their flights end
+        for c in self.meets:
+            if c not in self.known and not circles.isdisjoint(c): self.clear(c, self.age)
+    def resolve(self, rounds, entry, moved):
+        known, pushes = self.known, {}  # all at gap zero: rounds of impulses; then entries; then what lasts
         self.count += bool(rounds)
-        while approaching := sorted(c for c in solid if known[c] < 0):  # the next group
-            group = self.linked(approaching[0], solid, range(self.n))
-            time = self.nexts[approaching[0]][1] if self.age and self.age % 2 == 0 else self.time
-            here = {i: put(self.flights[i], time, self.age) for c in group for i in c if i < self.n}
-            if any(c[1] >= 0 and not here.keys().isdisjoint(c) for c in near):
-                raise Undecided(f"a graze may take part in the impulses of {approaching[0]}")
-            while coming := sorted(c for c in group if known[c] < 0):
-                push = rounds.pop(0) if rounds else []
+        while approaching := sorted(c for c in known if known[c] < 0 <= c[1]):  # the next group
+            group, circles = set(), {*approaching[0]} & {*range(self.n)}
+            while more := {c for c in known if not circles.isdisjoint(c)} - group:
+                group, circles = group | more, circles.union(*more) & {*range(self.n)}
+            self.settle(circles)
+            while coming := sorted(c for c in group if known[c] < 0 <= c[1]):
                 if self.policy != "simultaneous":
                     coming = [coming[self.draw.randrange(len(coming)) if self.draw and len(coming) > 1 else 0]]
-                if not push or len(set(push)) < len(push) or not set(push) <= set(coming):
-                    raise Refuted(f"{push} push, but {coming} may")
-                s, slacks, new = self.blow(here, push, [c for c in coming if c not in push])
-                for c, impulse in zip(push, s, strict=True):
-                    if (sign := impulse.sign()) != 1: raise (Refuted if sign else Undecided)(f"{c} do not push")
-                for c, slack in slacks.items():
-                    if self.sign("slack", c, slack) < 0: raise Refuted(f"{c} push too")
-                while coming:
-                    part = self.linked(coming[0], coming, self.movable)
-                    coming = [c for c in coming if c not in part]
-                    for i in self.note("kick", part, part & set(push), {i for c in part for i in c}):
-                        here[i] = self.flights[i] = Flight(*here[i][:2], *new.get(i, here[i][2:4]), *here[i][4:])
-                moved |= (hit := {i for c in push for i in c} & self.movable)
-                for c in group:
-                    if not hit.isdisjoint(c): known[c] = self.sign("still", c, self.meeting(self.flights, c).closing)
-        if rounds: raise Refuted("it has rounds of impulses where nothing approaches")
-        self.standing[self.age] = {*solid}
-        self.enter(known, moved, entry)
-        for c in solid:
-            if c not in self.lasting or not moved.isdisjoint(c):
-                m = self.meeting(self.flights, c)
-                lasts = known.get(c) == 0 and (not m.v or self.sign("together", c, self.speed(m)) == 0)
-                (self.lasting.add if lasts else self.lasting.discard)(c)
-        self.nexts = {c: x for c, x in self.nexts.items() if moved.isdisjoint(c)} | dict.fromkeys(known, NEVER)
-    def linked(self, first, contacts, through):  # the contacts that hang together with one through common circles
-        group, circles = set(), {*first} & {*through}
-        while more := {c for c in contacts if not circles.isdisjoint(c)} - group:
-            group |= more
-            circles |= {i for c in more for i in c if i in through}
-        return group
-    def enter(self, known, moved, entry):  # centres on a rim that move inward, after the impulses; captures
-        for c in [c for c in self.meets if c[1] < 0 and c[0] in moved and c[0] not in self.gone]:
-            m = self.meeting(self.flights, c)
-            if c in known or m.gap.sign() not in (1, -1):
-                sign = self.sign("still", c, m.closing)
-                known[c] = sign if c in known or sign >= 0 else self.sign("rim", c, m.gap) - 1
-        found = sorted(c for c in known if c[1] < 0 and known[c] < 0)
-        if found != sorted((i, -1 - k) for i, k in entry.get("entries", ())): raise Refuted(f"{found} enter")
-        for i in {i for i, _ in found} if self.scene.get("capture") else ():
-            x, y = put(self.flights[i], self.time, self.age)[:2]
-            self.flights[i] = Flight(x, y, self.none, self.none, self.time, self.age)
-            self.gone.add(i)
-            moved |= {*self.note("take", (), (), {i})}
-            for c in [c for c in known if i in c]: del known[c]
-    def turn(self, entry, due):  # the reversal, if it falls on this instant, and what follows from it
-        due = due or (not self.way and 0 < self.count == self.scene.get("reverse_after"))
-        due = due and self.count != self.last_event  # else it comes too late to be told
-        if due != ("reversal" in entry): raise Refuted(f"the reversal {'falls' if due else 'does not fall'} on it")
-        if not due: return
-        self.age, self.way = self.age + 1, dict(self.last)
-        self.due.pop("reverse", None)
-        if self.end["reason"] == "return": self.due["until"] = self.time + self.time
-        for i in self.movable:
-            x, y, vx, vy, *start = put(self.flights[i], self.time, self.age)
-            self.flights[i] = Flight(x, y, -vx, -vy, *start)
-            self.note("turn", (), (), {i})
-        self.take(entry["reversal"], self.clock)
-        self.resolve({c: -sign for c, sign in self.stood.items()}, entry["reversal"], moved=range(self.n))
-        self.age += 1
+                told = rounds.pop(0) if rounds else []
+                push = [(i, j) for i, j, *_ in told]
+                if not push or len({*push}) < len(push) or {*push} - {*coming}: raise Refuted(f"{push} cannot push")
+                others, s = [c for c in coming if c not in push], [number(text) for _, _, *by in told for text in by]
+                balls, _ = (w.blow(self.age, push, others, s) for w in self.worlds)
+                if s and any(self.form.rest[c] for c in push): raise Refuted(f"the impulses of {push} are others")
+                for impulse in balls: positive(impulse.sign(), f"{push} do not push, or may not")
+                for c in others:
+                    if self.sign("slack", c, lambda w, c=c: w.rest[c]) < 0: raise Refuted(f"{c} push too")
+                for i in circles & self.movable:
+                    for rows, contacts in ((self.rows, coming), (pushes, push)):
+                        if row := {c for c in contacts if i in c}: rows.setdefault(i, []).append(row)
+                moved |= (hit := self.movable & {i for c in push for i in c})
+                known |= {c: self.sign("closing", c) for c in sorted(group) if hit & {*c}}
+        enter = sorted(c for c in known if c[1] < 0 and known[c] < 0)
+        if rounds or enter != sorted(map(tuple, entry.get("enter", ()))): raise Refuted(f"{enter} enter, or none push")
+        if taken := {i for i, _ in enter if self.told["scene"].get("capture")}:
+            self.settle(taken)
+            for w in self.worlds: w.redirect(taken, self.age, NONE)
+            self.meets = {c for c in self.meets if not taken & {*c}}
+        self.known = {c: sign for c, sign in known.items() if c in self.meets}
+        self.lasting = {c: 0 for c, sign in self.known.items() if (c in self.lasting and not moved & {*c})
+                        or (sign == 0 and self.sign("speed", c) == 0)}
+        self.parted = {c for c in self.parted if not moved & {*c}} | known.keys()
+        self.isometries = [(*g[:2], {i for i in self.mapped(g) if not taken & {i, g[1][i]}}) for g in self.isometries]
+        hits = {i: rows[::-1] for i, rows in pushes.items()}
+        if not self.way and (hits or not self.age): self.out.append((hits, {c for c in known if c[1] >= 0}))
+        if self.way and hits: self.out = self.out[:-1] if self.out and self.out[-1][0] == pushes else []
     def said(self, value, text):  # that a number is as the decimal text says, to within one unit of its last digit
-        if not (found := re.fullmatch(DECIMAL, text, re.ASCII)): raise Malformed(f"{text[:40]!r} is no decimal")
-        one, unit = 1 << Ball.bits, Fraction(1, 10 ** len(found[1] or ""))
-        off, wide = abs(Fraction(value.m, one) - Fraction(text)), Fraction(value.r, one)
-        if off + wide >= unit: raise (Refuted if off - wide >= unit else Undecided)(f"a number is not {text}")
-    def close(self, end):  # what ended the run, and the final state
-        self.take(end, self.clock)
-        reason, until, turn = end["reason"], self.due.get("until"), self.due.get("reverse")
-        if self.last_event not in (None, self.count) or (reason == "return" and not self.way):
-            raise Refuted(f"there are {self.count} events, or nothing was reversed")
-        if reason not in ("events", "stopped"):
-            order = (turn - until).sign() if turn and until else -1 if turn else 1
-            if order != 1: raise (Undecided if order is None else Refuted)("the reversal comes first")
-            for c in self.meets: self.later(c, until)
-            if until: self.time, self.age = until, self.age + 2
-        self.said(self.time, self.told["final"]["time"])
+        unit, at = Fraction(1, 10 ** len(text.partition(".")[2])), Fraction(text)
+        low, high = (enclosed(Form({frozenset(): at + d})) for d in (-unit, unit))
+        for x in (value - low, high - value): positive(x.sign(), f"a number is not {text[:40]}")
+    def check(self):  # instant by instant; then what ended the run, and the final state
+        for entry in self.told["instants"]: self.instant(entry)
+        self.take(self.end, "at the end")
+        reason, limits = self.end["reason"], self.ball.limits
+        if self.last not in (None, self.count): raise Refuted(f"there are {self.count} events")
+        if (self.last is None and self.due) or (reason == "return" and not self.way): raise Refuted("no reversal")
+        if reason not in ("events", "stopped") and "reverse" in limits:
+            positive((limits["reverse"] - limits["until"]).sign() if "until" in limits else 0, "the reversal is first")
+        if "until" in limits:
+            self.age += 1
+            for w in self.worlds: w.times.append(w.limits["until"])
+        for c in self.meets: self.clear(c, None if reason == "quiet" else self.age, last=True)
+        self.said(self.ball.times[self.age], self.told["final"]["time"])
         for i, row in zip(range(self.n), self.told["final"]["circles"], strict=True):
-            state = put(self.flights[i], self.time, self.age)[:4]
-            for value, text in zip(state, row, strict=True): self.said(value, text)
+            for value, text in zip(self.ball.put(i, self.age)[:4], row, strict=True): self.said(value, text)
+        return f"{self.count} events, to the end: {reason}"
 
 def judged(told, factor):  # the exit code for a certificate with so many times its bits, and a sentence
-    checker = None
-    try:
-        (checker := Checker(told)).check(factor)
-        return 0, f"verified: {checker.count} events, to the end: {checker.end['reason']}"
-    except (Refuted, Undecided) as fault:
-        return fault.code, f"{fault.word}: {checker.where if checker else 'in the scene'}: {fault}"
-
-def whole(text):  # a number of JSON
-    if not re.fullmatch(r"-?\d{1,15}", text): raise Malformed(f"{text[:40]} is no whole number, or too long")
-    return int(text)
+    Checker.where, Form.work = "in the scene", 0
+    try: return 0, f"verified: {Checker(told, factor).check()}"
+    except (Refuted, Undecided) as fault: return fault.code, f"{fault.word}: {Checker.where}: {fault}"
+def fits(value, shape):  # refuses a part, or a list of parts, of another shape
+    for part in value if isinstance(value, list) else [value]:
+        for key in {*part, *shape[0]}:
+            found, inner = part[key], (shape[0] | shape[1])[key]
+            if isinstance(inner, tuple): fits(found, inner)
+            elif not re.fullmatch(inner, json.dumps(found, separators=(",", ":")), re.ASCII):
+                raise Malformed(f"its {key} is not of its shape")
 def once(pairs):  # an object of JSON whose keys differ
     if len(found := dict(pairs)) < len(pairs): raise Malformed("a key comes twice")
     return found
 
 def verdict(path):  # the exit code for a file, and a sentence
-    sys.set_int_max_str_digits(TEXT)
+    sys.set_int_max_str_digits(DIGITS)
     try:
         if Path(path).exists() and not Path(path).is_file(): raise Malformed("it is no regular file")
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
         if len(text) > BYTES: raise Malformed(f"it is longer than {BYTES} bytes")
-        read = {"object_pairs_hook": once, "parse_int": whole, "parse_float": whole, "parse_constant": whole}
-        Exact.work, told = 0, json.loads(text.decode(), **read)
+        told = json.loads(text.decode(), object_pairs_hook=once)
         code, sentence = judged(told, 1)
         for factor in (2, 4) if code == 4 else ():
             more, what = judged(told, factor)
-            if more != 4: return 4, f"{sentence}; with {factor * told['bits'][0][1]} bits it is {what}"
+            if more != 4: return 4, f"{sentence}; with {factor * told['bits']} bits it is {what}"
         return code, sentence + "; nor do 4 times the bits decide" * (code == 4)
     except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
     except BROKEN as error:

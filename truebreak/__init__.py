@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .compare.comparison import compare as comparison
-    from .compare.documents.tables import table
+    from .compare.documents.values.tables import table
     from .compare.run import run
     from .compare.saved.comparisons import load_comparison, save_comparison
     from .compare.saved.going_on import resume
@@ -60,7 +60,7 @@ _HOMES = {
     "save_comparison": ("compare.saved.comparisons", "save_comparison"),
     "save_run": ("compare.saved.runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),
-    "table": ("compare.documents.tables", "table"),
+    "table": ("compare.documents.values.tables", "table"),
 }
 """The module of each name, and what it is called there: imported when it is asked for."""
 

@@ -14,8 +14,8 @@ from .base.walls import sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.impulses import Row
-    from ..foreign.recording import Recording
+    from ..foreign.runs.impulses import Row
+    from ..foreign.runs.recording import Recording
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from .base.walls import Stretch, stretches
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.impulses import Row
+    from ..foreign.runs.impulses import Row
 
 QUICK = 2.0**30
 """How many of a scene's units of time pass in one of Box2D's seconds. What approaches slower than 1 m/s does not bounce

@@ -17,8 +17,8 @@ from .base.walls import lines, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.impulses import Row
-    from ..foreign.recording import Recording
+    from ..foreign.runs.impulses import Row
+    from ..foreign.runs.recording import Recording
 
 MOST_FACES = 30
 """Faces of walls that MuJoCo's 32-bit masks tell apart, beside the bit of the circles."""

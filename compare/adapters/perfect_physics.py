@@ -11,7 +11,7 @@ from .base.package import package
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.recording import Recording
+    from ..foreign.runs.recording import Recording
 
 
 @dataclass(frozen=True)

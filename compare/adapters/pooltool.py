@@ -15,8 +15,8 @@ from .base.walls import stretches
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.impulses import Row
-    from ..foreign.recording import Recording
+    from ..foreign.runs.impulses import Row
+    from ..foreign.runs.recording import Recording
 
 
 TURNED = complex(math.cos(1.0), math.sin(1.0))

@@ -13,7 +13,7 @@ from .base.walls import lines, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.impulses import Row
+    from ..foreign.runs.impulses import Row
 
 UNCAPPED = 1e30
 """Rapier's greatest speed, in lengths a second: none that a scene comes near."""

@@ -65,10 +65,10 @@ class Goal(Protocol):
 
 
 @dataclass(frozen=True)
-class History:
+class HistoryGoal:
     """Who meets whom, to the end or in the first events.
 
-    >>> str(History(20)), str(History())
+    >>> str(HistoryGoal(20)), str(HistoryGoal())
     ('the first 20 events right', 'every event right')
     """
 

@@ -60,7 +60,7 @@ class Setting:
 
 
 @dataclass(frozen=True)
-class Size:
+class RunSize:
     """How much there is to do in a scene, by its certified run: what the cost of a run is counted from.
 
     Attributes:
@@ -76,7 +76,7 @@ class Size:
     walls: int
 
     @classmethod
-    def of(cls, run: Trajectory) -> Size:
+    def of(cls, run: Trajectory) -> RunSize:
         """That of a certified run."""
         scene = run.scene
         return cls(float(run.final_time) or 1.0, len(run.events), run.collisions, len(scene.circles), len(scene.walls))
@@ -84,7 +84,7 @@ class Size:
     def stepped(self, step: float, iterations: int) -> tuple[int, int]:
         """Steps, and units of work, of a run by time steps.
 
-        >>> Size(10.0, 20, 20, 10, 4).stepped(1 / 64, 10)
+        >>> RunSize(10.0, 20, 20, 10, 4).stepped(1 / 64, 10)
         (640, 940)
         """
         steps = math.ceil(self.time / step)
@@ -94,9 +94,9 @@ class Size:
     def driven(self, bits: int, pair: float = 0.0) -> int:
         """Units of work of a run from event to event in numbers of so many bits, each event `pair` more for each pair.
 
-        >>> Size(10.0, 20, 20, 10, 4).driven(64)
+        >>> RunSize(10.0, 20, 20, 10, 4).driven(64)
         18816
-        >>> Size(10.0, 20, 20, 10, 4).driven(64, 6.0) - Size(10.0, 20, 20, 10, 4).driven(64)
+        >>> RunSize(10.0, 20, 20, 10, 4).driven(64, 6.0) - RunSize(10.0, 20, 20, 10, 4).driven(64)
         5670
         """
         pairs = self.circles * (self.circles - 1) // 2
@@ -104,10 +104,10 @@ class Size:
         return (self.events + 1) * (one + math.ceil(pair * pairs))
 
 
-def cost(engine: Engine, size: Size) -> tuple[int | None, int]:
+def cost(engine: Engine, size: RunSize) -> tuple[int | None, int]:
     """Time steps, if it has any, and units of work of a run.
 
-    >>> cost(engine_named("pymunk:dt=1/64,iterations=10"), Size(10.0, 20, 20, 10, 4))
+    >>> cost(engine_named("pymunk:dt=1/64,iterations=10"), RunSize(10.0, 20, 20, 10, 4))
     (640, 940)
     """
     if engine.step is None:
@@ -115,7 +115,7 @@ def cost(engine: Engine, size: Size) -> tuple[int | None, int]:
     return size.stepped(engine.step, getattr(engine, "iterations", 1))
 
 
-def ladder(text: str, size: Size, budget: int) -> tuple[Setting, ...]:
+def ladder(text: str, size: RunSize, budget: int) -> tuple[Setting, ...]:
     """The settings of an engine, cheapest first, up to the first that costs more than the budget, which is left out.
 
     By the engine's own parameters: `dt`, the step, from about the length of the whole run on, halved again and again,
@@ -125,11 +125,11 @@ def ladder(text: str, size: Size, budget: int) -> tuple[Setting, ...]:
     Raises:
         SceneError: for an unknown engine or parameter.
 
-    >>> [(s.text, s.work) for s in ladder("pymunk", Size(3.0, 4, 4, 2, 0), 10)]
+    >>> [(s.text, s.work) for s in ladder("pymunk", RunSize(3.0, 4, 4, 2, 0), 10)]
     [('pymunk:dt=2,iterations=1', 3), ('pymunk:dt=1,iterations=1', 4), ('pymunk:dt=1/2,iterations=1', 7)]
-    >>> [s.text for s in ladder("interval", Size(3.0, 4, 4, 2, 0), 620)]
+    >>> [s.text for s in ladder("interval", RunSize(3.0, 4, 4, 2, 0), 620)]
     ['interval:bits=24', 'interval:bits=32']
-    >>> [s.text for s in ladder("double", Size(3.0, 4, 4, 2, 0), 10**6)]
+    >>> [s.text for s in ladder("double", RunSize(3.0, 4, 4, 2, 0), 10**6)]
     ['double']
     """
     base = engine_named(text)
@@ -145,7 +145,7 @@ def ladder(text: str, size: Size, budget: int) -> tuple[Setting, ...]:
 
 
 def _steps(
-    text: str, base: Engine, names: set[str], given: dict[str, str], size: Size, budget: int
+    text: str, base: Engine, names: set[str], given: dict[str, str], size: RunSize, budget: int
 ) -> Iterator[Setting]:
     """A grid of steps and iterations."""
     first = Fraction(2) ** math.floor(math.log2(size.time))
@@ -168,7 +168,7 @@ def _steps(
             yield Setting(named, engine_named(named), work, steps)
 
 
-def _widths(text: str, base: Any, given: dict[str, str], size: Size, budget: int) -> Iterator[Setting]:
+def _widths(text: str, base: Any, given: dict[str, str], size: RunSize, budget: int) -> Iterator[Setting]:
     """Numbers of ever more bits."""
     least = base.bits if "bits" in given else WIDTHS[0]
     doubled = (width * 2**power for power in count() for width in WIDTHS[1:])
@@ -183,7 +183,7 @@ def _widths(text: str, base: Any, given: dict[str, str], size: Size, budget: int
             continue
 
 
-def _made_better(text: str, base: Engine, size: Size, budget: int) -> Iterator[Setting]:
+def _made_better(text: str, base: Engine, size: RunSize, budget: int) -> Iterator[Setting]:
     """The engine as it is, then finer or wider by its own declaration."""
     chosen: Engine | None = base
     for times in count():

@@ -14,12 +14,12 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..engines import engine as engine_named
-from ..ensemble.perturbed import nudged
+from ..ensemble.rows.perturbed import nudged
 from ..study import Study
 from ..validation import check_until, checked_number, unsupported
 from .found import Advice, Cost, End, Instance, Tried
-from .goal import History
-from .ladder import Setting, Size, cost, ladder
+from .goal import HistoryGoal
+from .ladder import RunSize, Setting, cost, ladder
 from .why import reasons
 
 if TYPE_CHECKING:
@@ -90,11 +90,11 @@ def advise(
         SceneError: for a goal that the scene has not, an engine that cannot take the scene, and a number out of range.
 
     >>> from truebreak.scenarios import catalogue
-    >>> told = advise(catalogue.build("gas:n=3"), History(4), perturbed=2)
+    >>> told = advise(catalogue.build("gas:n=3"), HistoryGoal(4), perturbed=2)
     >>> told.named.right, len(told.cheaper.wrong) > 0
     (True, True)
     """
-    goal = History() if goal is None else goal
+    goal = HistoryGoal() if goal is None else goal
     share = _checked(size, perturbed, budget)
     return _Search(scene, goal, engine, until, share, range(seed, seed + perturbed), budget, why, progress).advice()
 
@@ -178,7 +178,7 @@ class _Search:
             return self._told(
                 (), End.REFERENCE, why=(f"The certified run of the scene itself stops: {run.stop.message}.",)
             )
-        rungs = ladder(self.engine, Size.of(run), self.budget)
+        rungs = ladder(self.engine, RunSize.of(run), self.budget)
         tried: list[Tried] = []
         first: int | None = None
         for setting in rungs:
@@ -194,7 +194,7 @@ class _Search:
 
     def _end_of(self, rungs: tuple[Setting, ...]) -> End:
         """Whether the ladder goes on beyond the budget."""
-        more = ladder(self.engine, Size.of(self.home.study.reference), max(4 * self.budget, FAR))
+        more = ladder(self.engine, RunSize.of(self.home.study.reference), max(4 * self.budget, FAR))
         return End.BUDGET if len(more) > len(rungs) else End.LADDER
 
     def _try(self, setting: Setting, first: int | None, whole: Tried | None = None) -> Tried:
@@ -219,7 +219,7 @@ class _Search:
         return Tried(setting, judged, 1 + len(self.seeds) - len(self.left_out))
 
     def _judge(self, setting: Setting, near: Instance) -> Judged:
-        work = cost(setting.engine, Size.of(near.study.reference))[1]
+        work = cost(setting.engine, RunSize.of(near.study.reference))[1]
         if self.spent + work > self.budget:
             raise _Spent
         if self.progress is not None:
@@ -233,7 +233,7 @@ class _Search:
         Raises:
             _Spent: if the budget does not suffice.
         """
-        size = replace(Size.of(self.home.study.reference), time=steps * (engine.step or 0.0))
+        size = replace(RunSize.of(self.home.study.reference), time=steps * (engine.step or 0.0))
         work = cost(engine, size)[1]
         if self.spent + work > self.budget:
             raise _Spent

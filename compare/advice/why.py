@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..chaos.errors import ErrorModel, model_of
+from ..chaos.hazard.errors import ErrorModel, model_of
 from ..chaos.horizon import Forecaster
 from ..chaos.levels import LEVELS
 from ..comparison import candidate_of, explained

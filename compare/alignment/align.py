@@ -17,9 +17,9 @@ from ...scenarios.numbers.real import real
 from ...scenarios.trajectory import StopReason
 from .divergence import Divergence, Kind
 from .impulse_order import same_velocity
-from .instants import Finer, Instant, clusters, first_changed_instant
+from .instants import Finer, SharedInstant, clusters, first_changed_instant
 from .patience import Patience, patience_for
-from .streams import History, history
+from .streams import Streams, history
 from .walk import REPEATED, Walk, walk
 
 if TYPE_CHECKING:
@@ -244,8 +244,8 @@ class _Judge:
         self,
         reference: Trajectory,
         candidate: Trajectory,
-        mine: History,
-        theirs: History,
+        mine: Streams,
+        theirs: Streams,
         span: Span,
         patience: Patience,
     ) -> None:
@@ -256,7 +256,7 @@ class _Judge:
         self._mine: set[tuple[int, str]] = set()
         self._theirs: set[tuple[int, str]] = set()
 
-    def look_round(self, groups: Sequence[Instant], step: float) -> None:
+    def look_round(self, groups: Sequence[SharedInstant], step: float) -> None:
         """Notes the instants that reach into the span: what belongs to them counts as inside, wherever it lies.
 
         With a time step, an instant of several contacts may go on for some steps, so both runs must.

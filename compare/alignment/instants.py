@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
     from .walk import Walk
 
-Finer: TypeAlias = "Callable[[int, Instant], float | None]"
+Finer: TypeAlias = "Callable[[int, SharedInstant], float | None]"
 """How far the velocities after an instant are from the reference's, with the step halved so many times; None if that
 run is not to be had, or does not come to the instant."""
 
@@ -34,7 +34,7 @@ TOLD = 4
 
 
 @dataclass(frozen=True)
-class Instant:
+class SharedInstant:
     """Events of two runs that hold the same meetings: usually one of each.
 
     Attributes:
@@ -54,7 +54,7 @@ class Instant:
             candidate.events[c].coupled for c in self.theirs
         )
 
-    def among(self, other: Instant) -> Instant:
+    def among(self, other: SharedInstant) -> SharedInstant:
         """The same, of the circles of another alone."""
         names = {name for name, _, _ in other.bodies}
         return replace(self, bodies=tuple(body for body in self.bodies if body[0] in names))
@@ -65,11 +65,11 @@ class Instant:
         return [pair for pair in event.impulses if names & {*pair}]
 
 
-Place: TypeAlias = "tuple[int, int, str]"
+EventPlace: TypeAlias = "tuple[int, int, str]"
 """A run (0: the reference), one of its events, and what of that event is meant."""
 
 
-def instants(walks: dict[str, Walk]) -> list[Instant]:
+def instants(walks: dict[str, Walk]) -> list[SharedInstant]:
     """The events of both runs, grouped by the meetings that they share, by ascending event of the reference.
 
     >>> from .walk import Walk
@@ -79,7 +79,7 @@ def instants(walks: dict[str, Walk]) -> list[Instant]:
     return _grouped(walks, lambda run, event, body: "")
 
 
-def clusters(walks: dict[str, Walk], reference: Trajectory, candidate: Trajectory) -> list[Instant]:
+def clusters(walks: dict[str, Walk], reference: Trajectory, candidate: Trajectory) -> list[SharedInstant]:
     """The same, where events are taken apart into what hangs together in them.
 
     What else falls on the time of an event in one of the runs, far from it, then says nothing of it.
@@ -114,15 +114,15 @@ def hanging_together(impulses: Sequence[Contact], movable: Collection[str]) -> d
     return found
 
 
-def _grouped(walks: dict[str, Walk], part: Callable[[int, int, str], str]) -> list[Instant]:
+def _grouped(walks: dict[str, Walk], part: Callable[[int, int, str], str]) -> list[SharedInstant]:
     """What the meetings of all bodies join.
 
     Args:
         part: which part of an event of a run is meant, for a body.
     """
-    root: dict[Place, Place] = {}
+    root: dict[EventPlace, EventPlace] = {}
 
-    def find(node: Place) -> Place:
+    def find(node: EventPlace) -> EventPlace:
         while root.setdefault(node, node) != node:
             root[node] = root[root[node]]
             node = root[node]
@@ -136,14 +136,14 @@ def _grouped(walks: dict[str, Walk], part: Callable[[int, int, str], str]) -> li
     for _, _, _, mine, theirs in joined:
         a, b = find(mine), find(theirs)
         root[max(a, b)] = min(a, b)
-    groups: dict[Place, tuple[set[tuple[int, int]], dict[str, tuple[int, int]]]] = {}
+    groups: dict[EventPlace, tuple[set[tuple[int, int]], dict[str, tuple[int, int]]]] = {}
     for body, m, c, mine, _ in joined:
         pairs, bodies = groups.setdefault(find(mine), (set(), {}))
         pairs.add((m, c))
         last = bodies.get(body, (-1, -1))
         bodies[body] = (max(last[0], m), max(last[1], c))
     found = [
-        Instant(
+        SharedInstant(
             tuple(sorted({m for m, _ in pairs})),
             tuple(sorted({c for _, c in pairs})),
             tuple((name, *last) for name, last in bodies.items()),
@@ -154,7 +154,7 @@ def _grouped(walks: dict[str, Walk], part: Callable[[int, int, str], str]) -> li
     return sorted(found, key=lambda instant: instant.mine)
 
 
-def velocity_difference(reference: Trajectory, candidate: Trajectory, instant: Instant) -> float:
+def velocity_difference(reference: Trajectory, candidate: Trajectory, instant: SharedInstant) -> float:
     """The largest difference between the velocities with which the two runs leave an instant."""
     mine = {m: reference.at(reference.events[m].time) for m in {last for _, last, _ in instant.bodies}}
     theirs = {c: candidate.at(candidate.events[c].time) for c in {last for _, _, last in instant.bodies}}
@@ -170,7 +170,7 @@ def first_changed_instant(
     reference: Trajectory,
     candidate: Trajectory,
     walks: dict[str, Walk],
-    groups: Sequence[Instant],
+    groups: Sequence[SharedInstant],
     before: tuple[float, int],
     step: float,
     finer: Finer | None,
@@ -209,26 +209,26 @@ def first_changed_instant(
     return None
 
 
-def _taken_apart(walks: dict[str, Walk], instant: Instant, sequential: bool) -> bool:
+def _taken_apart(walks: dict[str, Walk], instant: SharedInstant, sequential: bool) -> bool:
     """Whether the candidate has an instant in several, in one with others, or in another order."""
     return len(instant.mine) + len(instant.theirs) > 2 or (sequential and bool(_reordered(walks, instant)))
 
 
-def _reordered(walks: dict[str, Walk], instant: Instant) -> set[int]:
+def _reordered(walks: dict[str, Walk], instant: SharedInstant) -> set[int]:
     """The reference's events of an instant whose partners a circle meets in another order."""
     return {m for name, _, _ in instant.bodies for m in walks[name].reordered} & {*instant.mine}
 
 
 def _not_reproduced(
-    reference: Trajectory, candidate: Trajectory, walks: dict[str, Walk], instant: Instant, same: float
-) -> Instant | None:
+    reference: Trajectory, candidate: Trajectory, walks: dict[str, Walk], instant: SharedInstant, same: float
+) -> SharedInstant | None:
     """The first part of an instant at which the impulses of one run, in its order, lead elsewhere than the other's.
 
     Each event that the other run has in several, or in another order, is asked by itself: what comes later can then
     not change the answer.
     """
     apart = _reordered(walks, instant)
-    parts: list[Instant] = []
+    parts: list[SharedInstant] = []
     for m in instant.mine:
         others = sorted(c for mine, c in instant.pairs if mine == m)
         if (len(others) > 1 or m in apart) and not _leads_to(reference, m, candidate, others, instant, same):
@@ -240,13 +240,13 @@ def _not_reproduced(
     return min(parts, key=lambda part: (_start(reference, candidate, part), part.mine), default=None)
 
 
-def _start(reference: Trajectory, candidate: Trajectory, instant: Instant) -> float:
+def _start(reference: Trajectory, candidate: Trajectory, instant: SharedInstant) -> float:
     """The earlier of the times at which the two runs begin an instant."""
     return min(float(reference.events[instant.mine[0]].time), float(candidate.events[instant.theirs[0]].time))
 
 
 def _leads_to(
-    run: Trajectory, index: int, other: Trajectory, events: Sequence[int], instant: Instant, same: float
+    run: Trajectory, index: int, other: Trajectory, events: Sequence[int], instant: SharedInstant, same: float
 ) -> bool:
     """Whether an event's impulses, as the other run has them in some events, lead to the velocities after it."""
     event = run.events[index]
@@ -255,12 +255,12 @@ def _leads_to(
     return not event.coupled or order_reproduces(run, index, own, groups, same)
 
 
-def _impulses(run: Trajectory, instant: Instant, events: Sequence[int]) -> list[list[Contact]]:
+def _impulses(run: Trajectory, instant: SharedInstant, events: Sequence[int]) -> list[list[Contact]]:
     """The impulses of an instant in one of the two runs, event by event."""
     return [instant.impulses(run.events[event]) for event in events]
 
 
-def _matters(reference: Trajectory, candidate: Trajectory, instant: Instant, same: float) -> bool:
+def _matters(reference: Trajectory, candidate: Trajectory, instant: SharedInstant, same: float) -> bool:
     """Whether taking several of the reference's instants as one leads to other velocities, as it did here.
 
     Both outcomes are computed from the reference's state: all impulses at once, and one instant after the other. They
@@ -272,7 +272,7 @@ def _matters(reference: Trajectory, candidate: Trajectory, instant: Instant, sam
 
 
 def _blurred(
-    reference: Trajectory, candidate: Trajectory, instant: Instant, step: float, finer: Finer | None, same: float
+    reference: Trajectory, candidate: Trajectory, instant: SharedInstant, step: float, finer: Finer | None, same: float
 ) -> bool:
     """Whether the velocities differ by no more than the time step blurs them."""
     apart = velocity_difference(reference, candidate, instant)
@@ -292,7 +292,7 @@ def _blurred(
     return False
 
 
-def _explained(reference: Trajectory, candidate: Trajectory, instant: Instant, step: float, same: float) -> bool:
+def _explained(reference: Trajectory, candidate: Trajectory, instant: SharedInstant, step: float, same: float) -> bool:
     """Whether the velocities differ by no more than the error with which the candidate came to the instant.
 
     An error of position of e turns the direction of an impact by e / reach, which changes an impulse by twice that
@@ -312,7 +312,7 @@ def _explained(reference: Trajectory, candidate: Trajectory, instant: Instant, s
     return velocity_difference(reference, candidate, instant) <= room
 
 
-def _tie(reference: Trajectory, candidate: Trajectory, instant: Instant) -> Divergence:
+def _tie(reference: Trajectory, candidate: Trajectory, instant: SharedInstant) -> Divergence:
     """The divergence, told of the first body with the most partners: the one that the order matters to."""
     mine, theirs = _impulses(reference, instant, instant.mine), _impulses(candidate, instant, instant.theirs)
     if len(instant.mine) == 1 and len(instant.theirs) > 1:

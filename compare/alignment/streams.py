@@ -23,7 +23,7 @@ class Meeting(NamedTuple):
 
 
 @dataclass(frozen=True)
-class History:
+class Streams:
     """A trajectory seen body by body.
 
     Attributes:
@@ -41,7 +41,7 @@ def bodies(scene: Scene) -> tuple[str, ...]:
     return tuple(str(circle.id) for circle in scene.circles if not circle.fixed)
 
 
-def history(trajectory: Trajectory) -> History:
+def history(trajectory: Trajectory) -> Streams:
     """The meetings of every body, from the impulses of every event, in one pass.
 
     >>> from fractions import Fraction
@@ -71,4 +71,4 @@ def history(trajectory: Trajectory) -> History:
                 met.setdefault(second, []).append(first)
         for body, partners in met.items():
             meetings[body].append(Meeting(index, tuple(partners)))
-    return History(meetings, tuple(float(event.time) for event in trajectory.events))
+    return Streams(meetings, tuple(float(event.time) for event in trajectory.events))

@@ -19,7 +19,7 @@ from typing import TypeVar
 
 from ...scenarios import catalogue
 from ...tools import verify
-from ..certificates import verdict_on, write_certificate
+from ..certificate.certified import verdict_on, write_certificate
 from ..run import run
 
 T = TypeVar("T")
@@ -77,7 +77,7 @@ def checking(events: int, scene: str = SCENE) -> Checking:
             raise RuntimeError(f"{scene}, {events} events: {told}")
         text = file.read_bytes()
         second = _second(file)
-    return Checking(events, ran, written, checked, second, len(text), json.loads(text)["bits"][0][1])
+    return Checking(events, ran, written, checked, second, len(text), json.loads(text)["bits"])
 
 
 def _timed(work: Callable[[], T], whose: int) -> tuple[float, T]:

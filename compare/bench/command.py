@@ -20,8 +20,8 @@ from ..cli.exit_codes import DONE, ExitCode
 from ..cli.progress import duration, showing
 from ..cli.writing import check_writable, write_whole
 from ..engines import split_engines, suggestion
-from .machine import Took, calibration, idleness, machine
-from .ratios.figures import FULL, SHORT, Figure, Size
+from .computer import Took, calibration, computer, idleness
+from .ratios.figures import FULL, SHORT, Figure, Workload
 from .ratios.table import BENCHMARKS
 from .reported.against import Against, against
 from .reported.report import Report, check_scenes, idleness_of, load, rows_of, worst
@@ -49,7 +49,7 @@ def chosen(only: Sequence[str]) -> tuple[str, ...]:
 
 
 def measure(
-    size: Size = SHORT,
+    size: Workload = SHORT,
     only: Sequence[str] = (),
     *,
     scenes: Sequence[str] = (),
@@ -110,7 +110,7 @@ def run(
     full: bool = False,
     as_json: bool = False,
     only: Sequence[str] = (),
-    size: Size | None = None,
+    size: Workload | None = None,
     scenes: Sequence[str] = (),
     engines: Sequence[str] = (),
     processes: int = LEAST_PROCESSES,
@@ -170,7 +170,7 @@ def _check_files(
         strange = sorted(name for name, digest in there.items() if name not in asked or asked[name] != digest)
         if strange:
             raise SceneError(f"--keep {keep!r}: has the scene {strange[0]!r}, which is not asked for, or is another")
-        if kept["machine"] != machine():
+        if kept["machine"] != computer():
             raise SceneError(f"--keep {keep!r}: was measured on another machine; measure all on one")
 
 

@@ -25,7 +25,7 @@ STEPS = tuple(Fraction(1, 2**power) for power in (6, 8, 10, 12, 14))
 
 
 @dataclass(frozen=True)
-class Distance:
+class PolicyDistance:
     """How far pymunk ends from the exact engine under one policy.
 
     Attributes:
@@ -40,14 +40,14 @@ class Distance:
 
 
 @dataclass(frozen=True)
-class Subject:
+class PolicyScene:
     """A scene and the time at which outcomes are compared."""
 
     scene: Scene
     until: int
 
 
-def subjects() -> tuple[Subject, ...]:
+def subjects() -> tuple[PolicyScene, ...]:
     """Scenes whose outcome depends on the policy, and two in which rounding makes circles overlap."""
     from ...scenarios.catalogue import build
     from ...scenarios.scene import Scene
@@ -59,17 +59,17 @@ def subjects() -> tuple[Subject, ...]:
         name="one onto three that touch",
     )
     return (
-        Subject(build("lee"), 3),
-        Subject(two, 6),
-        Subject(build("rack:rows=2"), 60),
-        Subject(build("rack:rows=4"), 60),
-        Subject(build("rack:rows=4,gap=1/50"), 60),
-        Subject(three, 6),
-        Subject(build("cradle:gap=0,r=3/10"), 6),
+        PolicyScene(build("lee"), 3),
+        PolicyScene(two, 6),
+        PolicyScene(build("rack:rows=2"), 60),
+        PolicyScene(build("rack:rows=4"), 60),
+        PolicyScene(build("rack:rows=4,gap=1/50"), 60),
+        PolicyScene(three, 6),
+        PolicyScene(build("cradle:gap=0,r=3/10"), 6),
     )
 
 
-def distances(subject: Subject, step: Fraction) -> Iterator[Distance]:
+def distances(subject: PolicyScene, step: Fraction) -> Iterator[PolicyDistance]:
     """How far pymunk with one step ends from each policy's outcome.
 
     >>> lee = subjects()[0]
@@ -83,10 +83,10 @@ def distances(subject: Subject, step: Fraction) -> Iterator[Distance]:
     for policy in POLICIES:
         exact = uninterrupted(ExactEngine().run(subject.scene.with_changes(tie_policy=policy), until=subject.until))
         apart = np.abs(played - exact.final.array())
-        yield Distance(policy, float(apart[:, 2:].max()), float(apart[:, :2].max()))
+        yield PolicyDistance(policy, float(apart[:, 2:].max()), float(apart[:, :2].max()))
 
 
-def rows(chosen: Sequence[Subject], steps: Sequence[Fraction]) -> Iterator[str]:
+def rows(chosen: Sequence[PolicyScene], steps: Sequence[Fraction]) -> Iterator[str]:
     """The lines of the table."""
     ends = " | ".join(f"velocity, from `{policy}` | position" for policy in POLICIES)
     yield f"| scene, until | step | {ends} |"

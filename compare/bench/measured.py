@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ..ensemble.rows.worker import THREADS
-from .machine import Took, calibration, loop, memory, reset_peak, timed
+from .computer import Took, calibration, loop, memory, reset_peak, timed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -12,7 +12,7 @@ from ...exact.engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
-from ..advice.ladder import Size, cost
+from ..advice.ladder import RunSize, cost
 from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
 from ..deadline import uninterrupted
@@ -20,7 +20,7 @@ from ..engines import engine as engine_named
 from ..outcomes.table import outcomes_of
 from ..scene_argument import scene_from
 from ..study import Study
-from .machine import UNEVEN, Took
+from .computer import UNEVEN, Took
 from .measured import Process, measure
 from .subjects import Subject, digest_of, settings_of
 
@@ -214,7 +214,7 @@ def _check_affordable(subject: Subject, study: Study, engine: Engine) -> None:
         return
     if engine.bits is None and engine.step is None and not subject.symbolic:
         raise SceneError("not run here: it counts in expressions, and would take minutes")
-    steps, work = cost(engine, Size.of(study.reference))
+    steps, work = cost(engine, RunSize.of(study.reference))
     if work > MOST_WORK:
         told = f"{work:,} units of work" + ("" if steps is None else f", {steps:,} steps")
         raise SceneError(f"not run: {told}, where this table gives {MOST_WORK:,} units to a row")

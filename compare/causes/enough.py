@@ -13,7 +13,7 @@ from .decision.balls import BallRun, Replay
 from .margin import BitsEnough
 
 if TYPE_CHECKING:
-    from .decision.decision import Decision
+    from .decision.decision import DecidingNumber
     from .laboratory.laboratory import Laboratory
 
 FEWEST, MOST = 24, 1 << 17
@@ -66,7 +66,7 @@ def bits_enough(lab: Laboratory) -> BitsEnough:
     return BitsEnough(bits, short, "replay")
 
 
-def _replays(lab: Laboratory, decision: Decision, bits: int) -> bool:
+def _replays(lab: Laboratory, decision: DecidingNumber, bits: int) -> bool:
     """Whether the log in balls of so many bits tells the decision."""
     lab.check_time()
     return Replay(lab.reference, decision, bits, lab.turned).decides

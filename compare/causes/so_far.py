@@ -11,7 +11,7 @@ from .diagnosis import CauseName, Experiment
 if TYPE_CHECKING:
     from flint import arb
 
-    from .decision.reader import Reader
+    from .decision.reader import RunReader
 
 
 @dataclass
@@ -26,7 +26,7 @@ class SoFar:
     """
 
     rows: list[Experiment] = field(default_factory=list)
-    entered: Reader | None = None
+    entered: RunReader | None = None
     finest: arb | None = None
     neither: bool = False
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
-from ..certificates import certified
+from .certified import certified
 
 if TYPE_CHECKING:
     from ..comparison import Comparison

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from ...tools.verify import ONE, ZERO, Exact
 from .scene_text import text_of
+from .tower import ONE, ZERO, Exact
 
 Contact = tuple[int, int]
 Vector = tuple[Exact, Exact]
@@ -89,7 +89,8 @@ class Isometries:
         for m, (x, y, r) in enumerate(self.pockets):
             image = self._pocket_of.get(_key([*moved(x, y), r]))
             pairs += [] if image is None else [[-1 - m, -1 - image]]
-        return {"matrix": [text_of(x) for x in matrix], "shift": [text_of(p), text_of(q)], "map": pairs}
+        one_each = list({image: pair for pair in pairs for image in pair[1:]}.values())  # two may be alike
+        return {"matrix": [text_of(x) for x in matrix], "shift": [text_of(p), text_of(q)], "map": one_each}
 
 
 def orthogonal_maps(sources: Sequence[Vector], images: Sequence[Vector]) -> Iterator[Matrix]:

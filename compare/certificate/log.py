@@ -11,12 +11,13 @@ from ...exact.results.value import ExactValue
 from ...scenarios.event import Event, Pocketing
 from ...scenarios.numbers.real import Real
 from ...scenarios.trajectory import Trajectory
+from .scene_text import exact_number, text_of
 
 Contact = tuple[int, int]
 
 
 def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozenset[Contact]]]:
-    """The instants from time 0 on, each a dict with `rounds`, `entries` and `reversal`, and the contacts of each.
+    """The instants from time 0 on, each a dict with `rounds`, `enter` and perhaps `turn`, and the contacts of each.
 
     The first is time 0, whether anything falls on it or not.
     """
@@ -36,23 +37,20 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
         if isinstance(happened, Event):
             contacts[number] = {(place[a], place[b]) for a, b in happened.contacts}
         elif isinstance(happened, Pocketing):
-            entries.setdefault(number, []).append([place[happened.circle], pockets[happened.pocket]])
+            entries.setdefault(number, []).append([place[happened.circle], -1 - pockets[happened.pocket]])
     found: list[dict[str, Any]] = []
     met: list[frozenset[Contact]] = []
     done = 0
     for number in sorted(ends):
         kicks = [step.links for step in steps[done : ends[number]] if isinstance(step, Kick)]
         rounds = [[list(places_of(scene, link)) for link in links] for links in kicks]
-        told = {"rounds": rounds, "entries": entries.get(number, [])}
+        turn = {"turn": True} if number % 2 else {}
+        if turn and number - 1 not in ends and scene.reverse_at is not None:
+            found.append({"exact": text_of(exact_number(scene.reverse_at)), "rounds": [], "enter": [], "time": "0"})
+            met.append(frozenset())
+        found.append({**turn, "rounds": rounds, "enter": entries.get(number, []), "time": "0"})
+        met.append(frozenset(contacts.get(number, ())))
         done = max(done, ends[number])
-        if number % 2:
-            if number - 1 not in ends:
-                found.append({"rounds": [], "entries": []})
-                met.append(frozenset())
-            found[-1]["reversal"] = told
-        else:
-            found.append(told)
-            met.append(frozenset(contacts.get(number, ())))
     return found, met
 
 

@@ -6,23 +6,70 @@ for, and kept if the checker accepts it. So nothing here is trusted.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Set
+from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...tools.verify import ROOTS, WORK, Ball, Checker, Exact, Undecided, put
+from ...tools.verify import Ball, Checker, Undecided, World
 from .isometries import Contact, Isometries
+from .scene_text import text_of
+from .tower import Exact
 
-GUARD = 64
-"""Bits kept below the width of what is known, so that rounding adds nothing to it."""
+DEEP_ROOTS = 7
+"""Roots beyond those at hand that an exact zero may take."""
 
-LEAST = 128
-"""Bits that are kept in any case: of large numbers none after the point may be known."""
+DEEP_WORK = 1 << 32
+"""Work that an exact zero may take (see `Exact.work`): some seconds."""
 
-CHEAP_ROOTS, DEEP_ROOTS = 2, 7
-"""Roots beyond the scene's that an exact witness may take: first, to compare two times; at last."""
 
-CHEAP_WORK, DEEP_WORK = 1 << 26, 1 << 32
-"""Work that an exact witness may take at first, and at last (see `Exact.work`): a part of a second; some seconds."""
+class Lazy:
+    """An exact number that is computed when it is asked for, from those that it comes about from."""
+
+    __slots__ = ("by", "told", "value")
+
+    def __init__(self, value: Exact | None, *by: Any) -> None:
+        self.value, self.by, self.told = value, by, False
+
+    def __neg__(self) -> Lazy:
+        return Lazy(None, neg, self)
+
+    def __add__(self, o: Lazy) -> Lazy:
+        return Lazy(None, add, self, o)
+
+    def __sub__(self, o: Lazy) -> Lazy:
+        return Lazy(None, sub, self, o)
+
+    def __mul__(self, o: Lazy) -> Lazy:
+        return Lazy(None, mul, self, o)
+
+    def __truediv__(self, o: Lazy) -> Lazy:
+        return Lazy(None, truediv, self, o)
+
+    def sqrt(self) -> Lazy:
+        return Lazy(None, Exact.sqrt, self)
+
+    def tell(self) -> None:
+        """Marks it, and all that it comes about from, as what is to be told."""
+        todo = [self]
+        while todo:
+            now = todo.pop()
+            if not now.told:
+                now.told = True
+                todo += now.by[1:]
+
+
+class Recorded(World):
+    """A world of such numbers that keeps the impulses of its rounds, by instants."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.struck: dict[int, list[list[Lazy]]] = {}
+
+    def blow(self, age: int, push: Any, others: Any, s: Any) -> Any:
+        """As in any world."""
+        found = super().blow(age, push, others, s)
+        self.struck.setdefault(age, []).append(found)
+        return found
 
 
 class Prover(Checker):
@@ -35,14 +82,29 @@ class Prover(Checker):
     """
 
     def __init__(self, certificate: dict[str, Any], contacts: list[frozenset[Contact]], digits: int) -> None:
-        super().__init__(certificate)
-        self.contacts = contacts
-        self.digits = digits
+        super().__init__(certificate, 1)
+        self.contacts, self.digits = contacts, digits
         self.known_isometries: dict[str, int] = {}
-        self.likely = Isometries(self.things, self.n)
-        self.drops: list[list[int]] = []
-        self.upto: Ball | None = None
-        self.idle = False
+        self.history: list[dict[int, Any]] = []
+        self.things_exact = {k: [Exact.of(x) for x in row] for k, row in self.things.items()}
+        self.likely = Isometries(self.things_exact, self.n)
+        told = self.form
+        self.form = Recorded(self.n, self.things, told.sides, told.limits, lambda form: Lazy(Exact.of(form)))
+        self.worlds = self.ball, self.form
+        self.of: dict[int, list[Contact]] = {i: [] for i in range(self.n)}
+        for c in self.meets:
+            for i in c:
+                if 0 <= i < self.n:
+                    self.of[i].append(c)
+
+    @property
+    def meets(self) -> Set[Contact]:
+        """What may still meet, in scene order: what is written does not hang on the order of sets."""
+        return self._meets.keys()
+
+    @meets.setter
+    def meets(self, contacts: Iterable[Contact]) -> None:
+        self._meets = dict.fromkeys(sorted(contacts))
 
     def run(self) -> None:
         """Completes the certificate, with the bits that it says.
@@ -53,15 +115,28 @@ class Prover(Checker):
         """
         self.check()
         final: dict[str, Any] = self.told["final"]
-        final["time"] = self.decimal(cast(Ball, self.time))
+        final["time"] = self.decimal(self.ball.times[self.age])
         for i in range(self.n):
-            final["circles"][i] = [self.decimal(value) for value in put(self.flights[i], self.time, self.age)[:4]]
+            final["circles"][i] = [self.decimal(value) for value in self.ball.put(i, self.age)[:4]]
+        times = cast(list[Lazy], self.form.times)
+        for age, entry in enumerate(self.told["instants"]):
+            if age and times[age].told and "turn" not in entry:
+                entry["exact"] = self._text(times[age])
+            for push, s in zip(entry["rounds"], self.form.struck.get(age, ()), strict=True):
+                if any(x.told for x in s):
+                    push[:] = [[i, j, self._text(x)] for (i, j), x in zip(push, s, strict=True)]
+        self.told["roots"] = [text_of(root) for root in Exact.roots]
+
+    def _text(self, x: Lazy) -> str:
+        Exact.most, Exact.budget = len(Exact.roots) + 20, Exact.work + DEEP_WORK
+        _compute(x, [])
+        return text_of(cast(Exact, x.value))
 
     # -- what the checker reads, and this writes
 
-    def take(self, entry: dict[str, Any], clock: Contact | None) -> None:
+    def take(self, entry: dict[str, Any], where: str) -> None:
         """Starts the list of an entry's witnesses."""
-        super().take(entry, clock)
+        super().take(entry, where)
         self.zeros: list[list[Any]] = entry.setdefault("zeros", [])
 
     def said(self, value: Ball, text: str) -> None:
@@ -80,148 +155,179 @@ class Prover(Checker):
         whole, part = divmod(abs(nearest), scale)
         return f"{'-' if nearest < 0 else ''}{whole}.{part:0{self.digits}d}"
 
-    def open(self, entry: dict[str, Any]) -> None:
-        """Time 0."""
-        self.number = 0
-        self.drops.clear()
-        super().open(entry)
-
     def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
-        self.number += 1
-        width = max(x.r.bit_length() for flight in self.flights.values() for x in cast(tuple[Ball, ...], flight[:5]))
-        if width > 2 * GUARD and Ball.bits > LEAST:
-            self.fall(max(Ball.bits - (width - GUARD), LEAST))
-            self.drops.append([self.number, Ball.bits])
-        self.shown: set[Contact] = set()
-        self.upto, self.idle = None, True
-        self._gather(entry, self.contacts[self.number])
-        self.idle = False
-        entry["time"], self.shown = "0", self.tied
+        if "turn" not in entry:
+            self._gather(entry, self.contacts[self.age + 1])
         super().instant(entry)
-        entry["time"] = self.decimal(cast(Ball, self.time))
+        self.history.append(self.rows)
+        entry["time"] = self.decimal(self.ball.times[self.age])
 
     # -- what falls on an instant
 
     def _gather(self, entry: dict[str, Any], contacts: frozenset[Contact]) -> None:
         """Lists the contacts that meet at an instant, first the one whose meeting is its time, and the grazes."""
-        self.tied = set()
-        met: dict[Contact, tuple[str, Any]] = {c: known for c in self.meets if (known := self.next(c))[0] != "never"}
-        wanted = contacts or {(i, -1 - k) for i, k in entry["entries"]}
-        hits = [(met[c][1].m, c) for c in wanted if c in met and met[c][0] == "hit"]
-        if not hits:
-            if wanted:
-                raise Undecided("whether the contacts of an event meet")
+        self.age += 1
+        self.take(entry, f"instant {self.age}")
+        entry["met"] = []
+        if self.age == 0:
+            for c in self.meets:
+                law = gap_of(c, 0)
+                if law(self.ball).sign() in (None, 0) and self.zero("gap", c, law):
+                    entry["met"].append(list(c))
+            self.age -= 1
             return
-        clock = min(hits)[1]
-        self.upto, self.idle = met[clock][1], False
-        time: Ball = met[clock][1]
-        entry["arrive"], entry["grazes"], self.tied = [list(clock)], [], {clock}
-        self.take(entry, clock)
-        for c, (kind, when) in met.items():
-            if kind == "hit" and c != clock and (c in contacts or c[1] < 0) and (when - time).sign() in (None, 0):
-                self._list(entry["arrive"], c, when - time)
+        if "exact" in entry:
+            for w in self.worlds:
+                w.times.append(w.limits["reverse"])
+            self._try_all(entry)
+            self.age -= 1
+            for w in self.worlds:
+                del w.times[-1]
+            return
+        wanted = contacts or {(i, j) for i, j in map(tuple, entry["enter"])}
+        hits = []
+        for c in sorted(wanted - self.lasting.keys()):
+            m = self.ball.meeting(c, self.ball.start(c))
+            if c not in self.parted and m.closing.sign() == -1 and m.disc.sign() == 1:
+                hits.append((self.ball.hit(c), c))
+        if not hits:
+            raise Undecided("whether the contacts of an event meet")
+        time, clock = min(hits, key=lambda hit: hit[0].m)
+        self.ball.times.append(time)
+        self.form.times.append(self.form.hit(clock))
+        self._list(entry, clock)
         bodies = {i for c in contacts for i in c if i < self.n}
-        grown = bool(contacts)
-        while grown:
-            before = len(bodies)
-            for c in met:
-                near = 0 <= c[1] < self.n and c not in self.tied and bodies & set(c)
-                if (
-                    near
-                    and self._grazes(c, time)
-                    and self._list(entry["grazes"], c, cast(Ball, self.nexts[c][1]) - time)
-                ):
-                    bodies |= set(c)
-            for c in self.lasting:
-                if bodies & set(c):
-                    bodies |= {i for i in c if i < self.n}
-            grown = len(bodies) > before
+        tried = {clock}
+        for c in sorted(wanted) + [c for c in self.meets if c[1] < 0]:
+            if c not in tried:
+                tried.add(c)
+                self._try(entry, c, leaving=c[1] < 0 and c[0] in bodies)
+        todo = sorted(bodies)
+        while todo:
+            for c in self.of[todo.pop()]:
+                linked = c in self.lasting or c in self.met
+                if c not in tried and not linked:
+                    tried.add(c)
+                    linked = self._try(entry, c)
+                more = {i for i in c if linked and 0 <= i < self.n} - bodies
+                bodies |= more
+                todo += sorted(more)
+        if any("turn" in later for later in self.told["instants"][self.age + 1 : self.age + 2]):
+            self._try_all(entry)
+        self.age -= 1
+        del self.ball.times[-1], self.form.times[-1]
 
-    def _list(self, listed: list[list[int]], c: Contact, wait: Ball) -> bool:
-        """Lists a contact whose meeting is proved to be at the instant; whether it is."""
-        if wait.sign() is None and not self.zero("tie", c, wait):
+    def _list(self, entry: dict[str, Any], c: Contact) -> None:
+        entry["met"].append(list(c))
+        self.clock = self.clock or c
+        self.met[c] = self.sign("closing", c)
+
+    def _try_all(self, entry: dict[str, Any]) -> None:
+        """Lists whatever is at gap zero where a reversal falls on it: all flights end, and who leaves enters."""
+        for c in self.meets:
+            self._try(entry, c, leaving=c[1] < 0)
+
+    def _try(self, entry: dict[str, Any], c: Contact, leaving: bool = False) -> bool:
+        """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
+        if c in self.lasting or c in self.met or c not in self.meets or (c in self.parted and not leaving):
             return False
-        listed.append(list(c))
-        self.tied.add(c)
+        m = self.ball.meeting(c, self.age)
+        if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
+            return False
+        if not self.zero("gap", c, gap_of(c, self.age)):
+            return False
+        self._list(entry, c)
         return True
-
-    def _grazes(self, c: Contact, time: Ball) -> bool:
-        """Whether two graze at a time, as far as intervals tell."""
-        when: Any
-        kind, when = self.next(c)
-        return kind == "graze" and (when - time).sign() in (None, 0)
-
-    def close(self, end: dict[str, Any]) -> None:
-        """The end."""
-        self.upto = self.due.get("until")
-        super().close(end)
 
     # -- witnesses
 
-    def zero(self, question: str, c: Contact, value: Ball, must: bool = True) -> bool:
-        """Whether a witness is found; it is kept. That two graze or fly abreast is shown only where it has to be."""
-        if (question == "graze" or not must) and (self.idle or self._waits(c)):
-            return False
-        if question == "tie" and c in self.shown:
+    def zero(self, question: str, c: Contact, law: Callable[[World], Any]) -> bool:
+        """Whether a number is shown to be zero; a witness that shows it is kept."""
+        if any(
+            self.proves(question, c, how, *map(tuple, o))
+            for q, k, how, *o in self.zeros
+            if (q, tuple(k)) == (question, c)
+        ):
             return True
-        for witness in self._witnesses(question, c):
-            if self._accepts(question, c, value, witness):
+        for witness in self._witnesses(question, c, law):
+            if witness is None:
+                return True
+            if self.proves(question, c, *witness):
                 told = [question, list(c), witness[0], *map(list, witness[1:])]
-                if told not in self.zeros:
-                    self.zeros.append(told)
+                self.zeros.append(told)
+                self.witnesses[question, c].append(told[2:])
                 return True
         return False
 
-    def _waits(self, c: Contact) -> bool:
-        """Whether two that are in doubt have not met by the instant at hand."""
-        return self.upto is not None and self.apart(self.meeting(self.flights, c), self.upto)
+    def _witnesses(self, question: str, c: Contact, law: Any) -> Iterator[Any]:
+        """What might be a witness, the likeliest and shortest first; None where it is shown to be zero exactly."""
+        others: list[tuple[Contact, ...]] = [()]
+        if question in ("gap", "closing"):
+            others += [(other,) for other in sorted(self.met) if other != self.clock]
+        places = range(len(self.isometries))
+        if question in ("gap", "closing", "speed"):
+            yield from ((k, *other) for other in others for k in places)
+        if question == "gap":
+            for other in others:
+                if to := other[0] if other else self.clock:
+                    yield from ((k, *other) for k in self._new(self.likely.between(c, to)))
+        elif question in ("closing", "speed"):
+            yield from ((k,) for k in self._new(self.likely.holding(c)))
+        yield from (("back", *other) for other in others if self.way and c)
+        if self._exact(law):
+            yield None
 
-    def _accepts(self, question: str, c: Contact, value: Ball, witness: tuple[Any, ...]) -> bool:
-        spent = Exact.work
+    def _exact(self, law: Any) -> bool:
+        """Whether a number is zero exactly, within the roots and the work that it may take."""
+        before, spent, value = len(Exact.roots), Exact.work, cast(Lazy, law(self.form))
+        Exact.most, Exact.budget = before + DEEP_ROOTS, spent + DEEP_WORK
+        done: list[Lazy] = []
+        zero = False
         try:
-            return self.proves(question, c, value, *witness)
+            _compute(value, done)
+            zero = not value.value
         except Undecided:
             Exact.work = spent
-            return False
-
-    def _witnesses(self, question: str, c: Contact) -> Iterator[tuple[Any, ...]]:
-        """What might be a witness, the likeliest and shortest first."""
-        yield from [(w, *map(tuple, o)) for q, other, w, *o in self.zeros if q == question and tuple(other) == c]
-        others: list[tuple[Contact, ...]] = [()]
-        if question == "tie":
-            others += [(other,) for other in sorted(self.tied) if other != self.clock]
-            for other in others:
-                at = other[0] if other else self.clock
-                known = range(len(self.told["isometries"]))
-                yield from ((k, *other) for k in known if self.image(self.isometries[k][1], c) == at)
-        elif question in ("still", "together"):
-            yield from ((k,) for k in range(len(self.told["isometries"])))
-        yield from self._exact(CHEAP_ROOTS, CHEAP_WORK)
-        if question == "tie":
-            for other in others:
-                found = self.likely.between(c, other[0] if other else self.clock)
-                yield from ((k, *other) for k in self._new(found))
-        elif question in ("still", "together"):
-            yield from ((k,) for k in self._new(self.likely.holding(c)))
-        if question in ("tie", "graze", "until"):
-            yield from (("back", *other) for other in others)
-        yield from self._exact(DEEP_ROOTS, DEEP_WORK)
-
-    def _exact(self, roots: int, work: int) -> Iterator[tuple[str]]:
-        """An exact witness, with no more roots and work than that."""
-        Exact.most, Exact.budget = len(Exact.roots) + roots, Exact.work + work
-        try:
-            yield ("exact",)
-        finally:
-            Exact.most, Exact.budget = ROOTS, WORK
+        if zero:
+            value.tell()
+            return True
+        for now in done:
+            if now.value is not None and now.value.k > before:
+                now.value = None
+        del Exact.roots[before:]
+        return False
 
     def _new(self, found: Iterable[dict[str, Any]]) -> Iterator[int]:
         """The places of isometries in the certificate's list, to which new ones are added."""
         for told in found:
             key = repr((told["matrix"], told["shift"]))
             if key not in self.known_isometries:
-                k = self.known_isometries[key] = len(self.told["isometries"])
-                self.isometries[k] = self.isometry(told)
+                g, now = self.isometry(told), self.rows
+                for rows in self.history:
+                    self.rows = rows
+                    g = (*g[:2], self.mapped(g))
+                self.rows = now
+                self.known_isometries[key] = len(self.isometries)
+                self.isometries.append(g)
                 self.told["isometries"].append(told)
             yield self.known_isometries[key]
+
+
+def gap_of(c: Contact, age: int) -> Callable[[World], Any]:
+    """The gap of two at an instant, in whatever world."""
+    return lambda world: world.meeting(c, age).gap
+
+
+def _compute(value: Lazy, done: list[Lazy]) -> None:
+    """Computes a number; what was computed on the way is listed."""
+    todo = [value]
+    while todo:
+        now = todo[-1]
+        if now.value is None:
+            if missing := [part for part in now.by[1:] if part.value is None]:
+                todo += missing
+                continue
+            now.value = now.by[0](*(part.value for part in now.by[1:]))
+            done.append(now)
+        todo.pop()

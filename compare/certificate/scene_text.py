@@ -8,7 +8,9 @@ from typing import Any, cast
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle, Pocket, Wall
-from ...tools.verify import SCENE_ROOTS, WORK, ZERO, Exact
+from .tower import ONE, WORK, ZERO, Exact
+
+SCENE_ROOTS = 12
 
 
 def exact_number(q: Quantity) -> Exact:
@@ -47,6 +49,12 @@ def _terms(value: Exact) -> list[tuple[Fraction, list[str]]]:
     return plain + [(factor, [*names, f"r{value.k}"]) for factor, names in rooted]
 
 
+def _length(wall: Any) -> Exact:
+    """Of the vector between the two points that a wall is told by."""
+    x, y = exact_number(wall.x1) - exact_number(wall.x0), exact_number(wall.y1) - exact_number(wall.y0)
+    return (x * x + y * y).sqrt()
+
+
 def scene_part(scene: Scene) -> dict[str, Any]:
     """The part `scene` of a certificate; its roots are in `Exact.roots`, to which later numbers may add.
 
@@ -58,15 +66,15 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     >>> [text_of(root) for root in Exact.roots], part["circles"][0]["x"]
     (['8'], '1/2+1*r1')
     """
-    Exact.roots, Exact.named, Exact.most, Exact.work, Exact.budget = [], [], SCENE_ROOTS, 0, WORK
+    Exact.roots, Exact.most, Exact.work, Exact.budget = [], SCENE_ROOTS, 0, WORK
 
     def row(thing: Circle | Wall | Pocket, keys: tuple[str, ...]) -> dict[str, str]:
         return {"id": str(thing.id), **{key: text_of(exact_number(getattr(thing, key))) for key in keys}}
 
     circles = []
     for circle in scene.circles:
-        mass = "oo" if isinstance(circle.m, str) else text_of(exact_number(circle.m))
-        circles.append({**row(circle, ("x", "y", "r", "vx", "vy")), "m": mass})
+        weight = ZERO if isinstance(circle.m, str) else ONE / exact_number(circle.m)
+        circles.append({**row(circle, ("x", "y", "r", "vx", "vy")), "w": text_of(weight)})
     told: dict[str, Any] = {"name": scene.name, "tie_policy": str(scene.tie_policy), "digest": scene.digest}
     if scene.reverse_after is not None:
         told["reverse_after"] = scene.reverse_after
@@ -74,7 +82,9 @@ def scene_part(scene: Scene) -> dict[str, Any]:
         told["reverse_at"] = text_of(exact_number(scene.reverse_at))
     told["circles"] = circles
     if scene.walls:
-        told["walls"] = [row(wall, ("x0", "y0", "x1", "y1")) for wall in scene.walls]
+        told["walls"] = [
+            {**row(wall, ("x0", "y0", "x1", "y1")), "length": text_of(_length(wall))} for wall in scene.walls
+        ]
     if scene.pockets:
         told["pockets"] = [row(pocket, ("x", "y", "r")) for pocket in scene.pockets]
         told["capture"] = scene.capture

@@ -13,10 +13,11 @@ from ...exact.certified.precision import FIRST_BITS
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason, Trajectory
-from ...tools.verify import BITS, CIRCLES, FORMAT, Exact, Refuted, Undecided
+from ...tools.verify import BITS, CIRCLES, FORMAT, Refuted, Undecided
 from .log import instants
 from .prover import Prover
 from .scene_text import exact_number, scene_part, text_of
+from .tower import Exact
 
 DIGITS = 17
 """Decimals after the point of times and of the final state, unless others are asked for."""
@@ -54,8 +55,8 @@ def certificate_of(trajectory: Trajectory, digits: int = DIGITS) -> dict[str, An
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
     >>> told = certificate_of(ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 1)])))
-    >>> told["instants"]
-    [{'arrive': [[0, 1]], 'time': '2.26794919243112271'}]
+    >>> told["instants"][1]
+    {'rounds': [[[0, 1]]], 'time': '2.26794919243112271', 'met': [[0, 1]]}
     """
     if trajectory.engine != "exact":
         raise CertificateError(f"only runs of the exact engine have certificates, not those of {trajectory.engine}")
@@ -90,22 +91,27 @@ def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:
     had = int(trajectory.plan["bits"])
     bits = LEAST_BITS if had <= FIRST_BITS else had * 5 // 4
     most = min(BITS // 2, ENOUGH * bits + 4 * len(json.dumps(frame["scene"])) + EACH * len(log))
+    roots = list(Exact.roots)
     while True:
-        told = {**deepcopy(frame), "bits": [[0, bits]], "start": deepcopy(log[0]), "instants": deepcopy(log[1:])}
-        Exact.work = 0
-        prover = Prover(told, contacts, digits)
+        told = {**deepcopy(frame), "bits": bits, "instants": deepcopy(log)}
+        Exact.work, Exact.roots = 0, list(roots)
+        prover = None
         try:
+            prover = Prover(told, contacts, digits)
             prover.run()
             break
         except Undecided as doubt:
             if bits > most:
-                raise CertificateError(f"no certificate within {bits} bits: {prover.where}: {doubt}") from None
+                where = prover.where if prover else "in the scene"
+                raise CertificateError(f"no certificate within {bits} bits: {where}: {doubt}") from None
             bits *= 2
         except Refuted as fault:
-            if told["end"]["reason"] == "stopped" and not told["instants"]:
+            if told["end"]["reason"] == "stopped" and len(log) == 1:
                 raise CertificateError("the run stopped within time 0: there is nothing to certify") from None
-            raise AssertionError(f"{prover.where}: {fault}: a defect, of the engine or of the checker") from None
-    told["bits"] = [[k, b + MARGIN] for k, b in [[0, bits], *prover.drops]]
+            raise AssertionError(
+                f"{prover and prover.where}: {fault}: a defect, of the engine or of the checker"
+            ) from None
+    told["bits"] = bits + MARGIN
     return _short(told)
 
 
@@ -135,18 +141,13 @@ def _frame(trajectory: Trajectory) -> dict[str, Any]:
 
 def _short(told: dict[str, Any]) -> dict[str, Any]:
     """The certificate without isometries that are not used, and without what goes without saying."""
-    entries = [told["start"], *told["instants"]]
-    entries += [entry["reversal"] for entry in entries if "reversal" in entry]
+    entries = told["instants"]
     zeros = [zero for entry in [*entries, told["end"]] for zero in entry.get("zeros", ())]
     used = sorted({zero[2] for zero in zeros if isinstance(zero[2], int)})
     for zero in zeros:
         if isinstance(zero[2], int):
             zero[2] = used.index(zero[2])
     told["isometries"] = [told["isometries"][k] for k in used]
-    for entry in entries:
-        arrive = entry.get("arrive", [])
-        if len(arrive) == 1 and entry["rounds"] == [arrive]:
-            del entry["rounds"]
     for entry in [*entries, told["end"]]:
         for key in [key for key, value in entry.items() if value == []]:
             del entry[key]

@@ -20,7 +20,7 @@ from ...exact.engine import ExactEngine
 from ...scenarios import catalogue
 from ..engines import engine as engine_named
 from ..tangent.impacts import impacts
-from .errors import ErrorModel
+from .hazard.errors import ErrorModel
 from .horizon import Forecaster
 
 FILE = Path(__file__).with_name("levels.py")

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .errors import ErrorCurve, ErrorModel, error_curve, model_of
 from .following import follow
+from .hazard.errors import ErrorCurve, ErrorModel, error_curve, model_of
 from .levels import LEVELS
 
 if TYPE_CHECKING:
@@ -18,15 +18,12 @@ if TYPE_CHECKING:
     from ..alignment.align import Verdict
     from ..tangent.impacts import Impact
 
-BAND = 0.9
-"""Share of engines' departures that the band is to hold."""
-
 MORE_EVENTS = 10
 """Events beyond the band at which a departure is still looked for at first."""
 
 
 @dataclass(frozen=True)
-class Place:
+class EventTime:
     """An event of the certified run, and its time; None where the run ends before it."""
 
     event: int | None
@@ -43,7 +40,7 @@ class Seen:
     """
 
     verdict: Verdict
-    place: Place | None
+    place: EventTime | None
 
 
 @dataclass(frozen=True)
@@ -55,7 +52,7 @@ class Horizon:
         model: what its declarations say of its error.
         unit: log2 of its unit of error: of its last bit, or of its time step.
         expected: half of all engines in such a place have left the history by then.
-        low, high: the band; it is to hold `BAND` of the departures.
+        low, high: the band; it is to hold nine in ten of the departures.
         by_exponent: ln(1/unit) / lambda: the time by the largest exponent alone; None if that is not told from zero.
         seen: what happened; None if the engine was not run, or could not be.
     """
@@ -63,13 +60,13 @@ class Horizon:
     engine: str
     model: ErrorModel
     unit: float
-    expected: Place
-    low: Place
-    high: Place
+    expected: EventTime
+    low: EventTime
+    high: EventTime
     by_exponent: float | None
     seen: Seen | None = None
 
-    def holds(self, place: Place) -> bool:
+    def holds(self, place: EventTime) -> bool:
         """Whether the band holds an event; beyond the run it goes on for ever."""
         if place.event is None or self.low.event is None or place.event < self.low.event:
             return False
@@ -95,9 +92,9 @@ class Forecaster:
             self._curves[model] = error_curve(self.trajectory, self.struck, model)
         return self._curves[model]
 
-    def place(self, event: int | None) -> Place:
+    def place(self, event: int | None) -> EventTime:
         """An event with its time."""
-        return Place(None, None) if event is None else Place(event, float(self.trajectory.events[event].time))
+        return EventTime(None, None) if event is None else EventTime(event, float(self.trajectory.events[event].time))
 
     def foresee(self, label: str, engine: Engine, exponent: float = 0.0) -> Horizon | None:
         """The horizon of an engine; None for one whose numbers are exact.

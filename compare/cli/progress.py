@@ -21,7 +21,7 @@ UNTOTALLED = ("why", "orders")
 """First words of notes on work that has limits of its own."""
 
 
-class Goal(NamedTuple):
+class RunEnd(NamedTuple):
     """Where a run will end: after so many events, or at a time; neither, where it is not known."""
 
     events: int | None = None
@@ -37,8 +37,8 @@ class Pace:
         now: a clock, in seconds.
     """
 
-    def __init__(self, title: str, goal: Goal | None = None, now: Callable[[], float] = clock.monotonic) -> None:
-        self.title, self.goal, self.now = title, goal or Goal(), now
+    def __init__(self, title: str, goal: RunEnd | None = None, now: Callable[[], float] = clock.monotonic) -> None:
+        self.title, self.goal, self.now = title, goal or RunEnd(), now
         self._phase: str | None = None
         self._began = 0.0, 0, 0.0
 
@@ -47,7 +47,7 @@ class Pace:
 
         >>> from truebreak.scenarios.trajectory import Progress
         >>> seconds = iter([0.0, 2.0])
-        >>> pace = Pace("gas", Goal(events=200), lambda: next(seconds))
+        >>> pace = Pace("gas", RunEnd(events=200), lambda: next(seconds))
         >>> pace.told(Progress(0, 0.0, "exact"))
         'gas: exact: 0 of 200 events, time 0'
         >>> pace.told(Progress(50, 36.2, "exact, 256 bits"))
@@ -95,17 +95,17 @@ def duration(seconds: float) -> str:
     return f"{minutes} min" if minutes < 60 else f"{minutes // 60} h {minutes % 60} min"
 
 
-def goal_of(scene: Scene, until: str | None, events: int | None) -> Goal:
+def goal_of(scene: Scene, until: str | None, events: int | None) -> RunEnd:
     """Where a run with these limits will end: the scene's own limits hold where none is given."""
     from ...scenarios.errors import SceneError
     from ...scenarios.numbers.quantity import Quantity
 
     if until is None and events is None:
-        return Goal(scene.events, None if scene.until is None else float(scene.until))
+        return RunEnd(scene.events, None if scene.until is None else float(scene.until))
     try:
-        return Goal(events, None if until is None else float(Quantity.of(until)))
+        return RunEnd(events, None if until is None else float(Quantity.of(until)))
     except (SceneError, OverflowError):  # an engine that is asked will say what is wrong with it
-        return Goal(events)
+        return RunEnd(events)
 
 
 QUIET_SECONDS = 0.25
@@ -164,7 +164,7 @@ class ProgressLine:
 
 
 @contextmanager
-def showing_progress(title: str, goal: Goal | None = None) -> Iterator[OnProgress | None]:
+def showing_progress(title: str, goal: RunEnd | None = None) -> Iterator[OnProgress | None]:
     """A line on stderr that follows a run; None, and no output, where stderr is not a terminal."""
     pace = Pace(title, goal)
     with showing(title) as show:

@@ -11,7 +11,7 @@ from .values.amounts import double
 if TYPE_CHECKING:
     from ..chaos.chaos import Chaos
     from ..chaos.growth.blocks import Rate
-    from ..chaos.horizon import Horizon, Place
+    from ..chaos.horizon import EventTime, Horizon
 
 CHAOS_SCHEMA = "truebreak/chaos-1"
 
@@ -86,6 +86,6 @@ def horizon_json(horizon: Horizon) -> dict[str, Any]:
     }
 
 
-def place_json(place: Place) -> dict[str, Any]:
+def place_json(place: EventTime) -> dict[str, Any]:
     """An event and its time; null beyond the run."""
     return {"event": place.event, "time": None if place.time is None else double(place.time)}

@@ -7,13 +7,13 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..stress.cell import Row
     from ..stress.ladder import Ladder
+    from ..stress.rows.cell import StressRow
 
 STRESS_SCHEMA = "truebreak/stress-1"
 
 
-def stress_json(settings: Mapping[str, Any], rows: Sequence[Row], told: Sequence[Ladder]) -> dict[str, Any]:
+def stress_json(settings: Mapping[str, Any], rows: Sequence[StressRow], told: Sequence[Ladder]) -> dict[str, Any]:
     """The object that `truebreak stress --json` prints: what was asked, where each engine turns wrong, and every place.
 
     Args:
@@ -21,9 +21,9 @@ def stress_json(settings: Mapping[str, Any], rows: Sequence[Row], told: Sequence
         rows: its places, in order.
         told: the ladders of the rows.
     """
-    from ..stress.family import Place
+    from ..stress.family import MapPlace
 
-    places = [Place(row["family"], row["k"], row["side"], row["seed"]) for row in rows]
+    places = [MapPlace(row["family"], row["k"], row["side"], row["seed"]) for row in rows]
     return {
         "schema": STRESS_SCHEMA,
         "settings": dict(settings),
@@ -33,7 +33,7 @@ def stress_json(settings: Mapping[str, Any], rows: Sequence[Row], told: Sequence
     }
 
 
-def exact_counts(rows: Sequence[Row]) -> dict[str, int]:
+def exact_counts(rows: Sequence[StressRow]) -> dict[str, int]:
     """At how many places the exact engine bears each mark, those that it bears at any, and to how many a closed form
     agrees.
 
@@ -58,7 +58,7 @@ def _ladder(ladder: Ladder) -> dict[str, Any]:
     }
 
 
-def exact_sentence(rows: Sequence[Row]) -> str:
+def exact_sentence(rows: Sequence[StressRow]) -> str:
     """What the witnesses say of the exact engine, with nothing left out.
 
     >>> exact_sentence([{"exact": {"mark": "right", "closed_form": None}}])
@@ -71,11 +71,11 @@ def exact_sentence(rows: Sequence[Row]) -> str:
     return f"{told} independent checker{closed}{'; ' + ', '.join(others) if others else ''}."
 
 
-def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
+def print_stress(rows: Sequence[StressRow], told: Sequence[Ladder]) -> None:
     """One table a family, a row for each engine and lane, a letter for each k, in tens."""
     from ..report.text.output import console, grid, say
-    from ..stress.family import Place
-    from ..stress.marks import Mark
+    from ..stress.family import MapPlace
+    from ..stress.rows.marks import MapMark
     from ..stress.table import family
 
     out = console()
@@ -89,12 +89,12 @@ def print_stress(rows: Sequence[Row], told: Sequence[Ladder]) -> None:
             tens = [ladder.signs[k : k + 10] for k in range(0, len(ladder.signs), 10)]
             table.add_row(ladder.engine, ladder.lane, wrong, " ".join(tens))
         out.print(table)
-    for mark in Mark:
+    for mark in MapMark:
         say(out, f"{mark.sign}  {mark.meaning}")
     say(out, "")
     say(out, exact_sentence(rows), "bold")
     if rows:
         last = rows[-1]
-        place = Place(last["family"], last["k"], last["side"], last["seed"])
+        place = MapPlace(last["family"], last["k"], last["side"], last["seed"])
         say(out, f"Any of the scenes: {place.show} > scene.toml")
         say(out, "and then: truebreak compare scene.toml --engines ENGINE")

@@ -16,7 +16,7 @@ from statistics import median
 
 from ...scenarios import catalogue
 from ..comparison import compare
-from .rows.row import Job
+from .rows.row import SweepJob
 from .rows.worker import carry_out
 from .sweep import pool, sweep
 
@@ -70,12 +70,12 @@ def apart(seeds: range, processes: int) -> None:
 
     What two such processes gain over one is what the machine's second processor gives, and no sweep gains more.
     """
-    jobs = [Job(seed, f"gas:seed={seed}", {}, ENGINES, EVENTS) for seed in seeds]
+    jobs = [SweepJob(seed, f"gas:seed={seed}", {}, ENGINES, EVENTS) for seed in seeds]
     with pool(processes) as workers:
         list(workers.map(_carry_out, [jobs[k::processes] for k in range(processes)]))
 
 
-def _carry_out(jobs: list[Job]) -> None:
+def _carry_out(jobs: list[SweepJob]) -> None:
     for job in jobs:
         carry_out(job)
 

@@ -14,13 +14,13 @@ from ...scenarios.errors import SceneError
 from .rows.row import COLUMNS
 
 if TYPE_CHECKING:
-    from .rows.row import Row
+    from .rows.row import SweepRow
 
 TEXTS = ("margin", "changed", "work")
 """Columns of lists and of dicts: as JSON text, which every reader of tables takes."""
 
 
-def to_pandas(rows: Iterable[Row]) -> Any:
+def to_pandas(rows: Iterable[SweepRow]) -> Any:
     """The rows as a `pandas.DataFrame`, each varied parameter in a column of its own.
 
     Raises:
@@ -43,7 +43,7 @@ def to_pandas(rows: Iterable[Row]) -> Any:
     return pandas.DataFrame(flat)
 
 
-def write_parquet(rows: Iterable[Row], path: str | Path) -> None:
+def write_parquet(rows: Iterable[SweepRow], path: str | Path) -> None:
     """Writes the rows as a Parquet file, whole or not at all.
 
     Raises:

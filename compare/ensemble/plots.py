@@ -10,10 +10,10 @@ from ..report.pictures.sweep_plots import law_points
 from .survival import summaries
 
 if TYPE_CHECKING:
-    from .rows.row import Row
+    from .rows.row import SweepRow
 
 
-def plot_survival(rows: Sequence[Row], ax: Any = None) -> Any:
+def plot_survival(rows: Sequence[SweepRow], ax: Any = None) -> Any:
     """Kaplan and Meier's share of scenes whose history is still true, over events, with Greenwood's intervals.
 
     Args:
@@ -38,7 +38,7 @@ def plot_survival(rows: Sequence[Row], ax: Any = None) -> Any:
     return ax
 
 
-def plot_law(rows: Sequence[Row], ax: Any = None) -> Any:
+def plot_law(rows: Sequence[SweepRow], ax: Any = None) -> Any:
     """The time at which each history was left over ln(1/eps)/lambda, with the least-squares line of each engine.
 
     Args, Returns, Raises: as `plot_survival`.
@@ -60,7 +60,7 @@ def plot_law(rows: Sequence[Row], ax: Any = None) -> Any:
     return ax
 
 
-def plot_changed(rows: Sequence[Row], ax: Any = None) -> Any:
+def plot_changed(rows: Sequence[SweepRow], ax: Any = None) -> Any:
     """The share of scenes of which each engine changed an outcome, with Wilson's 95 % intervals.
 
     Args, Returns, Raises: as `plot_survival`.

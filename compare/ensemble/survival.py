@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .rows.row import Row
+from .rows.row import SweepRow
 
 Z_95 = 1.959963984540054
 """The normal distribution's two-sided 95 % quantile."""
@@ -62,15 +62,15 @@ class Summary:
     changed: tuple[int, int, float, float] | None
 
 
-def summaries(rows: Iterable[Row]) -> list[Summary]:
+def summaries(rows: Iterable[SweepRow]) -> list[Summary]:
     """A summary of each engine, in the order of the rows."""
-    groups: dict[str, list[Row]] = {}
+    groups: dict[str, list[SweepRow]] = {}
     for row in rows:
         groups.setdefault(row["engine"], []).append(row)
     return [_summary(engine, mine) for engine, mine in groups.items()]
 
 
-def _summary(engine: str, rows: Sequence[Row]) -> Summary:
+def _summary(engine: str, rows: Sequence[SweepRow]) -> Summary:
     verdicts: dict[str, int] = {}
     for row in rows:
         verdicts[row["verdict"]] = verdicts.get(row["verdict"], 0) + 1

@@ -17,7 +17,7 @@ from ..engines import suggestion
 from ..outcomes.table import OUTCOMES
 from ..validation import check_engine
 from .family import Family, family, shard_of
-from .rows.row import PERTURBED, Job, Row, engine_of
+from .rows.row import PERTURBED, SweepJob, SweepRow, engine_of
 from .rows.store import Store
 from .rows.worker import carry_out, prepare
 
@@ -80,11 +80,11 @@ class Sweep:
             "shard": list(self.shard),
         }
 
-    def job(self, index: int) -> Job:
+    def job(self, index: int) -> SweepJob:
         """What is asked of one scene."""
         of = self.family
-        return Job(index, of.spec(index), of.settings(index), self.engines, self.events, self.outcomes, self.causes,
-                   self.work)  # fmt: skip
+        return SweepJob(index, of.spec(index), of.settings(index), self.engines, self.events, self.outcomes,
+                        self.causes, self.work)  # fmt: skip
 
 
 def plan(
@@ -169,7 +169,7 @@ def sweep(
     executor: Executor | None = None,
     progress: Callable[[Done], None] | None = None,
     **asked: Any,
-) -> list[Row]:
+) -> list[SweepRow]:
     """Plans a sweep, carries it out, and gives its rows in the order of the scenes.
 
     Args:

@@ -12,7 +12,7 @@ from .rows.row import PERTURBED
 from .survival import Z_95, wilson
 
 if TYPE_CHECKING:
-    from .rows.row import Row
+    from .rows.row import SweepRow
 
 FEWEST = 3
 """Sizes for a line and the scatter about it."""
@@ -24,7 +24,7 @@ already, the share has no room to grow."""
 
 
 @dataclass(frozen=True)
-class Share:
+class ChangedShare:
     """Of `total` scenes, `count` have another outcome when displaced by up to `size`; Wilson's 95 % interval."""
 
     size: float
@@ -47,13 +47,13 @@ class Uncertainty:
             95 % interval; None for fewer than three sizes with a share above none and up to `SMALL`.
     """
 
-    shares: tuple[Share, ...]
+    shares: tuple[ChangedShare, ...]
     exponent: float | None
     low: float | None
     high: float | None
 
 
-def uncertainty(rows: Iterable[Row], outcome: str) -> Uncertainty:
+def uncertainty(rows: Iterable[SweepRow], outcome: str) -> Uncertainty:
     """The shares and the exponent of one outcome, from a sweep with `perturb` and `outcomes`.
 
     Source: C. Grebogi, S. W. McDonald, E. Ott, J. A. Yorke, Final state sensitivity, Physics Letters A 99 (1983), 415.
@@ -64,17 +64,17 @@ def uncertainty(rows: Iterable[Row], outcome: str) -> Uncertainty:
             mine = counts.setdefault(row["engine"].removeprefix(PERTURBED), [0, 0])
             mine[0] += outcome in row["changed"]
             mine[1] += 1
-    shares = tuple(Share(float(Quantity.of(size)), count, total, *wilson(count, total))
+    shares = tuple(ChangedShare(float(Quantity.of(size)), count, total, *wilson(count, total))
                    for size, (count, total) in counts.items())  # fmt: skip
     return Uncertainty(tuple(sorted(shares, key=lambda share: share.size)), *slope(shares))
 
 
-def slope(shares: Sequence[Share]) -> tuple[float | None, float | None, float | None]:
+def slope(shares: Sequence[ChangedShare]) -> tuple[float | None, float | None, float | None]:
     """The slope of ln(share) over ln(size), and its 95 % interval.
 
     The variance of ln(count/total) is 1/count - 1/total, to first order.
 
-    >>> told = slope([Share(10.0**-k, round(10**6 * 10 ** (-k / 2)), 10**6, 0, 1) for k in (1, 2, 3, 4)])
+    >>> told = slope([ChangedShare(10.0**-k, round(10**6 * 10 ** (-k / 2)), 10**6, 0, 1) for k in (1, 2, 3, 4)])
     >>> round(told[0], 3), told[1] < 0.5 < told[2]
     (0.5, True)
     """

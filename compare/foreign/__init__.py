@@ -17,15 +17,15 @@ from ...scenarios.lazy.names import handed_on
 if TYPE_CHECKING:
     from .log import read_log
     from .log_engine import LogEngine
-    from .recorded import RecordedEngine
-    from .recording import Recording
+    from .runs.recorded import RecordedEngine
+    from .runs.recording import Recording
 
 __all__ = ["LogEngine", "RecordedEngine", "Recording", "read_log"]
 
 _HOMES = {
     "LogEngine": "log_engine",
-    "RecordedEngine": "recorded",
-    "Recording": "recording",
+    "RecordedEngine": "runs.recorded",
+    "Recording": "runs.recording",
     "read_log": "log",
 }
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..validation import EngineError
-from .recording import Recording
+from .runs.recording import Recording
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -129,7 +129,9 @@ def _text_lines(path: Path, shown: str) -> Iterator[tuple[int, str]]:
 def _json_lines(path: Path, shown: str) -> Iterator[Numbered]:
     for number, text in _text_lines(path, shown):
         try:
-            line = json.loads(text)
+            line = json.loads(text, object_pairs_hook=_once)
+        except KeyError as twice:
+            raise EngineError(f"file {shown!r}, line {number}: has {twice} twice; keep one") from None
         except (ValueError, RecursionError):
             raise EngineError(
                 f"file {shown!r}, line {number}: {text[:60]!r} is not a whole JSON object; was the log cut off?"
@@ -137,6 +139,20 @@ def _json_lines(path: Path, shown: str) -> Iterator[Numbered]:
         if not isinstance(line, dict):
             raise EngineError(f'file {shown!r}, line {number}: {text[:60]!r} is no object, as in {{"time": 1, ...}}')
         yield number, line
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON, each key of which is there once.
+
+    Raises:
+        KeyError: for one that is there again.
+    """
+    found: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in found:
+            raise KeyError(key[:60])
+        found[key] = value
+    return found
 
 
 def _csv_lines(path: Path, shown: str) -> Iterator[Numbered]:
@@ -177,6 +193,6 @@ def _csv_line(row: dict[str, str], where: str) -> dict[str, Any]:
 
 def _csv_number(row: dict[str, str], key: str, where: str) -> float:
     try:
-        return float(row[key])
+        return float(row[key].replace("_", " "))  # no number in a log, though one in Python
     except ValueError:
         raise EngineError(f"{where}: {key} = {row[key][:60]!r}; must be a number") from None

@@ -11,7 +11,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason, Trajectory
 from ..validation import EngineError
 from .log import read_log
-from .recording import Recording
+from .runs.recording import Recording
 
 if TYPE_CHECKING:
     from pathlib import Path

@@ -15,7 +15,7 @@ COLUMNS, ROWS = 5, 3
 it would be in one or the other by rounding alone."""
 
 
-class Table(NamedTuple):
+class WallTable(NamedTuple):
     """The rectangle that the axis-parallel walls of a scene enclose."""
 
     left: float
@@ -26,7 +26,7 @@ class Table(NamedTuple):
     def cell(self, x: float, y: float) -> str:
         """The cell of a place: a letter from the left and a number from the bottom.
 
-        >>> Table(0, 0, 4, 2).cell(0.5, 0.5), Table(0, 0, 4, 2).cell(3.5, 1.5)
+        >>> WallTable(0, 0, 4, 2).cell(0.5, 0.5), WallTable(0, 0, 4, 2).cell(3.5, 1.5)
         ('A1', 'E3')
         """
         column = int((x - self.left) / (self.right - self.left) * COLUMNS)
@@ -34,14 +34,14 @@ class Table(NamedTuple):
         return f"{chr(ord('A') + min(max(column, 0), COLUMNS - 1))}{min(max(row, 0), ROWS - 1) + 1}"
 
 
-def table(scene: Scene) -> Table | None:
+def table(scene: Scene) -> WallTable | None:
     """The rectangle between the outermost axis-parallel walls; None unless there are two of each
     direction."""
     upright = [float(w.x0) for w in scene.walls if w.x0 == w.x1]
     level = [float(w.y0) for w in scene.walls if w.y0 == w.y1]
     if len(set(upright)) < 2 or len(set(level)) < 2:
         return None
-    return Table(min(upright), min(level), max(upright), max(level))
+    return WallTable(min(upright), min(level), max(upright), max(level))
 
 
 def is_break(scene: Scene) -> bool:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
-    from ..certificates import Certified
+    from ..certificate.certified import Certified
 
 NEARBY = Fraction(1, 10**20)
 """Largest displacement of a coordinate: far below what moves any later event noticeably."""

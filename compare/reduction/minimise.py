@@ -12,8 +12,8 @@ from ...scenarios.trajectory import StopReason
 from ..comparison import compare
 from ..deadline import Clock, OutOfTime, checked_seconds
 from .ddmin import ddmin
-from .parts import DENOMINATORS, THINGS, Parts, digits, settings, things
-from .smallest import End, Size, Smallest, Step
+from .parts import DENOMINATORS, THINGS, SceneParts, digits, settings, things
+from .smallest import End, Reduction, SceneSize, Smallest
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -37,15 +37,15 @@ MINIMISED = " (minimised)"
 
 
 @dataclass(frozen=True)
-class Searching:
+class Reducing:
     """How far a search is: comparisons made, the most that may be, the size of the best scene so far."""
 
     runs: int
     limit: int
-    size: Size
+    size: SceneSize
 
 
-OnSearch = Callable[[Searching], None]
+OnReducing = Callable[[Reducing], None]
 
 
 def minimise(
@@ -57,7 +57,7 @@ def minimise(
     same_cause: bool = False,
     runs: int = DEFAULT_RUNS,
     max_seconds: float | None = None,
-    progress: OnSearch | None = None,
+    progress: OnReducing | None = None,
 ) -> Smallest:
     """The smallest scene found on which an engine still diverges from the exact one.
 
@@ -111,13 +111,13 @@ class _Search:
         same_cause: bool,
         limit: int,
         watch: Clock,
-        progress: OnSearch | None,
+        progress: OnReducing | None,
     ) -> None:
         self.original = scene
         self.engine, self.same_cause = engine, same_cause
         self.limit, self.watch, self.progress = limit, watch, progress
         self.runs, self.cut_short = 0, False
-        self.steps: list[Step] = []
+        self.steps: list[Reduction] = []
         self.tried: set[tuple[str, str, int | None]] = set()
 
     def run(self) -> Smallest:
@@ -163,7 +163,7 @@ class _Search:
                 return End.SECONDS if self.cut_short else End.MINIMAL
             by_one = True
 
-    def _reduce(self, parts: Parts, by_one: bool) -> None:
+    def _reduce(self, parts: SceneParts, by_one: bool) -> None:
         """Leaves out of the best scene what can be of these parts."""
         gone: set[str] = set()
 
@@ -242,7 +242,7 @@ class _Search:
         if kind == "digits" and self.steps and self.steps[-1].kind == "digits":
             known = self.steps.pop().removed
             removed = (*known, *(name for name in removed if name not in known))
-        self.steps.append(Step(kind, removed, self.comparison, self.runs))
+        self.steps.append(Reduction(kind, removed, self.comparison, self.runs))
 
     def _shows(self, comparison: Comparison) -> bool:
         """Whether a comparison has what is looked for."""
@@ -264,7 +264,7 @@ class _Search:
         if self.runs and self.watch.over:
             raise _Ended(End.SECONDS)
         if self.progress is not None:
-            self.progress(Searching(self.runs, self.limit, Size.of(self.best if self.runs else self.original)))
+            self.progress(Reducing(self.runs, self.limit, SceneSize.of(self.best if self.runs else self.original)))
         self.runs += 1
         try:
             return compare(scene, [self.engine], causes=self.same_cause, max_seconds=self.watch.left())

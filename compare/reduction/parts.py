@@ -31,7 +31,7 @@ ROOT_DIGITS = 60
 
 
 @dataclass(frozen=True)
-class Parts:
+class SceneParts:
     """Items of a scene, any of which may be left out.
 
     Attributes:
@@ -46,7 +46,7 @@ class Parts:
     keeping: Callable[[Sequence[str]], Scene]
 
 
-def things(scene: Scene, kind: str) -> Parts:
+def things(scene: Scene, kind: str) -> SceneParts:
     """The circles, the walls or the pockets by their ids.
 
     >>> parts = things(Scene([Circle(0, 0, id="a"), Circle(4, 0, id="b")]), "circles")
@@ -58,10 +58,10 @@ def things(scene: Scene, kind: str) -> Parts:
     def keeping(ids: Sequence[str]) -> Scene:
         return scene.with_changes(**{kind: [thing for thing in all_of if thing.id in ids]})
 
-    return Parts(kind, tuple(str(thing.id) for thing in all_of), keeping)
+    return SceneParts(kind, tuple(str(thing.id) for thing in all_of), keeping)
 
 
-def settings(scene: Scene) -> Parts:
+def settings(scene: Scene) -> SceneParts:
     """The scene's reversal, its capture in pockets and its limit in time, where it has any.
 
     >>> settings(Scene([Circle(0, 0)], reverse_at=3)).items
@@ -72,10 +72,10 @@ def settings(scene: Scene) -> Parts:
         gone = {name: False if name == "capture" else None for name in SETTINGS if name not in names}
         return scene.with_changes(**gone)
 
-    return Parts("settings", tuple(name for name in SETTINGS if getattr(scene, name)), keeping)
+    return SceneParts("settings", tuple(name for name in SETTINGS if getattr(scene, name)), keeping)
 
 
-def digits(scene: Scene, denominator: int) -> Parts:
+def digits(scene: Scene, denominator: int) -> SceneParts:
     """The numbers that are shorter once they are rounded to a fraction of at most this denominator.
 
     Without one of them is: with it rounded.
@@ -99,7 +99,7 @@ def digits(scene: Scene, denominator: int) -> Parts:
                 row[k] = with_number(row[k], kind, key, value)
         return scene.with_changes(**changed)
 
-    return Parts("digits", tuple(names.values()), keeping)
+    return SceneParts("digits", tuple(names.values()), keeping)
 
 
 def numbers(scene: Scene) -> Iterator[tuple[str, int, str, Quantity]]:

@@ -24,7 +24,7 @@ class End(Enum):
 
 
 @dataclass(frozen=True)
-class Step:
+class Reduction:
     """One scene that still shows a divergence, and what was left out for it.
 
     Attributes:
@@ -43,7 +43,7 @@ class Step:
     def told(self) -> str:
         """What was left out, in words.
 
-        >>> Step("circles", ("a", "b"), None, 3).told, Step("events", ("12",), None, 4).told
+        >>> Reduction("circles", ("a", "b"), None, 3).told, Reduction("events", ("12",), None, 4).told
         ('circles a, b', 'events after 12')
         """
         if self.kind == "events":
@@ -52,7 +52,7 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Size:
+class SceneSize:
     """How large a scene is: its things, the limit on its instants, the characters of its numbers."""
 
     circles: int
@@ -62,9 +62,9 @@ class Size:
     characters: int
 
     @staticmethod
-    def of(scene: Scene) -> Size:
+    def of(scene: Scene) -> SceneSize:
         """The size of a scene."""
-        return Size(len(scene.circles), len(scene.walls), len(scene.pockets), scene.events, length(scene))
+        return SceneSize(len(scene.circles), len(scene.walls), len(scene.pockets), scene.events, length(scene))
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Smallest:
 
     original: Scene = field(repr=False)
     comparison: Comparison
-    steps: tuple[Step, ...] = field(repr=False)
+    steps: tuple[Reduction, ...] = field(repr=False)
     runs: int
     end: End
 

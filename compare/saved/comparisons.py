@@ -11,7 +11,7 @@ from ...scenarios.files.sealed import Seal
 from ..cli.writing import write_whole
 from ..comparison import Comparison
 from ..documents.comparison import comparison_json
-from ..documents.objects import Reader, Writer
+from ..documents.values.objects import Reader, Writer
 
 SEAL = Seal("truebreak/saved-comparison-1", "comparison", "truebreak compare SCENE --save FILE")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ...exact.replay.contact import Entry
-from ...exact.simulation.instant import Instant
+from ...exact.simulation.instants.instant import Instant
 from ...exact.simulation.limits import Limits
 from ...exact.simulation.tape import Found, Reached, Tape
 from ...scenarios.event import Contact, Tie, TieProof

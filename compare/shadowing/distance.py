@@ -22,7 +22,7 @@ BITS = 128
 """Accuracy of the certified run's numbers in the bounds: far beyond the doubles that are told."""
 
 
-class Flight(NamedTuple):
+class FlightAfter(NamedTuple):
     """A circle's flight after a contact: the contact's instant, and x, y at clock t with velocity vx, vy."""
 
     instant: arb
@@ -85,7 +85,7 @@ def distance(record: Record, certified: Trajectory) -> Distance | None:
     circle = ""
     with ball.precision(BITS + 64):
         for i in free:
-            mine = [Flight(arb(f[0]), *map(arb, f)) for f in record.flights[i]]
+            mine = [FlightAfter(arb(f[0]), *map(arb, f)) for f in record.flights[i]]
             theirs = flights[i][: len(mine)]
             ends: list[tuple[arb, arb]] = [(f.instant, g.instant) for f, g in zip(mine, theirs, strict=True)]
             for (a, b), (c, d) in pairwise(ends):
@@ -122,7 +122,7 @@ def start_distance(one: Scene, other: Scene) -> StartDistance:
     return StartDistance(position, velocity)
 
 
-def _flights(certified: Trajectory, record: Record) -> dict[int, list[Flight]] | None:
+def _flights(certified: Trajectory, record: Record) -> dict[int, list[FlightAfter]] | None:
     """The flights of a certified run, from its knots; None unless there is one for each contact."""
     motion = motion_of(certified)
     assert motion is not None
@@ -136,12 +136,12 @@ def _flights(certified: Trajectory, record: Record) -> dict[int, list[Flight]] |
             if place[name] in instants:
                 near = value.ball(BITS) if near is None else near
                 instants[place[name]].append(near)
-    told: dict[int, list[Flight]] = {}
+    told: dict[int, list[FlightAfter]] = {}
     with ball.precision(BITS + 64):
         for i, times in instants.items():
             if len(times) != len(knots[i]):
                 return None
-            told[i] = [Flight(when, *(known_ball(number, BITS) for number in knot[:5]))
+            told[i] = [FlightAfter(when, *(known_ball(number, BITS) for number in knot[:5]))
                        for when, knot in zip(times, knots[i], strict=True)]  # fmt: skip
     return told
 

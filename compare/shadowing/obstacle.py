@@ -12,7 +12,7 @@ from ..tangent.impacts import moving
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
-    from .record import Link, Record
+    from .record import Indices, Record
     from .refine import Refined
 
 GRAZING = 1e-12
@@ -91,20 +91,20 @@ def margin(scene: Scene, record: Record, contact: int) -> float | None:
 def not_closed(scene: Scene, record: Record, found: Refined) -> Blocked:
     """Misfits that do not close.
 
-    By a graze, if the correction is as large as what is left to one; by a drift of energy, if it accounts for the
-    corrections; else by growth.
+    By a graze, if the correction is as large as what is left to one, or nothing is left to one; by a drift of energy,
+    if it accounts for the corrections; else by growth.
     """
     reach = exp2(max(found.corrections)) if found.corrections else 0.0
     if found.missed is not None:
         shallow = margin(scene, record, found.missed)
         if shallow is not None and shallow <= max(reach, GRAZING):
-            one, other = (scene.ids[k] for k in record.links[found.missed])
-            event = record.events[found.missed]
-            told = (
-                f"event {event}: {one} and {other} meet {shallow:.2g} of a diameter from missing each other, and "
-                f"corrections of {reach:.2g} are asked for: the orbit that is sought passes them by"
-            )
-            return Blocked(Obstacle.GRAZE, event, told)
+            asked = f", and corrections of {reach:.2g} are asked for: the orbit that is sought passes them by"
+            unasked = ", and by the flights that the engine tells they do miss"
+            return _shallow(scene, record, found.missed, shallow, asked if found.corrections else unasked)
+    for contact in range(len(record.links)):
+        depth = margin(scene, record, contact)
+        if depth is not None and abs(depth) <= GRAZING:
+            return _shallow(scene, record, contact, depth, ", where errors grow without bound")
     if not found.misfits:
         return Blocked(Obstacle.GROWING, None, "the engine's run itself does not lead from one contact to the next")
     told = (
@@ -120,6 +120,13 @@ def not_closed(scene: Scene, record: Record, found: Refined) -> Blocked:
         return Blocked(Obstacle.DRIFT, None, message)
     growing = f"the energy drifts by {lost:.2g} only: errors grow in directions in which nothing draws them back"
     return Blocked(Obstacle.GROWING, None, f"{told}, though {growing}")
+
+
+def _shallow(scene: Scene, record: Record, contact: int, depth: float, why: str) -> Blocked:
+    """A contact that is hardly one."""
+    event, (one, other) = record.events[contact], (scene.ids[k] for k in record.links[contact])
+    told = f"{one} and {other} meet {max(depth, 0.0):.2g} of a diameter from missing each other"
+    return Blocked(Obstacle.GRAZE, event, f"event {event}: {told}{why}")
 
 
 def other_history(scene: Scene, record: Record, run: Trajectory, theirs: Record) -> Blocked | None:
@@ -144,7 +151,7 @@ def other_history(scene: Scene, record: Record, run: Trajectory, theirs: Record)
     raise AssertionError("streams that differ have a first difference")
 
 
-def _parted(scene: Scene, record: Record, theirs: Record, contact: int, i: int, got: Link | None) -> Blocked:
+def _parted(scene: Scene, record: Record, theirs: Record, contact: int, i: int, got: Indices | None) -> Blocked:
     """Circle i has a contact in the engine's run, and another one, or none, in the true one."""
     ids, link, event = scene.ids, record.links[contact], record.events[contact]
     turn = sum(i in other for other in record.links[:contact])

@@ -16,7 +16,7 @@ from ...exact.replay.state import State
 from ...exact.replay.steps import Go, Kick
 from ..tangent.growth import Displacements, unit_displacements
 from ..tangent.impacts import Impact, moving
-from .record import Link, Record
+from .record import Indices, Record
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,7 +44,7 @@ class Segment:
     """From one node to the next: contacts from number `first` on, and the two nodes' times."""
 
     first: int
-    links: tuple[Link, ...]
+    links: tuple[Indices, ...]
     begin: float
     end: float
 

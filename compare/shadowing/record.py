@@ -10,10 +10,10 @@ from ..tangent.impacts import NoTangentMap, check_start, moving
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
 
-Link = tuple[int, int]
+Indices = tuple[int, int]
 """A contact by index: two circles, or circle i and wall j - n, n the number of circles."""
 
-Flight = tuple[float, float, float, float, float]
+DoubleFlight = tuple[float, float, float, float, float]
 """(t, x, y, vx, vy): from time t on a circle flies straight from (x, y) at (vx, vy)."""
 
 
@@ -28,10 +28,10 @@ class Record:
         flights: for each circle that can move, by its index, how it flew at the start and after each of its contacts.
     """
 
-    links: tuple[Link, ...]
+    links: tuple[Indices, ...]
     events: tuple[int, ...]
     times: tuple[float, ...]
-    flights: dict[int, tuple[Flight, ...]]
+    flights: dict[int, tuple[DoubleFlight, ...]]
 
 
 def recorded(trajectory: Trajectory, events: int) -> Record:
@@ -52,11 +52,11 @@ def recorded(trajectory: Trajectory, events: int) -> Record:
     if trajectory.reversal is not None and trajectory.reversal.after < events:
         raise NoTangentMap(f"the run turns back after {trajectory.reversal.after} events", trajectory.reversal.after)
     place = {name: k for k, name in enumerate(scene.ids)}
-    flights: dict[int, list[Flight]] = {}
+    flights: dict[int, list[DoubleFlight]] = {}
     for i in moving(scene):
         c = scene.circles[i]
         flights[i] = [(0.0, float(c.x), float(c.y), float(c.vx), float(c.vy))]
-    links: list[Link] = []
+    links: list[Indices] = []
     owners: list[int] = []
     times: list[float] = []
     for event in trajectory.events[:events]:

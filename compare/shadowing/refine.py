@@ -93,7 +93,10 @@ def refined(order: FixedOrder, nodes: Sequence[Sequence[float]], scale: Sequence
             stale = 0 if misfits[-1] < best + log2(LEAST_GAIN) else stale + 1
             if stale >= PATIENCE:
                 break
-            steps, exponent = shortest(maps, residuals)
+            try:
+                steps, exponent = shortest(maps, residuals)
+            except np.linalg.LinAlgError:  # by a graze: growth there is without bound
+                break
             corrections.append(exponent + log2(max(float(np.abs(step).max()) for step in steps) or 2.0**-1000))
             if corrections[-1] > 0:
                 break

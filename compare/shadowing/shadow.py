@@ -15,7 +15,7 @@ from ..chaos.following import follow
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
-from ..tangent.impacts import NoTangentMap, moving
+from ..tangent.impacts import NoTangentMap, check_sizes, moving
 from ..validation import check_engine, check_trajectory
 from .distance import Distance, StartDistance, distance, start_distance
 from .obstacle import Blocked, Obstacle, drift, not_closed, other_history, units
@@ -114,6 +114,7 @@ def shadow(
         raise SceneError(f"{scene.name!r}: engine {name!r} cannot take it: {told.run.stop.message}")
     left = told.alignment.divergence
     try:
+        check_sizes(scene)
         record = recorded(run, count)
     except NoTangentMap as error:
         return Shadow(scene, name, count, left, None, Blocked(Obstacle.SIMULTANEOUS, error.events, str(error)))

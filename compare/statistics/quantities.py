@@ -28,7 +28,6 @@ class Measured:
 
     Attributes:
         name: on the page and in tables.
-        equilibrium: whether it is a property of the motion as such; else one of how it goes on from its start.
         margin: a bias of less than this share (or, of H, of its first value) does no harm.
         count: how many starts.
         scenes: the first N of the ensemble.
@@ -37,7 +36,6 @@ class Measured:
     """
 
     name: str
-    equilibrium: bool
     margin: float
     count: int
     scenes: Callable[[int], Sequence[Scene]]
@@ -116,11 +114,11 @@ def _echoes(count: int) -> list[Scene]:
 
 
 QUANTITIES = (
-    Measured("hits of the disc a unit of time (free path)", True, 0.10, 160, _points, 120, _rate),
-    Measured("meetings of two discs a unit of time", True, 0.10, 160, _boxes, 40, _rate),
-    Measured("Lyapunov exponent of the Lorentz gas", True, 0.05, 80, _hexagons, 40, _exponent),
-    Measured("bounces before escape (escape rate)", True, 0.10, 400, _escapes, None, _bounces),
-    Measured("bounces before escape, from a narrow window", False, 0.10, 200, _window, None, _bounces),
-    Measured("H after a reversal, less H at the start", False, 0.05, 40, _echoes, None, h_returned),
+    Measured("hits of the disc a unit of time (free path)", 0.10, 160, _points, 120, _rate),
+    Measured("meetings of two discs a unit of time", 0.10, 160, _boxes, 40, _rate),
+    Measured("Lyapunov exponent of the Lorentz gas", 0.05, 80, _hexagons, 40, _exponent),
+    Measured("bounces before escape (escape rate)", 0.10, 400, _escapes, None, _bounces),
+    Measured("bounces before escape, from a narrow window", 0.10, 200, _window, None, _bounces),
+    Measured("H after a reversal, less H at the start", 0.05, 40, _echoes, None, h_returned),
 )
 """In the order of the hypotheses."""

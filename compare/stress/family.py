@@ -15,7 +15,7 @@ SHORT = 4
 
 
 @dataclass(frozen=True)
-class Place:
+class MapPlace:
     """One member of a family: everything that decides its scene.
 
     Attributes:
@@ -34,7 +34,7 @@ class Place:
     def lane(self) -> str:
         """The ladder that it stands on, without its family.
 
-        >>> Place("near-ties", 7, "left").lane, Place("scaled", 7, "up", 2).lane
+        >>> MapPlace("near-ties", 7, "left").lane, MapPlace("scaled", 7, "up", 2).lane
         ('left', 'up, seed 2')
         """
         return f"{self.side}, seed {self.seed}" if self.seed else self.side
@@ -43,7 +43,7 @@ class Place:
     def show(self) -> str:
         """The command that prints its scene.
 
-        >>> Place("scaled", 7, "up", 2).show
+        >>> MapPlace("scaled", 7, "up", 2).show
         'truebreak stress scaled --show 7 --side up --seed 2'
         """
         seed = f" --seed {self.seed}" if self.seed else ""
@@ -90,14 +90,14 @@ class Family:
             return tuple(whole)
         return tuple(self.first + round(step * (len(whole) - 1) / (SHORT - 1)) for step in range(SHORT))
 
-    def places(self, levels: tuple[int, ...]) -> Iterator[Place]:
+    def places(self, levels: tuple[int, ...]) -> Iterator[MapPlace]:
         """Lane by lane, from the easiest on."""
         for side in self.sides:
             for seed in self.seeds:
                 for k in levels:
-                    yield Place(self.name, k, side, seed)
+                    yield MapPlace(self.name, k, side, seed)
 
-    def place(self, k: int, side: str | None = None, seed: int | None = None) -> Place:
+    def place(self, k: int, side: str | None = None, seed: int | None = None) -> MapPlace:
         """One member; without a side or a seed, the first.
 
         Raises:
@@ -111,7 +111,7 @@ class Family:
         if seed not in self.seeds:
             told = "draws nothing; leave --seed out" if self.seeds == (0,) else f"has the seeds {self._seeds()}"
             raise SceneError(f"--seed {seed}: {self.name} {told}")
-        return Place(self.name, k, side, seed)
+        return MapPlace(self.name, k, side, seed)
 
     def _seeds(self) -> str:
         return ", ".join(map(str, self.seeds))
@@ -125,7 +125,7 @@ class Family:
         if not self.first <= k <= self.most:
             raise SceneError(f"k = {k}: {self.name} has k from {self.first} to {self.most}; choose one of them")
 
-    def scene(self, place: Place) -> Scene:
+    def scene(self, place: MapPlace) -> Scene:
         """The scene of a place, named after it.
 
         Raises:

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
-from .cell import Row
-from .family import Place
-from .marks import Mark
+from .family import MapPlace
+from .rows.cell import StressRow
+from .rows.marks import MapMark
 
 
 @dataclass(frozen=True)
@@ -27,37 +27,37 @@ class Ladder:
     seed: int
     engine: str
     levels: tuple[int, ...]
-    marks: tuple[Mark, ...]
+    marks: tuple[MapMark, ...]
 
     @property
     def lane(self) -> str:
-        """As `Place.lane`."""
-        return Place(self.family, self.levels[0], self.side, self.seed).lane
+        """As `MapPlace.lane`."""
+        return MapPlace(self.family, self.levels[0], self.side, self.seed).lane
 
     @property
     def first_wrong(self) -> int | None:
         """The first k at which it is wrong; None if it is at none."""
-        return next((k for k, mark in zip(self.levels, self.marks, strict=True) if mark is Mark.WRONG), None)
+        return next((k for k, mark in zip(self.levels, self.marks, strict=True) if mark is MapMark.WRONG), None)
 
     @property
     def right_again(self) -> tuple[int, ...]:
         """The k after the first wrong one at which it is right."""
         first = self.first_wrong
         told = zip(self.levels, self.marks, strict=True)
-        return () if first is None else tuple(k for k, mark in told if k > first and mark is Mark.RIGHT)
+        return () if first is None else tuple(k for k, mark in told if k > first and mark is MapMark.RIGHT)
 
     @property
     def first_told(self) -> str:
         """The first wrong k, and where after it the engine is right; "none" if it is wrong at none.
 
-        >>> R, W = Mark.RIGHT, Mark.WRONG
+        >>> R, W = MapMark.RIGHT, MapMark.WRONG
         >>> Ladder("walls", "opening", 0, "double", (1, 2, 3, 4, 5, 6), (R, W, R, R, W, R)).first_told
         '2, but right at 3 to 4, 6'
         """
         first = self.first_wrong
         if first is None:
             return "none"
-        again = [_ends(low, high) for mark, low, high in self.stretches if mark is Mark.RIGHT and low > first]
+        again = [_ends(low, high) for mark, low, high in self.stretches if mark is MapMark.RIGHT and low > first]
         return f"{first}, but right at {', '.join(again)}" if again else str(first)
 
     @property
@@ -66,15 +66,15 @@ class Ladder:
         return "".join(mark.sign for mark in self.marks)
 
     @property
-    def stretches(self) -> tuple[tuple[Mark, int, int], ...]:
+    def stretches(self) -> tuple[tuple[MapMark, int, int], ...]:
         """Equal marks in a row: the mark, the first k and the last.
 
-        >>> marks = (Mark.RIGHT, Mark.RIGHT, Mark.WRONG)
+        >>> marks = (MapMark.RIGHT, MapMark.RIGHT, MapMark.WRONG)
         >>> ladder = Ladder("near-ties", "left", 0, "double", (1, 2, 3), marks)
         >>> [(mark.value, *ends) for mark, *ends in ladder.stretches]
         [('right', 1, 2), ('wrong', 3, 3)]
         """
-        found: list[tuple[Mark, int, int]] = []
+        found: list[tuple[MapMark, int, int]] = []
         for mark, group in groupby(zip(self.marks, self.levels, strict=True), key=lambda pair: pair[0]):
             ks = [k for _, k in group]
             found.append((mark, ks[0], ks[-1]))
@@ -83,7 +83,7 @@ class Ladder:
     def told(self) -> str:
         """The whole ladder in words.
 
-        >>> marks = (Mark.RIGHT, Mark.WRONG, Mark.RIGHT, Mark.WRONG, Mark.WRONG)
+        >>> marks = (MapMark.RIGHT, MapMark.WRONG, MapMark.RIGHT, MapMark.WRONG, MapMark.WRONG)
         >>> Ladder("near-ties", "left", 0, "double", (1, 2, 3, 4, 5), marks).told()
         'right 1; wrong 2; right 3; wrong 4 to 5'
         """
@@ -94,7 +94,7 @@ def _ends(low: int, high: int) -> str:
     return str(low) if low == high else f"{low} to {high}"
 
 
-def ladders(rows: Iterable[Row], engines: Sequence[str]) -> list[Ladder]:
+def ladders(rows: Iterable[StressRow], engines: Sequence[str]) -> list[Ladder]:
     """The ladders of a map: lane by lane, the exact engine first."""
     found: list[Ladder] = []
     for (family, side, seed), group in groupby(rows, key=lambda row: (row["family"], row["side"], row["seed"])):
@@ -103,6 +103,6 @@ def ladders(rows: Iterable[Row], engines: Sequence[str]) -> list[Ladder]:
         columns = {"exact": [row["exact"]["mark"] for row in lane]}
         columns |= {label: [row["engines"][label]["mark"] for row in lane] for label in engines}
         found += [
-            Ladder(family, side, seed, label, levels, tuple(map(Mark, marks))) for label, marks in columns.items()
+            Ladder(family, side, seed, label, levels, tuple(map(MapMark, marks))) for label, marks in columns.items()
         ]
     return found

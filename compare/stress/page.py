@@ -10,8 +10,8 @@ from itertools import groupby
 from ...scenarios.errors import SceneError
 from .family import Family
 from .ladder import Ladder
-from .marks import Mark
 from .plan import Plan
+from .rows.marks import MapMark
 
 BEGIN = "<!-- made by `python -m truebreak.compare.stress docs/stress.md`: from here -->\n"
 END = "<!-- to here -->\n"
@@ -48,8 +48,8 @@ def exact_part(families: Sequence[Family], told: Sequence[Ladder]) -> str:
     """What the witnesses say of the exact engine."""
     closed = {one.name for one in families if one.known is not None}
     marks = [(ladder.family, mark) for ladder in told if ladder.engine == "exact" for mark in ladder.marks]
-    right = [name for name, mark in marks if mark is Mark.RIGHT]
-    wrong = sum(mark is Mark.WRONG for _, mark in marks)
+    right = [name for name, mark in marks if mark is MapMark.RIGHT]
+    wrong = sum(mark is MapMark.WRONG for _, mark in marks)
     others = len(marks) - len(right) - wrong
     return (
         f"The exact engine is wrong at {wrong} of {len(marks):,} places. At {len(right):,} of them its whole run is "

@@ -15,8 +15,8 @@ from ..engines import engine as engine_named
 from ..ensemble.rows.row import versions
 from ..ensemble.sweep import pool
 from ..validation import check_engine
-from .cell import Job, Row, row_of
-from .family import Family, Place
+from .family import Family, MapPlace
+from .rows.cell import Job, StressRow, row_of
 from .store import Store
 from .table import FAMILIES, family
 
@@ -54,7 +54,7 @@ class Plan:
             "versions": versions(),
         }
 
-    def places(self) -> Iterator[Place]:
+    def places(self) -> Iterator[MapPlace]:
         """Every place of the map, in order."""
         for one in self.families:
             yield from one.places(one.levels(self.short) if self.levels is None else tuple(self.levels))
@@ -129,7 +129,7 @@ class Done:
     wanted: int
     seconds: float
     fresh: int
-    place: Place
+    place: MapPlace
 
     @property
     def left(self) -> float | None:
@@ -137,7 +137,9 @@ class Done:
         return self.seconds / self.fresh * (self.wanted - self.there) if self.fresh else None
 
 
-def carry_out(asked: Plan, store: Store, *, jobs: int = 1, progress: Callable[[Done], None] | None = None) -> list[Row]:
+def carry_out(
+    asked: Plan, store: Store, *, jobs: int = 1, progress: Callable[[Done], None] | None = None
+) -> list[StressRow]:
     """Does what is not in the store yet, in order; each row is in it as soon as it is there.
 
     Args:
@@ -169,7 +171,7 @@ def carry_out(asked: Plan, store: Store, *, jobs: int = 1, progress: Callable[[D
 
 
 @contextmanager
-def _rows(jobs: Sequence[Job], workers: int) -> Iterator[Iterator[Row]]:
+def _rows(jobs: Sequence[Job], workers: int) -> Iterator[Iterator[StressRow]]:
     """The rows of jobs, in order; with several workers, computed ahead."""
     if workers == 1 or len(jobs) < 2:
         yield map(row_of, jobs)

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .cell import Row
+from .rows.cell import StressRow
 from .table import family
 
 if TYPE_CHECKING:
-    from .family import Place
+    from .family import MapPlace
 
 FORMAT = "truebreak/stress-store-1"
 
@@ -45,11 +45,11 @@ class Store:
     """
 
     def __init__(
-        self, path: str | None, settings: Mapping[str, Any] | None = None, places: Sequence[Place] = ()
+        self, path: str | None, settings: Mapping[str, Any] | None = None, places: Sequence[MapPlace] = ()
     ) -> None:
         self.path, self._places, self._writes = path, places, settings is not None
         self.settings: dict[str, Any] = json.loads(json.dumps(settings or {}))
-        self.rows: list[Row] = []
+        self.rows: list[StressRow] = []
         self._sum, self._whole = "", 0
         if path is not None:
             with self._told():
@@ -100,7 +100,7 @@ class Store:
                 )
         self.settings = mine
 
-    def _check(self, row: Row, number: int) -> None:
+    def _check(self, row: StressRow, number: int) -> None:
         """Refuses a row that is not the next of the map asked for, or is of another scene than its place has now."""
         if not self._writes:
             return
@@ -131,7 +131,7 @@ class Store:
         self._sum = sha256(f"{self._sum}{text}".encode()).hexdigest()[:SUM]
         return f'{{"says":{text},"sum":"{self._sum}"}}\n'.encode()
 
-    def add(self, row: Row) -> None:
+    def add(self, row: StressRow) -> None:
         """Keeps the next row: it is on disk when this returns.
 
         Raises:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .cell import Cell
     from .running import SuiteReport
     from .since import Since
-    from .survey import Entry, Survey
+    from .survey import Survey, SurveyEntry
 
 WORDS = {"agree": "agrees", "diverged": "diverged", "unsettled": "not settled", "undecided": "undecided"}
 
@@ -52,7 +52,7 @@ def print_survey(found: Survey) -> None:
         say(out, f"{name} is not installed: pip install 'truebreak[{name}]'")
 
 
-def advice_sentence(entries: Sequence[Entry]) -> list[str]:
+def advice_sentence(entries: Sequence[SurveyEntry]) -> list[str]:
     """What is advised on one scene, and for which engines nothing is, in a sentence each."""
     asked = [entry.advice for entry in entries if entry.advice is not None]
     named = [f"`{one.setting}` ({one.told})" for one in asked if one.setting is not None]

@@ -110,7 +110,7 @@ MOST_STEPS = 100_000
 
 
 @dataclass(frozen=True)
-class Entry:
+class SurveyEntry:
     """One engine on one scene of the survey.
 
     Attributes:
@@ -154,7 +154,7 @@ class Survey:
     """
 
     versions: dict[str, str]
-    entries: tuple[Entry, ...]
+    entries: tuple[SurveyEntry, ...]
     missing: tuple[str, ...]
     max_seconds: float | None
 
@@ -195,8 +195,8 @@ def survey(
     advice: bool = True,
     max_seconds: float | None = None,
     progress: OnCell | None = None,
-    kept: Mapping[tuple[str, str], Entry] | None = None,
-    keep: Callable[[Entry], None] | None = None,
+    kept: Mapping[tuple[str, str], SurveyEntry] | None = None,
+    keep: Callable[[SurveyEntry], None] | None = None,
 ) -> Survey:
     """Runs the survey, or a part of it.
 
@@ -248,7 +248,7 @@ def _tell(progress: OnCell | None, done: int, total: int, label: str, what: str)
 
 def _entry(
     label: str, one: Surveyed, causes: bool, advice: bool, max_seconds: float | None, told: Callable[[str], None]
-) -> Entry:
+) -> SurveyEntry:
     """One engine on one scene: its ladder up to what agrees, what is advised, and why what is shown diverged."""
     task = SCENES[label]
     tried: dict[str, Tried] = {}
@@ -263,7 +263,7 @@ def _entry(
         found = advised(task, one.name)
         if found.setting is not None and found.setting not in tried:
             tried[found.setting] = _try(task, found.setting, max_seconds)
-    entry = Entry(label, one.name, tuple(row.cell for row in tried.values()), found)
+    entry = SurveyEntry(label, one.name, tuple(row.cell for row in tried.values()), found)
     if not causes:
         return entry
     shown = {cell.engine for cell in entry.shown}

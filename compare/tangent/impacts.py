@@ -11,10 +11,11 @@ from flint import arb
 from ...exact.laws.formulas import pair_impulse, wall_bounce
 from ...exact.numbers import ball
 from ...exact.replay.ball_state import BallState
-from ...exact.replay.centred_state import CentredState
+from ...exact.replay.centred.centred_state import CentredState
 from ...exact.replay.contact import AtWall, Touch
 from ...exact.replay.steps import Go, Kick
 from ...exact.results.motion import ExactMotion, steps_through
+from .grazes import first_graze
 
 if TYPE_CHECKING:
     from ...scenarios.event import Event
@@ -71,15 +72,10 @@ def check_start(scene: Scene) -> None:
     """Refuses a scene whose nearby scenes are no scenes, or capture circles.
 
     Raises:
-        NoTangentMap: if circles go out of play, or touch at time 0 and go on touching; and if doubles, in which
-            displacements are carried, do not hold the products of its numbers.
+        NoTangentMap: if circles go out of play, or touch at time 0 and go on touching.
     """
     if scene.capture:
         raise NoTangentMap("the scene takes circles out of play (capture), and nearby runs do so at other times")
-    ends = [value for wall in scene.walls for value in (wall.x0, wall.y0, wall.x1, wall.y1)]
-    flights = [value for c in scene.circles for value in (c.x, c.y, c.r, c.vx, c.vy)]
-    if not all(_held(value) for value in (*ends, *flights)):
-        raise NoTangentMap(f"lengths or speeds above 2**{HELD_BITS} or below 2**-{HELD_BITS}; choose other units")
     free = moving(scene)
     for i, j in scene.touching:
         a = scene.circles[i]
@@ -98,6 +94,18 @@ def check_start(scene: Scene) -> None:
 
 HELD_BITS = 240
 """Sizes from 2**-240 to 2**240 are held by doubles to the fourth power, which is what the formulas come to."""
+
+
+def check_sizes(scene: Scene) -> None:
+    """Refuses a scene of numbers whose products doubles, in which displacements are carried, do not hold.
+
+    Raises:
+        NoTangentMap: naming the sizes that they hold.
+    """
+    ends = [value for wall in scene.walls for value in (wall.x0, wall.y0, wall.x1, wall.y1)]
+    flights = [value for c in scene.circles for value in (c.x, c.y, c.r, c.vx, c.vy)]
+    if not all(_held(value) for value in (*ends, *flights)):
+        raise NoTangentMap(f"lengths or speeds above 2**{HELD_BITS} or below 2**-{HELD_BITS}; choose other units")
 
 
 def _held(value: Quantity) -> bool:
@@ -142,7 +150,8 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
         bits: the precision of the replay; by default as many as it takes for each number to be told to a double.
 
     Raises:
-        NoTangentMap: where there is none (see `check_start`, `check_event`), and from a reversal on.
+        NoTangentMap: where there is none (see `check_start`, `check_sizes`, `check_event`), from a reversal on, and
+            from where two circles of an exact run graze.
 
     >>> from truebreak.exact import ExactEngine
     >>> from truebreak.scenarios import Circle, Scene
@@ -152,6 +161,7 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
     """
     scene = trajectory.scene
     check_start(scene)
+    check_sizes(scene)
     turned = events if trajectory.reversal is None else trajectory.reversal.after
     for event in trajectory.events[: min(turned, events)]:
         check_event(scene, event)
@@ -159,6 +169,9 @@ def impacts(trajectory: Trajectory, events: int, bits: int | None = None) -> lis
         raise NoTangentMap(f"the run turns back after {turned} events", turned)
     if isinstance(trajectory.motion, ExactMotion):
         motion = trajectory.motion
+        if (graze := first_graze(trajectory, motion, events)) is not None:
+            pair = f"{graze.one} and {graze.other}"
+            raise NoTangentMap(f"before event {graze.events}, {pair} graze: nearby they hit or miss", graze.events)
         if bits is None:
             told = _sharply(trajectory, motion, events, together=False)
         else:

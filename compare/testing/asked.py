@@ -41,10 +41,7 @@ def bits_asked(engine: Engine, horizon: str | int | None) -> int | None:
         return engine.bits
     if isinstance(horizon, str) and horizon in WIDTHS:
         return WIDTHS[horizon]
-    try:
-        bits = int(horizon)
-    except ValueError:
-        bits = 0
-    if bits < 1:
+    bits = int(horizon) if isinstance(horizon, str) and horizon.isascii() and horizon.isdigit() else horizon
+    if isinstance(bits, bool) or not isinstance(bits, int) or bits < 1:
         raise SceneError(f"horizon = {horizon!r}: must be a number of bits, or one of {', '.join(WIDTHS)}")
     return bits

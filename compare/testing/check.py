@@ -14,6 +14,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..comparison import Comparison, compare
+from ..deadline import OutOfTime, time_limit
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..outcomes.permitted import Relation, permitted_patterns
@@ -21,7 +22,7 @@ from ..report.sentences import verdict_sentence
 from ..saved.cache import cached
 from ..scene_argument import scene_from
 from ..study import Study
-from ..validation import check_trajectory
+from ..validation import check_trajectory, unsupported
 from .asked import bits_asked, engine_asked
 from .message import failure
 from .reproduction import reproduction
@@ -93,6 +94,7 @@ def check(
     permitted: bool = False,
     horizon: str | int | None = None,
     work: int | None = None,
+    max_seconds: float | None = None,
     **declared: Any,
 ) -> Checked:
     """Requires that an engine tells a scene's true history; see docs/pytest.md.
@@ -109,6 +111,7 @@ def check(
         permitted: any order of simultaneous impulses will do.
         horizon: bits, or a width by name, whose errors are granted, instead of those that the engine declares.
         work: see `ExactEngine`.
+        max_seconds: what is not decided by then, as an engine hangs, is not decided.
         declared: of a log: `bits`, `step`, `rounds_input`, `lacks` (see `LogEngine.of`).
 
     Raises:
@@ -116,9 +119,14 @@ def check(
         NotDecided: if it could not be decided.
         SceneError: for what cannot be checked.
     """
+    if not isinstance(scene, Scene | str):
+        raise SceneError(f"scene = {str(scene)[:60]}: must be a Scene, or what the command line takes for one")
     where = scene if isinstance(scene, str) else scene.name
     loaded = scene_from(scene) if isinstance(scene, str) else scene
     chosen, name = engine_asked(engine, loaded, declared)
+    key = unsupported(chosen, loaded)
+    if key is not None:
+        raise NotDecided(f"{name} on {where}: cannot run this scene: it does not follow {key!r}, by its scene_keys")
     truth = cached(ExactEngine(work=DEFAULT_WORK if work is None else work))
     demand = Demand(digits, atol, rtol)
     case = _Case(
@@ -131,11 +139,17 @@ def check(
         permitted,
         isinstance(engine, str) and not isinstance(chosen, LogEngine),
     )
-    if events is not None or until is not None or permitted:
-        return case.span(events, until, bits_asked(chosen, horizon))
-    if len(loaded.circles) > MOST_CIRCLES:
+    bits, spanned = bits_asked(chosen, horizon), events is not None or until is not None or permitted
+    if not spanned and len(loaded.circles) > MOST_CIRCLES:
         raise SceneError(f"{where!r}: has more than {MOST_CIRCLES} circles; give events= or until=")
-    return case.as_far_as_it_reaches(bits_asked(chosen, horizon))
+    try:
+        with time_limit(max_seconds) as watch:
+            checked = case.span(events, until, bits) if spanned else case.as_far_as_it_reaches(bits)
+            if not watch.over:
+                return checked
+        raise OutOfTime(str(watch.is_up()))
+    except OutOfTime as outcome:
+        raise NotDecided(f"{name} on {where}: not decided within {outcome}") from None
 
 
 @dataclass

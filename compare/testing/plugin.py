@@ -14,15 +14,17 @@ if TYPE_CHECKING:
     from .golden import Golden
 
 MARKER = (
-    "truebreak(horizon=None, undecided='fail', work=None): how the fixture `truebreak` checks engines in this test: "
-    "whose errors are granted (such as 'float32', or bits), what becomes of a check that cannot be decided (fail or "
-    "skip), and what one question may cost the exact engine."
+    "truebreak(horizon=None, undecided='fail', work=None, max_seconds=None): how the fixture `truebreak` checks "
+    "engines in this test: whose errors are granted (such as 'float32', or bits), what becomes of a check that cannot "
+    "be decided (fail or skip), what one question may cost the exact engine, and after how many seconds a check is not "
+    "decided."
 )
 
 SETTINGS = {
     "horizon": "whose errors are granted: bits, or float32, double, quad; else what the engine declares",
     "undecided": "what becomes of a check that cannot be decided: fail (default) or skip",
     "work": "what one question may cost the exact engine, in counted units",
+    "max_seconds": "seconds after which a check is not decided, as where an engine hangs; else there is no limit",
 }
 
 PROPERTY = "truebreak"
@@ -33,7 +35,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     """Options and ini settings; a marker goes before the command line, and that before the ini file."""
     group = parser.getgroup("truebreak", "physics engines held against the exact one")
     for name, told in SETTINGS.items():
-        group.addoption(f"--truebreak-{name}", metavar=name.upper(), help=told)
+        group.addoption(f"--truebreak-{name.replace('_', '-')}", metavar=name.upper(), help=told)
         parser.addini(f"truebreak_{name}", help=told)
     group.addoption("--truebreak-report", metavar="DIR", help="write an HTML report of every check that fails to DIR")
     group.addoption("--truebreak-regen", action="store_true", help="write golden runs anew instead of comparing them")
@@ -60,7 +62,7 @@ class Truebreak:
         from ...scenarios.errors import SceneError
         from .check import CheckFailed, NotDecided, check
 
-        for key in ("horizon", "work"):
+        for key in ("horizon", "work", "max_seconds"):
             if self._settings[key] is not None:
                 demands.setdefault(key, self._settings[key])
         try:
@@ -138,11 +140,12 @@ def settings_of(node: pytest.Item) -> dict[str, Any]:
         found[name] = marks[name] if name in marks else next((value for value in given if value), None)
     if found["undecided"] not in (None, "fail", "skip"):
         raise pytest.UsageError(f"truebreak: undecided = {found['undecided']!r}; must be fail or skip")
-    if found["work"] is not None:
-        try:
-            found["work"] = int(found["work"])
-        except ValueError:
-            raise pytest.UsageError(f"truebreak: work = {found['work']!r}; must be a whole number") from None
+    for name, kind, told in (("work", int, "a whole number"), ("max_seconds", float, "a number of seconds")):
+        if isinstance(found[name], str):
+            try:
+                found[name] = kind(found[name])
+            except ValueError:
+                raise pytest.UsageError(f"truebreak: {name} = {found[name]!r}; must be {told}") from None
     return found
 
 

@@ -26,7 +26,8 @@ python -m truebreak.compare.truths docs/truths.md
 ```
 
 which measures all of them, and writes nothing if one does not come out. With `--only WORDS` in place of the file it
-prints those in whose title the words are. "Recalled" marks a source not at hand.
+prints those in whose title the words are. "Recalled" marks a source not at hand. Ensembles are of
+`point:size=1,disc=R`, `two-in-a-box` and `hexagon:d=D`, each from many starts.
 
 """
 

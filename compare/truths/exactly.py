@@ -156,7 +156,7 @@ def _corner() -> Measured:
 
 
 EXACT = (
-    Truth("SIAM 100-Digit Challenge, problem 2: distance at t = 10", SIAM_DIGITS, CHALLENGE, "truebreak run siam",
+    Truth("SIAM 100-Digit Challenge, problem 2: distance at t = 10", SIAM_DIGITS, CHALLENGE, only("100-Digit"),
           _siam),
     Truth("Galperin: collisions for a mass ratio of 100**n, n = 0 to 3", "3, 31, 314, 3141", GALPERIN,
           "truebreak run galperin:n=2", _galperin),

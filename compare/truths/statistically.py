@@ -19,7 +19,7 @@ from ..tangent.impacts import impacts
 from . import ensembles
 from .ensembles import Record, directions, estimate, recorded
 from .exactly import CHAOSBOOK, ESCAPE_RATE, REPELLER
-from .truth import OURS, Measured, Truth, near, same, within
+from .truth import OURS, Measured, Truth, near, only, same, within
 
 CHERNOV = "N. Chernov, Entropy, Lyapunov exponents, and mean free path for billiards, J. Stat. Phys. 88 (1997), 1"
 DAHLQVIST = "P. Dahlqvist, Lyapunov exponent of the Sinai billiard, chao-dyn/9601007"
@@ -138,26 +138,26 @@ def _escape() -> Measured:
 
 STATISTICAL = (
     Truth("Unit square with a disc of radius 1/5: mean path between hits of anything, pi area/perimeter",
-          f"{ANY_PATH:.5f}", CHERNOV, "truebreak run point:size=1,disc=1/5", _any_path, True),
+          f"{ANY_PATH:.5f}", CHERNOV, only("hits of anything"), _any_path, True),
     Truth("Unit square with a disc of radius 1/5: mean path between disc hits, area/(2 R)", f"{PATH:.5f}", CHERNOV,
-          "truebreak run point:size=1,disc=1/5", _free_path, True),
+          only("between disc hits"), _free_path, True),
     Truth("Two discs of radius 1/10 in a unit square: how often they meet", "0.485268", IN_A_BOX,
-          "truebreak run two-in-a-box", _two_in_a_box, True),
+          only("how often they meet"), _two_in_a_box, True),
     *(Truth(f"Sinai billiard, R = {r}: exponent per hit of the disc, up to O(R ln(R)**2)",
             f"{dahlqvist(float(Fraction(r))):.3f}", DAHLQVIST,
-            f"truebreak chaos point:size=1,disc={r}", lambda r=r, u=u, room=room: _sinai(r, u, room), True)
+            only(f"R = {r}:"), lambda r=r, u=u, room=room: _sinai(r, u, room), True)
       for r, u, room in (("1/5", 100, 0.07), ("1/10", 200, 0.06), ("1/20", 400, 0.05))),
     Truth("Three fixed discs at distance 6: escape rate, by escaping", ESCAPE_RATE, CHAOSBOOK,
           f"{REPELLER} --runs {SOUGHT}", _escape, True),
     *(Truth(f"Triangular Lorentz gas, spacing {d}: exponent per unit time", told, source,
-            f"truebreak chaos hexagon:d={d}", lambda d=d, u=until, n=runs, value=value: _hexagon(d, u, n, value), True)
+            only(f"spacing {d}:"), lambda d=d, u=until, n=runs, value=value: _hexagon(d, u, n, value), True)
       for d, until, runs, value, told, source in (
           ("21/10", 120, 80, 2.669, "2.669 +- 0.3 %", OURS), ("11/5", 120, 80, 2.105, "2.105 +- 0.3 %", OURS),
           ("2*sqrt(3)", 400, 400, 0.636, "0.636 +- 0.3 %; 0.62 to 0.68", f"{OURS}; {FOLDED}"))),
     Truth("Ten discs in a box: exponent per unit time", "0.3208", OURS,
           f"truebreak chaos gas --events {LONG} --engines none", _gas_exponent, True),
     Truth("Ten discs in a box: the event at which a displacement has grown by 2**53", "173",
-          OURS, "truebreak chaos gas", _gas_growth),
+          OURS, only("grown by 2**53"), _gas_growth),
     Truth("Ten discs in a box: the event at which doubles leave the history", "161", OURS,
           "truebreak compare gas --engines double", lambda: _left("gas", 161)),
     Truth("Two-disc pinball: the bounce at which doubles are lost, foreseen 53 ln(2)/ln(5 + 2 sqrt(6)) = 16.03", "16",

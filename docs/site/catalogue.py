@@ -12,7 +12,8 @@ from truebreak.compare.report.sentences import proof_phrase, verdict_sentence
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import dump_json, dump_toml
-from truebreak.scenarios.picture import scene_picture
+from truebreak.scenarios.pictures.picture import scene_picture
+from truebreak.scenarios.scene import Scene
 
 ENGINES = ("double", "pymunk")
 
@@ -76,11 +77,11 @@ def scene_page(name: str, told: Told | None) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def _file(scene: object) -> str:
+def _file(scene: Scene) -> str:
     try:
-        text, kind = dump_toml(scene), "toml"  # type: ignore[arg-type]
+        text, kind = dump_toml(scene), "toml"
     except SceneError:
-        text, kind = dump_json(scene), "json"  # type: ignore[arg-type]
+        text, kind = dump_json(scene), "json"
     lines = text.strip().splitlines()
     shown = "\n".join(lines[:MOST_LINES])
     more = (

@@ -83,7 +83,7 @@ class CertifiedDecider:
         self.stride: Stride | None = None
         if work >= 2 * STEP_UNITS:
             self.stride = Stride(
-                self.state, self.history, self.queue, self.meetings, self.reading, self._precision, self.begin, self.do
+                self.state, self.history, self.queue, self.meetings, self.reading, self._precision, self._count, self.do
             )
         self._held = Held(scene, log)
         if self._held:
@@ -94,10 +94,14 @@ class CertifiedDecider:
 
     def begin(self, instant: int) -> None:
         """Full precision."""
+        self._count(instant)
+        ball.use_bits(self.state.bits)
+
+    def _count(self, instant: int) -> None:
+        """An instant begins."""
         self._past.begin(instant)
         self._instant = instant
         self._instant_work = 0
-        ball.use_bits(self.state.bits)
 
     def do(self, step: Step) -> None:
         """Carries out a step and logs it.

@@ -28,7 +28,7 @@ SET_FORESIGHT = 1.06
 ONCE = 40
 """Bits that a set loses once and for all: what a body's bound grows within a block beyond the set itself."""
 
-LONG_BITS = 12_000
+LONG_BITS = 8_000
 """Precision from which on deviations are kept in a set: it then costs no more, as it needs well under half the bits."""
 
 CENTRED_SHARE = 0.5

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
+from math import inf
 
 from flint import arb
 
@@ -11,15 +12,18 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..predicates.double_filter import DoubleFilter, FloatLine, float_line
-from ..replay.body import Body
+from ..replay.body import FAINT, Body, Landed
 from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
-from ..simulation.arrivals.grid import Flight
+from ..simulation.arrivals.grid import FloatFlight
 from ..simulation.arrivals.prediction import Predictor, link_of
 from ..simulation.arrivals.queue import ArrivalQueue
 
 QUICK_BITS = 128
 """Precision of predictions: two machine words, the most that flint keeps without a call for memory."""
+
+NEAR = arb(0, arb((1, FAINT)))
+"""Holds all deviations that are at most 2**FAINT."""
 
 
 class FilteredPredictor(Predictor[arb]):
@@ -51,6 +55,7 @@ class FilteredPredictor(Predictor[arb]):
         self._float_reaches = [[float(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
+        self._partners: dict[tuple[int, int], list[list[Body[arb]]]] = {}
 
     def prepare(self) -> None:
         """Short precision."""
@@ -103,6 +108,50 @@ class FilteredPredictor(Predictor[arb]):
             body.q = (+x, +y, +vx, +vy, t)
             admit(body)
 
+    def take(self, landed: Iterable[Landed[arb]], clock: arb) -> None:
+        """As `refresh`, of circles that are not exact, at one clock; see `LoneContacts`."""
+        ball.use_bits(QUICK_BITS)
+        t, take = +clock, self.filter.take
+        for body, (x, y, vx, vy, *_), doubles in landed:
+            if doubles is None:
+                x, y, vx, vy, *_ = body.flight
+                body.q = (+x, +y, +vx, +vy, t)
+                self.filter.admit(body)
+            else:
+                body.q = (x + NEAR, y + NEAR, vx + NEAR, vy + NEAR, t)
+                take(body, doubles)
+
+    def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """See `Predictor.predict`; where doubles tell all, flights are not asked for."""
+        if gone or not self.few or not 0 < len(moved) < 3:
+            super().predict(moved, standing, gone)
+            return
+        for a in moved:
+            if a.f is None or not (a.f[2] or a.f[3]):
+                super().predict(moved, standing, gone)
+                return
+        plan, lines, walls, push_walls = self.plan, self._float_lines, self.filter.walls, self.queue.push_walls
+        for a in moved:
+            a.until = inf
+            found, unclear = walls(a, lines.get(a.index) or self._as_seen_from(a))
+            push_walls(a, found, standing)
+            if unclear:
+                self._unclear_walls(a, unclear, standing)
+        plan["walls predicted"] += len(moved) * self.wall_count
+        key = moved[0].index, moved[-1].index
+        predicted = 0
+        for a, others in zip(moved, self._partners.get(key) or self._partners_of(key), strict=True):
+            self.pairs(a, others, standing)
+            predicted += len(others)
+        plan["pairs predicted"] += predicted
+
+    def _partners_of(self, key: tuple[int, int]) -> list[list[Body[arb]]]:
+        """With whom two circles, or one, are to be looked at: the second not with the first."""
+        i, j = key
+        of_first, of_second = ([b for b in self.state.bodies.values() if b.index not in out] for out in ((i,), key))
+        found = self._partners[key] = [of_first] if i == j else [of_first, of_second]
+        return found
+
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:
         """See `Predictor.pairs`; the order is that of `others`."""
         found, unclear = self.filter.pairs(a, others, self._float_reaches[a.kind])
@@ -126,12 +175,16 @@ class FilteredPredictor(Predictor[arb]):
         found, unclear = self.filter.walls(a, lines)
         self.queue.push_walls(a, found, standing)
         if unclear:
-            self.plan["unclear in doubles"] += len(unclear)
-            self.prepare()
+            self._unclear_walls(a, unclear, standing)
+
+    def _unclear_walls(self, a: Body[arb], unclear: list[int], standing: Collection[Link]) -> None:
+        """Walls that doubles left open."""
+        self.plan["unclear in doubles"] += len(unclear)
+        self.prepare()
         for k in unclear:
             self.wall(a, k, standing)
 
-    def in_doubles(self, a: Body[arb]) -> Flight | None:
+    def in_doubles(self, a: Body[arb]) -> FloatFlight | None:
         """See `Predictor.in_doubles`."""
         return None if a.f is None else a.f[:5]
 

@@ -57,6 +57,7 @@ class Stride:
         self._begin = begin
         self._do = do
         self._refresh = meetings.predictor.refresh
+        self._take = meetings.predictor.take
         self._steps: dict[Touch, tuple[Go, Kick]] = {}
 
     def __call__(
@@ -108,10 +109,13 @@ class Stride:
             precision.secure()
         bodies, circles, alone = state.bodies, both[0].bodies, both[1].links
         moved = [bodies[i] for i in circles]
-        self._refresh(moved)
+        landed = state.lone.landed if in_balls else None
+        if landed is not None:
+            self._take(landed, landed[0][1][4])
+        else:
+            self._refresh(moved)
         done = len(state.steps)
-        first = moved[0]
-        time = +first.flight.instant if in_balls else reading.now(first)  # short, as `refresh` has left it
+        time = +state.balls.instant if in_balls else reading.now(moved[0])  # short, as `refresh` has left it
         mark = _new(Mark, (number, time, done, circles[0]))
         history.records.append(_new(Record, (mark, alone, alone, (), False)))
         knots = history.knots

@@ -20,7 +20,7 @@ from ...scenarios.tie_policy import TiePolicy
 from .laws import Disc, Line, approach_sign, velocities_after
 from .sign import SymbolicUndecided, normal, sign
 
-Pair = tuple[int, int]
+Indices = tuple[int, int]
 """Two touching things by place in the scene: circles first, then walls."""
 
 MAX_IMPULSES = 1_000
@@ -45,10 +45,10 @@ class Touching:
 
     discs: tuple[Disc, ...]
     lines: tuple[Line, ...]
-    pairs: tuple[Pair, ...]
-    came: Mapping[Pair, tuple[Disc, ...]]
+    pairs: tuple[Indices, ...]
+    came: Mapping[Indices, tuple[Disc, ...]]
 
-    def things(self, pair: Pair) -> tuple[Disc, Disc | Line]:
+    def things(self, pair: Indices) -> tuple[Disc, Disc | Line]:
         """The two things of a pair; a point at a wall placed where it came from, with its velocity of now."""
         i, j = pair
         a, n = self.discs[i], len(self.discs)
@@ -58,7 +58,7 @@ class Touching:
             a = replace(a, x=self.came[pair][i].x, y=self.came[pair][i].y)
         return a, self.lines[j - n]
 
-    def approaching(self, pairs: Sequence[Pair]) -> list[Pair]:
+    def approaching(self, pairs: Sequence[Indices]) -> list[Indices]:
         """Those of the pairs with a positive instant speed, in scene order."""
         return [pair for pair in sorted(pairs) if approach_sign(*self.things(pair)) > 0]
 
@@ -69,7 +69,7 @@ class Touching:
             discs[i] = replace(discs[i], vx=vx, vy=vy)
         return replace(self, discs=tuple(discs))
 
-    def directions(self, pair: Pair) -> dict[int, tuple[Any, Any]]:
+    def directions(self, pair: Indices) -> dict[int, tuple[Any, Any]]:
         """For each circle of a pair that can move, the direction in which an impulse pushes it.
 
         The two of a pair have opposite directions of one length; a wall pushes to the circle's side.
@@ -97,9 +97,9 @@ class Collided:
     """
 
     touching: Touching
-    first: tuple[Pair, ...]
-    contacts: tuple[Pair, ...]
-    impulses: tuple[Pair, ...]
+    first: tuple[Indices, ...]
+    contacts: tuple[Indices, ...]
+    impulses: tuple[Indices, ...]
 
 
 def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Collided:
@@ -115,8 +115,8 @@ def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Collided:
         SymbolicUndecided: if a sign is.
     """
     first = touching.approaching(touching.pairs)
-    contacts: set[Pair] = set(first)
-    impulses: list[Pair] = []
+    contacts: set[Indices] = set(first)
+    impulses: list[Indices] = []
     for cluster in clusters(touching, first):
         approaching = [pair for pair in first if pair in cluster]
         stop_at = len(impulses) + MAX_IMPULSES
@@ -133,9 +133,9 @@ def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Collided:
     return Collided(touching, tuple(first), tuple(sorted(contacts)), tuple(impulses))
 
 
-def together(touching: Touching, pairs: Sequence[Pair]) -> tuple[Touching, list[Pair]]:
+def together(touching: Touching, pairs: Sequence[Indices]) -> tuple[Touching, list[Indices]]:
     """One round: the impulses of some approaching pairs at once, and which pairs got one."""
-    pushed: list[Pair] = []
+    pushed: list[Indices] = []
     for group in groups(touching, pairs):
         if len(group) > 1:
             touching, active = _complementary(touching, group)
@@ -147,7 +147,7 @@ def together(touching: Touching, pairs: Sequence[Pair]) -> tuple[Touching, list[
     return touching, sorted(pushed)
 
 
-def clusters(touching: Touching, first: Sequence[Pair]) -> list[list[Pair]]:
+def clusters(touching: Touching, first: Sequence[Indices]) -> list[list[Indices]]:
     """The touching pairs, those together that share a circle, fixed ones too.
 
     Only clusters that hold a pair of `first`, in the order of the earliest such pair.
@@ -157,13 +157,13 @@ def clusters(touching: Touching, first: Sequence[Pair]) -> list[list[Pair]]:
     return [members for _, members in sorted(led)]
 
 
-def groups(touching: Touching, pairs: Sequence[Pair]) -> list[list[Pair]]:
+def groups(touching: Touching, pairs: Sequence[Indices]) -> list[list[Indices]]:
     """The pairs, those together that share a circle that can move, directly or through others."""
     return _joined(pairs, lambda pair: set(touching.directions(pair)))
 
 
-def _joined(pairs: Sequence[Pair], bodies_of: Callable[[Pair], set[int]]) -> list[list[Pair]]:
-    found: list[tuple[set[int], list[Pair]]] = []
+def _joined(pairs: Sequence[Indices], bodies_of: Callable[[Indices], set[int]]) -> list[list[Indices]]:
+    found: list[tuple[set[int], list[Indices]]] = []
     for pair in pairs:
         bodies, members = bodies_of(pair), [pair]
         apart = []
@@ -176,7 +176,7 @@ def _joined(pairs: Sequence[Pair], bodies_of: Callable[[Pair], set[int]]) -> lis
     return [sorted(members) for _, members in found]
 
 
-def coupled(touching: Touching, pairs: Sequence[Pair]) -> bool:
+def coupled(touching: Touching, pairs: Sequence[Indices]) -> bool:
     """Whether two contacts share a circle that can move and are not at right angles."""
     for one, other in combinations(pairs, 2):
         pushes, others = touching.directions(one), touching.directions(other)
@@ -186,7 +186,7 @@ def coupled(touching: Touching, pairs: Sequence[Pair]) -> bool:
     return False
 
 
-def _single(touching: Touching, pair: Pair) -> dict[int, tuple[Any, Any]]:
+def _single(touching: Touching, pair: Indices) -> dict[int, tuple[Any, Any]]:
     """Velocities after one collision, from the derived law."""
     (i, j), (a, b) = pair, touching.things(pair)
     if isinstance(b, Disc) and a.m is None:
@@ -200,7 +200,7 @@ def _single(touching: Touching, pair: Pair) -> dict[int, tuple[Any, Any]]:
     return {i: (found[0], found[1]), j: (found[2], found[3])}
 
 
-def _complementary(touching: Touching, pairs: Sequence[Pair]) -> tuple[Touching, list[Pair]]:
+def _complementary(touching: Touching, pairs: Sequence[Indices]) -> tuple[Touching, list[Indices]]:
     """The round's impulses on pairs that share circles."""
     discs = touching.discs
     pushes = [touching.directions(pair) for pair in pairs]

@@ -31,7 +31,7 @@ from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
-from .contacts import Collided, Pair, Touching, UnendingCollision, collide, coupled
+from .contacts import Collided, Indices, Touching, UnendingCollision, collide, coupled
 from .laws import Disc, Line, touch_times
 from .motion import SymbolicMotion
 from .sign import SymbolicUndecided, normal, quantity, sign
@@ -96,8 +96,8 @@ class _Run:
     starts: list[Any] = field(default_factory=list)
     legs: list[tuple[Disc, ...]] = field(default_factory=list)
     reversal: Reversal | None = None
-    hits: dict[Pair, Any] = field(default_factory=dict)
-    came: dict[Pair, tuple[Disc, ...]] = field(default_factory=dict)
+    hits: dict[Indices, Any] = field(default_factory=dict)
+    came: dict[Indices, tuple[Disc, ...]] = field(default_factory=dict)
     plan: dict[str, int] = field(default_factory=lambda: {"predictions": 0, "moves": 0})
     whole: tuple[int, int, Reversal | None, Any] = (0, 1, None, ZERO)
 
@@ -180,7 +180,7 @@ class _Run:
     def _reversal_due(self) -> bool:
         return self.reversal is None and self.scene.reverse_at is not None
 
-    def _advance(self, touching: set[Pair]) -> Stop | None:
+    def _advance(self, touching: set[Indices]) -> Stop | None:
         """Moves every circle to the next moment at which something may happen; a Stop if there is none."""
         self.whole = (len(self.events), len(self.legs), self.reversal, self.now)
         moments = [hit for pair in self.pairs if (hit := self._hit(pair, pair in touching)) is not None]
@@ -197,7 +197,7 @@ class _Run:
         self._move(soonest)
         return None
 
-    def _hit(self, pair: Pair, touches: bool) -> Any:
+    def _hit(self, pair: Indices, touches: bool) -> Any:
         """When a pair will touch next, if it does not touch now. It is predicted once a flight."""
         if pair not in self.hits:
             i, j = pair
@@ -233,7 +233,7 @@ class _Run:
                 found.append(pair)
         return Touching(self.discs, self.lines, tuple(found), self.came)
 
-    def _gap(self, pair: Pair) -> Expr:
+    def _gap(self, pair: Indices) -> Expr:
         """Square of the distance minus square of the sum of radii."""
         i, j = pair
         a, n = self.discs[i], len(self.discs)
@@ -265,7 +265,7 @@ class _Run:
         )
         self._leg()
 
-    def _contact(self, pair: Pair) -> Contact:
+    def _contact(self, pair: Indices) -> Contact:
         return Contact(self.names[pair[0]], self.names[pair[1]])
 
     def _reverse(self) -> None:

@@ -131,7 +131,7 @@ class Roots:
     def of(number: Any) -> Roots:
         """The roots in a number."""
         powers = number.atoms(type(sqrt(Symbol("x"))))
-        bases = {(part.base, k) for part in powers for k in range(1, _root_level(part) + 1)}
+        bases = {(part.base, k) for part in powers for k in range(1, _level_of_root(part) + 1)}
         return Roots(sorted(bases, key=lambda root: (_depth(root[0]), root[1], root[0].sort_key())))
 
     def _generator(self, base: Any, level: int) -> Any:
@@ -153,7 +153,7 @@ class Roots:
             for part in number.args:
                 product = self._reduced(product * self.polynomial(part))
             return product
-        level = _root_level(number)
+        level = _level_of_root(number)
         if level or (number.is_Pow and number.exp.is_Integer):
             value = self._generator(number.base, level) if level else self.polynomial(number.base)
             exponent = int(number.exp * 2**level)
@@ -277,7 +277,7 @@ class Roots:
         return over.mul_ground(1 / constant)
 
 
-def _root_level(part: Any) -> int:
+def _level_of_root(part: Any) -> int:
     """k if a number is a power with an exponent m / 2**k in lowest terms, else 0."""
     if not (part.is_Pow and part.exp.is_Rational):
         return 0
@@ -287,4 +287,4 @@ def _root_level(part: Any) -> int:
 
 def _depth(number: Any) -> int:
     """How deep square roots are nested in a number."""
-    return max((_depth(part) for part in number.args), default=0) + _root_level(number)
+    return max((_depth(part) for part in number.args), default=0) + _level_of_root(number)

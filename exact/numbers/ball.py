@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 from math import inf, nextafter
 from typing import ClassVar
 
-from flint import arb, ctx
+from flint import arb
 
+from ...scenarios.numbers import precision as working
 from ...scenarios.numbers.quantity import Quantity
 from .undecided import Undecided
+
+precision, use_bits, bits_in_use = working.at_bits, working.use_bits, working.bits_in_use
+"""Flint's working precision: for a while, from now on, and which it is."""
 
 ZERO = arb(0)
 
@@ -57,7 +60,7 @@ def double_bounds(value: arb) -> tuple[float, float]:
 
 def constant(q: Quantity) -> arb:
     """An exact number as a ball at the working precision."""
-    return arb(q.rational) if q.rational is not None else q.ball(ctx.prec)
+    return arb(q.rational) if q.rational is not None else q.ball(bits_in_use())
 
 
 def root(value: arb) -> arb:
@@ -74,27 +77,6 @@ def root(value: arb) -> arb:
     if not top >= ZERO:
         return arb.nan()
     return ZERO.union(top.sqrt())
-
-
-@contextmanager
-def precision(bits: int) -> Generator[None]:
-    """Sets flint's working precision for a while."""
-    saved = ctx.prec
-    ctx.prec = bits
-    try:
-        yield
-    finally:
-        ctx.prec = saved
-
-
-def use_bits(bits: int) -> None:
-    """Sets flint's working precision."""
-    ctx.prec = bits
-
-
-def bits_in_use() -> int:
-    """Flint's working precision."""
-    return ctx.prec
 
 
 class Balls:

@@ -72,7 +72,7 @@ class Field:
             value = self.tower.rational(value)
         if value.sign() < 0:
             raise LeavesField
-        within = self.tower.root_within(value)
+        within = self.tower.own_root(value)
         if within is None:
             raise LeavesField
         return _simplest(within)

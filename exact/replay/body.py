@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf
-from typing import Any, Generic, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeAlias
 
 from ..numbers.system import N
 
@@ -34,6 +34,23 @@ new_flight: Callable[[type[Flight[Any]], tuple[object, ...]], Flight[Any]] = tup
 """Makes a `Flight` of nine numbers: what its own constructor does, in a third of the time."""
 
 
+Doubles: TypeAlias = tuple[float, float, float, float, float, float]
+"""(x, y, vx, vy, t) of a flight, and a bound of `late`."""
+
+
+OnLine: TypeAlias = tuple[float, float, float, float, float, float, float, float]
+"""`Doubles`, and where the line of the flight is at time 0."""
+
+FAINT = -240
+"""Deviations of at most 2**FAINT do not matter to short balls, where numbers are not all but zero themselves."""
+
+Midpoints: TypeAlias = tuple[N, N, N, N, N, int]
+"""(x, y, vx, vy, t) of a flight around which it is known, and its `last`."""
+
+NO_FLIGHT: Any = None
+"""Put in the place of one that is to be taken out, whether there is one or not."""
+
+
 class Body(Generic[N]):
     """One circle, or a pocket, which is a body at rest.
 
@@ -45,11 +62,11 @@ class Body(Generic[N]):
         serial: how often its velocity has changed; tells stale predictions.
         until: a double by which its flight ends at a wall, if nothing ends it before.
         q: (x, y, vx, vy, t) as predictions use them.
-        f: these as doubles, and a bound of `late`, where their error is bounded; None where not.
+        f: these as doubles, with a bound of `late`, where their error is bounded; None where not.
         kind, acc: for the exact engine: which radius it has, how many bits of it are known.
     """
 
-    __slots__ = ("acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "until", "w")
+    __slots__ = ("_make", "acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "until", "w")
 
     def __init__(self, index: int, flight: Flight[N], r: N, w: N, is_pocket: bool = False) -> None:
         self.index = index
@@ -58,11 +75,24 @@ class Body(Generic[N]):
         self.w = w
         self.is_pocket = is_pocket
         self.q: tuple[N, N, N, N, N] = flight[:5]
-        self.f: tuple[float, float, float, float, float, float] | None = None
+        self.f: OnLine | None = None
         self.serial = 0
         self.until = inf
         self.kind = 0
         self.acc = 0
+
+    def await_flight(self, make: Callable[[], Flight[N]]) -> None:
+        """Has a new flight made when it is first asked for."""
+        self._make = make
+        self.flight = NO_FLIGHT
+        del self.flight
+
+    def __getattr__(self, name: str) -> Flight[N]:
+        """The flight, where it was left to be made."""
+        if name != "flight":
+            raise AttributeError(name, name=name, obj=self)
+        flight = self.flight = self._make()
+        return flight
 
     def become(self, other: Body[N]) -> None:
         """Takes over the numbers of the same body, computed again."""
@@ -70,3 +100,7 @@ class Body(Generic[N]):
 
     def __repr__(self) -> str:
         return f"Body({self.index}, {self.flight})"
+
+
+Landed: TypeAlias = tuple[Body[N], Midpoints[N], Doubles | None]
+"""A body whose flight is new, what that is known around, and its doubles; None where they do not tell it."""

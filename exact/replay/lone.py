@@ -9,70 +9,17 @@ discriminant that may vanish) is left to the steps, with nothing changed.
 
 from __future__ import annotations
 
-from typing import NamedTuple, TypeAlias
-
 from flint import arb
 
 from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
 from ..numbers import ball
 from .ball_state import BallState
-from .body import Body, Flight, new_flight
+from .body import Flight, Landed, new_flight
 from .contact import AtWall, Pair, Touch
+from .unchanging import Oblique, Unchanging
 
 SPARE_BITS = 64
 """Bits of working precision kept beyond the accuracy of the numbers at hand."""
-
-
-Met: TypeAlias = tuple[arb, arb, arb, arb, arb]
-"""d, v and -d.v of two circles as they meet."""
-
-
-class Partners(NamedTuple):
-    """What no flight of two circles changes: R^2, and 2 w / (R^2 (wa + wb)) for each."""
-
-    square: arb
-    share_a: arb
-    share_b: arb
-    alike: bool
-
-
-class Shares(NamedTuple):
-    """What no flight of two circles on one line changes: R, 2 w / (wa + wb) for each, and what these leave of 1."""
-
-    reach: arb
-    a: arb
-    b: arb
-    rest_a: arb
-    rest_b: arb
-
-
-class Upright(NamedTuple):
-    """A wall along an axis, to a circle: the coordinate at which the circle touches it, twice that, and which it is."""
-
-    touch: arb
-    twice: arb
-    level: bool
-
-
-class Oblique(NamedTuple):
-    """Any other wall, to a circle.
-
-    Attributes:
-        x0, y0, nx, ny, offset: a point on it, the normal to the circle's side, and r |n|.
-        xx, xy, yy: the matrix that mirrors (see `wall_mirror`).
-        shift_x, shift_y: what it moves a place by.
-    """
-
-    x0: arb
-    y0: arb
-    nx: arb
-    ny: arb
-    offset: arb
-    xx: arb
-    xy: arb
-    yy: arb
-    shift_x: arb
-    shift_y: arb
 
 
 class LoneContacts:
@@ -82,17 +29,15 @@ class LoneContacts:
         state: whose bodies fly.
 
     Attributes:
-        met: of two circles carried out last, not on one line: d, v and -d.v at the hit.
+        landed: the circles of the contact carried out last, in order, with their doubles where these are off by less
+            than 2u; None where there is nothing but their flights.
     """
+
+    landed: list[Landed[arb]] | None = None
 
     def __init__(self, state: BallState) -> None:
         self._state = state
-        self.met: Met | None = None
-        self._bits = 0
-        self._partners: dict[Pair, Partners] = {}
-        self._alike: dict[tuple[int, int, int, int], Partners] = {}
-        self._shares: dict[Pair, Shares] = {}
-        self._walls: dict[AtWall, Upright | Oblique] = {}
+        self._known = Unchanging(state)
 
     def strike(self, link: Touch, bits: int, done: int) -> int | None:
         """Advances the circles of a contact to it, and has them bounce; None where that is left to the steps.
@@ -105,12 +50,7 @@ class LoneContacts:
         Returns:
             How many bits of the instant are known.
         """
-        if bits != self._bits:
-            self._bits = bits
-            self._partners.clear()
-            self._alike.clear()
-            self._shares.clear()
-            self._walls.clear()
+        self._known.at(bits)
         return self._bounce(link, bits, done + 1) if isinstance(link, Pair) else self._rebound(link, bits, done + 1)
 
     def _bounce(self, link: Pair, bits: int, step: int) -> int | None:
@@ -122,7 +62,7 @@ class LoneContacts:
             return None
         if (avy.is_zero() and bvy.is_zero()) or (avx.is_zero() and bvx.is_zero()):
             return self._on_line(link, bits, step)
-        square_reach, share_a, share_b, alike = self._partners.get(link) or self._become_partners(link, bits)
+        square_reach, share_a, share_b, alike = self._known.partners(link)
         worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
         if alast >= blast:
@@ -142,7 +82,6 @@ class LoneContacts:
             return None
         root = disc.sqrt()
         wait, ex, ey = pair_meeting(dx * vx + dy * vy, cross, square, root, vx, vy)
-        self.met = ex, ey, vx, vy, root
         instant = base + wait
         clock = instant.mid()
         lag = clock - base
@@ -175,7 +114,7 @@ class LoneContacts:
         level = avy.is_zero() and bvy.is_zero()
         if not (by - ay if level else bx - ax).is_zero():
             return None
-        reach, share_a, share_b, rest_a, rest_b = self._shares.get(link) or self._share(link, bits)
+        reach, share_a, share_b, rest_a, rest_b = self._known.shares(link)
         worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
         p, u, q, v = (ax, avx, bx, bvx) if level else (ay, avy, by, bvy)
@@ -218,7 +157,7 @@ class LoneContacts:
         x, y, vx, vy, base, _, _, _, rest = body.flight
         if rest:
             return None
-        wall = self._walls.get(link) or self._face(link, body, bits)
+        wall = self._known.wall(link)
         worst = body.acc + SPARE_BITS
         ball.use_bits(worst if worst < bits else bits)
         if isinstance(wall, Oblique):
@@ -250,55 +189,3 @@ class LoneContacts:
         self._state.stand(instant, late, step + 1)
         accuracy = instant.rel_accuracy_bits()
         return accuracy if 0 < accuracy < bits else max(0, min(bits, accuracy))
-
-    # -- what no flight changes
-
-    def _become_partners(self, link: Pair, bits: int) -> Partners:
-        a, b = link.ends(self._state)
-        kinds = id(a.r), id(a.w), id(b.r), id(b.w)  # circles of one radius and mass have the same two numbers
-        found = self._alike.get(kinds)
-        if found is None:
-            ball.use_bits(bits)
-            reach = self._state.reach(a, b)
-            square = reach * reach
-            whole = square * (a.w + b.w)
-            shares = (a.w + a.w) / whole, (b.w + b.w) / whole
-            found = self._alike[kinds] = Partners(square, *shares, self._are_alike(a, b))
-        self._partners[link] = found
-        return found
-
-    def _are_alike(self, a: Body[arb], b: Body[arb]) -> bool:
-        """Whether two circles have one mass: told by the balls of their inverse masses where these are exact."""
-        if a.w.is_exact() and b.w.is_exact():
-            return (a.w - b.w).is_zero()
-        circles = self._state.scene.circles
-        return circles[a.index].m == circles[b.index].m
-
-    def _share(self, link: Pair, bits: int) -> Shares:
-        ball.use_bits(bits)
-        a, b = link.ends(self._state)
-        whole, one = a.w + b.w, self._state.one
-        share_a, share_b = (a.w + a.w) / whole, (b.w + b.w) / whole
-        found = self._shares[link] = Shares(self._state.reach(a, b), share_a, share_b, one - share_a, one - share_b)
-        return found
-
-    def _face(self, link: AtWall, body: Body[arb], bits: int) -> Upright | Oblique:
-        """A wall as a circle comes to it.
-
-        Along an axis the centre keeps r from it, on its side, and the mirror is x' = 2 touch - x: `wall_gap` and
-        `wall_mirror` for a normal of one component n, of which r |n| / n is r or -r.
-        """
-        ball.use_bits(bits)
-        x0, y0, nx, ny, nn, length = self._state.line(link.circle, link.wall)
-        for level, across, along, start in ((True, ny, nx, y0), (False, nx, ny, x0)):
-            sign = ball.sign_of(across)
-            if along.is_zero() and sign:
-                touch = start + body.r if sign > 0 else start - body.r
-                found = self._walls[link] = Upright(touch, touch + touch, level)
-                return found
-        offset = body.r * length
-        shift = nx * x0 + ny * y0 + offset
-        shift = (shift + shift) / nn
-        mirror = self._state.mirror_of(link)
-        found = self._walls[link] = Oblique(x0, y0, nx, ny, offset, *mirror, shift * nx, shift * ny)
-        return found

@@ -17,10 +17,10 @@ from ...scenarios.scene import Scene
 from ..numbers import ball
 from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
 from .body import Body, Flight
-from .centred_state import CentredState
+from .centred.centred_state import CentredState
+from .centred.lone_centred import lone_contacts
 from .contact import AtWall, Pair, Touch
 from .lone import SPARE_BITS
-from .lone_centred import lone_contacts
 from .state import State
 from .steps import Flip, Go, Kick, Step, circles_of
 
@@ -41,6 +41,7 @@ class RefinableState:
         exact: for each body, whether it is exact.
         steps: the log.
         held: tells, after a round of impulses, what is known to hold a circle to a line or a point.
+        lone: carries out contacts that stand alone.
         lowest: the worst accuracy in bits of any event time since the last rise.
     """
 
@@ -56,7 +57,7 @@ class RefinableState:
         ball.use_bits(bits)
         self.balls = CentredState(scene, centred=False)
         self.bodies = self.balls.bodies
-        self._lone = lone_contacts(self.balls)
+        self.lone = lone_contacts(self.balls)
         self.lowest = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
@@ -157,7 +158,7 @@ class RefinableState:
         self._tried.add(len(self.steps))
         if self._in_play and not self._all_leave(link):
             return False
-        accuracy = self._lone.strike(link, self.bits, len(self.steps))
+        accuracy = self.lone.strike(link, self.bits, len(self.steps))
         if accuracy is None:
             return False
         self.lowest = min(self.lowest, accuracy)
@@ -290,7 +291,7 @@ class RefinableState:
             if self._in_field[last]:
                 state.flip_time = field_ball(self.field.flip_time, bits)
         self.balls.become(state)
-        self._lone = lone_contacts(self.balls)
+        self.lone = lone_contacts(self.balls)
         self._stale = {i for i in range(self.n) if self.exact[i]}
         self.sync(tuple(self._stale))
 

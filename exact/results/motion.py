@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 RunTime: TypeAlias = ExactValue | Quantity
 """A time of an exact run, or a number."""
 
-Row: TypeAlias = tuple[ExactValue, ExactValue, ExactValue, ExactValue]
+ExactRow: TypeAlias = tuple[ExactValue, ExactValue, ExactValue, ExactValue]
 """x, y, vx, vy of one circle."""
 
 READ_BITS = 192
@@ -115,7 +115,7 @@ class ExactMotion:
         """About when each knot is."""
         return [[float(_ball(knot[0])) for knot in row] for row in self.knots]
 
-    def state(self, time: ExactValue | QuantityLike) -> list[Row]:
+    def state(self, time: ExactValue | QuantityLike) -> list[ExactRow]:
         """(x, y, vx, vy) of every circle; at an instant, after all that happens at it.
 
         Args:
@@ -133,7 +133,7 @@ class ExactMotion:
             raise ValueError(f"time {_shown(at)} is after the end of the run; run it for longer")
         return [self._of_circle(i, at) for i in range(len(self.knots))]
 
-    def _start_reversed(self) -> list[Row]:
+    def _start_reversed(self) -> list[ExactRow]:
         log = self.log
         return [(_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in log.scene.circles]
 
@@ -197,7 +197,7 @@ class ExactMotion:
         near = arb.nan() if isinstance(t, arb) else t
         return time_of(self.log, Mark(instant, near, upto, i))
 
-    def _of_circle(self, i: int, time: RunTime) -> Row:
+    def _of_circle(self, i: int, time: RunTime) -> ExactRow:
         k = self._knot(i, time)
         t, x, y, vx, vy, upto, _ = self.knots[i][k]
         if isinstance(time, ExactValue):

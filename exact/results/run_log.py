@@ -12,7 +12,7 @@ from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.nested import Nested
 from ..numbers.system import N, number_system
-from ..replay.centred_state import CentredState
+from ..replay.centred.centred_state import CentredState
 from ..replay.state import State, replay
 from ..replay.steps import Step, causal_past
 

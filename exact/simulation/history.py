@@ -76,7 +76,6 @@ class History(Generic[K]):
         entries: the entries into pockets.
         reversal: how many events came before it, and when it was.
         knots: for each circle one at the start and one after each instant that changed its velocity.
-        last: the last instant at which anything happened; None before the first.
         steps: the log.
         plan: what each rung decided, and what was skipped.
         rises: the bits of each rise of the precision, and whether deviations were kept in a set from then on.
@@ -88,12 +87,21 @@ class History(Generic[K]):
     entries: list[Arrived[K]] = field(default_factory=list)
     reversal: tuple[int, Mark[K]] | None = None
     knots: list[list[Knot[K]]] = field(default_factory=list)
-    last: Mark[K] | None = None
     steps: list[Step] = field(default_factory=list)
     plan: Counter[str] = field(default_factory=Counter)
     rises: list[tuple[int, bool]] = field(default_factory=list)
     assumptions: list[Assumption] = field(default_factory=list)
     set_times: dict[Quantity, int] = field(default_factory=dict)
+    _last: Mark[K] | None = None
+
+    @property
+    def last(self) -> Mark[K] | None:
+        """The last instant at which anything happened; None before the first."""
+        return self._last
+
+    @last.setter
+    def last(self, mark: Mark[K] | None) -> None:
+        self._last = mark
 
     def add(self, note: Noted[K]) -> None:
         """Takes up what an instant, or a part of one, did. It is whole once `last` says so."""

@@ -27,9 +27,9 @@ from ..replay.body import Body
 from ..replay.contact import Link, Touch
 from .arrivals.initial import rims_at_start, touching_at_start
 from .decider import Decider, Ordinary
-from .gathering import Gatherer
 from .history import K
-from .instant import Instant, Resolved, Resolver
+from .instants.gathering import Gatherer
+from .instants.instant import Instant, Resolved, Resolver
 from .limits import Limits
 from .tape import Found, Tape, instant_of
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 
 from ..replay.contact import AtWall, Link, Pair
 from .history import History, K
-from .instant import Instant
+from .instants.instant import Instant
 from .limits import Limits
 
 Found: TypeAlias = Instant | Pair | AtWall

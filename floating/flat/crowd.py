@@ -8,7 +8,7 @@ from math import inf
 
 from ...exact.simulation.arrivals.cells import FARTHEST as FAR
 from ...exact.simulation.arrivals.cells import Cells
-from ...exact.simulation.arrivals.grid import Flight
+from ...exact.simulation.arrivals.grid import FloatFlight
 from .flights import FlatFlight, FlatFlights
 from .formulas.inlined import pairs, walls
 
@@ -115,7 +115,7 @@ class FlatCrowd:
         walls(self._flights, i, [lines[k] for k in near], standing)
 
 
-def in_range(flight: FlatFlight) -> Flight | None:
+def in_range(flight: FlatFlight) -> FloatFlight | None:
     """A flight as cells take it; None beyond what they can be trusted with (see `Predictor.in_doubles`)."""
     x, y, vx, vy, t, _, _ = flight
     if -FAR < x < FAR and -FAR < y < FAR and -FAR < vx < FAR and -FAR < vy < FAR and t < FAR:

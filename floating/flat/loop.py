@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import inf
-from typing import Any
 
 from ...exact.numbers.system import NumberSystem
 from ...exact.policies import Policy, policy_for
@@ -12,8 +11,9 @@ from ...exact.policies.sequential import Sequential
 from ...exact.policies.simultaneous import Simultaneous
 from ...exact.replay.state import State
 from ...exact.replay.steps import Go, Kick, Step
-from ...exact.simulation.gathering import Gatherer
-from ...exact.simulation.instant import Instant
+from ...exact.simulation.history import Record
+from ...exact.simulation.instants.gathering import Gatherer
+from ...exact.simulation.instants.instant import Instant
 from ...exact.simulation.limits import Limits
 from ...exact.simulation.loop import Loop
 from ...scenarios.scene import Scene
@@ -54,8 +54,8 @@ class FlatDecider(PlainDecider[float]):
 
     def _clock(self) -> float:
         """See `PlainDecider`."""
-        newest: Any = self.history.records[-1]
-        return newest[0] if type(newest) is tuple else newest.mark.time
+        newest = self._kept.items[-1]
+        return newest.mark.time if isinstance(newest, Record) else newest[0]
 
     def _flights(self) -> list[tuple[float, ...]]:
         """See `PlainDecider`."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from heapq import heappop, heappush
 from math import inf
-from typing import Any
 
 from .flights import FlatFlights
 from .formulas.inlined import rebound, strike
@@ -37,7 +36,7 @@ class FlatStride:
         """
         f, crowd = self._flights, self._meetings.crowd
         alone = self._meetings.alone if crowd is None else crowd.alone
-        records: list[Any] = self._history.records
+        records = self._history.items
         heap, flights, serial, last, n = f.heap, f.flights, f.serial, f.last, f.n
         f.take_up()
         shifted, ahead = f.shifted, f.ahead

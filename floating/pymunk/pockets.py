@@ -9,10 +9,10 @@ from itertools import pairwise
 from ...scenarios.event import Pocketing
 from ...scenarios.numbers.doubles import Double
 from ...scenarios.scene import Scene
-from ..knots import Knot
+from ..knots import DoubleKnot
 
 
-def entries(scene: Scene, knots: Sequence[Sequence[Knot]], end: float) -> tuple[Pocketing, ...]:
+def entries(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> tuple[Pocketing, ...]:
     """Every time that a centre comes within a pocket's radius, in order.
 
     Between two knots a centre flies straight, and enters a pocket (X, Y, R) when |p + v t - (X, Y)|^2 = R^2 has its
@@ -28,7 +28,7 @@ def entries(scene: Scene, knots: Sequence[Sequence[Knot]], end: float) -> tuple[
     return tuple(sorted(found, key=lambda entry: float(entry.time)))
 
 
-def _times(row: Sequence[Knot], x0: float, y0: float, r: float, end: float) -> Iterator[float]:
+def _times(row: Sequence[DoubleKnot], x0: float, y0: float, r: float, end: float) -> Iterator[float]:
     """When one circle enters one pocket."""
     inside = False
     for (t, x, y, vx, vy), after in pairwise([*row, (end, 0.0, 0.0, 0.0, 0.0)]):

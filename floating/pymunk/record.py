@@ -10,11 +10,11 @@ import pymunk
 from ...scenarios.event import Contact, Event, Tie, TieProof
 from ...scenarios.numbers.doubles import Double
 from ...scenarios.scene import Scene
-from ..knots import Knot
+from ..knots import DoubleKnot
 from .space import PymunkSpace
 
 
-class Record:
+class Recorder:
     """The events and knots of a run, taken down step by step.
 
     Attributes:
@@ -33,7 +33,7 @@ class Record:
         self.settling: set[int] = set()
         self.failures: list[BaseException] = []
         self.events: list[Event] = []
-        self.knots: list[list[Knot]] = [
+        self.knots: list[list[DoubleKnot]] = [
             [(0.0, body.position.x, body.position.y, body.velocity.x, body.velocity.y)] for body in world.bodies
         ]
         self.contact_steps = self.resting_contacts = 0

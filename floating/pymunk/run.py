@@ -21,7 +21,7 @@ from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
 from ..knots import DoubleMotion
 from .pockets import entries
-from .record import Record
+from .record import Recorder
 from .space import PymunkSpace
 
 STRETCH = 256
@@ -112,7 +112,7 @@ class Run:
         if self.returns:
             self.end, self.event_limit = 2 * self.turn_at, None
         self.world = engine.space(scene)
-        self.record = Record(scene, self.world)
+        self.record = Recorder(scene, self.world)
         self.reversal: Reversal | None = None
         self.steps = self.last_event_step = 0
         self.base, self.base_step = 0.0, 0

@@ -9,7 +9,7 @@ from ..checks.showing import cut
 from ..errors import SceneError
 from ..lazy.frozen import frozen
 from ..scene import Scene
-from .settings import Reader
+from .settings import ReadSetting
 
 
 @frozen
@@ -26,11 +26,11 @@ class Parameter:
     name: str
     default: str
     help: str
-    read: Reader
+    read: ReadSetting
 
 
 @frozen
-class Entry:
+class SceneEntry:
     """A scene of the catalogue.
 
     Attributes:

@@ -9,10 +9,10 @@ from ..errors import SceneError
 from ..numbers.quantity import Quantity
 from ..tie_policy import TiePolicy
 
-Reader: TypeAlias = Callable[[str], Any]
+ReadSetting: TypeAlias = Callable[[str], Any]
 
 
-def whole(low: int, high: int) -> Reader:
+def whole(low: int, high: int) -> ReadSetting:
     """Reads a whole number from `low` to `high`.
 
     >>> whole(1, 5)("3")
@@ -30,7 +30,7 @@ def whole(low: int, high: int) -> Reader:
     return read
 
 
-def number(above: int | None = None, least: int | None = None) -> Reader:
+def number(above: int | None = None, least: int | None = None) -> ReadSetting:
     """Reads an exact number, perhaps above a bound, or no less than one.
 
     >>> number(above=0)("sqrt(2)/2")
@@ -48,7 +48,7 @@ def number(above: int | None = None, least: int | None = None) -> Reader:
     return read
 
 
-def one_of(*choices: str) -> Reader:
+def one_of(*choices: str) -> ReadSetting:
     """Reads one of some words.
 
     >>> one_of("left", "right")("left")
@@ -74,7 +74,7 @@ def yes_no(text: str) -> bool:
     return text == "yes"
 
 
-def automatic(read: Reader) -> Reader:
+def automatic(read: ReadSetting) -> ReadSetting:
     """Reads what `read` does, or the word auto, which is None.
 
     >>> automatic(whole(1, 9))("auto") is None

@@ -8,7 +8,7 @@ from typing import Any
 from ..checks.showing import cut
 from ..errors import SceneError
 from ..scene import Scene
-from .entry import Entry
+from .entry import SceneEntry
 
 FAMILIES = {
     "article": "article",
@@ -48,7 +48,7 @@ def names() -> tuple[str, ...]:
     return tuple(FAMILIES)
 
 
-def entry(name: str) -> Entry:
+def entry(name: str) -> SceneEntry:
     """The scene of that name: its summary, its parameters, its source and what is known of it.
 
     Raises:

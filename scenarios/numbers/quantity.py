@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from flint import arb, fmpq
 
 from ..errors import SceneError
-from .conversion import converted
 from .doubles import BITS_PER_DIGIT, bounds_of, certain_double, digits_of, nearest_double
-from .expression import Expression, Op
+from .forms.conversion import converted
+from .forms.expression import Expression, Op
 from .precision import at_bits
 from .rationals import rational_root
 

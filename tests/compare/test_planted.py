@@ -12,6 +12,7 @@ import pytest
 from truebreak.compare import compare
 from truebreak.compare.alignment.divergence import Divergence, Kind
 from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.compare.foreign import RecordedEngine, Recording
 from truebreak.compare.report.sentences import verdict_sentence
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import (
@@ -243,3 +244,31 @@ def test_what_differs_from_a_reference_that_rounds_may_be_the_reference_s_own() 
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.UNKNOWN
     assert "double, the reference, rounds too" in found.diagnosis.experiments[-1].result
+
+
+class Forgetful(RecordedEngine):
+    """Tells the exact run in doubles, and where one event leaves its two, nothing."""
+
+    name = "forgetful"
+
+    def __init__(self, forgotten: int) -> None:
+        self._forgotten = forgotten
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        run = whole(scene)
+        for event in run.events:
+            state = run.at(event.time)
+            moved = {str(c.id) for c in scene.circles if not c.fixed} & {name for p in event.impulses for name in p}
+            rows = {name: tuple(float(getattr(state[name], key)) for key in ("x", "y", "vx", "vy")) for name in moved}
+            if event.index != self._forgotten and recording.open:
+                recording.hits(float(event.time), event.impulses, rows)
+
+
+@pytest.mark.parametrize("forgotten", [1, 4, 5])
+@pytest.mark.parametrize("text", ["pinball", "cradle", "gas:n=4"])
+def test_a_contact_that_is_not_told_is_no_rounding(text: str, forgotten: int) -> None:
+    """After its last contact a circle parts from its partner, in any numbers: that decides nothing."""
+    found = compare(catalogue.build(text), [Forgetful(forgotten)], events=7)["forgetful"]
+    assert found.verdict == "diverged"
+    assert found.diagnosis is not None
+    assert found.diagnosis.sufficient == (CauseName.MODEL,)

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from truebreak.floating import knots
-from truebreak.floating.knots import DoubleMotion, Knot
+from truebreak.floating.knots import DoubleKnot, DoubleMotion
 from truebreak.scenarios import Quantity
 
 BOUNCE = DoubleMotion(
@@ -60,14 +60,14 @@ def test_sample_of_no_times_has_no_rows() -> None:
 
 
 @st.composite
-def histories(draw: st.DrawFn) -> list[Knot]:
+def histories(draw: st.DrawFn) -> list[DoubleKnot]:
     number = st.floats(-100, 100)
     times = sorted(draw(st.lists(st.floats(0, 10), max_size=8)))
     return [(t, draw(number), draw(number), draw(number), draw(number)) for t in [0.0, *times]]
 
 
 @given(st.lists(histories(), min_size=1, max_size=4), st.lists(st.floats(0, 12), max_size=6))
-def test_sample_is_state_at_many_times(history: list[list[Knot]], times: list[float]) -> None:
+def test_sample_is_state_at_many_times(history: list[list[DoubleKnot]], times: list[float]) -> None:
     motion = DoubleMotion(history)
     times = sorted(times)
     sampled = motion.sample(times)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from fuzz.mutant import Mutant
 
 SIMULATION, SYMMETRY = "exact/simulation", "exact/symmetry"
-INSTANT, ROUNDS, LOOP = (f"{SIMULATION}/{name}.py" for name in ("instant", "rounds", "loop"))
-GATHERING = f"{SIMULATION}/gathering.py"
+INSTANT, ROUNDS, LOOP = (f"{SIMULATION}/{name}.py" for name in ("instants/instant", "instants/rounds", "loop"))
+GATHERING = f"{SIMULATION}/instants/gathering.py"
 MEETINGS, DECIDER = "exact/certified/meetings.py", "exact/certified/decider.py"
 QUEUE, PREDICTION, HISTORY = (f"{SIMULATION}/{n}.py" for n in ("arrivals/queue", "arrivals/prediction", "history"))
 LOG, PAST, ISOMETRY, RETRACE = (f"{SYMMETRY}/{n}.py" for n in ("log_symmetry", "past", "isometry", "retrace"))

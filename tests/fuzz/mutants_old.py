@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fuzz.mutant import Mutant
 
-LOOP, INSTANT = "exact/simulation/loop.py", "exact/simulation/instant.py"
-GATHERING = "exact/simulation/gathering.py"
+LOOP, INSTANT = "exact/simulation/loop.py", "exact/simulation/instants/instant.py"
+GATHERING = "exact/simulation/instants/gathering.py"
 
 OLD: tuple[Mutant, ...] = (
     Mutant(
@@ -78,14 +78,14 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w07_lasting_not_reached",
-        "exact/simulation/rounds.py",
+        "exact/simulation/instants/rounds.py",
         "pending = set(links) | set(touching.all())",
         "pending = set(links)",
         "the lasting contacts of a circle that is hit take no part",
     ),
     Mutant(
         "w08_touches_join_late",
-        "exact/simulation/rounds.py",
+        "exact/simulation/instants/rounds.py",
         "        coming = [link for link in links if told[link] < 0]\n",
         """        coming = [link for link in links if told[link] < 0]
         coming = [link for link in coming if known.get(link) != 0] or coming

@@ -1,347 +1,371 @@
-// The check of a certificate, instant by instant: docs/certificates.md, "How to check".
+// Follows a certificate: docs/certificates.md, "How to check".
 
-import { Entries } from './entries.mjs'
 import { decimalParts } from './format.mjs'
-import { Rounds } from './impulses.mjs'
-import { Fixed, apart, isZero, lower, sameSingle, sign, upper } from './interval.mjs'
-import { Log } from './log.mjs'
-import { Geometry } from './meetings.mjs'
-import { Refuted, Undecided } from './outcome.mjs'
-import { AT_SET_TIME, AT_START, metThen } from './replay.mjs'
-import { Scene } from './scene.mjs'
-import { Sweep } from './sweep.mjs'
+import { isNone } from './forms.mjs'
+import { sign } from './interval.mjs'
+import { NoCertificate, Refuted, Undecided } from './outcome.mjs'
+import { Scene, keyOf } from './scene.mjs'
 import { Twister } from './twister.mjs'
-import { Prover } from './witnesses.mjs'
+import { shows, stillMapped } from './witnesses.mjs'
+import { World } from './world.mjs'
 
-/** Bits of a first look at a contact; where they do not tell, the certificate's own decide. */
-const GLANCE = 96
+const order = ([a, b], [c, d]) => a - c || b - d
+const isPocket = ([, j]) => j < 0
 
-/** The check of one certificate; `factor` multiplies the bits that it states. */
+/** A sign that has to be 1. */
+function demand(found, text) {
+  if (found === undefined) throw new Undecided(text)
+  if (found !== 1) throw new Refuted(text)
+}
+
 export class Check {
   constructor(data, work, factor = 1) {
     this.data = data
-    this.work = work
-    this.bits = new Map(data.bits.map(([k, bits]) => [k, bits * factor]))
-    this.now = 'the scene'
-    this.scene = new Scene(data, work)
-    this.log = new Log(this.scene)
-    this.side = (i, wall) => this.sides[i * this.scene.walls.length + wall]
-    this.prover = new Prover(data, this.scene, this.log, this.side)
+    this.now = 'in the scene'
     this.events = 0
-    this.reversed = null // {time, ...} of the reversal, once it has been
-    this.captured = new Set()
-    const seed = /seed=([0-9]+)/.exec(this.scene.policy)
-    this.draws = seed ? new Twister(seed[1]) : null
+    this.scene = new Scene(data, work, data.bits * factor)
+    this.balls = new World(this.scene, this.scene.balls)
+    this.forms = new World(this.scene, this.scene.forms)
+    this.worlds = [this.balls, this.forms]
+    this.isometries = data.isometries.map((told, k) => this.scene.isometry(told, `isometries[${k}]`))
+    const { tie_policy: policy } = data.scene
+    this.simultaneous = policy === 'simultaneous'
+    this.draw = policy.includes(':seed=') ? new Twister(policy.split('=')[1]) : null
+    this.lastEvent = data.end.reason === 'events' ? data.end.limit : null
+    this.age = -1
+    this.due = false // whether the reversal falls on the instant just told
+    this.wayBack = false
+    this.out = [] // instants of the way out with impulses that are not undone: what pushed, and what stood at gap zero
+    this.known = new Map() // contacts at gap zero, with the signs of closing
+    this.parted = new Map() // contacts that do not meet again on the flights of now
+    this.lasting = new Map()
+    this.gone = new Set()
   }
 
-  /** Throws where the certificate does not hold. */
   run() {
-    this.#walls()
-    this.#setBits(0)
-    this.now = 'start'
-    this.#start(this.data.start)
-    this.data.instants.forEach((told, k) => {
-      this.now = `instant ${k + 1}`
-      this.#instant(told, k + 1)
-    })
-    this.now = 'end'
-    this.#finish()
+    for (const entry of this.data.instants) this.#instant(entry)
+    this.#end(this.data.end)
   }
 
-  // Numbers
+  // Signs
 
-  #setBits(k) {
-    const bits = this.bits.get(k)
-    const before = this.fine?.fixed.bits
-    if (bits === undefined || bits === before) return
-    const fixed = new Fixed(bits, this.work)
-    this.fine = new Geometry(this.scene, fixed, this.side)
-    this.glance = bits > GLANCE ? new Geometry(this.scene, new Fixed(GLANCE, this.work), this.side) : this.fine
-    if (before === undefined) return
-    const from = (x) => fixed.from(x, before)
-    this.flights = this.flights.map(({ x, y, vx, vy, t, at, start }) => {
-      return { x: from(x), y: from(y), vx: from(vx), vy: from(vy), t: from(t), at, start, bits }
-    })
-    if (this.reversed) this.reversed.time = from(this.reversed.time)
-    this.last = { time: from(this.last.time), at: this.last.at }
-    this.sweep.convert(from)
-  }
-
-  #enclose(x) {
-    return this.scene.tower.enclose(x, this.fine.fixed)
-  }
-
-  /** On which side of each wall each circle starts. */
-  #walls() {
-    const { tower: q, circles, walls } = this.scene
-    this.sides = new Int8Array(circles.length * walls.length)
-    circles.forEach((circle, i) => {
-      if (circle.fixed) return
-      walls.forEach((wall, k) => {
-        const side = q.sign(q.dot(wall.nx, wall.ny, q.sub(circle.x, wall.x0), q.sub(circle.y, wall.y0)))
-        if (side === 0) throw new Refuted(`the centre of circle ${i} is on wall ${k}`)
-        this.sides[i * walls.length + k] = side
-      })
-    })
-  }
-
-  /** That a value differs from a decimal by less than a unit of its last digit. */
-  #decimal(text, value, what) {
-    const [units, digits] = decimalParts(text)
-    const { shift } = this.fine.fixed
-    const scale = 10n ** BigInt(digits)
-    const [low, high] = [lower(value) * scale, upper(value) * scale]
-    const [least, most] = [(units - 1n) << shift, (units + 1n) << shift]
-    if (low > least && high < most) return
-    if (high <= least || low >= most) throw new Refuted(`${what} is not ${text}`)
-    throw new Undecided(`whether ${what} is ${text}`)
-  }
-
-  // Time 0
-
-  #start(told) {
-    const { scene } = this
-    const { bits, zero } = this.fine.fixed
-    this.flights = scene.circles.map(({ x, y, vx, vy }) => {
-      const [a, b, c, d] = [x, y, vx, vy].map((value) => this.#enclose(value))
-      return { x: a, y: b, vx: c, vy: d, t: zero, at: 0, start: AT_START, bits }
-    })
-    this.last = { time: zero, at: 0 }
-    this.sweep = new Sweep(this)
-    const instant = this.#part({ at: 0, time: zero, node: AT_START, standing: new Map(), rims: new Map() }, told)
-    for (const contact of this.sweep.contacts()) {
-      const key = scene.key(contact)
-      const gap = this.#gapAtStart(contact)
-      if (gap < 0 && !scene.isPocket(contact)) throw new Refuted(`[${contact}] overlap`)
-      if (gap < 0) instant.shut.add(key)
-      else if (gap === 0 && scene.isPocket(contact)) instant.rims.set(key, contact)
-      else if (gap === 0) instant.standing.set(key, { contact, sign: this.closing(contact, instant) })
+  #take(entry, now) {
+    this.now = now
+    this.met = new Map()
+    this.rows = new Map()
+    this.clock = undefined
+    this.witnesses = new Map()
+    for (const [question, contact, how, other] of entry.zeros ?? []) {
+      const key = `${question} ${keyOf(contact)}`
+      if (!this.witnesses.has(key)) this.witnesses.set(key, [])
+      this.witnesses.get(key).push([how, other])
     }
-    this.#happen(instant, told, false)
   }
 
-  #gapAtStart(contact) {
-    for (const geometry of [this.glance, this.fine]) {
-      const found = sign(geometry.gap(geometry.measures(contact, this.flights)))
-      if (found !== undefined) return found
-    }
-    const { tower: q, circles, walls, pockets, n } = this.scene
-    const [i, j] = contact
-    const circle = circles[i]
-    if (j >= n) {
-      const { nx, ny, x0, y0, square } = walls[j - n]
-      const height = q.dot(nx, ny, q.sub(circle.x, x0), q.sub(circle.y, y0))
-      return q.sign(q.sub(q.mul(height, height), q.mul(square, q.mul(circle.r, circle.r))))
-    }
-    const other = j >= 0 ? circles[j] : pockets[-1 - j]
-    const [dx, dy] = [q.sub(other.x, circle.x), q.sub(other.y, circle.y)]
-    const reach = j >= 0 ? q.add(circle.r, other.r) : other.r
-    return q.sign(q.sub(q.dot(dx, dy, dx, dy), q.mul(reach, reach)))
+  #told(question, contact) {
+    return this.witnesses.get(`${question} ${contact ? keyOf(contact) : ''}`) ?? []
   }
 
-  /** The sign of a closing speed on the flights of now. */
-  closing(contact, { witnesses }) {
-    const found = sign(this.fine.measures(contact, this.flights).closing)
+  #zero(question, contact, law) {
+    if (isNone(law(this.forms))) return true
+    return this.#told(question, contact).some(([how, other]) => shows(this, question, contact, how, other))
+  }
+
+  #sign(question, contact, law = (world) => world.meeting(contact, this.age)[question]) {
+    const found = sign(law(this.balls))
     if (found !== undefined) return found
-    if (witnesses.shows('still', contact, { time: this.flights[contact[0]].start })) return 0
-    throw new Undecided(`the sign of the closing speed of [${contact}]`)
+    if (this.#zero(question, contact, law)) return 0
+    const text = `${question} of [${contact}] may be zero, and no witness shows it`
+    throw this.#told(question, contact).length ? new Refuted(text) : new Undecided(text)
   }
 
-  // An instant
+  // Flights
 
-  /** An instant, or its part after the reversal, with what is told of it. */
-  #part(instant, { rounds = [], entries = [], zeros }) {
-    const witnesses = this.prover.witnesses(zeros)
-    return { loose: [], ...instant, rounds, entries, witnesses, pushed: new Set(), shut: new Set() }
-  }
-
-  #instant(told, at) {
-    if (this.#limited()) throw new Refuted('it is told, and is beyond the limit of events')
-    this.#setBits(at)
-    const { arrive = [], grazes = [] } = told
-    const [clock] = arrive
-    const alone = arrive.length === 1 && !this.scene.isPocket(clock) ? [[clock]] : []
-    const instant = this.#part({ at, standing: new Map(), rims: new Map() }, { ...told, rounds: told.rounds ?? alone })
-    this.sweep.resolve(instant.witnesses)
-    instant.time = clock ? this.sweep.hit(clock) : this.#setTime(told)
-    instant.node = clock ? metThen(clock, this.log) : AT_SET_TIME
-    this.#decimal(told.time, instant.time, 'its time')
-    this.#beforeEnd(clock, instant)
-    const due = this.#reachesSetTime(clock, instant)
-    this.#gather(arrive, grazes, instant)
-    const listed = new Set([...instant.standing.keys(), ...instant.rims.keys()])
-    this.sweep.pass(instant.time, listed)
-    instant.loose = this.sweep.loose(instant.time, listed)
-    for (const [key, contact] of this.sweep.lasting) instant.standing.set(key, { contact, sign: 0 })
-    this.last = { time: instant.time, at }
-    this.#happen(instant, told, due)
-  }
-
-  /** The time of an instant at which nothing arrives. */
-  #setTime({ grazes, rounds, entries }) {
-    if (this.scene.reverseAt === undefined || this.reversed) throw new Refuted('nothing arrives, and no reversal is set')
-    if (grazes?.length || rounds?.length || entries?.length) throw new Refuted('something happens where nothing arrives')
-    return this.#enclose(this.scene.reverseAt)
-  }
-
-  /** -1 or 0 for the time of an instant and one that it must not exceed. */
-  #upTo(limit, question, clock, { time, witnesses }, given) {
-    if (upper(time) < lower(limit)) return -1
-    if (lower(time) > upper(limit)) throw new Refuted(`it comes after the ${question === 'until' ? 'end' : 'set time'}`)
-    if (sameSingle(time, limit) || witnesses.shows(question, clock, given)) return 0
-    throw new Undecided(`whether it comes before the ${question === 'until' ? 'end' : 'set time'}, or at it`)
-  }
-
-  #beforeEnd(clock, instant) {
-    const { scene, reversed } = this
-    const { reason } = this.data.end
-    if (reason === 'horizon' && !clock) {
-      if (scene.tower.sign(scene.tower.sub(scene.until, scene.reverseAt)) < 0) throw new Refuted('it comes after the end')
-    } else if (reason === 'horizon') {
-      this.#upTo(this.#enclose(scene.until), 'until', clock, instant, { until: scene.until })
-    } else if (reason === 'return' && reversed) {
-      this.#upTo(this.fine.fixed.twice(reversed.time), 'until', clock, instant, {})
+  /** Two do not meet from the later start of their flights to the instant `age`, or ever if that is null. */
+  #clear(contact, age, last = false) {
+    if (this.parted.has(keyOf(contact)) || this.#isGone(contact)) return
+    const { ring } = this.balls
+    const start = this.balls.start(contact)
+    const m = this.balls.meeting(contact, start)
+    const [gap, closing] = [sign(m.gap), sign(m.closing)]
+    if (gap === -1 && isPocket(contact)) return
+    if (gap === -1) throw new Refuted(`[${contact}] overlap`)
+    if (gap === 1 && closing >= 0) return
+    const disc = sign(m.disc())
+    if (gap === 1 && disc === -1) return
+    let away = true
+    if (age === null) {
+      if (closing === -1 && disc === 1) throw new Refuted(`[${contact}] meet`)
+    } else {
+      const wait = ring.sub(this.balls.times[age], this.balls.times[start])
+      const end = this.balls.meeting(contact, age)
+      const there = ring.add(m.gap, ring.twice(ring.mul(m.closing, wait)))
+      const back = ring.sub(end.gap, ring.twice(ring.mul(end.closing, wait)))
+      away = sign(end.gap) === 1
+      if (gap === 1 && (sign(there) === 1 || (away && sign(back) === 1))) return
+      const through = closing === -1 && disc === 1 && sign(end.closing) === 1
+      if (sign(end.gap) === -1 || through) throw new Refuted(`[${contact}] meet before it`)
     }
-  }
-
-  /** Whether the reversal at a set time falls on the instant. */
-  #reachesSetTime(clock, instant) {
-    const { reverseAt } = this.scene
-    if (reverseAt === undefined || this.reversed) return false
-    return !clock || this.#upTo(this.#enclose(reverseAt), 'reverse', clock, instant, {}) === 0
-  }
-
-  /** Steps 1 and 2: what arrives and grazes, all at one time. */
-  #gather(arrive, grazes, instant) {
-    const { scene, sweep } = this
-    const listed = new Map()
-    const add = (contact, kind, time) => {
-      const key = scene.key(contact)
-      if (listed.has(key)) throw new Refuted(`[${contact}] is listed twice`)
-      if (listed.size) this.#tie(contact, kind, time, instant, listed, arrive[0])
-      listed.set(key, kind)
-      if (scene.isPocket(contact)) instant.rims.set(key, contact)
-      else instant.standing.set(key, { contact, sign: kind === 'hit' ? -1 : 0 })
+    if (gap === 1 && (last || away)) {
+      for (const question of ['closing', 'disc']) {
+        const law = (world) => (question === 'disc' ? world.meeting(contact, start).disc() : world.meeting(contact, start).closing)
+        if (this.#zero(question, contact, law)) return
+      }
     }
-    for (const contact of arrive) add(contact, 'hit', sweep.hit(contact))
-    for (const contact of grazes) {
-      if (!scene.isPair(contact)) throw new Refuted(`[${contact}] is no contact of two circles, and grazes`)
-      add(contact, 'graze', sweep.graze(contact))
-    }
+    throw new Undecided(`whether [${contact}] meet before it`)
   }
 
-  #tie(contact, kind, time, instant, listed, clock) {
-    if (apart(time, instant.time)) throw new Refuted(`[${contact}] does not come at that time`)
-    if (sameSingle(time, instant.time)) return
-    const shown = instant.witnesses.shows('tie', contact, ({ other = clock }) => {
-      const otherKind = this.scene.has(other) && listed.get(this.scene.key(other))
-      return otherKind ? { kind, other, otherKind } : null
-    })
-    if (!shown) throw new Undecided(`whether [${contact}] comes at that time`)
+  #isGone(contact) {
+    return this.scene.circlesOf(contact).some((i) => this.gone.has(i))
   }
 
-  // What happens at it
-
-  /** Steps 4 to 7. */
-  #happen(instant, told, setTime) {
-    this.log.atZero.push(new Set(instant.standing.keys()))
-    this.#settle(instant, instant.at === 0, false)
-    const due = setTime || (!this.reversed && this.events >= this.scene.reverseAfter)
-    const wanted = due && !this.#limited()
-    if (wanted && !told.reversal) throw new Refuted('the reversal falls on it, and is not told')
-    if (!wanted && told.reversal) throw new Refuted('a reversal is told that does not fall on it')
-    const last = wanted ? this.#reverse(instant, told.reversal) : instant
-    const changed = wanted ? this.movable() : instant.pushed
-    const all = new Set(instant.at === 0 ? this.scene.circles.keys() : [...changed, ...this.captured])
-    this.sweep.update(all, new Set([...instant.standing.keys(), ...instant.rims.keys(), ...last.shut]))
-  }
-
-  #settle(instant, all, afterReversal) {
-    new Rounds(this, instant).run()
-    this.#last(instant, all)
-    new Entries(this, instant).run(afterReversal)
-    if (instant.rounds.length) this.events++
-  }
-
-  #limited() {
-    const { reason, limit } = this.data.end
-    return reason === 'events' && this.events >= limit
-  }
-
-  /** The circles in play that move, or may. */
-  movable() {
-    return [...this.scene.circles.keys()].filter((i) => this.scene.movable(i) && !this.captured.has(i))
-  }
-
-  /** Step 5: which contacts last. */
-  #last({ standing, pushed, witnesses }, all) {
-    const { lasting } = this.sweep
-    for (const [key, { contact, sign: closing }] of standing) {
-      if (!all && !this.scene.circlesOf(contact).some((i) => pushed.has(i))) continue
-      if (closing === 0 && this.#stays(contact, witnesses)) lasting.set(key, contact)
-      else lasting.delete(key)
-    }
-  }
-
-  #stays(contact, witnesses) {
-    if (this.scene.isWall(contact)) return true
-    const { vx, vy } = this.fine.measures(contact, this.flights)
-    if (sign(vx) ** 2 === 1 || sign(vy) ** 2 === 1) return false
-    if ((isZero(vx) && isZero(vy)) || witnesses.shows('together', contact)) return true
-    throw new Undecided(`whether [${contact}] stay together`)
-  }
-
-  /** Step 7. */
-  #reverse(instant, told) {
-    const { time, at, node } = instant
-    const { fixed } = this.fine
-    const circles = this.movable()
+  /** Circles have met nothing but what is known, as their flights end. */
+  #settle(circles) {
+    const done = new Set()
     for (const i of circles) {
-      const flight = this.flights[i]
-      const [x, y] = this.fine.place(flight, time, at)
-      const [vx, vy] = [fixed.neg(flight.vx), fixed.neg(flight.vy)]
-      this.flights[i] = { x, y, vx, vy, t: time, at, start: node, bits: fixed.bits }
+      for (const contact of this.scene.byCircle[i]) {
+        const key = keyOf(contact)
+        if (done.has(key) || this.known.has(key)) continue
+        done.add(key)
+        this.#clear(contact, this.age)
+      }
     }
-    this.log.reversal(circles, at, node)
-    this.reversed = { time }
-    this.prover.reversal = node
-    for (const [key, { contact, sign: closing }] of instant.standing) {
-      if (this.scene.circlesOf(contact).some((i) => this.captured.has(i))) instant.standing.delete(key)
-      else instant.standing.set(key, { contact, sign: -closing })
+  }
+
+  // Instants
+
+  #time(entry, met) {
+    for (const world of this.worlds) {
+      if (entry.turn) world.times.push(world.times.at(-1))
+      else if (entry.exact !== undefined) world.times.push(world.ring.of(this.scene.number(entry.exact, 'exact')))
+      else if (met.length) world.times.push(world.hit(met[0]))
+      else throw new NoCertificate('an instant with neither `met` nor `exact` nor `turn`')
     }
-    const after = this.#part({ ...instant, clock: node }, told)
-    this.#settle(after, false, true)
-    return after
+  }
+
+  #instant(entry) {
+    this.age++
+    const { age, scene } = this
+    const met = entry.met ?? []
+    const turn = entry.turn ?? false
+    this.#take(entry, `instant ${age}`)
+    if (this.due !== turn || this.events === this.lastEvent) throw new Refuted('the reversal falls on it, or not, or the end')
+    for (const contact of met) this.#possible(contact, entry)
+    if (new Set(met.map(keyOf)).size < met.length) throw new Refuted('a contact is listed twice')
+    if (age > 0) this.#time(entry, met)
+    const { times, ring } = this.balls
+    this.#said(times[age], entry.time)
+    if (age > 0 && !turn) demand(sign(ring.sub(times[age], times[age - 1])), 'it comes later than the one before')
+    for (const contact of met) this.#arrive(contact, entry)
+    this.known = turn
+      ? new Map([...this.known].map(([key, { contact, closing }]) => [key, { contact, closing: -closing }]))
+      : new Map([...this.lasting].map(([key, contact]) => [key, { contact, closing: 0 }]))
+    for (const contact of met) this.known.set(keyOf(contact), { contact, closing: this.met.get(keyOf(contact)) })
+    if (turn) this.#turn()
+    this.due = false
+    for (const name of [...this.balls.limits.keys()]) {
+      const wait = this.#sign(name, this.clock, (world) => world.ring.sub(world.limits.get(name), world.times[age]))
+      if (wait < 0) throw new Refuted('the end, or the reversal, comes before it')
+      if (name === 'reverse' && wait === 0) this.due = true
+    }
+    if (age > 0 && !met.length && !turn && !this.due) throw new Refuted('nothing falls on it')
+    this.#resolve(entry, turn ? scene.circles.map((_, i) => i).filter((i) => scene.movable(i)) : [])
+    if (!this.wayBack && this.events > 0 && this.events === this.data.scene.reverse_after) this.due = true
+  }
+
+  #possible(contact, entry) {
+    const comes = this.scene.has(contact) && !this.#isGone(contact) && !this.lasting.has(keyOf(contact))
+    if (!comes || entry.turn) throw new Refuted(`[${contact}] cannot meet`)
+  }
+
+  #arrive(contact, entry) {
+    const key = keyOf(contact)
+    this.clock ??= contact
+    const found = this.met.size > 0 || entry.exact !== undefined || this.age === 0
+    if (found && this.#sign('gap', contact) !== 0) throw new Refuted(`[${contact}] do not meet at it`)
+    const closing = this.#sign('closing', contact)
+    if (this.age > 0 && closing > 0) this.#clear(contact, null, true) // only a pocket is left, by what was in it
+    this.met.set(key, closing)
+  }
+
+  #turn() {
+    this.wayBack = true
+    const all = this.scene.circles.map((_, i) => i).filter((i) => this.scene.movable(i))
+    this.#settle(all)
+    for (const world of this.worlds) {
+      const { ring } = world
+      world.redirect(all, this.age, (_, v) => ring.neg(v))
+      world.limits.delete('reverse')
+      if (this.data.end.reason === 'return') world.limits.set('until', ring.twice(world.times[this.age]))
+    }
+  }
+
+  /** All that hangs together with a contact through circles. */
+  #group(first) {
+    const group = new Map()
+    const circles = new Set()
+    const todo = [...this.scene.circlesOf(first)]
+    while (todo.length) {
+      const i = todo.pop()
+      if (circles.has(i)) continue
+      circles.add(i)
+      for (const [key, { contact }] of this.known) {
+        if (!this.scene.circlesOf(contact).includes(i)) continue
+        group.set(key, contact)
+        todo.push(...this.scene.circlesOf(contact))
+      }
+    }
+    return { group: [...group.values()], circles }
+  }
+
+  #approaching(contacts) {
+    return contacts.filter((c) => !isPocket(c) && this.known.get(keyOf(c)).closing < 0).sort(order)
+  }
+
+  #resolve(entry, turned) {
+    const rounds = [...(entry.rounds ?? [])]
+    const pushes = new Map()
+    const moved = new Set(turned)
+    if (rounds.length) this.events++
+    for (;;) {
+      const [first] = this.#approaching([...this.known.values()].map(({ contact }) => contact))
+      if (!first) break
+      const { group, circles } = this.#group(first)
+      this.#settle(circles)
+      for (let coming = this.#approaching(group); coming.length; coming = this.#approaching(group)) {
+        if (!this.simultaneous) {
+          coming = [coming[this.draw && coming.length > 1 ? this.draw.below(coming.length) : 0]]
+        }
+        const push = this.#round(rounds.shift() ?? [], coming)
+        this.#note(this.rows, coming)
+        this.#note(pushes, push)
+        const hit = new Set(push.flatMap((c) => this.scene.circlesOf(c)).filter((i) => this.scene.movable(i)))
+        for (const i of hit) moved.add(i)
+        for (const contact of group) {
+          if (!this.scene.circlesOf(contact).some((i) => hit.has(i))) continue
+          this.known.get(keyOf(contact)).closing = this.#sign('closing', contact)
+        }
+      }
+    }
+    if (rounds.length) throw new Refuted('rounds of impulses where nothing approaches')
+    this.#enter(entry, moved)
+    this.#after(pushes, moved)
+  }
+
+  /** One round; what pushes. */
+  #round(told, coming) {
+    const push = told.map(([i, j]) => [i, j])
+    const keys = new Set(push.map(keyOf))
+    const all = new Set(coming.map(keyOf))
+    if (!push.length || keys.size < push.length || [...keys].some((key) => !all.has(key))) {
+      throw new Refuted(`[${push.join('], [')}] cannot push`)
+    }
+    const others = coming.filter((c) => !keys.has(keyOf(c)))
+    const s = told.filter((one) => one.length > 2).map((one) => this.scene.number(one[2], 'impulse'))
+    if (s.length && s.length < push.length) throw new NoCertificate('some impulses of a round are told, and some not')
+    const [impulses] = this.worlds.map((world) => world.blow(this.age, push, others, s))
+    if (s.length && !this.forms.rest.slice(0, push.length).every(isNone)) throw new Refuted('the impulses are others')
+    impulses.forEach((impulse, k) => demand(sign(impulse), `[${push[k]}] pushes`))
+    others.forEach((contact, k) => {
+      const law = (world) => world.rest[push.length + k]
+      if (this.#sign('slack', contact, law) < 0) throw new Refuted(`[${contact}] pushes too`)
+    })
+    return push
+  }
+
+  /** Notes for each movable circle which contacts of a round are its own. */
+  #note(rows, contacts) {
+    const round = new Map()
+    for (const contact of contacts) {
+      for (const i of this.scene.circlesOf(contact).filter((k) => this.scene.movable(k))) {
+        if (!round.has(i)) round.set(i, [])
+        round.get(i).push(contact)
+      }
+    }
+    for (const [i, own] of round) rows.set(i, [...(rows.get(i) ?? []), own.sort(order)])
+  }
+
+  #enter(entry, moved) {
+    const entered = [...this.known.values()].filter(({ contact, closing }) => isPocket(contact) && closing < 0)
+    const found = new Set(entered.map(({ contact }) => keyOf(contact)))
+    const told = (entry.enter ?? []).map(keyOf)
+    if (found.size !== told.length || [...found].some((key) => !told.includes(key))) {
+      throw new Refuted(`there enter [${[...found].join('], [')}]`)
+    }
+    if (!this.scene.capture || !found.size) return
+    const taken = new Set(entered.map(({ contact }) => contact[0]))
+    this.#settle(taken)
+    for (const world of this.worlds) world.redirect(taken, this.age, (ring) => ring.zero)
+    for (const i of taken) this.gone.add(i)
+    for (const [key, { contact }] of this.known) if (this.#isGone(contact)) this.known.delete(key)
+  }
+
+  /** What lasts and what has parted; what isometries still map; the way back. */
+  #after(pushes, moved) {
+    const still = (contact) => !this.scene.circlesOf(contact).some((i) => moved.has(i))
+    const lasting = new Map()
+    for (const [key, { contact, closing }] of this.known) {
+      const before = this.lasting.has(key) && still(contact)
+      if (before || (closing === 0 && this.#sign('speed', contact) === 0)) lasting.set(key, contact)
+    }
+    this.lasting = lasting
+    this.parted = new Map([...this.parted].filter(([, contact]) => still(contact)))
+    for (const [key, { contact }] of this.known) this.parted.set(key, contact)
+    for (const g of this.isometries) {
+      const left = [...stillMapped(g, this.rows, this.scene)]
+      g.kept = new Set(left.filter((i) => !this.gone.has(i) && !this.gone.has(g.images.get(i))))
+    }
+    const text = (rows, turned) => JSON.stringify([...rows].sort(order).map(([i, row]) => [i, turned ? [...row].reverse() : row]))
+    if (!this.wayBack && (pushes.size || this.age === 0)) {
+      const solid = [...this.known].filter(([, { contact }]) => !isPocket(contact)).map(([key]) => key)
+      this.out.push({ undone: text(pushes, true), known: new Set(solid) })
+    }
+    if (this.wayBack && pushes.size) {
+      if (this.out.at(-1)?.undone === text(pushes, false)) this.out.pop()
+      else this.out = []
+    }
   }
 
   // The end
 
-  #finish() {
-    const { end, final } = this.data
-    const { scene, sweep } = this
-    if (!['events', 'stopped'].includes(end.reason)) sweep.resolve(this.prover.witnesses(end.zeros))
-    const setTime = this.reversed ? undefined : scene.reverseAt
-    let last = this.last
-    if (end.reason === 'quiet') {
-      if (setTime) throw new Refuted('a reversal is still to come')
-      sweep.quiet()
-    } else if (end.reason === 'horizon') {
-      if (setTime && scene.tower.sign(scene.tower.sub(setTime, scene.until)) <= 0) {
-        throw new Refuted('the reversal comes before it, and is not told')
-      }
-      last = { time: this.#enclose(scene.until) }
-    } else if (end.reason === 'return') {
-      if (!this.reversed) throw new Refuted('there is no reversal')
-      last = { time: this.fine.fixed.twice(this.reversed.time) }
-    } else if (end.reason === 'events' && this.events !== end.limit) {
-      throw new Refuted(`${this.events} events are told, not ${end.limit}`)
+  /** A number is within one unit of the last digit of a decimal. */
+  #said(value, text) {
+    const [units, digits] = decimalParts(text)
+    const scale = 10n ** BigInt(digits)
+    const shift = this.scene.balls.fixed.shift
+    const off = value.m * scale - (units << shift)
+    const wide = value.r * scale
+    const one = 1n << shift
+    const far = off < 0n ? -off : off
+    if (far + wide < one) return
+    const short = text.slice(0, 40)
+    throw far - wide >= one ? new Refuted(`a number is not ${short}`) : new Undecided(`whether a number is ${short}`)
+  }
+
+  #end(end) {
+    this.#take(end, 'at the end')
+    const { limits, ring } = this.balls
+    if (this.lastEvent !== null && this.lastEvent !== this.events) throw new Refuted(`there are ${this.events} events`)
+    if ((this.lastEvent === null && this.due) || (end.reason === 'return' && !this.wayBack)) throw new Refuted('no reversal')
+    const whole = end.reason !== 'events' && end.reason !== 'stopped'
+    if (whole && limits.has('reverse')) {
+      const later = limits.has('until') ? sign(ring.sub(limits.get('reverse'), limits.get('until'))) : 0
+      demand(later, 'the reversal comes after the end')
     }
-    if (last !== this.last) sweep.pass(last.time, new Set())
-    this.#decimal(final.time, last.time, 'the final time')
-    this.flights.forEach((flight, i) => {
-      const place = this.fine.place(flight, last.time, last.at)
-      const state = [...place, flight.vx, flight.vy]
-      state.forEach((value, k) => this.#decimal(final.circles[i][k], value, `${['x', 'y', 'vx', 'vy'][k]} of circle ${i}`))
+    if (limits.has('until')) {
+      this.age++
+      for (const world of this.worlds) world.times.push(world.limits.get('until'))
+    }
+    this.known = new Map()
+    this.scene.byCircle.forEach((contacts, i) => {
+      for (const contact of contacts) {
+        if (contact[0] === i) this.#clear(contact, end.reason === 'quiet' ? null : this.age, true)
+      }
+    })
+    this.#said(this.balls.times[this.age], this.data.final.time)
+    this.data.final.circles.forEach((row, i) => {
+      const { x, y, vx, vy } = this.balls.put(i, this.age)
+      ;[x, y, vx, vy].forEach((value, k) => this.#said(value, row[k]))
     })
   }
 }

@@ -1,19 +1,20 @@
 // The shape of a certificate: docs/certificates.md, "The format". Whatever does not have it is no certificate.
 
 import { NoCertificate } from './outcome.mjs'
-import { ONE, whole } from './tower.mjs'
+import { ZERO, fraction } from './forms.mjs'
 
-const FORMAT = 'truebreak/certificate-1'
+const FORMAT = 'truebreak/certificate-2'
 export const MAX_BYTES = 16 * 1024 * 1024
 const MAX_CIRCLES = 1000
-const MAX_ROOTS = 12
+const MAX_ROOTS = 99
 const MAX_BITS = 1_048_576
 const MAX_PAIRS = 2 ** 22
 const MAX_SIZE = 2 ** 30
-const DECIMAL = /^-?[0-9]{1,400}(\.[0-9]{1,400})?$/
-const TERM = /([+-]?)([0-9]+)(?:\/([0-9]+))?((?:\*r[0-9]{1,2})*)/y
+const DECIMAL = /^-?[0-9]+(\.[0-9]+)?$/
+const LONG = /[0-9]{100001}/
+const TERM = /([+-]?)([0-9]+)(?:\/([0-9]+))?((?:\*r[1-9][0-9]?)*)/y
 const POLICY = /^(simultaneous|sequential(:order=scene|:seed=[0-9]{1,18})?)$/
-const QUESTIONS = new Set(['tie', 'graze', 'still', 'together', 'slack', 'rim', 'until', 'reverse'])
+const QUESTIONS = new Set(['gap', 'closing', 'disc', 'speed', 'slack', 'until', 'reverse'])
 
 function fail(where, what) {
   throw new NoCertificate(`${where}: ${what}`)
@@ -26,7 +27,7 @@ const flag = (value, where) => typeof value === 'boolean' || fail(where, 'true o
 
 function number(value, where) {
   text(value, where)
-  if (value.length > 20_000) fail(where, 'a number of more than 20,000 characters')
+  if (LONG.test(value)) fail(where, 'a whole number of more than 100,000 digits')
   TERM.lastIndex = 0
   for (let at = 0; at < value.length || at === 0; at = TERM.lastIndex) {
     if (!TERM.test(value) || (at > 0 && !'+-'.includes(value[at]))) fail(where, 'no exact number')
@@ -34,7 +35,7 @@ function number(value, where) {
 }
 
 function decimal(value, where) {
-  if (typeof value !== 'string' || !DECIMAL.test(value)) fail(where, 'no decimal')
+  if (typeof value !== 'string' || !DECIMAL.test(value) || LONG.test(value)) fail(where, 'no decimal')
 }
 
 function integer(least, most = Number.MAX_SAFE_INTEGER) {
@@ -64,7 +65,8 @@ function object(required, optional = {}) {
     for (const key of Object.keys(required)) if (!(key in value)) fail(where, `"${key}" is missing`)
     for (const key of Object.keys(value)) {
       const item = Object.hasOwn(required, key) ? required[key] : Object.hasOwn(optional, key) && optional[key]
-      if (item) item(value[key], `${where}.${key}`) // keys that the page does not name are of no effect
+      if (!item) fail(where, `there is no key ${JSON.stringify(key.slice(0, 40))}`)
+      item(value[key], `${where}.${key}`)
     }
   }
 }
@@ -75,19 +77,32 @@ function witness(value, where) {
   if (!Array.isArray(value) || value.length < 3 || value.length > 4) fail(where, 'a list of 3 or 4 is expected')
   if (!QUESTIONS.has(value[0])) fail(where, 'no such question')
   contact(value[1], where)
-  if (value[2] !== 'exact' && value[2] !== 'back') integer(0)(value[2], where)
+  if (value[2] !== 'back') integer(0)(value[2], where)
   if (value.length === 4) contact(value[3], where)
 }
 
-const part = { rounds: list(list(contact, 1)), entries: list(contact), zeros: list(witness) }
-const start = { ...part, reversal: object({}, part) }
-const instant = { ...start, arrive: list(contact, 1), grazes: list(tuple(integer(0), integer(0))) }
-const ENDS = { quiet: {}, horizon: { until: number }, return: {}, events: { limit: integer(1) }, stopped: {} }
+function pushed(value, where) {
+  if (!Array.isArray(value) || value.length < 2 || value.length > 3) fail(where, 'a list of 2 or 3 is expected')
+  contact(value.slice(0, 2), where)
+  if (value.length === 3) number(value[2], where)
+}
+
+const instant = {
+  met: list(contact, 1),
+  rounds: list(list(pushed, 1)),
+  enter: list(contact),
+  zeros: list(witness),
+  exact: number,
+  turn: (value, where) => value === true || fail(where, 'true is expected'),
+}
+const REASONS = new Set(['quiet', 'horizon', 'return', 'events', 'stopped'])
 
 function end(value, where) {
-  object({ reason: text })(value, where)
-  if (!Object.hasOwn(ENDS, value.reason)) fail(where, 'no such reason')
-  object({ reason: text, ...ENDS[value.reason] }, { zeros: part.zeros })(value, where)
+  object({ reason: text }, { until: number, limit: integer(1), zeros: instant.zeros })(value, where)
+  if (!REASONS.has(value.reason)) fail(where, 'no such reason')
+  for (const [reason, key] of [['horizon', 'until'], ['events', 'limit']]) {
+    if (value.reason === reason && !(key in value)) fail(where, `"${key}" is missing`)
+  }
 }
 
 const place = { id: text, x: number, y: number, r: number }
@@ -95,7 +110,7 @@ const scene = object(
   {
     tie_policy: (value, where) => (typeof value === 'string' && POLICY.test(value)) || fail(where, 'no such policy'),
     circles: list(
-      object({ ...place, vx: number, vy: number, m: (m, at) => m === 'oo' || number(m, at) }),
+      object({ ...place, vx: number, vy: number, w: number }),
       1,
       MAX_CIRCLES,
     ),
@@ -106,30 +121,27 @@ const scene = object(
     reverse_after: integer(1),
     reverse_at: number,
     capture: flag,
-    walls: list(object({ id: text, x0: number, y0: number, x1: number, y1: number })),
+    walls: list(object({ id: text, x0: number, y0: number, x1: number, y1: number, length: number })),
     pockets: list(object(place)),
   },
 )
-const certificate = object(
-  {
-    format: text,
-    roots: list(number, 0, MAX_ROOTS),
-    scene,
-    isometries: list(
-      object({
-        matrix: tuple(number, number, number, number),
-        shift: tuple(number, number),
-        map: list(tuple(integer(Number.MIN_SAFE_INTEGER), integer(Number.MIN_SAFE_INTEGER))),
-      }),
-    ),
-    bits: list(tuple(integer(0), integer(1, MAX_BITS)), 1),
-    start: object({}, start),
-    instants: list(object({ time: decimal }, instant)),
-    end,
-    final: object({ time: decimal, circles: list(tuple(decimal, decimal, decimal, decimal)) }),
-  },
-  { writer: text },
-)
+const certificate = object({
+  format: text,
+  writer: text,
+  roots: list(number, 0, MAX_ROOTS),
+  scene,
+  isometries: list(
+    object({
+      matrix: tuple(number, number, number, number),
+      shift: tuple(number, number),
+      map: list(tuple(integer(Number.MIN_SAFE_INTEGER), integer(Number.MIN_SAFE_INTEGER))),
+    }),
+  ),
+  bits: integer(1, MAX_BITS),
+  instants: list(object({ time: decimal }, instant), 1),
+  end,
+  final: object({ time: decimal, circles: list(tuple(decimal, decimal, decimal, decimal)) }),
+})
 
 /** Checks the shape of everything, and that isometries map things that there are. */
 export function checkShape(data) {
@@ -139,7 +151,7 @@ export function checkShape(data) {
   const [n, w, p] = [circles.length, walls.length, pockets.length]
   const pairs = n * (n + w + p)
   if (pairs > MAX_PAIRS) fail('scene', 'too many circles, walls and pockets')
-  if (pairs * data.bits[0][1] > MAX_SIZE) fail('bits', 'too many for so many circles, walls and pockets')
+  if (pairs * data.bits > MAX_SIZE) fail('bits', 'too many for so many circles, walls and pockets')
   if (data.scene.reverse_after !== undefined && data.scene.reverse_at !== undefined) fail('scene', 'two reversals')
   if (data.final.circles.length !== n) fail('final', `${data.final.circles.length} circles of ${n}`)
   const ids = [...circles, ...walls, ...pockets].map((thing) => thing.id)
@@ -148,28 +160,22 @@ export function checkShape(data) {
   data.isometries.forEach(({ map }, k) => {
     for (const index of map.flat()) if (index < -p || index >= n + w) fail(`isometries[${k}]`, `${index} is no index`)
   })
-  let [at, most] = [-1, MAX_BITS]
-  for (const [k, bits] of data.bits) {
-    if (k <= at || bits > most || (at === -1 && k !== 0)) fail('bits', `[${k},${bits}] is out of order`)
-    ;[at, most] = [k, bits]
-  }
 }
 
-/** An exact number from its text; `roots` are the numbers that r1, r2, ... stand for. */
-export function exactNumber(value, tower, roots, where) {
+/** An exact number from its text, in the roots that the forms have so far. */
+export function exactNumber(value, forms, where) {
   TERM.lastIndex = 0
-  let sum = whole(0)
+  let sum = ZERO
   for (let found = TERM.exec(value); found; found = TERM.exec(value)) {
     const [, minus, numerator, denominator = '1', factors] = found
     if (BigInt(denominator) === 0n) fail(where, 'a denominator is zero')
-    let term = tower.fraction(BigInt((minus === '-' ? '-' : '') + numerator), BigInt(denominator))
-    let product = ONE
+    let term = fraction(BigInt((minus === '-' ? '-' : '') + numerator), BigInt(denominator))
     for (const name of factors.split('*').slice(1)) {
-      const root = roots[Number(name.slice(1)) - 1]
+      const root = forms.root(Number(name.slice(1)) - 1)
       if (!root) fail(where, `there is no root ${name} here`)
-      product = tower.mul(product, root)
+      term = forms.mul(term, root)
     }
-    sum = tower.add(sum, tower.mul(term, product))
+    sum = forms.add(sum, term)
     if (TERM.lastIndex === value.length) break
   }
   return sum

@@ -1,99 +1,103 @@
-// The scene in exact numbers, and its constants as intervals.
+// The scene of a certificate in exact numbers, and its contacts.
 
 import { exactNumber } from './format.mjs'
-import { sign } from './interval.mjs'
-import { NoCertificate } from './outcome.mjs'
-import { ONE, Tower, ZERO, exactlyZero } from './tower.mjs'
+import { Balls, Forms, ONE, isNone } from './forms.mjs'
+import { Fixed, sign } from './interval.mjs'
+import { NoCertificate, Refuted, Undecided } from './outcome.mjs'
 
-/** What a certificate's `roots` and `scene` say, exactly. Contacts are [i, j] as the page numbers them. */
+/** A contact as a key of sets and maps. */
+export const keyOf = ([i, j]) => `${i},${j}`
+
+/** Things above zero; what is not is said to be no certificate. */
+function above(ball, where) {
+  const found = sign(ball)
+  if (found === undefined) throw new Undecided(`${where} may not be positive`)
+  if (found < 1) throw new NoCertificate(`${where} is not positive`)
+}
+
 export class Scene {
-  constructor(data, work) {
-    const tower = new Tower(work)
-    const roots = []
+  constructor(data, work, bits) {
+    this.forms = new Forms(work)
+    this.balls = new Balls(new Fixed(bits, work))
     data.roots.forEach((text, k) => {
-      const radicand = exactNumber(text, tower, roots, `roots[${k}]`)
-      if (tower.sign(radicand) <= 0) throw new NoCertificate(`roots[${k}]: not positive`)
-      roots.push(tower.sqrt(radicand))
+      const square = this.number(text, `roots[${k}]`)
+      const ball = this.balls.of(square)
+      above(ball, `roots[${k}]`)
+      this.forms.squares.push(square)
+      this.balls.roots.push(this.balls.sqrt(ball))
     })
-    this.tower = tower
-    this.number = (text, where) => exactNumber(text, tower, roots, where)
-    const { circles, walls = [], pockets = [], capture = false } = data.scene
-    const read = (thing, keys, where) =>
-      Object.fromEntries(keys.map((key) => [key, this.number(thing[key], `${where}.${key}`)]))
-    this.circles = circles.map((circle, k) => this.#circle(circle, read, `circles[${k}]`))
-    this.walls = walls.map((wall, k) => this.#wall(read(wall, ['x0', 'y0', 'x1', 'y1'], `walls[${k}]`), k))
-    this.pockets = pockets.map((pocket, k) => {
-      const found = read(pocket, ['x', 'y', 'r'], `pockets[${k}]`)
-      return this.#positive(found, 'r', `pockets[${k}].r`)
+    const { circles, walls = [], pockets = [] } = data.scene
+    const read = (thing, keys, where) => Object.fromEntries(keys.map((key) => [key, this.number(thing[key], `${where}.${key}`)]))
+    this.circles = circles.map((circle, k) => read(circle, ['x', 'y', 'vx', 'vy', 'r', 'w'], `circles[${k}]`))
+    this.pockets = pockets.map((pocket, k) => read(pocket, ['x', 'y', 'r'], `pockets[${k}]`))
+    const { forms } = this
+    this.walls = walls.map((wall, k) => {
+      const { x0, y0, x1, y1, length } = read(wall, ['x0', 'y0', 'x1', 'y1', 'length'], `walls[${k}]`)
+      const [nx, ny] = [forms.sub(y0, y1), forms.sub(x1, x0)]
+      const off = forms.sub(forms.add(forms.mul(nx, nx), forms.mul(ny, ny)), forms.mul(length, length))
+      if (!isNone(off)) throw new NoCertificate(`walls[${k}] has another length`)
+      return { x: x0, y: y0, nx, ny, length }
     })
-    this.capture = capture
-    this.policy = data.scene.tie_policy
-    this.reverseAfter = data.scene.reverse_after
-    const set = data.scene.reverse_at
-    this.reverseAt = set === undefined ? undefined : this.#setTime(set, 'reverse_at')
-    this.until = data.end.reason === 'horizon' ? this.#setTime(data.end.until, 'until') : undefined
     this.n = circles.length
-    this.stride = this.n + walls.length + pockets.length
+    this.capture = data.scene.capture ?? false
+    this.limits = new Map()
+    if (data.scene.reverse_at !== undefined) this.limits.set('reverse', this.number(data.scene.reverse_at, 'reverse_at'))
+    if (data.end.reason === 'horizon') this.limits.set('until', this.number(data.end.until, 'until'))
+    this.#check()
+    this.#meets()
   }
 
-  #setTime(text, where) {
-    return this.#positive({ t: this.number(text, where) }, 't', where).t
+  number(text, where) {
+    return exactNumber(text, this.forms, where)
   }
 
-  #positive(thing, key, where) {
-    if (this.tower.sign(thing[key]) <= 0) throw new NoCertificate(`scene: ${where} is not positive`)
-    return thing
-  }
-
-  #circle(circle, read, where) {
-    const found = read(circle, ['x', 'y', 'r', 'vx', 'vy'], where)
-    if (this.tower.sign(found.r) < 0) throw new NoCertificate(`scene: ${where}.r is negative`)
-    found.fixed = circle.m === 'oo'
-    if (found.fixed && !(exactlyZero(found.vx) && exactlyZero(found.vy))) {
-      throw new NoCertificate(`scene: ${where} is fixed and moves`)
+  #check() {
+    this.circles.forEach(({ r, w, vx, vy }, k) => {
+      if (isNone(w) && !(isNone(vx) && isNone(vy))) throw new NoCertificate(`circles[${k}] is fixed and moves`)
+      if (!isNone(r)) above(this.balls.of(r), `circles[${k}].r`)
+      if (!isNone(w)) above(this.balls.of(w), `circles[${k}].w`)
+    })
+    for (const [name, things, key] of [['walls', this.walls, 'length'], ['pockets', this.pockets, 'r']]) {
+      things.forEach((thing, k) => above(this.balls.of(thing[key]), `${name}[${k}].${key}`))
     }
-    found.m = found.fixed ? null : this.number(circle.m, `${where}.m`)
-    if (!found.fixed) this.#positive(found, 'm', `${where}.m`)
-    found.w = found.fixed ? ZERO : this.tower.div(ONE, found.m)
-    return found
+    for (const [name, time] of this.limits) above(this.balls.of(time), name)
   }
 
-  #wall({ x0, y0, x1, y1 }, k) {
-    const [nx, ny] = [this.tower.sub(y0, y1), this.tower.sub(x1, x0)]
-    const square = this.tower.dot(nx, ny, nx, ny)
-    if (exactlyZero(square)) throw new NoCertificate(`scene: walls[${k}] is one point`)
-    return { x0, y0, x1, y1, nx, ny, square }
+  #meets() {
+    const { n, forms } = this
+    this.sides = new Map()
+    this.byCircle = this.circles.map(() => [])
+    const add = (contact, ...circles) => circles.forEach((i) => this.byCircle[i].push(contact))
+    for (let i = 0; i < n; i++) {
+      for (let j = i + 1; j < n; j++) {
+        const sized = !isNone(this.circles[i].r) || !isNone(this.circles[j].r)
+        if (sized && (this.movable(i) || this.movable(j))) add([i, j], i, j)
+      }
+      if (!this.movable(i)) continue
+      this.walls.forEach(({ x, y, nx, ny }, k) => {
+        const { x: u, y: v } = this.circles[i]
+        const side = forms.add(forms.mul(nx, forms.sub(u, x)), forms.mul(ny, forms.sub(v, y)))
+        const found = sign(this.balls.of(side))
+        if (found === undefined) throw new Undecided(`on which side of walls[${k}] circles[${i}] is`)
+        if (found === 0) throw new Refuted(`the centre of circles[${i}] is on walls[${k}]`)
+        this.sides.set(keyOf([i, n + k]), found)
+        add([i, n + k], i)
+      })
+      this.pockets.forEach((_, k) => add([i, -1 - k], i))
+    }
   }
 
-  // Contacts
+  movable(i) {
+    return i >= 0 && i < this.n && !isNone(this.circles[i].w)
+  }
 
-  /** Whether there is such a contact. */
+  side(contact) {
+    return this.sides.get(keyOf(contact))
+  }
+
+  /** Whether two can meet at all. */
   has([i, j]) {
-    const [n, walls, pockets] = [this.n, this.walls.length, this.pockets.length]
-    return i < n && (j < 0 ? j >= -pockets : j < n ? i < j : j < n + walls)
-  }
-
-  isPocket([, j]) {
-    return j < 0
-  }
-
-  isWall([, j]) {
-    return j >= this.n
-  }
-
-  isPair([, j]) {
-    return j >= 0 && j < this.n
-  }
-
-  /** A contact as one whole number; the order of keys is the scene order among circles and walls. */
-  key([i, j]) {
-    return i * this.stride + (j < 0 ? this.stride - 1 - (-1 - j) : j)
-  }
-
-  contact(key) {
-    const j = key % this.stride
-    const walls = this.n + this.walls.length
-    return [Math.floor(key / this.stride), j < walls ? j : j - this.stride]
+    return i >= 0 && i < this.n && this.byCircle[i].some((other) => other[0] === i && other[1] === j)
   }
 
   /** The circles of a contact. */
@@ -101,43 +105,40 @@ export class Scene {
     return j >= 0 && j < this.n ? [i, j] : [i]
   }
 
-  movable(i) {
-    return !this.circles[i].fixed
-  }
+  // Isometries
 
-  /** Whether the two can meet at all. */
-  meets([i, j]) {
-    const a = this.circles[i]
-    if (j < 0 || j >= this.n) return !a.fixed
-    const b = this.circles[j]
-    return !(a.fixed && b.fixed) && !(exactlyZero(a.r) && exactlyZero(b.r))
-  }
-}
-
-/** The constants of a scene as intervals in one arithmetic. */
-export class Constants {
-  constructor(scene, fixed) {
-    const { tower } = scene
-    const enclose = (x) => tower.enclose(x, fixed)
-    this.r = scene.circles.map((circle) => enclose(circle.r))
-    this.w = scene.circles.map((circle) => enclose(circle.w))
-    this.walls = scene.walls.map((wall) => ({
-      x: enclose(wall.x0),
-      y: enclose(wall.y0),
-      nx: enclose(wall.nx),
-      ny: enclose(wall.ny),
-      square: enclose(wall.square),
-      length: rootOf(tower, wall.square, fixed),
-    }))
-    this.pockets = scene.pockets.map(({ x, y, r }) => ({ x: enclose(x), y: enclose(y), r: enclose(r) }))
-  }
-}
-
-/** The square root of an exact positive number, which may be too small for the arithmetic's own bits. */
-function rootOf(tower, square, fixed) {
-  for (let bits = fixed.bits; ; bits *= 2) {
-    const finer = new fixed.constructor(bits, fixed.work)
-    const found = tower.enclose(square, finer)
-    if (sign(found) === 1) return fixed.from(finer.sqrt(found), bits)
+  /** One of the list: {matrix, images, kept}; `kept` are the circles whose flights it maps. */
+  isometry(told, where) {
+    const { forms, n } = this
+    const [a, b, c, d] = told.matrix.map((text) => this.number(text, where))
+    const [p, q] = told.shift.map((text) => this.number(text, where))
+    const two = (s, x, t, y) => forms.add(forms.mul(s, x), forms.mul(t, y))
+    const turned = (x, y) => [two(a, x, b, y), two(c, x, d, y)]
+    const moved = (x, y) => turned(x, y).map((z, k) => forms.add(z, [p, q][k]))
+    const zeros = [forms.sub(two(a, a, c, c), ONE), forms.sub(two(b, b, d, d), ONE), two(a, b, c, d)]
+    const images = new Map(told.map)
+    const same = (one, other) => one.forEach((x, k) => zeros.push(forms.sub(x, other[k])))
+    for (const [i, j] of images) {
+      if (i >= n && j >= n) {
+        const [wall, image] = [this.walls[i - n], this.walls[j - n]]
+        const [nx, ny] = turned(wall.nx, wall.ny)
+        const [x, y] = moved(wall.x, wall.y)
+        zeros.push(forms.sub(forms.mul(nx, image.ny), forms.mul(ny, image.nx)))
+        zeros.push(two(forms.sub(x, image.x), image.nx, forms.sub(y, image.y), image.ny))
+      } else if (i < 0 && j < 0) {
+        const [pocket, image] = [this.pockets[-1 - i], this.pockets[-1 - j]]
+        same([...moved(pocket.x, pocket.y), pocket.r], [image.x, image.y, image.r])
+      } else if (i >= 0 && j >= 0 && i < n && j < n) {
+        const [one, image] = [this.circles[i], this.circles[j]]
+        same(
+          [...moved(one.x, one.y), ...turned(one.vx, one.vy), one.r, one.w],
+          [image.x, image.y, image.vx, image.vy, image.r, image.w],
+        )
+      } else throw new Refuted(`${where} maps one kind to another`)
+    }
+    if (new Set(images.values()).size < told.map.length || !zeros.every(isNone)) {
+      throw new Refuted(`${where} does not map what it says`)
+    }
+    return { matrix: [a, b, c, d], images, kept: new Set([...images.keys()].filter((i) => i >= 0 && i < n)) }
   }
 }

@@ -1,105 +1,61 @@
-// Witnesses: how it is known of a number that it is zero.
+// What proves a number zero: an isometry, or the way back.
 
-import { Refuted } from './outcome.mjs'
-import { Isometry } from './isometries.mjs'
-import { Replay } from './replay.mjs'
+import { ONE, isNone } from './forms.mjs'
+import { NoCertificate } from './outcome.mjs'
+import { keyOf } from './scene.mjs'
 
-/** Answers for all witnesses of a certificate. */
-export class Prover {
-  constructor(data, scene, log, sides) {
-    this.scene = scene
-    this.log = log
-    this.sides = sides
-    this.known = new Map()
-    this.reversal = null // the time of the reversal, once it has been
-    this.isometries = data.isometries.map((found, k) => new Isometry(found, scene, log, `isometries[${k}]`))
-  }
+const sameSets = (one, other) => one.length === other.length && one.every((set, k) => set.join(' ') === other[k].join(' '))
 
-  /** The witnesses of one part of the log. */
-  witnesses(zeros = []) {
-    return new Witnesses(this, zeros)
-  }
+/** The image of a contact, or undefined. */
+export function imageOf(images, [i, j], n) {
+  const [a, b] = [images.get(i), images.get(j)]
+  if (a === undefined || b === undefined) return undefined
+  return j >= 0 && j < n && a > b ? [b, a] : [a, b]
+}
 
-  /** Whether a witness shows its number to be zero; `given` is what the question needs beside the contact. */
-  shows(question, contact, how, given) {
-    if (question === 'graze' && this.scene.isWall(contact)) return false
-    if (question === 'together' && !this.scene.isPair(contact)) return false
-    if (how === 'exact') return this.#exact(question, contact, given)
-    if (how === 'back') return this.#back(question, contact, given)
-    const isometry = this.isometries[how]
-    if (!isometry) return false
-    if (question === 'tie') return given.kind === given.otherKind && isometry.mapsContact(contact, given.other)
-    if (question === 'still' && this.scene.isWall(contact)) {
-      return isometry.turnsWall(contact[0], contact[1] - this.scene.n)
-    }
-    return (question === 'still' || question === 'together') && this.scene.isPair(contact) && isometry.shiftsPast(contact)
-  }
-
-  #exact(question, contact, given) {
-    const replay = new Replay(this.scene, this.log, this.sides, this.known)
-    switch (question) {
-      case 'tie':
-        return replay.sameTime(contact, given.kind, given.other, given.otherKind)
-      case 'graze':
-        return replay.grazes(contact)
-      case 'still':
-        return replay.still(contact, given.time)
-      case 'together':
-        return replay.together(contact)
-      case 'slack':
-        return replay.slack(contact, given.push, given.time)
-      case 'rim':
-        return replay.onRim(contact, given.time)
-      case 'until':
-        return given.until ? replay.atTime(contact, given.until) : replay.atReturn(contact, this.reversal)
-      default:
-        return replay.atTime(contact, this.scene.reverseAt)
-    }
-  }
-
-  #back(question, contact, given) {
-    if (question === 'tie') {
-      const parted = this.log.parted(contact)
-      return parted !== null && parted === this.log.parted(given.other)
-    }
-    if (question === 'until') return !given.until && this.log.parted(contact) === 0
-    return question === 'graze' && this.log.grazedBefore(contact)
+/** The circles that an isometry still maps, with what hit them at this instant: `rows` maps circles to rounds. */
+export function stillMapped({ images, kept }, rows, scene) {
+  let left = kept
+  for (;;) {
+    const strays = [...left].filter((i) => {
+      const row = rows.get(i) ?? []
+      const image = row.map((round) => round.map((contact) => String(imageOf(images, contact, scene.n))).sort())
+      const like = (rows.get(images.get(i)) ?? []).map((round) => round.map(String).sort())
+      const others = row.flat().flatMap((contact) => scene.circlesOf(contact))
+      return !sameSets(image, like) || others.some((k) => scene.movable(k) && !left.has(k))
+    })
+    if (!strays.length) return left
+    left = new Set([...left].filter((i) => !strays.includes(i)))
   }
 }
 
-/** The witnesses at hand; one that nothing asks is of no effect. */
-class Witnesses {
-  constructor(prover, zeros) {
-    this.prover = prover
-    this.byQuestion = new Map()
-    for (const [question, contact, how, other] of zeros) {
-      if (!prover.scene.has(contact)) continue // nothing asks about it
-      const name = `${question} ${contact}`
-      if (!this.byQuestion.has(name)) this.byQuestion.set(name, [])
-      this.byQuestion.get(name).push({ question, contact, how, other })
-    }
+/** Whether a witness shows the number that a question is about to be zero. `state` is the Check at hand. */
+export function shows(state, question, contact, how, other = state.clock) {
+  const { scene, met } = state
+  const [i, j] = contact
+  if (how === 'back') {
+    const last = state.out.at(-1)
+    if (!state.wayBack || !last || !other || !(met.get(keyOf(other)) < 0)) return false
+    const whole = question === 'until' && state.data.end.reason === 'return' && state.out.length === 1
+    return (question === 'gap' || whole) && last.known.has(keyOf(contact)) && last.known.has(keyOf(other))
   }
-
-  #of(question, contact) {
-    return this.byQuestion.get(`${question} ${contact}`) ?? []
+  const g = state.isometries[how]
+  if (!g) throw new NoCertificate(`there is no isometry ${how}`)
+  const kept = stillMapped(g, state.rows, scene)
+  const { matrix: [a, b, c, d], images } = g
+  const image = imageOf(images, contact, scene.n)
+  if (image && other && keyOf(image) === keyOf(other) && met.has(keyOf(other))) {
+    const touch = question === 'closing' && state.rows.size === 0 && met.get(keyOf(other)) === 0
+    if (question === 'gap' || touch) return scene.circlesOf(contact).every((k) => kept.has(k))
   }
-
-  /** The contacts of a question's witnesses. */
-  contacts(question) {
-    return [...this.byQuestion.values()].filter(([first]) => first.question === question).map(([first]) => first.contact)
+  const { forms } = scene
+  if (j >= scene.n) {
+    const { nx, ny } = scene.walls[j - scene.n]
+    const off = (s, t, n) => forms.add(forms.add(forms.mul(s, nx), forms.mul(t, ny)), n)
+    const mirrored = isNone(off(a, b, nx)) && isNone(off(c, d, ny))
+    return question === 'closing' && mirrored && images.get(i) === i && kept.has(i)
   }
-
-  /**
-   * Whether a witness shows the number to be zero; `given`, or what it returns for a witness, is as in `Prover`, or null
-   * for one that can show nothing. Where there are witnesses, one of them must, or else the certificate is false.
-   */
-  shows(question, contact, given = {}, must = true) {
-    const witnesses = this.#of(question, contact)
-    for (const witness of witnesses) {
-      const facts = typeof given === 'function' ? given(witness) : given
-      if (facts && this.prover.shows(question, contact, witness.how, facts)) return true
-    }
-    if (must && witnesses.length) throw new Refuted(`the witness ${question} of [${contact}] shows nothing`)
-    return false
-  }
+  if (question !== 'closing' && question !== 'speed') return false
+  const unturned = [forms.sub(a, ONE), b, c, forms.sub(d, ONE)].every(isNone)
+  return unturned && [[i, j], [j, i]].some(([k, m]) => images.get(k) === m && kept.has(k))
 }

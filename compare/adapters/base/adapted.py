@@ -7,7 +7,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any, ClassVar
 
 from ....scenarios.errors import SceneError
-from ...foreign.recorded import Playing
+from ...foreign.runs.recorded import Playing
 
 
 class Adapted(Playing):

@@ -10,8 +10,8 @@ from .stepped import OutOfRoom, Teller, glided
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
-    from ...foreign.impulses import Row
-    from ...foreign.recording import Recording
+    from ...foreign.runs.impulses import Row
+    from ...foreign.runs.recording import Recording
 
 LASTING = 64
 """Contacts of two in a row, by time, after which things that still press on each other are not taken for colliding."""

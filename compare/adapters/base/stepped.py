@@ -13,8 +13,8 @@ from .adapted import Adapted
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
-    from ...foreign.impulses import Row
-    from ...foreign.recording import Recording
+    from ...foreign.runs.impulses import Row
+    from ...foreign.runs.recording import Recording
 
 LOOK = 64
 """Steps between two reports of a flight in which nothing happens."""

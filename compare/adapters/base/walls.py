@@ -16,7 +16,7 @@ REACH = 64.0
 
 
 @dataclass(frozen=True)
-class Line:
+class WallLine:
     """A wall in doubles: where nx * x + ny * y = height; (nx, ny) has length 1."""
 
     nx: float
@@ -46,18 +46,18 @@ class Stretch:
         return 0.0 <= ux * (x - x0) + uy * (y - y0) <= ux * ux + uy * uy
 
 
-def lines(scene: Scene) -> list[Line]:
+def lines(scene: Scene) -> list[WallLine]:
     """Every wall as a line.
 
     >>> from truebreak.scenarios import Circle, Scene, Wall
     >>> lines(Scene([Circle(0, 2)], [Wall(0, 0, 4, 0)]))
-    [Line(nx=0.0, ny=1.0, height=0.0)]
+    [WallLine(nx=0.0, ny=1.0, height=0.0)]
     """
-    found: list[Line] = []
+    found: list[WallLine] = []
     for wall in scene.walls:
         nx, ny = (float(part) for part in wall.normal)
         length = math.hypot(nx, ny)
-        found.append(Line(nx / length, ny / length, (nx * float(wall.x0) + ny * float(wall.y0)) / length))
+        found.append(WallLine(nx / length, ny / length, (nx * float(wall.x0) + ny * float(wall.y0)) / length))
     return found
 
 

@@ -6,40 +6,40 @@ import statistics
 from collections.abc import Callable
 from itertools import count
 
-from ..machine import timed
-from .figures import GAS, Benchmark, Figure, Size, Target, running, scene_of
+from ..computer import timed
+from .figures import GAS, Benchmark, Figure, Target, Workload, running, scene_of
 from .rivals import run_billiards
 
 EVENTS_A_DISC = 2
 """Events that a run of a crowd has for each of its discs; what sets the run up is spread over them."""
 
 
-def crowd_exact(size: Size) -> Figure:
+def crowd_exact(size: Workload) -> Figure:
     """An event, certified, among 1,000 discs against one among ten in another project's engine."""
     return _against_billiards("exact", 1.5, size)
 
 
-def crowd_double(size: Size) -> Figure:
+def crowd_double(size: Workload) -> Figure:
     """An event, in doubles, among 1,000 discs against one among ten in another project's engine."""
     return _against_billiards("double", 0.7, size)
 
 
-def growth_exact(size: Size) -> Figure:
+def growth_exact(size: Workload) -> Figure:
     """An event, certified, among 10,000 discs against one among 1,000."""
     return _growth("exact", size)
 
 
-def growth_double(size: Size) -> Figure:
+def growth_double(size: Workload) -> Figure:
     """An event, in doubles, among 10,000 discs against one among 1,000."""
     return _growth("double", size)
 
 
-def set_up_exact(size: Size) -> Figure:
+def set_up_exact(size: Workload) -> Figure:
     """From the catalogue to the first certified event of 10,000 discs, and of 1,000."""
     return _set_up("exact", size)
 
 
-def set_up_double(size: Size) -> Figure:
+def set_up_double(size: Workload) -> Figure:
     """From the catalogue to the first event in doubles of 10,000 discs, and of 1,000."""
     return _set_up("double", size)
 
@@ -50,7 +50,7 @@ def processor_times(actions: list[Callable[[], object]], repeats: int) -> list[f
     return [statistics.median(column) for column in zip(*times, strict=True)]
 
 
-def _against_billiards(engine: str, most: float, size: Size) -> Figure:
+def _against_billiards(engine: str, most: float, size: Workload) -> Figure:
     few, many, events = scene_of(GAS), scene_of(f"gas:n={size.crowd}"), EVENTS_A_DISC * size.crowd
     actions = [lambda: run_billiards(few, size.gas), running(engine, many, events)]
     theirs, ours = processor_times(actions, 2 * size.repeats + 1)
@@ -58,7 +58,7 @@ def _against_billiards(engine: str, most: float, size: Size) -> Figure:
     return Figure(f"crowd-{engine}", what, ours / events, theirs / size.gas, Target("ratio", "at most", most))
 
 
-def _growth(engine: str, size: Size) -> Figure:
+def _growth(engine: str, size: Workload) -> Figure:
     counts = size.large_crowd, size.crowd
     events = [EVENTS_A_DISC * n for n in counts]
     runs = [running(engine, scene_of(f"gas:n={n}"), most) for n, most in zip(counts, events, strict=True)]
@@ -68,7 +68,7 @@ def _growth(engine: str, size: Size) -> Figure:
     return Figure(name, what, large / events[0], small / events[1], target)
 
 
-def _set_up(engine: str, size: Size) -> Figure:
+def _set_up(engine: str, size: Workload) -> Figure:
     counts, seed = (size.large_crowd, size.crowd), count(1).__next__
 
     def first_event(n: int) -> None:

@@ -79,7 +79,7 @@ class Figure:
 
 
 @dataclass(frozen=True)
-class Size:
+class Workload:
     """How much work each figure does.
 
     Attributes:
@@ -102,9 +102,9 @@ class Size:
     large_crowd: int = 10_000
 
 
-SHORT = Size()
-FULL = Size(rival_digits=2)
-TINY = Size(repeats=1, gas=5, long_gas=10, digits=0, rival_digits=0, steps=20, crowd=20, large_crowd=70)
+SHORT = Workload()
+FULL = Workload(rival_digits=2)
+TINY = Workload(repeats=1, gas=5, long_gas=10, digits=0, rival_digits=0, steps=20, crowd=20, large_crowd=70)
 
 GAS = "gas:n=10,seed=1"
 """Ten equal discs in a box: chaotic, so that nothing can be guessed ahead."""
@@ -147,7 +147,7 @@ def running(name: str, scene: Scene, events: int) -> Callable[[], object]:
     return run
 
 
-def gas_against_billiards(size: Size) -> Figure:
+def gas_against_billiards(size: Workload) -> Figure:
     """Certified, against plain double precision in another project's engine, in Python both."""
     scene = scene_of(GAS)
     told = run_billiards(scene, size.gas)
@@ -156,14 +156,14 @@ def gas_against_billiards(size: Size) -> Figure:
     return Figure("gas-billiards", what, *pair, Target("ratio", "at most", 0.7), _agreed("billiards", scene, told))
 
 
-def gas_against_double(size: Size) -> Figure:
+def gas_against_double(size: Workload) -> Figure:
     """What certainty costs over this project's own double engine."""
     scene = scene_of(GAS)
     pair = interleaved(running("exact", scene, size.gas), running("double", scene, size.gas), size.repeats)
     return Figure("gas-double", f"10 discs, {size.gas:,} collisions: exact / double", *pair)
 
 
-def double_against_billiards(size: Size) -> Figure:
+def double_against_billiards(size: Workload) -> Figure:
     """Doubles against doubles: this project's engine and another project's, in Python both."""
     scene = scene_of(GAS)
     pair = interleaved(running("double", scene, size.gas), lambda: run_billiards(scene, size.gas), 3 * size.repeats)
@@ -171,7 +171,7 @@ def double_against_billiards(size: Size) -> Figure:
     return Figure("double-billiards", what, *pair, Target("ratio", "at most", 0.2))
 
 
-def long_gas(size: Size) -> Figure:
+def long_gas(size: Workload) -> Figure:
     """A long chaotic run, where the precision must keep growing."""
     scene = scene_of(GAS)
     pair = interleaved(running("exact", scene, size.long_gas), running("double", scene, size.long_gas), 1)
@@ -179,7 +179,7 @@ def long_gas(size: Size) -> Figure:
     return Figure("gas-long", what, *pair, Target("seconds", "at most", 60))
 
 
-def galperin_against_perfect_physics(size: Size) -> Figure:
+def galperin_against_perfect_physics(size: Workload) -> Figure:
     """The article's own engine on the scene whose collisions count the digits of pi."""
     scene, collisions = galperin(size.rival_digits)
     told: list[tuple[Any, Any]] = []
@@ -208,7 +208,7 @@ def _agreed(name: str, scene: Scene, told: list[Any]) -> str:
     return f"{name} has {'all' if same == len(told) else f'the first {same:,}'} of {len(told):,} collisions in order"
 
 
-def long_galperin(size: Size) -> Figure:
+def long_galperin(size: Workload) -> Figure:
     """Tens of thousands of collisions between two bodies and a wall."""
     scene, collisions = galperin(size.digits)
     pair = interleaved(running("exact", scene, collisions), running("double", scene, collisions), 1)
@@ -221,7 +221,7 @@ def galperin(digits: int) -> tuple[Any, int]:
     return scene_of(f"galperin:n={digits}"), int("31415926535"[: digits + 1])
 
 
-def pymunk_overhead(size: Size) -> Figure:
+def pymunk_overhead(size: Workload) -> Figure:
     """The pymunk engine, with all that it records, against the bare loop of time steps that it wraps."""
     from ....floating.pymunk.engine import PymunkEngine
 
@@ -238,7 +238,7 @@ def pymunk_overhead(size: Size) -> Figure:
     return Figure("pymunk-overhead", what, *pair, Target("ratio", "at most", 1.2))
 
 
-def start_up(size: Size) -> Figure:
+def start_up(size: Workload) -> Figure:
     """What the shortest of runs takes, over what an interpreter takes that does nothing: processor time, in turns.
 
     Modules are compiled before, as those of an installed package are.
@@ -267,7 +267,7 @@ def processor_time(words: list[str]) -> float:
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-Benchmark: TypeAlias = Callable[[Size], Figure]
+Benchmark: TypeAlias = Callable[[Workload], Figure]
 
 BENCHMARKS: dict[str, Benchmark] = {
     "gas-billiards": gas_against_billiards,

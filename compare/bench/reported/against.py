@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ..machine import Idleness, machine
+from ..computer import Idleness, computer
 from .report import Report, idleness_of, rows_of
 
 WITHIN = 0.15
@@ -13,7 +13,7 @@ WITHIN = 0.15
 
 
 @dataclass(frozen=True)
-class Change:
+class RatioChange:
     """One ratio in both runs."""
 
     name: str
@@ -24,7 +24,7 @@ class Change:
     def share(self) -> float:
         """By how much the greater is more than the less.
 
-        >>> round(Change("gas, double", 2.0, 1.6).share, 9)
+        >>> round(RatioChange("gas, double", 2.0, 1.6).share, 9)
         0.25
         """
         return max(self.then, self.now) / min(self.then, self.now) - 1.0
@@ -49,14 +49,14 @@ class Against:
         same: whether it was the same machine, as far as is told.
     """
 
-    changes: tuple[Change, ...]
+    changes: tuple[RatioChange, ...]
     missing: tuple[str, ...]
     then: Idleness
     now: Idleness
     same: bool
 
     @property
-    def beyond(self) -> tuple[Change, ...]:
+    def beyond(self) -> tuple[RatioChange, ...]:
         """The ratios that differ by more than `WITHIN`."""
         return tuple(change for change in self.changes if not change.within)
 
@@ -90,11 +90,11 @@ def against(report: Report, data: dict[str, Any]) -> Against:
     mine |= {row.name: row.ratio for row in report.tradeoffs if row.refused is None}
     theirs = {figure["name"]: figure["ratio"] for figure in data["figures"]}
     theirs |= {row.name: row.ratio for row in rows_of(data) if row.refused is None}
-    changes = [Change(name, theirs[name], mine[name]) for name in mine if theirs.get(name)]
+    changes = [RatioChange(name, theirs[name], mine[name]) for name in mine if theirs.get(name)]
     return Against(
         tuple(sorted(changes, key=lambda change: -change.share)),
         tuple(sorted(mine.keys() ^ theirs.keys())),
         idleness_of(data),
         report.idleness,
-        data["machine"] == machine(),
+        data["machine"] == computer(),
     )

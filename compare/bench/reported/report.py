@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ....scenarios.errors import SceneError
-from ..machine import Idleness, machine
+from ..computer import Idleness, computer
 from ..ratios.figures import Figure
 from ..tradeoff import Tradeoff
 
@@ -40,7 +40,7 @@ class Report:
         return {
             "schema": SCHEMA,
             "version": version("truebreak"),
-            "machine": machine(),
+            "machine": computer(),
             "idle": {"idle": idle.idle, "wall": idle.wall, "uneven": idle.uneven, "unsteady": list(idle.unsteady)},
             "figures": [figure.data() for figure in self.figures],
             "tradeoffs": [row.data() for row in self.tradeoffs],

@@ -13,12 +13,12 @@ from ..tradeoff import told_digits
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ...report.text.output import Table
+    from ...report.text.output import TextTable
     from ..tradeoff import Tradeoff
     from .report import Report
 
 
-def tables(report: Report) -> Iterator[Table]:
+def tables(report: Report) -> Iterator[TextTable]:
     """The figures, then one table for each scene."""
     if report.figures:
         yield _figures(report)
@@ -26,7 +26,7 @@ def tables(report: Report) -> Iterator[Table]:
         yield _scene(scene, list(rows))
 
 
-def _figures(report: Report) -> Table:
+def _figures(report: Report) -> TextTable:
     right = ("first (s)", "second (s)", "ratio")
     title = "Ratios, each of two things timed in one run"
     table = grid("first / second", *right, "target", title=title, whole=right, right=right)
@@ -41,7 +41,7 @@ def _figures(report: Report) -> Table:
     return table
 
 
-def _scene(name: str, rows: list[Tradeoff]) -> Table:
+def _scene(name: str, rows: list[Tradeoff]) -> TextTable:
     spec = next((f" ({subject.spec})" for subject in SUBJECTS if subject.name == name), "")
     title = f"{name}{spec}, {rows[0].events:,} events; * is Pareto's front"
     table = grid("", "engine", "/ exact", "seconds", "agreed", "largest error", "digits", "outcomes", "memory",

@@ -14,13 +14,13 @@ from ....exact.results.motion import motion_of, steps_through
 from ....exact.simulation.limits import run_limits
 from ....exact.simulation.loop import Loop
 from ....floating.plain.decider import PlainDecider
-from .reader import Numbers, Reader
+from .reader import FlightBalls, RunReader
 
 if TYPE_CHECKING:
     from ....scenarios.numbers.quantity import Quantity
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import OnProgress, Stop, Trajectory
-    from .decision import Decision, Pairing
+    from .decision import DecidingNumber, Pairing
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class BallRun:
         return len(decider.history.records), stop
 
 
-class Replay(Reader):
+class Replay(RunReader):
     """Reads a decision off the exact run's log, carried out in balls of a fixed number of bits.
 
     No decision of the history is asked again: only the one in question.
@@ -57,16 +57,16 @@ class Replay(Reader):
         run: the exact run.
         decision: what is asked.
         bits: of the balls.
-        turned_after: see `Reader`.
+        turned_after: see `RunReader`.
     """
 
-    def __init__(self, run: Trajectory, decision: Decision, bits: int, turned_after: int | None) -> None:
+    def __init__(self, run: Trajectory, decision: DecidingNumber, bits: int, turned_after: int | None) -> None:
         super().__init__(run, turned_after=turned_after)
         self.decision = decision
         self.bits = bits
         self._numbers = self._replayed()
 
-    def _replayed(self) -> Mapping[tuple[str, int], Numbers]:
+    def _replayed(self) -> Mapping[tuple[str, int], FlightBalls]:
         """t, x, y, vx, vy of each circle in question, after the steps of its last event."""
         steps, place = steps_of(self.run), {str(c.id): k for k, c in enumerate(self.run.scene.circles)}
         wanted: dict[int, set[str]] = {}
@@ -74,7 +74,7 @@ class Replay(Reader):
             for name in (pairing.body, pairing.partner):
                 if name in place:
                     wanted.setdefault(self._upto(pairing, name), set()).add(name)
-        found: dict[tuple[str, int], Numbers] = {}
+        found: dict[tuple[str, int], FlightBalls] = {}
         with ball.precision(self.bits):
             state = BallState(self.run.scene)
             for done in range(max(wanted) + 1):
@@ -92,8 +92,8 @@ class Replay(Reader):
         anchor = pairing.anchors.get(name)
         return 0 if anchor is None else steps_through(self.run.events[anchor])
 
-    def numbers(self, pairing: Pairing, name: str, bits: int) -> Numbers:
-        """As `Reader.numbers`, at the replay's bits."""
+    def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls:
+        """As `RunReader.numbers`, at the replay's bits."""
         return self._numbers[name, self._upto(pairing, name)]
 
     def _exactly_grazing(self, pairing: Pairing) -> bool:

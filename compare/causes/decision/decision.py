@@ -16,7 +16,7 @@ FIRST_BITS, MOST_BITS = 256, 1 << 14
 
 
 @dataclass(frozen=True)
-class Flight:
+class OwnFlight:
     """One circle from its last meeting on: x, y, vx, vy at time t, in the engine's own numbers."""
 
     t: Real
@@ -41,7 +41,7 @@ class Pairing:
 
 
 @dataclass(frozen=True)
-class Decision:
+class DecidingNumber:
     """What was decided, as one number whose sign is the answer.
 
     Attributes:
@@ -61,7 +61,7 @@ class Decision:
         return [self.first] if self.second is None else [self.first, self.second]
 
 
-def answer(decision: Decision, value: arb | None) -> int | None:
+def answer(decision: DecidingNumber, value: arb | None) -> int | None:
     """What a value decides: its sign; for a hit, a touch without depth is a miss. None if it is not known."""
     if value is None:
         return None

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...alignment.divergence import Kind
 from ...alignment.instants import instants
-from .decision import Decision, Pairing
+from .decision import DecidingNumber, Pairing
 
 if TYPE_CHECKING:
     from ....scenarios.event import Contact
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...alignment.walk import Walk
 
 
-def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment) -> list[Decision]:
+def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment) -> list[DecidingNumber]:
     """What may have been decided otherwise at the first divergence, likeliest first.
 
     Of the meeting that one run has and the one that the other has instead, the earlier: whatever comes after it, its
@@ -35,9 +35,9 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
         got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
     hits = [(divergence.got_time, got), (divergence.expected_time, expected)]
     told = sorted(((time or 0.0, pairing) for time, pairing in hits if pairing is not None), key=lambda hit: hit[0])
-    found = [Decision("hit", pairing) for _, pairing in told]
+    found = [DecidingNumber("hit", pairing) for _, pairing in told]
     if expected is not None and got is not None:
-        found.append(Decision("order", expected, got))
+        found.append(DecidingNumber("order", expected, got))
     return found
 
 
@@ -74,7 +74,7 @@ def _own_events(reference: Trajectory, name: str) -> list[int]:
 
 def _of_tie(
     reference: Trajectory, candidate: Trajectory, alignment: Alignment, divergence: Divergence
-) -> list[Decision]:
+) -> list[DecidingNumber]:
     """The order of the first two partners that the body meets at the instant, or in the instants taken as one.
 
     Where it meets but one of them, the first two of several instants taken as one, of which one leads to the other.
@@ -91,10 +91,10 @@ def _of_tie(
     ]
     if len(pairings) < 2 or pairings[0] is None or pairings[1] is None:
         return []
-    return [Decision("order", pairings[0], pairings[1])]
+    return [DecidingNumber("order", pairings[0], pairings[1])]
 
 
-def _next_of_group(reference: Trajectory, alignment: Alignment, divergence: Divergence) -> Decision | None:
+def _next_of_group(reference: Trajectory, alignment: Alignment, divergence: Divergence) -> DecidingNumber | None:
     """The order of the first of several instants taken as one and of the one after it, to which it leads."""
     group = next((g for g in instants(alignment.walks) if divergence.event in g.mine), None)
     if group is None or len(group.mine) < 2:
@@ -105,7 +105,7 @@ def _next_of_group(reference: Trajectory, alignment: Alignment, divergence: Dive
         pair = next((p for p in reference.events[event].impulses if met & {*p}), None)
         if pair is not None:
             earlier = next(p for p in first.impulses if {*p} & {*pair})
-            return Decision(
+            return DecidingNumber(
                 "order",
                 _at_event(reference, alignment, earlier, first.index),
                 _at_event(reference, alignment, pair, event),

@@ -12,7 +12,7 @@ from ....exact.laws import formulas as law
 from ....exact.numbers import ball
 from ....scenarios.numbers.quantity import Quantity
 from ....scenarios.numbers.real import real
-from .decision import FIRST_BITS, MOST_BITS, Decision, Flight, Pairing
+from .decision import FIRST_BITS, MOST_BITS, DecidingNumber, OwnFlight, Pairing
 from .zeros import grazes_exactly
 
 if TYPE_CHECKING:
@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from ...alignment.walk import Walk
 
 
-Numbers: TypeAlias = tuple[arb, arb, arb, arb, arb]
+FlightBalls: TypeAlias = tuple[arb, arb, arb, arb, arb]
 """t, x, y, vx, vy of a flight, in balls."""
 
 
-class Reader:
+class RunReader:
     """Reads flights and decisions off one run.
 
     Args:
@@ -55,7 +55,7 @@ class Reader:
     def _event(self, name: str, anchor: int) -> int | None:
         return anchor if self._events is None else self._events.get(name, {}).get(anchor)
 
-    def flight(self, name: str, anchor: int | None, *, turned: bool) -> Flight | None:
+    def flight(self, name: str, anchor: int | None, *, turned: bool) -> OwnFlight | None:
         """A circle as its last meeting left it; None if the run does not have that meeting.
 
         Args:
@@ -72,9 +72,9 @@ class Reader:
         if key not in self._states:
             self._states[key] = self.run.at(time)
         state = self._states[key][name]
-        return Flight(time, state.x, state.y, state.vx, state.vy)
+        return OwnFlight(time, state.x, state.y, state.vx, state.vy)
 
-    def value(self, decision: Decision, bits: int = FIRST_BITS) -> arb | None:
+    def value(self, decision: DecidingNumber, bits: int = FIRST_BITS) -> arb | None:
         """The number that decides, as a ball of a sign that is known if it can be; None if the run does not come to it.
 
         A hit that the other meeting's pair does not have at all leaves an order without a value.
@@ -86,7 +86,7 @@ class Reader:
                 return found
             bits *= 4
 
-    def _value(self, decision: Decision, bits: int) -> arb | None:
+    def _value(self, decision: DecidingNumber, bits: int) -> arb | None:
         if decision.kind == "hit":
             return self.least_gap(decision.first, bits)
         assert decision.second is not None
@@ -95,7 +95,7 @@ class Reader:
 
     # -- one pairing
 
-    def numbers(self, pairing: Pairing, name: str, bits: int) -> Numbers | None:
+    def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls | None:
         """t, x, y, vx, vy of one of the two as its flight has them; None if the run does not have that flight."""
         flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
         if flight is None:
@@ -168,6 +168,21 @@ class Reader:
         _, dx, dy, vx, vy, reach = relative
         root = ball.root(law.pair_discriminant(dx, dy, vx, vy, reach))
         return float(enter), float(enter + (root + root) / (vx * vx + vy * vy))
+
+    def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
+        """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
+        if self.is_wall(pairing):
+            wall = self._wall(pairing, bits)
+            if wall is None:
+                return False
+            _, gap, approach, _ = wall
+        else:
+            relative = self._relative(pairing, bits)
+            if relative is None:
+                return False
+            _, dx, dy, vx, vy, reach = relative
+            gap, approach = law.pair_gap(dx, dy, reach), law.pair_approach(dx, dy, vx, vy)
+        return ball.sign_of(approach) == 1 or (ball.sign_of(approach) == 0 and ball.sign_of(gap) == 1)
 
     def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
         """The least distance between two surfaces in free flight; negative: how deep they would sink in.

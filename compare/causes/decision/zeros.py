@@ -10,7 +10,7 @@ from ....exact.laws.formulas import advance, pair_approach, pair_discriminant, p
 from ....scenarios.numbers.quantity import Quantity
 from ....scenarios.numbers.real import Real, real
 from ...alignment.streams import history
-from .decision import Flight
+from .decision import OwnFlight
 
 if TYPE_CHECKING:
     from ....scenarios.trajectory import Trajectory
@@ -30,7 +30,7 @@ class _Exact(NamedTuple):
     vy: Quantity
 
 
-def grazes_exactly(one: Flight, other: Flight, reach: Quantity) -> bool:
+def grazes_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
     """Whether two circles are proved to pass each other at a least distance of exactly zero.
 
     Args:
@@ -71,13 +71,13 @@ def _flights_before(reference: Trajectory, event: int) -> dict[str, _Exact]:
         past = [m.event for m in met.get(str(circle.id), []) if m.event < event]
         time = reference.events[past[-1]].time if past else Quantity.of(0)
         state = reference.at(time)[str(circle.id)]
-        flight = _exact(Flight(time, state.x, state.y, state.vx, state.vy))
+        flight = _exact(OwnFlight(time, state.x, state.y, state.vx, state.vy))
         if flight is not None:
             flights[str(circle.id)] = flight
     return flights
 
 
-def _exact(flight: Flight) -> _Exact | None:
+def _exact(flight: OwnFlight) -> _Exact | None:
     """A flight in exact numbers, where they are short."""
     values = [_short(value) for value in (flight.t, flight.x, flight.y, flight.vx, flight.vy)]
     return None if None in values else _Exact(*(q for q in values if q is not None))

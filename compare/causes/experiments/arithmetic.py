@@ -20,7 +20,7 @@ from ..laboratory.shown import SMALLER, shown, to_first_order, verb
 from .tie import resolved_otherwise
 
 if TYPE_CHECKING:
-    from ..decision.reader import Reader
+    from ..decision.reader import RunReader
     from ..laboratory.laboratory import Laboratory
     from ..so_far import SoFar
 
@@ -76,7 +76,7 @@ def _alone(lab: Laboratory, found: SoFar) -> Experiment:
     return row if by_input.suffices or flips else _neither(lab, found, start, row)
 
 
-def _displaced(lab: Laboratory, entered: Reader) -> Experiment | None:
+def _displaced(lab: Laboratory, entered: RunReader) -> Experiment | None:
     """The exact run, displaced by what the engine's arithmetic alone has come to while all is small; see `alone`."""
     moved_on = arithmetic_alone(lab, entered)
     if moved_on is None:

@@ -14,7 +14,7 @@ from ..diagnosis import CauseName, Experiment
 from ..laboratory.shown import SMALLER, shown, to_first_order
 
 if TYPE_CHECKING:
-    from ..decision.reader import Reader
+    from ..decision.reader import RunReader
     from ..laboratory.laboratory import Laboratory
     from ..so_far import SoFar
 
@@ -27,7 +27,7 @@ def input_rounding(lab: Laboratory, found: SoFar) -> list[Experiment]:
     return [row]
 
 
-def _input(lab: Laboratory) -> tuple[Reader | None, Experiment]:
+def _input(lab: Laboratory) -> tuple[RunReader | None, Experiment]:
     """A reader of it, and what it shows."""
     if not lab.engine.rounds_input:
         return lab.truth, Experiment(CAUSE, "no input is rounded", 0.0, False)

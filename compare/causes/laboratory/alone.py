@@ -22,8 +22,8 @@ from ....scenarios.numbers.real import real
 from ....scenarios.things import Circle
 from ...alignment.align import align
 from ...alignment.streams import history
-from ..decision.decision import Decision, Pairing
-from ..decision.reader import Reader
+from ..decision.decision import DecidingNumber, Pairing
+from ..decision.reader import RunReader
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
@@ -54,13 +54,13 @@ class Displaced:
     """
 
     after: int
-    decision: Decision
-    truth: Reader
-    own: Reader
-    small: Callable[[Quantity], Reader]
+    decision: DecidingNumber
+    truth: RunReader
+    own: RunReader
+    small: Callable[[Quantity], RunReader]
 
 
-def arithmetic_alone(lab: Laboratory, entered: Reader) -> Displaced | None:
+def arithmetic_alone(lab: Laboratory, entered: RunReader) -> Displaced | None:
     """The exact run with the displacement of the engine's arithmetic alone; None where there is no such moment.
 
     Args:
@@ -87,14 +87,14 @@ def arithmetic_alone(lab: Laboratory, entered: Reader) -> Displaced | None:
     if plain is None or not _goes_on(lab, plain, after):
         return None
 
-    def read(share: Quantity) -> Reader | None:
+    def read(share: Quantity) -> RunReader | None:
         run = ran(share)
-        return None if run is None else Reader(run, align(plain, run, instants=False).walks)
+        return None if run is None else RunReader(run, align(plain, run, instants=False).walks)
 
     moved = read(Quantity.of(1))
     if moved is None:
         return None
-    return Displaced(after, _rebased(decision, after), Reader(plain), moved, lambda share: read(share) or moved)
+    return Displaced(after, _rebased(decision, after), RunReader(plain), moved, lambda share: read(share) or moved)
 
 
 def _moment(lab: Laboratory, given: Trajectory) -> tuple[int, Fraction] | None:
@@ -176,7 +176,7 @@ def _goes_on(lab: Laboratory, run: Trajectory, after: int) -> bool:
     return [event.impulses for event in run.events[: len(wanted)]] == wanted
 
 
-def _rebased(decision: Decision, after: int) -> Decision:
+def _rebased(decision: DecidingNumber, after: int) -> DecidingNumber:
     """A decision with its anchors counted from a moment on."""
 
     def rebased(pairing: Pairing) -> Pairing:

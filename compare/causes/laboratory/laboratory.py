@@ -15,9 +15,9 @@ from ...alignment.impulse_order import DOUBLE_BITS
 from ...deadline import OutOfTime, time_to_read
 from ...engines import engine
 from ...study import SERIES_MORE
-from ..decision.decision import Decision, Pairing, answer
+from ..decision.decision import DecidingNumber, Pairing, answer
 from ..decision.decisions import decisions
-from ..decision.reader import Reader
+from ..decision.reader import RunReader
 from ..decision.rounding import rounded
 
 if TYPE_CHECKING:
@@ -61,17 +61,21 @@ class Laboratory:
         self.given = rounded_or_none(study.scene, self.bits) if judged.rounds_input else study.scene
         turned = self.reference.reversal
         self.turned = None if turned is None or turned.after > divergence.event else turned.after
-        self.truth = Reader(self.reference, turned_after=self.turned)
-        self.own = Reader(candidate.trajectory, candidate.alignment.walks, self.given, self.turned)
+        self.truth = RunReader(self.reference, turned_after=self.turned)
+        self.own = RunReader(candidate.trajectory, candidate.alignment.walks, self.given, self.turned)
         self.decision = self._decision()
-        self._doubles: Reader | None = None
+        self._doubles: RunReader | None = None
         self.margin = None if self.decision is None else self.truth.value(self.decision)
         self.got = None if self.decision is None else self.own.value(self.decision)
 
-    def _decision(self) -> Decision | None:
-        """The decision that the candidate has otherwise; where its own flights have none, the closest."""
+    def _decision(self) -> DecidingNumber | None:
+        """The decision that the candidate has otherwise; where its own flights have none, the closest.
+
+        Two that part in both, as after their last meeting, decide nothing: whatever the candidate tells of them.
+        """
         found = decisions(self.reference, self.candidate.trajectory, self.candidate.alignment)
-        told = [(d, v) for d in found if (v := self.truth.value(d)) is not None]
+        asked = [d for d in found if d.kind == "order" or not (self.truth.parts(d.first) and self.own.parts(d.first))]
+        told = [(d, v) for d in asked if (v := self.truth.value(d)) is not None]
         for decision, value in told:
             other = self.own.value(decision)
             if other is not None and answer(decision, other) != answer(decision, value):
@@ -132,10 +136,10 @@ class Laboratory:
         """The largest coordinate or radius of the scene."""
         return max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in self.study.scene.circles)
 
-    def reader(self, run: Trajectory, scene: Scene | None, step: float | None) -> Reader:
+    def reader(self, run: Trajectory, scene: Scene | None, step: float | None) -> RunReader:
         """Another run at the decision."""
         walks = align(self.reference, run, span=self.span, step=step, instants=False).walks
-        return Reader(run, walks, scene, self.turned)
+        return RunReader(run, walks, scene, self.turned)
 
     @property
     def span(self) -> Span:

@@ -9,8 +9,8 @@ from ....exact.numbers import ball
 from ..diagnosis import Experiment
 
 if TYPE_CHECKING:
-    from ..decision.decision import Decision, Pairing
-    from ..decision.reader import Reader
+    from ..decision.decision import DecidingNumber, Pairing
+    from ..decision.reader import RunReader
     from ..diagnosis import CauseName
     from .laboratory import Laboratory
 
@@ -19,7 +19,7 @@ SMALLER = 200
 
 
 def shown(
-    lab: Laboratory, cause: CauseName, decision: Decision, truth: Reader, reader: Reader, what: str
+    lab: Laboratory, cause: CauseName, decision: DecidingNumber, truth: RunReader, reader: RunReader, what: str
 ) -> Experiment:
     """What a run shows at a decision, beside the run of which the true answer is read."""
     if not all(reader.follows(p) for p in decision.pairings):
@@ -35,7 +35,7 @@ def shown(
     return Experiment(cause, f"{what} {verb(moved, flips)}", moved, flips)
 
 
-def first_of(decision: Decision, truth: Reader) -> Pairing | None:
+def first_of(decision: DecidingNumber, truth: RunReader) -> Pairing | None:
     """Which of two meetings comes first in the exact motion; None where one is in question, or both come at once."""
     value = truth.value(decision)
     sign = None if value is None or decision.second is None else ball.sign_of(value)

@@ -115,7 +115,7 @@ JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON obje
 REFERENCE = one_engine("The engine taken as the truth.", name="reference", option="--reference")
 HTML = a_file("--html", help="Also write the report as one offline HTML file.")
 CERTIFY = click.option(
-    "--certify", is_flag=True, help="Attach a certificate of the reference's run, independently checked."
+    "--certify", "certified", is_flag=True, help="Attach a certificate of the reference's run, independently checked."
 )
 
 HELD_AGAINST = (
@@ -151,7 +151,7 @@ class HeldAgainst:
     no_cache: bool
     as_json: bool
     html: str | None
-    certify: bool
+    certified: bool
 
     def scene(self, name: str) -> Scene:
         """The scene of that name, as the options change it."""

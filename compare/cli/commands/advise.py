@@ -150,11 +150,11 @@ def advise(
 
 
 def _goal(outcome: str | None, digits: int | None, events: int | None) -> Goal:
-    from ...advice.goal import Digits, History, OutcomeGoal
+    from ...advice.goal import Digits, HistoryGoal, OutcomeGoal
 
     if outcome is not None:
         return OutcomeGoal(outcome)
-    return Digits(digits) if digits is not None else History(events)
+    return Digits(digits) if digits is not None else HistoryGoal(events)
 
 
 def searched(state: Searching, seconds: float) -> str:

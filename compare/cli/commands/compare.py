@@ -25,7 +25,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
     each run has by then is compared, and what was left out is named.
     """
     from ...certificate.attached import with_certificates
-    from ...certificates import check_engine
+    from ...certificate.certified import check_engine
     from ...comparison import compare as compare_engines
     from ...documents.comparison import comparison_json
     from ...engines import split_engines
@@ -38,7 +38,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
     for file in (held.html, save):
         if file is not None:
             check_writable(file)
-    if held.certify:
+    if held.certified:
         check_engine(held.reference, "--certify")
     with showing_progress(loaded.name, goal_of(loaded, held.until, held.events)) as progress:
         comparison = compare_engines(
@@ -50,7 +50,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
             max_seconds=held.max_seconds,
             progress=progress,
         )
-    if held.certify:
+    if held.certified:
         comparison = with_certificates(comparison)
     if held.html is not None:
         from ...report.html import html_report

@@ -102,8 +102,8 @@ def judge(
             max_seconds=held.max_seconds,
             progress=progress,
         )
-    if held.certify:
-        from ...certificates import certified
+    if held.certified:
+        from ...certificate.certified import certified
 
         comparison = replace(comparison, certificate=certified(comparison.reference))
     changes = changes_of(comparison)

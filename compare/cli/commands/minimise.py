@@ -11,7 +11,7 @@ from ..arguments.options import EVENTS, SCENE, SCENE_HELP, UNTIL, WithDefault, a
 from ..exit_codes import DONE, ExitCode
 
 if TYPE_CHECKING:
-    from ...reduction.minimise import Searching
+    from ...reduction.minimise import Reducing
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -106,12 +106,12 @@ def minimise(
     return codes.get(found.end, ExitCode.UNDECIDED)
 
 
-def searched(state: Searching, seconds: float) -> str:
+def searched(state: Reducing, seconds: float) -> str:
     """How far a search is.
 
-    >>> from truebreak.compare.reduction.minimise import Searching
-    >>> from truebreak.compare.reduction.smallest import Size
-    >>> searched(Searching(30, 1000, Size(2, 4, 0, 75, 39)), 3.0)
+    >>> from truebreak.compare.reduction.minimise import Reducing
+    >>> from truebreak.compare.reduction.smallest import SceneSize
+    >>> searched(Reducing(30, 1000, SceneSize(2, 4, 0, 75, 39)), 3.0)
     '30 of at most 1,000 comparisons, 10 a second; left: 2 circles, 4 walls, 75 events, 39 characters'
     """
     from ...report.text.smallest import size_phrase

@@ -90,7 +90,7 @@ def run(
         goal = goal_of(loaded, *((until, events) if until or events else chosen.limits))
     check_until(chosen, loaded, until)
     if certificate is not None:
-        from ...certificates import check_certifiable
+        from ...certificate.certified import check_certifiable
 
         check_certifiable(chosen.name, certificate)
     if save is not None:
@@ -105,7 +105,7 @@ def run(
 
         save_run(trajectory, save)
     if certificate is not None:
-        from ...certificates import write_certificate
+        from ...certificate.certified import write_certificate
 
         write_certificate(trajectory, certificate)
     if as_json:

@@ -14,8 +14,8 @@ from ..exit_codes import DONE, ExitCode
 from ..progress import duration, showing
 
 if TYPE_CHECKING:
-    from ...stress.cell import Row
     from ...stress.plan import Done
+    from ...stress.rows.cell import StressRow
 
 EPILOG = """
 \b
@@ -113,7 +113,7 @@ def stress(
     return code_of(rows)
 
 
-def code_of(rows: Sequence[Row]) -> ExitCode:
+def code_of(rows: Sequence[StressRow]) -> ExitCode:
     """1 if the exact engine is refuted anywhere, 4 if it is undecided or unchecked anywhere, else 0."""
     marks = {row["exact"]["mark"] for row in rows}
     if "wrong" in marks:
@@ -156,9 +156,9 @@ def _showing() -> Iterator[Callable[[Done], None] | None]:
 def how_far(done: Done) -> str:
     """How far a map is.
 
-    >>> from truebreak.compare.stress.family import Place
+    >>> from truebreak.compare.stress.family import MapPlace
     >>> from truebreak.compare.stress.plan import Done
-    >>> how_far(Done(30, 80, 12.0, 20, Place("near-ties", 7, "left")))
+    >>> how_far(Done(30, 80, 12.0, 20, MapPlace("near-ties", 7, "left")))
     'stress: near-ties, left, k = 7: 30 of 80 places, 1.67 a second, 30 s left'
     """
     rate = f", {done.fresh / done.seconds:.3g} a second" if done.seconds else ""

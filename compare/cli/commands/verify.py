@@ -18,7 +18,7 @@ def verify(file: str) -> int:
 
     Exit codes: 0 verified, 1 refuted, 2 no certificate, 4 not decided with the bits that it allows.
     """
-    from ...certificates import verdict_on
+    from ...certificate.certified import verdict_on
 
     code, sentence = verdict_on(file)
     click.echo(sentence, err=code == ExitCode.USAGE)

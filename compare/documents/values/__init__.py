@@ -1,1 +1,1 @@
-"""The numbers of a document: bounds and doubles of any engine, exact text with shared definitions."""
+"""What documents are made of: numbers of any engine, exact text with shared definitions, objects, tables."""

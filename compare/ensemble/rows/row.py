@@ -25,13 +25,13 @@ from ...outcomes.matched import matched_history
 from ...outcomes.table import changed_outcomes, outcome
 from ...scene_argument import scene_from
 from ...tangent.impacts import NoTangentMap, impacts
-from ..perturbed import Perturbed
+from .perturbed import Perturbed
 
 if TYPE_CHECKING:
     from ....scenarios.engine import Engine
     from ....scenarios.trajectory import Trajectory
 
-Row = dict[str, Any]
+SweepRow = dict[str, Any]
 
 PERTURBED = "perturbed:"
 """What the label of a displaced scene's certified run begins with."""
@@ -42,7 +42,7 @@ DISPLACED = "displaced start"
 
 
 @dataclass(frozen=True)
-class Job:
+class SweepJob:
     """One scene and what is asked of it; small, and made of text, so that any worker can take it.
 
     Attributes:
@@ -66,12 +66,12 @@ class Job:
     work: int | None = None
 
 
-def rows_of(job: Job) -> list[Row]:
+def rows_of(job: SweepJob) -> list[SweepRow]:
     """The rows of one scene, in the order of its engines; the same on every machine.
 
     A scene that cannot be built, and an engine that cannot take it, are rows too, with the verdict `refused`.
     """
-    shared: Row = {"index": job.index, "scene": job.spec, "digest": None, "parameters": dict(job.settings)}
+    shared: SweepRow = {"index": job.index, "scene": job.spec, "digest": None, "parameters": dict(job.settings)}
     try:
         scene = scene_from(job.spec)
         truth = ExactEngine() if job.work is None else ExactEngine(work=job.work)
@@ -90,7 +90,7 @@ def rows_of(job: Job) -> list[Row]:
     return [_row(job, label, shared, reference, forecaster, exponent) for label in job.engines]
 
 
-def _forecast(reference: Trajectory, shared: Row) -> tuple[Forecaster | None, float]:
+def _forecast(reference: Trajectory, shared: SweepRow) -> tuple[Forecaster | None, float]:
     """What the certified run foresees; the largest exponent goes into the rows."""
     shared |= dict.fromkeys(("lyapunov", "lyapunov_low", "lyapunov_high"))
     if not reference.events:
@@ -108,8 +108,8 @@ def _forecast(reference: Trajectory, shared: Row) -> tuple[Forecaster | None, fl
 
 
 def _row(
-    job: Job, label: str, shared: Row, reference: Trajectory, forecaster: Forecaster | None, exponent: float
-) -> Row:
+    job: SweepJob, label: str, shared: SweepRow, reference: Trajectory, forecaster: Forecaster | None, exponent: float
+) -> SweepRow:
     row = _blank(shared, label)
     engine = engine_of(label, job.index)
     horizon = None if forecaster is None else forecaster.foresee(label, engine, exponent)
@@ -140,11 +140,11 @@ def _row(
     return row
 
 
-def _blank(shared: Row, label: str) -> Row:
+def _blank(shared: SweepRow, label: str) -> SweepRow:
     return {**dict.fromkeys(COLUMNS), **shared, "engine": label}
 
 
-def _changed(job: Job, told: Followed, reference: Trajectory) -> list[str]:
+def _changed(job: SweepJob, told: Followed, reference: Trajectory) -> list[str]:
     """The outcomes that differ, of those asked for."""
     mine = told.study.longest or reference
     matched = matched_history(told.run, mine, told.alignment, told.study.span)
@@ -153,7 +153,7 @@ def _changed(job: Job, told: Followed, reference: Trajectory) -> list[str]:
     return list(changed_outcomes(*values, agrees=told.alignment.divergence is None))
 
 
-def _why(told: Followed, label: str, engine: Engine) -> Row:
+def _why(told: Followed, label: str, engine: Engine) -> SweepRow:
     """The cause, the margin and the engine's error, by the experiments of `compare`."""
     apart = separation(told.study.reference, told.run, float(told.study.reference.final_time))
     stepped = engine.step is not None
@@ -199,6 +199,6 @@ COLUMNS = (
 """What a row tells, in order; docs/sweep.md says what each means."""
 
 
-def text_of(row: Row) -> str:
+def text_of(row: SweepRow) -> str:
     """A row as JSON text in one form: equal rows are equal byte by byte."""
     return json.dumps({key: row[key] for key in COLUMNS}, ensure_ascii=False, sort_keys=False, separators=(",", ":"))

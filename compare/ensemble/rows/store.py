@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ....scenarios.errors import SceneError
-from .row import COLUMNS, Row, text_of
+from .row import COLUMNS, SweepRow, text_of
 
 FORMAT = "truebreak/sweep-store-2"
 
@@ -44,7 +44,10 @@ class Store:
         self.path = path
         fresh = path == ":memory:" or not Path(path).exists() or Path(path).stat().st_size == 0
         if fresh and settings is None:
-            raise SceneError(f"--store {path!r}: there is no such file; give a scene to make one")
+            there = "the file is empty" if Path(path).exists() else "there is no such file"
+            raise SceneError(f"--store {path!r}: {there}; give a scene to make one")
+        if Path(path).is_dir():
+            raise SceneError(f"--store {path!r}: is a folder; name a file in it")
         if not Path(path).parent.is_dir():
             raise SceneError(f"--store {path!r}: there is no folder {str(Path(path).parent)!r}; create it first")
         with self._told():
@@ -110,7 +113,7 @@ class Store:
         there = Counter(scene for scene, _, _ in self._read())
         return {scene for scene, count in there.items() if count == len(self.settings["engines"])}
 
-    def add(self, scene: int, rows: Iterable[Row], seconds: float) -> None:
+    def add(self, scene: int, rows: Iterable[SweepRow], seconds: float) -> None:
         """A scene's rows and wall time, all or nothing: on disk when this returns."""
         with self._told(), self.base:
             told = [(scene, engine, text, _digest(text, scene, engine))
@@ -123,11 +126,11 @@ class Store:
         with self._told(), self.base:
             self.base.execute("INSERT INTO failures VALUES (?, ?, ?)", (scene, attempt, note))
 
-    def rows(self) -> Iterator[Row]:
+    def rows(self) -> Iterator[SweepRow]:
         """Every row, in the order of the scenes and of the engines."""
         return (row for _, _, row in self._read())
 
-    def _read(self) -> Iterator[tuple[int, int, Row]]:
+    def _read(self) -> Iterator[tuple[int, int, SweepRow]]:
         with self._told():
             for scene, engine, text, digest in self.base.execute("SELECT * FROM rows ORDER BY scene, engine"):
                 yield scene, engine, self._kept(text, digest, COLUMNS, scene, engine)
@@ -142,13 +145,13 @@ class Store:
         self.base.close()
 
 
-def merged(paths: Iterable[str]) -> tuple[list[Row], dict[str, Any], list[tuple[int, int, str]]]:
+def merged(paths: Iterable[str]) -> tuple[list[SweepRow], dict[str, Any], list[tuple[int, int, str]]]:
     """The rows of several stores of one sweep, such as its shards, what the sweep asked for, and the failures.
 
     Raises:
         SceneError: as `Store`, and if they are of different sweeps.
     """
-    found: dict[tuple[int, int], Row] = {}
+    found: dict[tuple[int, int], SweepRow] = {}
     settings: dict[str, Any] | None = None
     failures: list[tuple[int, int, str]] = []
     for path in paths:

@@ -8,10 +8,10 @@ import json
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from .row import COLUMNS, Row
+from .row import COLUMNS, SweepRow
 
 
-def csv_text(rows: Iterable[Row], keys: Sequence[str]) -> str:
+def csv_text(rows: Iterable[SweepRow], keys: Sequence[str]) -> str:
     """The rows as CSV, each varied parameter in a column of its own; equal rows give equal bytes.
 
     >>> row = dict.fromkeys(COLUMNS) | {"index": 3, "parameters": {"n": "5"}, "changed": ["collisions"]}

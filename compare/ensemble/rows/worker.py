@@ -8,7 +8,7 @@ import time as clock
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .row import Job
+    from .row import SweepJob
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -37,7 +37,7 @@ ONE_AT_A_TIME = threading.Lock()
 """Balls have one working precision for the whole process: two jobs in threads of it would change each other's."""
 
 
-def carry_out(job: Job) -> tuple[list[dict[str, Any]], float]:
+def carry_out(job: SweepJob) -> tuple[list[dict[str, Any]], float]:
     """The rows of a job, and the seconds that it took."""
     from .row import rows_of
 

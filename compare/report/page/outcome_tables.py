@@ -25,7 +25,7 @@ SAME, UNTOLD = "the same", "not settled"
 
 
 @dataclass(frozen=True)
-class Row:
+class OutcomeRow:
     """One value: the reference's, and each engine's as text."""
 
     key: str
@@ -45,7 +45,7 @@ class ChangedOutcome:
     """
 
     name: str
-    rows: tuple[Row, ...]
+    rows: tuple[OutcomeRow, ...]
     total: int
     summary: str
 
@@ -82,7 +82,7 @@ def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
     values = [c.outcomes.get(name) for c in comparison.candidates]
     parts = [_parts(value) for value in (expected, *values)]
     keys = list(dict.fromkeys(key for part in parts for key in part))
-    rows: list[Row] = []
+    rows: list[OutcomeRow] = []
     counts, room = [0] * len(values), room_of(expected)
     for key in keys:
         cells = []
@@ -96,7 +96,7 @@ def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
                 counts[number] += 1
                 cells.append(_against(mine, theirs))
         if any(cell not in (SAME, UNTOLD) for cell in cells):
-            rows.append(Row(words(key), value_text(parts[0].get(key)), tuple(cells)))
+            rows.append(OutcomeRow(words(key), value_text(parts[0].get(key)), tuple(cells)))
     told = [
         f"{candidate.engine} changed {count:,} of {len(keys):,}"
         for candidate, count in zip(comparison.candidates, counts, strict=True)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ....scenarios.picture import Disc, view_of, wall_line
+from ....scenarios.pictures.view import DrawnDisc, view_of, wall_line
 from ....scenarios.trajectory import StopReason
 from ..instants import later
 from ..sentences import headline
@@ -231,8 +231,8 @@ def _names(partners: Iterable[str | None]) -> list[str]:
 def _view(scene: Scene, knots: list[list[float]]) -> list[float]:
     """Left, bottom, width and height of what is shown: where circles go, as far as they stay near."""
 
-    def disc(i: int, x: float, y: float) -> Disc:
-        return Disc("", x, y, float(scene.circles[i].r), 0.0, 0.0, "")
+    def disc(i: int, x: float, y: float) -> DrawnDisc:
+        return DrawnDisc("", x, y, float(scene.circles[i].r), 0.0, 0.0, "")
 
     start = view_of([disc(i, float(c.x), float(c.y)) for i, c in enumerate(scene.circles)], scene)
     reach = VIEW_REACH * max(start.width, start.height)

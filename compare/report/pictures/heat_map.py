@@ -10,7 +10,7 @@ from itertools import groupby
 
 from ...stress.family import Family
 from ...stress.ladder import Ladder
-from ...stress.marks import Mark
+from ...stress.rows.marks import MapMark
 
 CELL, ROW, LETTER = 15, 18, 8
 """Width and height of a cell, and the room granted to one letter of 12 pixels, all in pixels: fixed-width letters of
@@ -38,7 +38,7 @@ DARK = {
 }  # fmt: skip
 """Colours: of the page, of letters on it, and of each mark's cell and its letter."""
 
-LETTERS = {mark: mark.sign for mark in Mark} | {Mark.RIGHT: "·", Mark.WRONG: "×", Mark.REFUSED: "–"}
+LETTERS = {mark: mark.sign for mark in MapMark} | {MapMark.RIGHT: "·", MapMark.WRONG: "×", MapMark.REFUSED: "–"}
 """What stands in a cell, so that no mark is told by its colour alone."""
 
 
@@ -111,7 +111,7 @@ class _Sheet:
 
     def legend(self) -> None:
         """Each mark and what it means."""
-        for mark in Mark:
+        for mark in MapMark:
             self.parts.append(_cells(EDGE, self.y, mark, 1))
             for line in textwrap.wrap(mark.meaning, (self.width - 3 * EDGE - CELL) // LETTER):
                 self.text(EDGE + CELL + LETTER, line)
@@ -159,7 +159,7 @@ class _Sheet:
         return "\n".join([head, name, _style(), _patterns(), page, *self.parts, "</svg>", ""])
 
 
-def _cells(x: int, y: int, mark: Mark, count: int) -> str:
+def _cells(x: int, y: int, mark: MapMark, count: int) -> str:
     """Cells of one mark, side by side."""
     return (
         f'<g transform="translate({x} {y})"><rect width="{count * CELL}" height="{ROW}" '
@@ -173,7 +173,7 @@ def _patterns() -> str:
         f'<pattern id="stress-{mark.value}" width="{CELL}" height="{ROW}" patternUnits="userSpaceOnUse">'
         f'<rect x="0.5" y="1" width="{CELL - 1}" height="{ROW - 2}" rx="2" class="{mark.value}"/>'
         f'<text x="{CELL / 2}" y="{ROW - 5}" class="{mark.value}-ink tick">{LETTERS[mark]}</text></pattern>'
-        for mark in Mark
+        for mark in MapMark
     ]
     return "\n".join(["<defs>", *told, "</defs>"])
 

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ....scenarios.picture import HEIGHT, WIDTH, Disc, View, draw, scene_picture, view_of
+from ....scenarios.pictures.picture import draw, scene_picture
+from ....scenarios.pictures.view import HEIGHT, WIDTH, DrawnDisc, View, view_of
 from .engine_style import engine_css
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ def notebook_picture(reference: Trajectory, candidates: Sequence[Candidate]) -> 
     return draw(reference.scene, discs, title, marked=marked, standalone=True, style=style)
 
 
-def _parting(reference: Trajectory, candidate: Candidate, number: int) -> tuple[list[Disc], set[str], str]:
+def _parting(reference: Trajectory, candidate: Candidate, number: int) -> tuple[list[DrawnDisc], set[str], str]:
     """The circles of both runs at the time of the first divergence, the names of those in question, and a title."""
     divergence = candidate.alignment.divergence
     assert divergence is not None
@@ -54,7 +55,7 @@ def _parting(reference: Trajectory, candidate: Candidate, number: int) -> tuple[
                 continue
             classes = f"{'fixed' if circle.fixed else kind}{' marked' if circle.id in marked else ''}"
             x, y, vx, vy = (float(v) for v in row)
-            discs.append(Disc(str(circle.id), x, y, float(circle.r), vx, vy, classes, label=kind == "circle"))
+            discs.append(DrawnDisc(str(circle.id), x, y, float(circle.r), vx, vy, classes, label=kind == "circle"))
     return discs, marked, f"{reference.engine} (solid) and {candidate.engine} (dashed) at time {time:.9g}"
 
 
@@ -65,7 +66,7 @@ CLOSE_UP_REACH = 6.0
 """Size of a close-up, in radii beyond the circles that matter."""
 
 
-def view_near(discs: Sequence[Disc], whole: View) -> View | None:
+def view_near(discs: Sequence[DrawnDisc], whole: View) -> View | None:
     """A view of a few discs alone; None if the whole shows them as large, or nearly so."""
     radius = max((d.r for d in discs), default=0.0)
     if radius <= 0 or radius * whole.scale >= CLOSE_UP_FROM:

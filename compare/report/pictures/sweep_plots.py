@@ -9,7 +9,7 @@ from .curves import Curve, plot
 from .engine_style import REFERENCE, plain_css
 
 if TYPE_CHECKING:
-    from ...ensemble.rows.row import Row
+    from ...ensemble.rows.row import SweepRow
     from ...ensemble.survival import Step, Summary
 
 STYLE = f"""<style>
@@ -33,7 +33,7 @@ def staircase(steps: Sequence[Step]) -> list[tuple[float, float]]:
     return points
 
 
-def law_points(rows: Iterable[Row]) -> dict[str, list[tuple[float, float]]]:
+def law_points(rows: Iterable[SweepRow]) -> dict[str, list[tuple[float, float]]]:
     """For each engine (ln(1/eps)/lambda, time of divergence) of every scene for which both are told."""
     found: dict[str, list[tuple[float, float]]] = {}
     for row in rows:
@@ -55,7 +55,7 @@ def survival_svg(told: Sequence[Summary]) -> str:
     return standalone(plot("Share of scenes whose history is still true", "event", "share", curves), len(told))
 
 
-def law_svg(rows: Iterable[Row], told: Sequence[Summary]) -> str:
+def law_svg(rows: Iterable[SweepRow], told: Sequence[Summary]) -> str:
     """The time at which each scene's history was left over ln(1/eps)/lambda, with each engine's fitted line."""
     clouds = law_points(rows)
     engines = dict.fromkeys([*(summary.engine for summary in told), *clouds])

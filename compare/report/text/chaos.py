@@ -12,7 +12,7 @@ from .output import console, grid, say
 if TYPE_CHECKING:
     from ...chaos.chaos import Chaos
     from ...chaos.growth.blocks import Rate
-    from ...chaos.horizon import Horizon, Place
+    from ...chaos.horizon import EventTime, Horizon
 
 SHOWN_EXPONENTS = 12
 """Exponents listed for people; the JSON has all."""
@@ -89,7 +89,7 @@ def _row(horizon: Horizon, events: int) -> tuple[str, ...]:
     )
 
 
-def _event(place: Place, events: int) -> str:
+def _event(place: EventTime, events: int) -> str:
     return f"beyond {events - 1}" if place.event is None else str(place.event)
 
 

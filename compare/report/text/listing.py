@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 from ....scenarios.numbers.real import real
 from ...documents.values.amounts import bounds, double
 from ..counting import counted
-from .output import Table, console, grid, say
+from .output import TextTable, console, grid, say
 
 if TYPE_CHECKING:
-    from ....scenarios.catalogue import Entry
+    from ....scenarios.catalogue import SceneEntry
     from ....scenarios.event import Event
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Trajectory
@@ -81,7 +81,7 @@ def print_catalogue(as_json: bool) -> None:
     say(out, "\nRun one with: truebreak compare NAME, or NAME:key=value,key=value")
 
 
-def catalogue_row(entry: Entry) -> dict[str, Any]:
+def catalogue_row(entry: SceneEntry) -> dict[str, Any]:
     """What the catalogue tells of one scene."""
     return {
         "name": entry.name,
@@ -161,7 +161,7 @@ def print_trajectory(trajectory: Trajectory, *, exact: bool, watch: Clock) -> No
         say(out, f"plan: {told}")
 
 
-def events_table(trajectory: Trajectory, exact: bool, watch: Clock) -> Table:
+def events_table(trajectory: Trajectory, exact: bool, watch: Clock) -> TextTable:
     """The first and last events of a run."""
     table = grid("event", "time", "contacts", "impulses", whole=("event", *(() if exact else ("time",))))
     events = trajectory.events

@@ -38,7 +38,7 @@ class Tinted(NamedTuple):
     style: str
 
 
-class Table:
+class TextTable:
     """Rows under headings; see `grid`."""
 
     def __init__(
@@ -142,7 +142,7 @@ class Table:
         return table
 
 
-def grid(*headings: str, title: str | None = None, whole: Sequence[str] = (), right: Sequence[str] = ()) -> Table:
+def grid(*headings: str, title: str | None = None, whole: Sequence[str] = (), right: Sequence[str] = ()) -> TextTable:
     """An empty table in the one style of all reports. Nothing in it is ever cut.
 
     Args:
@@ -154,7 +154,7 @@ def grid(*headings: str, title: str | None = None, whole: Sequence[str] = (), ri
     >>> [line.strip() for line in table.lines(80)]
     ['', 'circle      x', '─────────────', 'c1       0.25', '']
     """
-    return Table(headings, title, whole, right)
+    return TextTable(headings, title, whole, right)
 
 
 class Output:
@@ -168,7 +168,7 @@ class Output:
     def __init__(self, *, plain: bool, width: int | None) -> None:
         self.plain, self.width = plain, width
 
-    def print(self, table: Table) -> None:
+    def print(self, table: TextTable) -> None:
         """A table."""
         encoding = (getattr(sys.stdout, "encoding", None) or "utf-8").lower()
         lines = table.lines(self.width) if self.plain and self.width and encoding.startswith("utf") else None

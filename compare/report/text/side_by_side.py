@@ -19,7 +19,7 @@ BEFORE, AFTER = 2, 3
 
 
 @dataclass(frozen=True)
-class Row:
+class MeetingRow:
     """One meeting of the body in each run.
 
     Attributes:
@@ -35,7 +35,7 @@ class Row:
     differs: bool
 
 
-def side_by_side(comparison: Comparison, candidate: Candidate) -> list[Row]:
+def side_by_side(comparison: Comparison, candidate: Candidate) -> list[MeetingRow]:
     """The meetings of the diverging body, from a little before the divergence."""
     divergence = candidate.alignment.divergence
     if divergence is None:
@@ -56,7 +56,7 @@ def side_by_side(comparison: Comparison, candidate: Candidate) -> list[Row]:
         *zip_longest(mine[at_mine : at_mine + AFTER], theirs[at_theirs : at_theirs + AFTER]),
     ]
     return [
-        Row(
+        MeetingRow(
             _when(comparison.reference, mine, a) if a else "",
             a[2] if a else "nothing more" if k == depth else "",
             _when(candidate.trajectory, theirs, b) if b else "",

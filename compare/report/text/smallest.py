@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...reduction.smallest import Size
+from ...reduction.smallest import SceneSize
 from ..counting import counted
 from ..sentences import divergence_phrase
 from .output import console, grid, say
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 def print_smallest(found: Smallest) -> None:
     """Prints what was left out, step by step with the verdict on what was left, and the comparison of the last."""
     out = console()
-    say(out, f"{found.original.name}: {size_phrase(Size.of(found.original))}")
-    say(out, f"still shown by: {size_phrase(Size.of(found.scene))}", "bold")
+    say(out, f"{found.original.name}: {size_phrase(SceneSize.of(found.original))}")
+    say(out, f"still shown by: {size_phrase(SceneSize.of(found.scene))}", "bold")
     say(out, f"{counted(found.runs, 'comparison')}; {found.end.value}.", None if found.minimal else "yellow")
     if found.steps:
         table = grid("comparison", "left out", "on what is left", whole=("comparison",))
@@ -29,10 +29,10 @@ def print_smallest(found: Smallest) -> None:
     print_comparison(found.comparison)
 
 
-def size_phrase(size: Size) -> str:
+def size_phrase(size: SceneSize) -> str:
     """A size in words; the characters are those of the numbers.
 
-    >>> size_phrase(Size(2, 4, 0, None, 39))
+    >>> size_phrase(SceneSize(2, 4, 0, None, 39))
     '2 circles, 4 walls, 39 characters'
     """
     things = [(size.circles, "circle"), (size.walls, "wall"), (size.pockets, "pocket"), (size.events, "event")]

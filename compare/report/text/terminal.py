@@ -17,7 +17,7 @@ from ..sentences import (
     span_phrase,
     verdict_sentence,
 )
-from .output import Table, Tinted, console, grid, say
+from .output import TextTable, Tinted, console, grid, say
 from .side_by_side import side_by_side
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def print_comparison(comparison: Comparison) -> None:
                 say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.evidence}")
 
 
-def engines_table(comparison: Comparison) -> Table:
+def engines_table(comparison: Comparison) -> TextTable:
     """One row an engine; a column for the return only after a reversal."""
     returns = comparison.return_miss is not None or any(c.return_miss is not None for c in comparison.candidates)
     headings = [

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ....scenarios.errors import SceneError
-from ...advice.goal import History
+from ...advice.goal import HistoryGoal
 from ...advice.search import advise
 from ...engines import engine
 from ...scene_argument import scene_from
@@ -55,7 +55,7 @@ def adjustable(name: str) -> bool:
 def advised(task: Task, name: str) -> Advised:
     """Searches for the cheapest setting with which an engine tells the whole history of a task, and beside it."""
     try:
-        goal = History(task.events)
+        goal = HistoryGoal(task.events)
         found = advise(scene_from(task.scene), goal, name, perturbed=PERTURBED, budget=BUDGET, why=False)
     except SceneError as error:
         return Advised(task.scene, name, None, str(error))

@@ -10,7 +10,7 @@ from typing import Any
 from ....scenarios.errors import SceneError
 from ..cell import Cell
 from ..since import read_report
-from ..survey import SCENES, SURVEYED, Entry, Survey
+from ..survey import SCENES, SURVEYED, Survey, SurveyEntry
 from .advised import Advised
 
 
@@ -42,7 +42,7 @@ def read_survey(paths: Sequence[str]) -> Survey:
         advice = {key: told for key, told in advice.items() if key not in mine}
         advice |= {(row.scene, row.engine): row for row in map(partial(advised_of, path), data.get("advice", ()))}
     entries = [
-        Entry(label, one.name, tuple(found[task.scene, one.name]), advice.get((task.scene, one.name)))
+        SurveyEntry(label, one.name, tuple(found[task.scene, one.name]), advice.get((task.scene, one.name)))
         for label, task in SCENES.items()
         for one in SURVEYED
         if (task.scene, one.name) in found

@@ -11,7 +11,7 @@ from .advised import BUDGET, PERTURBED
 
 if TYPE_CHECKING:
     from ..cell import Cell
-    from ..survey import Entry, Survey, Surveyed
+    from ..survey import Survey, Surveyed, SurveyEntry
 
 
 INTRODUCTION = """# Survey of engines
@@ -112,7 +112,7 @@ def _agreed(cell: Cell | None) -> str:
     return f"**{cell.agreed}**" if cell.verdict == "agree" else f"{cell.agreed}"
 
 
-def _scene_part(label: str, entries: list[Entry]) -> str:
+def _scene_part(label: str, entries: list[SurveyEntry]) -> str:
     task = SCENES[label]
     limit = f", {task.events} events" if task.events is not None else ""
     heading = f"\n## {label[0].upper()}{label[1:]}\n\n{scene_from(task.scene).description}\n(`{task.scene}`{limit})\n\n"

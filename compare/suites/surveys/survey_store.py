@@ -12,7 +12,7 @@ from ....scenarios.errors import SceneError
 from ....scenarios.lazy.version import VERSION
 from ....scenarios.scene import Scene
 from ...scene_argument import scene_from
-from ..survey import SCENES, SURVEYED, Entry, Surveyed, installed_version
+from ..survey import SCENES, SURVEYED, Surveyed, SurveyEntry, installed_version
 from .recorded_survey import advised_of, cell_of_row
 
 FORMAT = "truebreak/survey-rows-1"
@@ -46,7 +46,7 @@ class SurveyStore:
 
     def __init__(self, path: str, settings: Mapping[str, Any]) -> None:
         self.path = path
-        self.entries: dict[tuple[str, str], Entry] = {}
+        self.entries: dict[tuple[str, str], SurveyEntry] = {}
         try:
             lines = Path(path).read_text(encoding="utf-8", errors="replace").splitlines() if Path(path).exists() else []
             if not lines:
@@ -61,7 +61,7 @@ class SurveyStore:
             if entry is not None:
                 self.entries[entry.label, entry.name] = entry
 
-    def add(self, entry: Entry) -> None:
+    def add(self, entry: SurveyEntry) -> None:
         """Writes a row: it is on disk when this returns.
 
         Raises:
@@ -107,7 +107,7 @@ class SurveyStore:
         return SceneError(f"--store {self.path!r}: {told}")
 
 
-def _entry_of(line: str, path: str, scenes: Mapping[str, Scene]) -> Entry | None:
+def _entry_of(line: str, path: str, scenes: Mapping[str, Scene]) -> SurveyEntry | None:
     """The row of a line, if it is whole and holds today."""
     row = _object(line)
     if row is None or row.get("label") not in scenes:
@@ -122,7 +122,7 @@ def _entry_of(line: str, path: str, scenes: Mapping[str, Scene]) -> Entry | None
         return None
     if not cells or any(cell.digest != scenes[row["label"]].digest for cell in cells):
         return None
-    return Entry(row["label"], one.name, cells, advice)
+    return SurveyEntry(row["label"], one.name, cells, advice)
 
 
 def _object(line: str) -> dict[str, Any] | None:

@@ -64,11 +64,12 @@ def local_error(engine: Engine, reference: Trajectory, bits: int | None) -> Loca
 
     An engine with a time step is run on the first events with its step halved again and again. Each circle's first
     meeting is then compared with the true one, when nothing has grown yet: how far off it is after that, divided by
-    the change of its velocity, is how late the meeting was. q is the slope of the latest over the step, rounded to
-    whole numbers from 1; c is twice the largest lateness / h**q, and at least 1 for q = 1, since a contact that is
-    found at the end of a step may be late by a whole one. Lateness that does not fall as h is halved is no matter of
-    the step: then, and where nothing is seen, q = 1 and c = 1. Where no step can be halved, q = 1 and c is at most
-    `UNSEEN`.
+    the change of its velocity, is how late the push was; or, if that is more, how late the meeting is told, as by an
+    engine that finds it at the end of one step and tells it at that of the next. q is the slope of the latest over
+    the step, rounded to whole numbers from 1; c is twice the largest lateness / h**q, and at least 1 for q = 1, since
+    a contact that is found at the end of a step may be late by a whole one. Lateness that does not fall as h is halved
+    is no matter of the step: then, and where nothing is seen, q = 1 and c = 1. Where no step can be halved, q = 1 and
+    c is at most `UNSEEN`.
     """
     unit = 0.0 if bits is None else 2.0**-bits
     rounding = LocalError(ROUNDINGS * unit, unit if engine.rounds_input else 0.0)
@@ -139,4 +140,4 @@ def _late(reference: Trajectory, run: Trajectory, name: str) -> float | None:
     off = math.hypot(
         float(got.x) - float(after.x) - lag * float(after.vx), float(got.y) - float(after.y) - lag * float(after.vy)
     )
-    return off / kick if kick else None
+    return max(off / kick, abs(lag)) if kick else None

@@ -9,6 +9,8 @@ from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from ....exact.numbers import ball
+from ....scenarios.checks.limits import positive_count
+from ....scenarios.errors import SceneError
 from ....scenarios.numbers.real import real
 
 if TYPE_CHECKING:
@@ -29,11 +31,21 @@ class Demand:
     Attributes:
         digits: of every event's time: off by no more than half a unit in the last of them.
         atol, rtol: of times and places.
+
+    Raises:
+        SceneError: for what asks for nothing, or cannot be asked for.
     """
 
     digits: int | None = None
     atol: float | None = None
     rtol: float | None = None
+
+    def __post_init__(self) -> None:
+        positive_count("digits", self.digits)
+        for key, value in (("atol", self.atol), ("rtol", self.rtol)):
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if value is not None and not (number and 0 <= value < math.inf):
+                raise SceneError(f"{key} = {value!r}: must be a finite number from 0")
 
     @property
     def told(self) -> list[str]:

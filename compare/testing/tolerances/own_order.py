@@ -14,7 +14,7 @@ from ....exact.replay.contact import Touch
 from ...alignment.align import UNKNOWING, Span, align
 from ...alignment.divergence import Kind
 from ...causes.decision.decisions import decisions
-from ...causes.decision.reader import Reader
+from ...causes.decision.reader import RunReader
 from ...foreign.guard import run_guarded
 from ...foreign.log_engine import LogEngine
 from ...orders.guided import Guided
@@ -208,7 +208,7 @@ def _out_of_reach(own: Trajectory, history: Trajectory, alignment: Alignment, lo
     if parted is None:
         return None
     size = max(abs(float(x)) for circle in own.scene.circles for x in (circle.x, circle.y, circle.r))
-    reader = Reader(own)
+    reader = RunReader(own)
     for decision in decisions(own, history, alignment):
         value = reader.value(decision)
         if value is None:

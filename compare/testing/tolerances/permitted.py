@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...foreign.impulses import SOLVED, Impacts, least
+from ...foreign.runs.impulses import SOLVED, Impacts, least
 
 if TYPE_CHECKING:
     from ....scenarios.event import Contact, Event
     from ....scenarios.scene import Scene
-    from ...foreign.impulses import Link, Normal, Row
+    from ...foreign.runs.impulses import Indices, Normal, Row
     from .local_error import LocalError
 
 TURNS = 4.0
@@ -84,7 +84,7 @@ class PermittedImpulses:
         return None
 
     def _left(
-        self, lines: Sequence[tuple[Link, Normal]], change: NDArray[np.float64], before: NDArray[np.float64]
+        self, lines: Sequence[tuple[Indices, Normal]], change: NDArray[np.float64], before: NDArray[np.float64]
     ) -> tuple[float, float, NDArray[np.float64]]:
         """What no pushes explain of a change, how fast things are, and the pushes; in velocity by root of mass."""
         weights = self.impacts.weights
@@ -96,7 +96,7 @@ class PermittedImpulses:
         left = float(np.linalg.norm(wanted - matrix.T @ strengths))
         return left, size, np.linalg.norm(matrix, axis=1) * strengths
 
-    def _turned(self, link: Link, before: NDArray[np.float64], rows: Sequence[Row], off: float) -> float:
+    def _turned(self, link: Indices, before: NDArray[np.float64], rows: Sequence[Row], off: float) -> float:
         """By how much the line of centres may be another."""
         i, j = link
         if j >= self.impacts.count:
@@ -105,7 +105,7 @@ class PermittedImpulses:
         speeds = [float(np.hypot(*(before[j] - before[i]))), float(np.hypot(*np.subtract(rows[j][2:], rows[i][2:])))]
         return (off + TURNS * max(speeds) * self.local.lateness) / reach if reach else 1.0
 
-    def _far(self, link: Link, rows: Sequence[Row]) -> float:
+    def _far(self, link: Indices, rows: Sequence[Row]) -> float:
         """How much more the gap of two circles is off where they are small beside their coordinates."""
         i, j = link
         if j >= self.impacts.count or not self.radii[i] + self.radii[j]:
@@ -122,10 +122,10 @@ class PermittedImpulses:
         reach = 0.0 if j >= self.impacts.count else float(self.radii[i] + self.radii[j])
         return 8 * room.rounding / reach if reach else 0.0
 
-    def _link(self, pair: Contact) -> Link:
+    def _link(self, pair: Contact) -> Indices:
         i, j = (self.places[name] for name in pair)
         return (i, j) if i < j else (j, i)
 
-    def _names(self, link: Link) -> str:
+    def _names(self, link: Indices) -> str:
         ids = self.scene.ids
         return f"{ids[link[0]]} and {ids[link[1]]}"

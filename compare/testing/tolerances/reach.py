@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ....exact.numbers.ball import double_bounds
 from ....scenarios.trajectory import StopReason
-from ...causes.decision.decision import Decision, Pairing
-from ...causes.decision.reader import Reader
+from ...causes.decision.decision import DecidingNumber, Pairing
+from ...causes.decision.reader import RunReader
 from ...tangent.impacts import NoTangentMap
 from .errors_grown import GrownErrors
 from .nearby import Nearby
@@ -105,7 +105,7 @@ class _Walk:
         self.grown = GrownErrors(run, local, in_rounds)
         self.names = run.scene.ids
         self.last: dict[str, int] = {}
-        self.reader = Reader(run)
+        self.reader = RunReader(run)
         self.near = Nearby(self.grown)
         self.found = Reach(0, None, 0, [], [], [])
         self.linear: int | None = None
@@ -275,7 +275,9 @@ class _Walk:
         """The decision, if its margin does not exceed what errors can move it by; `first` is what comes before."""
         if abs(margin) < TIGHT * self.near.scale:
             own = self._pairing(i, j)
-            value = self.reader.value(Decision("hit", own) if first is None else Decision("order", first, own))
+            value = self.reader.value(
+                DecidingNumber("hit", own) if first is None else DecidingNumber("order", first, own)
+            )
             if value is not None:
                 margin = min(map(abs, double_bounds(value)))
         if self.linear is None and abs(margin) < LINEAR * room:

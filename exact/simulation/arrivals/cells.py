@@ -28,7 +28,7 @@ from heapq import heappop, heappush
 from math import inf
 from typing import TypeAlias
 
-from .grid import MARGIN, Flight, Grid, last_within, leaves
+from .grid import MARGIN, FloatFlight, Grid, last_within, leaves
 from .wall_cells import WallCells
 
 UNIT = 2.0**-53
@@ -86,7 +86,7 @@ class Cells:
         self._numbers: list[int] = []
         self._cell = [NOWHERE] * count
         self._held: list[list[int]] = [[] for _ in range(row * (grid.rows + 2))]
-        self._flights: list[Flight] = [(0.0, 0.0, 0.0, 0.0, 0.0)] * count
+        self._flights: list[FloatFlight] = [(0.0, 0.0, 0.0, 0.0, 0.0)] * count
         self._count = 0
         self._begun = [0] * count
         self._known: list[tuple[int, ...]] = [()] * count
@@ -94,7 +94,7 @@ class Cells:
 
     # -- a new flight
 
-    def enter(self, i: int, flight: Flight) -> bool:
+    def enter(self, i: int, flight: FloatFlight) -> bool:
         """Takes up a circle's new flight; tells whether there may be walls near it."""
         self._count = self._begun[i] = self._count + 1
         self._known_walls[i] = 0
@@ -217,7 +217,7 @@ class Cells:
 
     # -- one circle
 
-    def _admit(self, flight: Flight) -> bool:
+    def _admit(self, flight: FloatFlight) -> bool:
         """Whether a flight can be held in cells; takes account of one farther out or faster than those before."""
         x, y, vx, vy, _ = flight
         far, fast = abs(x) + abs(y), abs(vx) + abs(vy)
@@ -268,7 +268,7 @@ class Cells:
         self.remove(i)
         self.loose.add(i)
 
-    def _foresee(self, i: int, flight: Flight, column: int, row: int) -> None:
+    def _foresee(self, i: int, flight: FloatFlight, column: int, row: int) -> None:
         """Queues the time at which a circle is half a margin beyond its cell; a place not sharp enough is loose."""
         x, y, vx, vy, t = flight
         if vx > 0.0:

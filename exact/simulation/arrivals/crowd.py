@@ -12,14 +12,14 @@ from ...numbers.system import N
 from ...replay.body import Body
 from ...replay.contact import Link
 from .cells import Cells
-from .grid import LARGE, Flight, grid_for
+from .grid import LARGE, FloatFlight, grid_for
 from .wall_cells import WallCells
 
 
 class Predictions(Protocol[N]):
     """Makes the predictions of one run."""
 
-    def in_doubles(self, a: Body[N], /) -> Flight | None:
+    def in_doubles(self, a: Body[N], /) -> FloatFlight | None:
         """A circle's flight in doubles; None where they do not tell it to a rounding."""
         ...
 
@@ -113,7 +113,7 @@ class Crowd(Generic[N]):
                 predictions.pairs(bodies[i], [bodies[k] for k in near], ())
 
 
-def cells_for(flights: Sequence[Flight | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:
+def cells_for(flights: Sequence[FloatFlight | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:
     """Cells for the circles of a run, empty; None where they would spare nothing."""
     grid = grid_for(flights, radii)
     if grid is None:

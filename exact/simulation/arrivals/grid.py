@@ -23,7 +23,7 @@ come to new cells more often: in the gas of 1,000, 21 pairs and 1.7 crossings an
 LARGE = 4.0
 """Circles more than this many times as large as the usual one are held against all others."""
 
-Flight: TypeAlias = tuple[float, float, float, float, float]
+FloatFlight: TypeAlias = tuple[float, float, float, float, float]
 """(x, y, vx, vy, t) in doubles: it passes (x, y) at time t, each but for a rounding."""
 
 
@@ -54,7 +54,7 @@ class Grid(NamedTuple):
         return ends
 
 
-def grid_for(flights: Sequence[Flight | None], radii: Sequence[float]) -> Grid | None:
+def grid_for(flights: Sequence[FloatFlight | None], radii: Sequence[float]) -> Grid | None:
     """Cells for circles, about three to a circle; None where they would spare nothing."""
     known = [flight for flight in flights if flight is not None]
     if len(known) < FEWEST:

@@ -25,7 +25,7 @@ from ...replay.state import State
 from . import grid as crowding
 from .cells import FARTHEST
 from .crowd import Crowd, cells_for
-from .grid import Flight
+from .grid import FloatFlight
 from .queue import ArrivalQueue
 
 ROUNDED_DOWN = 1 - 2.0**-50
@@ -45,6 +45,10 @@ class Predictor(Generic[M]):
         plan: counts what is predicted and what is skipped.
         bounds: doubles that enclose a time.
         unsure: deals with a prediction whose signs were not all certain.
+
+    Attributes:
+        few: whether there is nothing but circles and walls, and every pair of circles is looked at; known once the
+            first meetings are predicted.
     """
 
     def __init__(
@@ -68,6 +72,7 @@ class Predictor(Generic[M]):
         self.points = frozenset(i for i, circle in enumerate(scene.circles) if circle.r.sign() == 0)
         self._begun = False
         self._crowd: Crowd[M] | None = None
+        self.few = False
         self.zero = state.zero
         self.root = state.root
 
@@ -100,6 +105,7 @@ class Predictor(Generic[M]):
         if not self._begun:
             self._begun = True
             self._gather_crowd()
+            self.few = self._crowd is None and not self.state.pockets
         if self._crowd is not None:
             self._crowd.predict(moved, standing, gone)
             return
@@ -133,7 +139,7 @@ class Predictor(Generic[M]):
         if cells is not None:
             self._crowd = self.queue.crossings = Crowd(cells, state.bodies, state.pockets, self.plan, self)
 
-    def in_doubles(self, a: Body[M]) -> Flight | None:
+    def in_doubles(self, a: Body[M]) -> FloatFlight | None:
         """A flight in doubles; None where they do not tell it to a rounding."""
         numbers: list[float] = []
         for number in a.q:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...scene import Scene
 from ...things import Circle, Wall
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import one_of
 
 SOURCE = (
@@ -36,7 +36,7 @@ FIGURES: dict[str, tuple[Circle | Wall, ...]] = {
 }
 
 SCENES = {
-    "article": Entry(
+    "article": SceneEntry(
         name="article",
         summary="The worked examples of the article, small enough to check by hand.",
         parameters=(Parameter("figure", "diagonal", f"which example: {', '.join(FIGURES)}", one_of(*FIGURES)),),

@@ -8,7 +8,7 @@ from ...scene import Scene
 from ...things import Circle, Wall
 from ..angles import cosine, sine
 from ..draw import Draw
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import number, whole
 
 EVENTS = 300
@@ -122,7 +122,7 @@ def _direction(draw: Draw) -> tuple[Quantity, Quantity]:
 
 
 SCENES = {
-    "siam": Entry(
+    "siam": SceneEntry(
         name="siam",
         summary="A photon among circular mirrors on a lattice: ten digits of where it is at t = 10.",
         parameters=(Parameter("t", "10", "the time until which it flies", whole(1, 50)),),
@@ -133,7 +133,7 @@ SCENES = {
         source=CHALLENGE,
         make=siam,
     ),
-    "hexagon": Entry(
+    "hexagon": SceneEntry(
         name="hexagon",
         summary="The triangular Lorentz gas, folded into one cell by six walls.",
         parameters=(
@@ -145,7 +145,7 @@ SCENES = {
         source=FOLDED,
         make=hexagon,
     ),
-    "two-in-a-box": Entry(
+    "two-in-a-box": SceneEntry(
         name="two-in-a-box",
         summary="Two discs in a square: how often they meet is known in closed form.",
         parameters=(
@@ -160,7 +160,7 @@ SCENES = {
         source=IN_A_BOX,
         make=two_in_a_box,
     ),
-    "three-disc": Entry(
+    "three-disc": SceneEntry(
         name="three-disc",
         summary="A point escapes from between three discs: few stay long.",
         parameters=(

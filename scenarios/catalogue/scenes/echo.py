@@ -6,7 +6,7 @@ from ...numbers.quantity import Quantity
 from ...scene import Scene
 from ...things import Circle, Wall
 from ..draw import Draw
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import whole
 
 GRAIN = 1000
@@ -46,7 +46,7 @@ def echo(rows: int, after: int, seed: int) -> Scene:
 
 
 SCENES = {
-    "echo": Entry(
+    "echo": SceneEntry(
         name="echo",
         summary="A gas of one speed, turned back on its way to equilibrium: H returns, if nothing is lost.",
         parameters=(

@@ -9,7 +9,7 @@ from ...numbers.quantity import Quantity
 from ...scene import MAX_CIRCLES, Scene
 from ...things import Circle, Wall
 from ..draw import Draw
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import automatic, whole, yes_no
 from .article import SOURCE as ARTICLE
 
@@ -122,7 +122,7 @@ PARAMETERS = (
 )
 
 SCENES = {
-    "gas": Entry(
+    "gas": SceneEntry(
         name="gas",
         summary="Hard discs in a box, drawn from a seed: every hit of two makes rounding errors grow.",
         parameters=PARAMETERS,
@@ -133,7 +133,7 @@ SCENES = {
         source=SINAI,
         make=gas,
     ),
-    "reversal": Entry(
+    "reversal": SceneEntry(
         name="reversal",
         summary="A gas whose velocities are all negated once: physics runs back to the start, floats do not.",
         parameters=(

@@ -7,7 +7,7 @@ from ...scene import Scene
 from ...things import Circle
 from ...tie_policy import TiePolicy
 from ..angles import cosine, sine
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import number, one_of, tie_policy
 
 MURPHY = "T. J. Murphy and E. G. D. Cohen, J. Stat. Phys. 71 (1993), 1063; arXiv:1810.05777"
@@ -69,7 +69,7 @@ def cross(angle: str, tie: TiePolicy) -> Scene:
 TIE = Parameter("tie", "simultaneous", "tie policy, such as sequential:order=scene", tie_policy)
 
 SCENES = {
-    "free-discs": Entry(
+    "free-discs": SceneEntry(
         name="free-discs",
         summary="Equal discs in the open that collide as often as is known, and then never again.",
         parameters=(Parameter("n", "3", "number of discs: 3, 4 or 5", one_of(*FREE)),),
@@ -77,7 +77,7 @@ SCENES = {
         source=MURPHY,
         make=free_discs,
     ),
-    "magic-masses": Entry(
+    "magic-masses": SceneEntry(
         name="magic-masses",
         summary="Three balls whose middle mass decides whether the order of their impulses matters.",
         parameters=(
@@ -93,7 +93,7 @@ SCENES = {
         source=EE_AND_LEE,
         make=magic_masses,
     ),
-    "cross": Entry(
+    "cross": SceneEntry(
         name="cross",
         summary="A ball strikes one of two that touch, at an angle to their line.",
         parameters=(

@@ -6,7 +6,7 @@ from ...numbers.quantity import Quantity
 from ...scene import Scene
 from ...things import Circle, Wall
 from ...tie_policy import TiePolicy
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import number, one_of, tie_policy, whole
 from .article import SOURCE as ARTICLE
 
@@ -101,7 +101,7 @@ LEFT_FIRST = "(-11/5, -8/25, -3/25) if the left pair goes first"
 RIGHT_FIRST = "(-8/5, -39/25, 1/25) if the right pair does"
 
 SCENES = {
-    "cradle": Entry(
+    "cradle": SceneEntry(
         name="cradle",
         summary="Newton's cradle: a striker and a row of equal balls between two walls.",
         parameters=(
@@ -118,7 +118,7 @@ SCENES = {
         source=f"{ARTICLE} (Part 1: five balls in a row, gap=0)",
         make=cradle,
     ),
-    "tennis": Entry(
+    "tennis": SceneEntry(
         name="tennis",
         summary="Tennis ball and basketball dropped together, as big balls between two walls.",
         parameters=(Parameter("big", "10", "radius of the basketball; its mass is the cube", number(least=2)),),
@@ -129,7 +129,7 @@ SCENES = {
         source=f"{ARTICLE} (Part 1: big=10)",
         make=tennis,
     ),
-    "sizes": Entry(
+    "sizes": SceneEntry(
         name="sizes",
         summary="Several balls dropped together, each heavier than the one above by the same ratio.",
         parameters=(
@@ -143,7 +143,7 @@ SCENES = {
         source=f"{ARTICLE} (notebooks: n=3, ratio=1000)",
         make=sizes,
     ),
-    "galperin": Entry(
+    "galperin": SceneEntry(
         name="galperin",
         summary="A heavy ball pushes a light one against a wall: the number of collisions spells pi.",
         parameters=(Parameter("n", "2", "decimals of pi; the mass ratio is 100**n", whole(0, 7)),),
@@ -151,7 +151,7 @@ SCENES = {
         source="G. Galperin, Playing pool with pi, Regular and Chaotic Dynamics 8 (2003), 375-394",
         make=galperin,
     ),
-    "lee": Entry(
+    "lee": SceneEntry(
         name="lee",
         summary="Three balls on a line that meet in one instant: what comes out is a modelling choice.",
         parameters=(TIE,),
@@ -159,7 +159,7 @@ SCENES = {
         source=LEE,
         make=lee,
     ),
-    "near-tie": Entry(
+    "near-tie": SceneEntry(
         name="near-tie",
         summary="Two collisions that share a ball, 10**-k apart in time: the order decides what comes out.",
         parameters=(

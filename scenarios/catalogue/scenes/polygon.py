@@ -7,7 +7,7 @@ from ...numbers.quantity import Quantity
 from ...scene import Scene
 from ...things import Circle, Wall
 from ..angles import cosine, sine
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import number, one_of, yes_no
 from .article import SOURCE as ARTICLE
 
@@ -53,7 +53,7 @@ def _wall(k: int, angle: int, distance: Quantity) -> Wall:
 
 
 SCENES = {
-    "inscribed": Entry(
+    "inscribed": SceneEntry(
         name="inscribed",
         summary="Circles on a ring in a regular polygon of walls, moving alike: symmetric for ever.",
         parameters=(

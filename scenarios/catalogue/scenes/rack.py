@@ -8,7 +8,7 @@ from ...scene import Scene
 from ...things import Circle, Pocket, Wall
 from ...tie_policy import TiePolicy
 from ..draw import Draw
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import number, tie_policy, whole, yes_no
 from .article import SOURCE as ARTICLE
 
@@ -87,7 +87,7 @@ def _pockets() -> list[Pocket]:
 
 
 SCENES = {
-    "rack": Entry(
+    "rack": SceneEntry(
         name="rack",
         summary="The billiards break: a cue ball hits a triangle of balls.",
         parameters=(

@@ -6,7 +6,7 @@ from ...errors import SceneError
 from ...numbers.quantity import Quantity
 from ...scene import Scene
 from ...things import Circle, Wall
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import number, one_of, whole
 from .gas import SINAI
 
@@ -86,7 +86,7 @@ def _square(low: Quantity, high: Quantity) -> list[Wall]:
 
 
 SCENES = {
-    "pinball": Entry(
+    "pinball": SceneEntry(
         name="pinball",
         summary="A ball on an unstable periodic orbit between fixed discs: exact for ever, lost in floats.",
         parameters=(
@@ -107,7 +107,7 @@ SCENES = {
         ),
         make=pinball,
     ),
-    "lorentz": Entry(
+    "lorentz": SceneEntry(
         name="lorentz",
         summary="One ball among fixed discs on a grid: the Lorentz gas, in a box.",
         parameters=(
@@ -121,7 +121,7 @@ SCENES = {
         source="H. A. Lorentz, The motion of electrons in metallic bodies, Proc. KNAW 7 (1905), 438",
         make=lorentz,
     ),
-    "point": Entry(
+    "point": SceneEntry(
         name="point",
         summary="A point in a square with a disc in the middle: Sinai's billiard.",
         parameters=(

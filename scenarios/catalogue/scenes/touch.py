@@ -7,7 +7,7 @@ from ...scene import Scene
 from ...things import Circle, Wall
 from ...tie_policy import TiePolicy
 from ..angles import cosine, sine
-from ..entry import Entry, Parameter
+from ..entry import Parameter, SceneEntry
 from ..settings import number, one_of, tie_policy
 from .article import SOURCE as ARTICLE
 
@@ -57,7 +57,7 @@ def corner(angle: str, skew: Quantity, tie: TiePolicy) -> Scene:
 
 
 SCENES = {
-    "grazing": Entry(
+    "grazing": SceneEntry(
         name="grazing",
         summary="A ball that exactly touches another in passing: no collision, with nothing to spare.",
         parameters=(
@@ -71,7 +71,7 @@ SCENES = {
         source=f"{ARTICLE} (a circle that grazes is not counted as colliding)",
         make=grazing,
     ),
-    "corner": Entry(
+    "corner": SceneEntry(
         name="corner",
         summary="A ball that runs into a corner exactly: both walls in one instant.",
         parameters=(

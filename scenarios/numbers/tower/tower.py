@@ -13,7 +13,7 @@ from .field import Field, TowerLimit
 from .ring import ONE, ZERO, Integral, Nested, masks_of, split_bit, subtract
 
 if TYPE_CHECKING:
-    from .roots import Descent
+    from .descent.roots import Descent
 
 
 class Tower:
@@ -39,7 +39,7 @@ class Tower:
     @cached_property
     def _descent(self) -> Descent:
         """Finds roots. Most runs ask for none, so that its module is imported when one does."""
-        from .roots import Descent
+        from .descent.roots import Descent
 
         return Descent(self)
 
@@ -97,7 +97,7 @@ class Tower:
             if isinstance(x, fmpz):
                 root = self._sqrt_whole(x)
             else:
-                from .squares import split_square
+                from .descent.squares import split_square
 
                 content = self.field.content(x)
                 factor, parts = split_square(content, self.field.spend)
@@ -107,7 +107,7 @@ class Tower:
             return root
         return e
 
-    def root_within(self, e: Element | Rational) -> Element | None:
+    def own_root(self, e: Element | Rational) -> Element | None:
         """The square root of e that is not negative if it lies in this field as it stands, else None.
 
         Raises:
@@ -116,7 +116,7 @@ class Tower:
 
         >>> tower = Tower()
         >>> three = tower.sqrt(3)
-        >>> tower.root_within(tower.rational(12)), tower.root_within(tower.rational(2))
+        >>> tower.own_root(tower.rational(12)), tower.own_root(tower.rational(2))
         (Element(2*sqrt(3)), None)
         """
         e = self._own(e)
@@ -127,7 +127,7 @@ class Tower:
 
     def _sqrt_whole(self, n: fmpz) -> Element:
         """sqrt(n) for a whole n > 0."""
-        from .squares import split_square
+        from .descent.squares import split_square
 
         factor, parts = split_square(n, self.field.spend)
         root = self._root(_product(parts))

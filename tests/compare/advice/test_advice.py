@@ -15,14 +15,14 @@ import pytest
 
 from truebreak.compare import compare, engine
 from truebreak.compare.advice.found import Advice, End
-from truebreak.compare.advice.goal import Digits, Goal, History, OutcomeGoal, difference
-from truebreak.compare.advice.ladder import Size, ladder
+from truebreak.compare.advice.goal import Digits, Goal, HistoryGoal, OutcomeGoal, difference
+from truebreak.compare.advice.ladder import RunSize, ladder
 from truebreak.compare.advice.search import advise
 from truebreak.compare.chaos.growth.accuracy import end_error
 from truebreak.compare.cli.entry import main
 from truebreak.compare.documents.advice import advice_json, sentences
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.ensemble.perturbed import nudged
+from truebreak.compare.ensemble.rows.perturbed import nudged
 from truebreak.exact import ExactEngine
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
@@ -54,10 +54,10 @@ def drawn(seed: int) -> Scene:
 
 
 GOALS: list[Goal] = [
-    History(6),
+    HistoryGoal(6),
     OutcomeGoal("collisions"),
     Digits(9),
-    History(),
+    HistoryGoal(),
     OutcomeGoal("who_hit_whom"),
     Digits(14),
 ]
@@ -115,7 +115,7 @@ def test_what_is_named_is_right_and_one_step_cheaper_is_wrong(seed: int) -> None
 
 
 def test_the_drawn_scenes_have_an_answer_that_is_not_the_cheapest_there_is() -> None:
-    found = [advise(drawn(seed), History(5), perturbed=1, budget=500_000) for seed in range(6)]
+    found = [advise(drawn(seed), HistoryGoal(5), perturbed=1, budget=500_000) for seed in range(6)]
     assert all(told.end is End.FOUND for told in found)
     assert sum(told.cheaper is not None for told in found) >= 4
 
@@ -132,7 +132,7 @@ def test_velocities_alone_differ_and_what_rests_goes_on_resting() -> None:
 
 
 def test_a_ladder_is_ordered_by_cost_and_names_engines_that_are_what_they_say() -> None:
-    size = Size(20.0, 30, 34, 5, 4)
+    size = RunSize(20.0, 30, 34, 5, 4)
     for text in ("pymunk", "pymunk:iterations=3", "pymunk:dt=1/100", "interval", "interval:bits=40", "quad"):
         rungs = ladder(text, size, 200_000)
         assert [rung.work for rung in rungs] == sorted(rung.work for rung in rungs)
@@ -145,7 +145,7 @@ def test_a_ladder_is_ordered_by_cost_and_names_engines_that_are_what_they_say() 
 
 
 def test_a_long_run_is_given_room_in_its_own_text() -> None:
-    rung = ladder("pymunk:iterations=1", Size(1000.0, 10, 10, 2, 0), 10**8)[-1]
+    rung = ladder("pymunk:iterations=1", RunSize(1000.0, 10, 10, 2, 0), 10**8)[-1]
     assert f"max_steps={rung.engine.max_steps}" in rung.text  # type: ignore[attr-defined]
     assert rung.engine.max_steps >= 8 * (rung.steps or 0)  # type: ignore[attr-defined]
 
@@ -164,13 +164,13 @@ def test_luck_is_told() -> None:
 
 
 def test_the_budget_is_kept_and_why_is_told() -> None:
-    told = advise(catalogue.build("gas:n=4"), History(60), perturbed=1, budget=100_000)
+    told = advise(catalogue.build("gas:n=4"), HistoryGoal(60), perturbed=1, budget=100_000)
     assert told.end is End.BUDGET
     assert told.spent <= told.budget
     assert told.next is not None
     assert told.why[0].startswith("The last tried, pymunk:dt=")
     assert any("a step of about 2**-" in sentence for sentence in told.why)
-    again = advise(catalogue.build("gas:n=4"), History(60), perturbed=1, budget=100_000)
+    again = advise(catalogue.build("gas:n=4"), HistoryGoal(60), perturbed=1, budget=100_000)
     assert (again.spent, again.tried, again.why) == (told.spent, told.tried, told.why)
 
 
@@ -185,7 +185,7 @@ def test_runs_that_settle_what_an_instant_comes_to_are_paid_for(monkeypatch: pyt
         return run
 
     monkeypatch.setattr(PymunkEngine, "run", counted)
-    told = advise(catalogue.build("rack:rows=3,pockets=no"), History(4), perturbed=1, budget=40_000, why=False)
+    told = advise(catalogue.build("rack:rows=3,pockets=no"), HistoryGoal(4), perturbed=1, budget=40_000, why=False)
     assert told.end is End.BUDGET
     assert told.why == ()
     assert told.spent <= told.budget
@@ -193,8 +193,8 @@ def test_runs_that_settle_what_an_instant_comes_to_are_paid_for(monkeypatch: pyt
 
 
 def test_an_engine_with_one_setting_is_told_to_be_enough_or_not() -> None:
-    assert advise(drawn(1), History(3), "double", perturbed=1).named is not None
-    told = advise(catalogue.build("gas:n=4"), History(120), "double", perturbed=1)
+    assert advise(drawn(1), HistoryGoal(3), "double", perturbed=1).named is not None
+    told = advise(catalogue.build("gas:n=4"), HistoryGoal(120), "double", perturbed=1)
     assert told.end is End.LADDER
     assert "bits to keep every event" in " ".join(told.why)
 
@@ -214,7 +214,7 @@ def test_a_certified_run_that_is_not_decided_gives_no_advice(monkeypatch: pytest
     scene = catalogue.build("gas:n=3")
     monkeypatch.setattr("truebreak.compare.advice.search.ExactEngine", Unsure)
     monkeypatch.setattr(Unsure, "on", {scene.digest})
-    told = advise(scene, History(9), perturbed=2)
+    told = advise(scene, HistoryGoal(9), perturbed=2)
     assert told.end is End.REFERENCE
     assert told.tried == ()
     assert told.why == ("The certified run of the scene itself stops: undecided: for this test.",)
@@ -226,7 +226,7 @@ def test_scenes_beside_it_without_a_certified_run_are_left_out_and_named(monkeyp
     scene = catalogue.build("gas:n=3")
     monkeypatch.setattr("truebreak.compare.advice.search.ExactEngine", Unsure)
     monkeypatch.setattr(Unsure, "on", {nudged(scene, Quantity.of("1/1000"), 2).digest})
-    told = advise(scene, History(9), "quad", perturbed=3)
+    told = advise(scene, HistoryGoal(9), "quad", perturbed=3)
     assert told.left_out == (2,)
     assert [one.seed for one in told.instances] == [None, 1, 3]
     assert told.end is End.FOUND
@@ -234,7 +234,7 @@ def test_scenes_beside_it_without_a_certified_run_are_left_out_and_named(monkeyp
 
 
 def test_without_scenes_beside_it_the_scene_alone_decides() -> None:
-    told = advise(catalogue.build("gas:n=4"), History(3), perturbed=0)
+    told = advise(catalogue.build("gas:n=4"), HistoryGoal(3), perturbed=0)
     assert told.end is End.FOUND
     assert "on gas:n=4 alone" in sentences(told)[0]
 
@@ -295,7 +295,7 @@ def test_bad_input_is_one_line(words: list[str], told: str, capsys: pytest.Captu
 def test_an_engine_that_cannot_take_the_scene_is_refused() -> None:
     scene = catalogue.build("rack:rows=2").with_changes(capture=True)
     with pytest.raises(SceneError, match="does not follow 'capture'"):
-        advise(scene, History(3))
+        advise(scene, HistoryGoal(3))
 
 
 def test_the_command_prints_json_of_its_schema_and_writes_the_scenes(

@@ -14,10 +14,10 @@ import pytest
 from truebreak.compare import compare
 from truebreak.compare.bench.command import _words, chosen
 from truebreak.compare.bench.command import measure as measure_all
-from truebreak.compare.bench.machine import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
+from truebreak.compare.bench.computer import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
 from truebreak.compare.bench.measured import measure
 from truebreak.compare.bench.page import main as page_main
-from truebreak.compare.bench.reported.against import WITHIN, Against, Change, against
+from truebreak.compare.bench.reported.against import WITHIN, Against, RatioChange, against
 from truebreak.compare.bench.reported.report import Report, check_scenes, load, rows_of
 from truebreak.compare.bench.subjects import SETTINGS, SUBJECTS, digest_of, settings_of, subjects
 from truebreak.compare.bench.tradeoff import Subject, Tradeoff, in_exact, study_of, tradeoffs, with_front
@@ -180,7 +180,7 @@ def test_against_tells_what_differs_and_whether_that_says_something(tmp_path: Pa
 )
 def test_ratios_agree_within_fifteen_percent_either_way(then: float, now: float, within: bool) -> None:
     assert WITHIN == 0.15
-    assert Change("x", then, now).within is within
+    assert RatioChange("x", then, now).within is within
 
 
 def refused(capsys: pytest.CaptureFixture[str], *words: str) -> str:

@@ -54,17 +54,16 @@ of the scene, circles, walls, pockets, events, what ends it.
 
 To test an engine, in any language, read a file (JSON):
 
-1. `scene.circles`: `x`, `y`, `r`, `vx`, `vy`, `m` ("oo": fixed); `scene.walls`: two points of an infinite line. A
-   number is a sum of terms like `3/4*r1`; r1 is the square root of the first entry of `roots`, and so on. Round it as
-   you do.
-2. Run to `final.time`. The collisions are perfectly elastic and without friction; at `reversal` (of an instant, or of
-   `start`) every velocity is negated once.
-3. Hold your events against `instants`, in order: `arrive` are the pairs that meet at `time` (two circles by index;
-   with n circles, n + k is wall k; a negative one a pocket); `rounds` are the impulses (left out: the pair of
-   `arrive`).
+1. `scene.circles`: `x`, `y`, `r`, `vx`, `vy`, `w` (one over the mass; 0: fixed); `scene.walls`: two points of an
+   infinite line. A number is a sum of terms like `3/4*r1`; r1 is the square root of the first entry of
+   `roots`, and so on. Round it as you do.
+2. Run to `final.time`. The collisions are perfectly elastic and without friction; at an instant
+   with `turn` every velocity is negated once.
+3. Hold your events against `instants`, in order: `met` are the pairs at gap zero at `time` (two circles by
+   index; with n circles, n + k is wall k; a negative one a pocket); `rounds` are the impulses, pair by pair.
 4. Hold your state against `final.circles`: x, y, vx, vy.
 
-Where several pairs arrive at one instant, the outcome follows `scene.tie_policy`. Many of the histories are chaotic:
+Where several pairs meet at one instant, the outcome follows `scene.tie_policy`. Many of the histories are chaotic:
 after some 150 collisions no engine in doubles can be expected to follow; the first event at which yours parts tells.
 
 Each file is a certificate: `tools/verify.py` or `tools/verify.mjs` of truebreak, or a checker of your own
@@ -95,9 +94,7 @@ def archive() -> bytes:
         text = certificate(maker)
         told, file = json.loads(text), f"{number:03d}.json"
         scene, files[file] = told["scene"], text
-        parts = [told["start"], *told["instants"]]
-        parts += [part["reversal"] for part in parts if "reversal" in part]
-        events = sum(bool(p.get("rounds") or (len(p.get("arrive", ())) == 1 and p["arrive"][0][1] >= 0)) for p in parts)
+        events = sum("rounds" in instant for instant in told["instants"])
         sizes = {kind: len(scene.get(kind, ())) for kind in ("circles", "walls", "pockets")}
         row = {
             "name": name,

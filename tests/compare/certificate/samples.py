@@ -77,4 +77,6 @@ def samples() -> dict[str, dict[str, Any]]:
     meet = [Circle(0, 0, vx=1), Circle(4, 1), Circle(20, 0)]
     runs["the end at a contact"] = ExactEngine().run(Scene(meet), until="4 - sqrt(3)")
     runs["the reversal at a contact"] = ExactEngine().run(Scene(meet, reverse_at="4 - sqrt(3)"))
+    touch = [Circle(0, 0, vx=-1), Circle(2, 0, vx=1), Circle(8, "1/7")]
+    runs["touching at both ends"] = ExactEngine().run(Scene(touch, reverse_at=20))
     return {name: certificate_of(run) for name, run in runs.items()}

@@ -1,4 +1,4 @@
-"""The checker's two kinds of number: intervals enclose, and remember what they were computed from."""
+"""The checker's two kinds of number: intervals enclose, and forms are zero where the writer's exact numbers are."""
 
 from __future__ import annotations
 
@@ -9,19 +9,34 @@ from random import Random
 
 import pytest
 
-from truebreak.tools.verify import ROOTS, WORK, Ball, Exact, Undecided, number
+from truebreak.compare.certificate.scene_text import text_of
+from truebreak.compare.certificate.tower import WORK, Exact
+from truebreak.tools.verify import UNTOLD, Ball, Form, Undecided, enclosed, number
 
 
 @pytest.fixture(autouse=True)
 def numbers_of_its_own() -> Iterator[None]:
-    bits, Ball.bits = Ball.bits, 40
-    Exact.roots, Exact.named, Exact.most, Exact.work, Exact.budget = [], [], ROOTS, 0, WORK
+    saved = Ball.bits, Ball.roots, Form.squares, Form.work
+    Ball.bits, Ball.roots, Form.squares, Form.work = 40, [], [], 0
+    Exact.roots, Exact.most, Exact.work, Exact.budget = [], 16, 0, WORK
     yield
-    Ball.bits = bits
+    Ball.bits, Ball.roots, Form.squares, Form.work = saved
 
 
 def of(x: int | str | Fraction) -> Ball:
-    return Ball.of(Exact(Fraction(x)))
+    return enclosed(Form({frozenset(): Fraction(x)} if Fraction(x) else {}))
+
+
+def exact(x: int | str) -> Exact:
+    return Exact(Fraction(x))
+
+
+def told(x: Exact) -> Form:
+    """A number of the writer as the checker reads it, with the roots that it takes."""
+    for root in Exact.roots[len(Form.squares) :]:
+        Form.squares.append(number(text_of(root)))
+        Ball.roots.append(enclosed(Form.squares[-1]).sqrt())
+    return number(text_of(x))
 
 
 def encloses(ball: Ball, value: Fraction) -> bool:
@@ -43,10 +58,9 @@ def test_sums_products_and_quotients_enclose_what_they_are_of() -> None:
                 pairs.append(({"+": a + b, "-": a - b, "*": a * b, "/": a / b if kind == "/" else a}[kind], value))
         for ball, value in pairs:
             assert encloses(ball, value) and ball.sign() in (None, (value > 0) - (value < 0))
-            assert (ball - of(value)).zero() and not (ball - of(value + 1)).zero()
 
 
-def test_square_roots_enclose_and_exact_ones_stay_exact() -> None:
+def test_square_roots_enclose() -> None:
     draw = Random(2)
     for _ in range(300):
         x = of(Fraction(draw.randrange(1, 9999), draw.randrange(1, 99)))
@@ -54,52 +68,52 @@ def test_square_roots_enclose_and_exact_ones_stay_exact() -> None:
         if x.sign() == 1:
             root, scale = x.sqrt(), 2**Ball.bits
             assert max(0, root.m - root.r) ** 2 <= (x.m - x.r) * scale and (x.m + x.r) * scale <= (root.m + root.r) ** 2
-    assert (of("9/4").sqrt().m, of("9/4").sqrt().r) == (3 << 39, 0)
     with pytest.raises(Undecided):
         (of(1) - of(1)).sqrt()
     with pytest.raises(Undecided):
         of(1) / Ball(1, 1)
 
 
-def test_what_is_exact_at_the_bits_stays_exact() -> None:
-    half, third = of("1/2"), of("1/3")
-    assert (half * half / of(4) + of(3)).r == 0 and third.r == 1
-    assert (half - of("1/4") - of("1/4")).sign() == 0 and (third + third + third - of(1)).sign() is None
-    assert (third + third + third - of(1)).zero()
+def test_nothing_times_anything_is_nothing() -> None:
+    assert (of(0) * of("1/3")).sign() == 0 == (of("1/3") * of(0) + of(0)).sign()
+    assert of("1/3").sign() == 1 and (of("1/3") - of("1/3")).sign() is None
 
 
-def test_nested_roots_are_put_in_normal_form() -> None:
-    two, three = of(2).sqrt(), of(3).sqrt()
-    zeros = [
-        two * three - of(6).sqrt(),
-        (of(3) + two + two).sqrt() - of(1) - two,
-        two + three - (of(5) + of(24).sqrt()).sqrt(),
-        of(1) / (two - of(1)) - two - of(1),
-    ]
-    for zero in zeros:
-        assert zero.sign() is None and zero.zero() and Exact.roots == []
-    assert not ((of(3) + two).sqrt() - of(1) - two).zero()
+def test_forms_are_zero_where_exact_numbers_are() -> None:
+    two, three = exact(2).sqrt(), exact(3).sqrt()
+    nested = (exact(5) + two * three).sqrt()
+    five, six = told(nested), told(two * three)
+    assert five * five - six - number("5") == Form() and len(Form.squares) == 3
+    assert told(nested / (two - exact(1))) * (number("1*r1") - number("1")) - five == Form()
+    assert told((exact(3) + two + two).sqrt()) == number("1+1*r1")
+    draw = Random(3)
+    for _ in range(200):
+        a, b = ([exact(draw.randrange(-3, 4)) for _ in "abc"] for _ in "ab")
+        x, y = (p + q * two + r * nested for p, q, r in (a, b))
+        assert told(x * y + x) == told(x) * told(y) + told(x) and told(x - y) == told(x) - told(y)
 
 
-def test_exact_numbers_are_bounded_in_work_and_roots() -> None:
-    Exact.most = 1
-    with pytest.raises(Undecided, match="too many roots"):
-        (of(2).sqrt() + of(3).sqrt()).zero()
-    Exact.budget = 50_000
+def test_what_is_not_told_is_never_zero() -> None:
+    one = number("1/3")
+    for value in (UNTOLD - UNTOLD, UNTOLD * one - UNTOLD, one / one, one.sqrt(), UNTOLD + number("9" * 400)):
+        assert value and value + one and -value
+    assert UNTOLD * Form() == Form() == Form() * UNTOLD
+
+
+def test_forms_are_bounded_in_work() -> None:
+    Form.work = 1 << 36
     with pytest.raises(Undecided, match="too much work"):
-        (of(2) * of(3) * of(5) * of(7) * of(11) * of(13)).zero()
+        number("2") * number("3")
 
 
 def test_numbers_as_they_are_written() -> None:
-    Exact.named.append(number("2").sqrt())
-    read = number("-3/4+1/2*r1*r1-5*r1")
-    assert read and not read - number("1/4") + number("5*r1")
+    told(exact(2).sqrt())
+    assert number("-3/4+1/2*r1*r1-5*r1") == number("1/4") - number("5*r1") and number("0-0*r1") == Form()
+    with pytest.raises(IndexError):
+        number("1*r2")
 
 
 def test_signs_of_nested_roots_are_told_however_near_they_are_to_zero() -> None:
-    Exact.named.append(number("2").sqrt())
-    Exact.named.append(number("3").sqrt())
-    near = number(f"{isqrt(6 * 10**400)}/{10**200}") - number("1*r1*r2")
+    two, three = exact(2).sqrt(), exact(3).sqrt()
+    near = Exact(Fraction(isqrt(6 * 10**400), 10**200)) - two * three
     assert (near.sign(), (-near).sign(), (near - near).sign()) == (-1, 1, 0)
-    Exact.named.append(number("5+2*r1*r2").sqrt())
-    assert not number("1*r3-1*r1-1*r2") and number("1*r3-1*r1").sign() == 1

@@ -32,7 +32,7 @@ def other_reversal(told: Told, draw: Random) -> None:
 def swap_data(told: Told, draw: Random) -> None:
     """Two circles exchange a number, or one takes on the other's."""
     one, other = (draw.choice(told["scene"]["circles"]) for _ in "ab")
-    key = draw.choice(["x", "y", "vx", "vy", "r", "m"])
+    key = draw.choice(["x", "y", "vx", "vy", "r", "w"])
     one[key], other[key] = other[key], draw.choice([one[key], other[key]])
 
 
@@ -40,7 +40,7 @@ def nudge(told: Told, draw: Random) -> None:
     """A number of the scene changes by very little."""
     kind = draw.choice([kind for kind in ("circles", "walls", "pockets") if told["scene"].get(kind)])
     row = draw.choice(told["scene"][kind])
-    key = draw.choice([key for key in row if key != "id" and row[key] != "oo"])
+    key = draw.choice([key for key in row if key not in ("id", "length")])
     row[key] = f"{row[key]}{draw.choice('+-')}1/{10 ** draw.choice([3, 12, 25, 40, 90])}"
 
 
@@ -54,46 +54,46 @@ def fewer_things(told: Told, draw: Random) -> None:
         scene["capture"] = not scene.get("capture", False)
     else:
         x = draw.choice(["3", "1000"])
-        scene.setdefault("walls", []).append({"id": "more", "x0": x, "y0": "0", "x1": x, "y1": "1"})
+        scene.setdefault("walls", []).append({"id": "more", "x0": x, "y0": "0", "x1": x, "y1": "1", "length": "1"})
 
 
 def merge(told: Told, draw: Random) -> None:
     """Two instants become one, or one becomes two."""
     place = draw.randrange(len(told["instants"]))
     first, second = told["instants"][place], told["instants"][(place + 1) % len(told["instants"])]
-    if len(first.get("arrive", ())) > 1:
+    if len(first.get("met", ())) > 1:
         rest = deepcopy(first)
-        first["arrive"], rest["arrive"] = first["arrive"][:1], first["arrive"][1:]
-        first["rounds"], rest["rounds"] = [first["arrive"]], [rest["arrive"]]
+        first["met"], rest["met"] = first["met"][:1], first["met"][1:]
+        first["rounds"], rest["rounds"] = [first["met"]], [rest["met"]]
         told["instants"].insert(place + 1, rest)
     elif first is not second:
-        first["rounds"] = first.get("rounds", [first.get("arrive", [])]) + second.get("rounds", [])
-        first["arrive"] = first.get("arrive", []) + second.get("arrive", [])
+        first["rounds"] = first.get("rounds", []) + second.get("rounds", [])
+        first["met"] = first.get("met", []) + second.get("met", [])
         told["instants"].remove(second)
 
 
 def other_list(told: Told, draw: Random) -> None:
-    """A contact comes twice, changes between `arrive` and `grazes`, or another becomes the clock."""
-    entry = draw.choice([entry for entry in told["instants"] if "arrive" in entry])
+    """A contact comes twice, moves to another instant, or another becomes the clock."""
+    entry, other = (draw.choice([entry for entry in told["instants"] if "met" in entry]) for _ in "ab")
     choice = draw.randrange(3)
     if choice == 0:
-        entry["arrive"].append(list(draw.choice(entry["arrive"])))
-    elif choice == 1 and len(entry["arrive"]) > 1:
-        entry.setdefault("grazes", []).append(entry["arrive"].pop())
+        entry["met"].append(list(draw.choice(entry["met"])))
+    elif choice == 1 and len(entry["met"]) > 1:
+        other["met"].append(entry["met"].pop())
     else:
-        draw.shuffle(entry["arrive"])
+        draw.shuffle(entry["met"])
 
 
 def cut_short(told: Told, draw: Random) -> None:
     """The run ends sooner, and says that nothing more happens."""
-    del told["instants"][draw.randrange(len(told["instants"])) :]
+    del told["instants"][draw.randrange(1, len(told["instants"]) + 1) :]
     told["end"] = {"reason": draw.choice(["quiet", "stopped", "return"])}
 
 
 def other_rounds(told: Told, draw: Random) -> None:
     """All rounds at once, or one contact at a time, or the other way round."""
-    entry = draw.choice([part for part in parts(told) if part.get("arrive") or part.get("rounds")])
-    rounds = entry.get("rounds", [entry.get("arrive", [])])
+    entry = draw.choice([part for part in parts(told) if part.get("met") or part.get("rounds")])
+    rounds = entry.get("rounds", [entry.get("met", [])])
     choice = draw.randrange(3)
     if choice == 0:
         entry["rounds"] = [[contact] for group in rounds for contact in group]
@@ -105,9 +105,9 @@ def false_witness(told: Told, draw: Random) -> None:
     """A witness of what nobody asked for, or one moved to another instant, or of another isometry."""
     n, part = len(told["scene"]["circles"]), draw.choice(parts(told))
     holding = [part for part in parts(told) if part.get("zeros")]
-    how = draw.choice(["exact", "back", 0, 1])
+    how = draw.choice(["back", 0, 1])
     if not holding or draw.random() < 0.5:
-        question = draw.choice(["still", "graze", "together", "tie", "slack", "rim", "until", "reverse"])
+        question = draw.choice(["gap", "closing", "disc", "speed", "slack", "until", "reverse"])
         part.setdefault("zeros", []).insert(0, [question, sorted(draw.sample(range(n + 1), 2)), how])
     else:
         zeros = draw.choice(holding)["zeros"]

@@ -25,22 +25,21 @@ Way = Callable[[Told, Random], None]
 
 def parts(told: Told) -> list[Told]:
     """All that holds rounds or witnesses."""
-    found = [told["start"], *told["instants"], told["end"]]
-    return found + [entry["reversal"] for entry in found if "reversal" in entry]
+    return [*told["instants"], told["end"]]
 
 
 def swap_contact(told: Told, draw: Random) -> None:
     """A contact of an instant becomes another."""
-    entry = draw.choice([entry for entry in told["instants"] if "arrive" in entry])
+    entry = draw.choice([entry for entry in told["instants"] if "met" in entry])
     n = len(told["scene"]["circles"])
-    entry["arrive"][draw.randrange(len(entry["arrive"]))] = sorted(draw.sample(range(n + 1), 2))
+    entry["met"][draw.randrange(len(entry["met"]))] = sorted(draw.sample(range(n + 1), 2))
 
 
 def drop_contact(told: Told, draw: Random) -> None:
     """One of several contacts of an instant is left out, or a whole instant."""
     entry = draw.choice(told["instants"])
-    if len(entry.get("arrive", [])) > 1:
-        entry["arrive"].pop(draw.randrange(len(entry["arrive"])))
+    if len(entry.get("met", [])) > 1:
+        entry["met"].pop(draw.randrange(len(entry["met"])))
     else:
         told["instants"].remove(entry)
 
@@ -52,7 +51,7 @@ def add_contact(told: Told, draw: Random) -> None:
     if draw.random() < 0.5:
         told["instants"].insert(place, deepcopy(entry))
     else:
-        entry.setdefault("arrive", []).append(sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2)))
+        entry.setdefault("met", []).append(sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2)))
 
 
 def exchange(told: Told, draw: Random) -> None:
@@ -65,7 +64,8 @@ def move_time(told: Told, draw: Random) -> None:
     """A digit of a time or of the final state changes."""
     if draw.random() < 0.5:
         entry = draw.choice(told["instants"])
-        entry["time"] = other_digit(entry["time"], draw)
+        key = draw.choice(sorted(entry.keys() & {"time", "exact"}))
+        entry[key] = other_digit(entry[key], draw)
     else:
         row = draw.choice(told["final"]["circles"])
         k = draw.randrange(4)
@@ -74,8 +74,12 @@ def move_time(told: Told, draw: Random) -> None:
 
 def change_impulse(told: Told, draw: Random) -> None:
     """A round loses a contact, gains one, comes twice, goes, or is split."""
-    entry = draw.choice([part for part in parts(told) if part.get("rounds") or part.get("arrive")])
-    rounds = entry.setdefault("rounds", [deepcopy(entry.get("arrive", []))])
+    entry = draw.choice([part for part in parts(told) if part.get("rounds") or part.get("met")])
+    rounds = entry.setdefault("rounds", [deepcopy(entry.get("met", []))])
+    if draw.random() < 0.3 and (pushes := [push for one in rounds for push in one if len(push) > 2]):
+        push = draw.choice(pushes)
+        push[2] = other_digit(push[2], draw)
+        return
     choice, place = draw.randrange(5), draw.randrange(len(rounds))
     if choice == 0:
         rounds[place].pop(draw.randrange(len(rounds[place])))
@@ -107,18 +111,18 @@ def falsify_witness(told: Told, draw: Random) -> None:
     if choice == 0:
         zeros.remove(zero)
     elif choice == 1:
-        zero[2] = draw.choice(["exact", "back", 0, 1])
+        zero[2] = draw.choice(["back", 0, 1])
     elif choice == 2:
         zero[1] = sorted(draw.sample(range(len(told["scene"]["circles"]) + 1), 2))
     else:
-        zero[0] = draw.choice(["tie", "graze", "still", "together", "slack", "until"])
+        zero[0] = draw.choice(["gap", "closing", "disc", "speed", "slack", "until"])
 
 
 def change_scene(told: Told, draw: Random) -> None:
     """A digit of the scene changes."""
     kind = draw.choice([kind for kind in ("circles", "walls", "pockets") if told["scene"].get(kind)])
     row = draw.choice(told["scene"][kind])
-    key = draw.choice([key for key in row if key != "id" and row[key] != "oo"])
+    key = draw.choice([key for key in row if key not in ("id", "length")])
     row[key] = other_digit(row[key], draw)
 
 
@@ -154,7 +158,7 @@ WAYS = (
 def altered(count: int, ways: Sequence[Way] = WAYS, start: str = "tampering") -> list[tuple[str, Told]]:
     """Certificates, each altered in one way."""
     made = []
-    usable = {name: told for name, told in samples().items() if any("arrive" in i for i in told["instants"])}
+    usable = {name: told for name, told in samples().items() if any("met" in i for i in told["instants"])}
     for number in range(count):
         draw = Random(f"{start} {number}")
         name = draw.choice(sorted(usable))
@@ -176,7 +180,9 @@ def run_again(told: Told) -> Told:
 
     def things(kind: Any, name: str, **more: Any) -> list[Any]:
         rows = (
-            {key: exact_text(v, roots) if key != "id" else v for key, v in row.items()} for row in scene.get(name, ())
+            {key: exact_text(v, roots) if key != "id" else v for key, v in row.items() if key not in ("w", "length")}
+            | ({"m": "oo" if row["w"] == "0" else f"1/({exact_text(row['w'], roots)})"} if "w" in row else {})
+            for row in scene.get(name, ())
         )
         return [kind(**row, **(more if row.get("r") == "0" else {})) for row in rows]
 
@@ -189,30 +195,29 @@ def run_again(told: Told) -> Told:
         pockets=things(Pocket, "pockets"),
         capture=scene.get("capture", False),
     )
-    until = exact_text(end["until"], roots) if "until" in end else None
-    count = sum(bool(rounds(part)) for part in parts(told))
+    until = exact_text(end["until"], roots) if end["reason"] == "horizon" else None
+    count = sum(bool(rounds(part)) for part in told["instants"])
     events = {"events": count, "stopped": count, "quiet": count + 1}.get(end["reason"])
     return certificate_of(ExactEngine().run(built, until=until, events=events))
 
 
 def rounds(part: Told) -> list[list[Any]]:
     """The rounds of an instant, those that go without saying included."""
-    arrive = [c for c in part.get("arrive", ()) if c[1] >= 0]
-    return part.get("rounds", [arrive] if arrive else [])
+    return [[push[:2] for push in one] for one in part.get("rounds", ())]
 
 
 def shown_true(told: Told) -> bool:
     """Whether the engine's own run of the scene is the run that a certificate tells."""
-    if told["end"]["reason"] == "stopped" and not any(map(rounds, parts(told))):
+    if told["end"]["reason"] == "stopped" and not any(map(rounds, told["instants"])):
         return True  # it tells of nothing
     ours = run_again(told)
 
     def history(of: Told) -> list[Any]:
-        entries = [*parts(of)]
+        entries = of["instants"]
         return [
-            (sorted(p.get("arrive", ())), [sorted(r) for r in rounds(p)], sorted(p.get("entries", ())))
+            (sorted(p.get("met", ())), [sorted(r) for r in rounds(p)], sorted(p.get("enter", ())))
             for p in entries
-            if rounds(p) or p.get("entries") or p.get("arrive")
+            if rounds(p) or p.get("enter") or p.get("met")
         ]
 
     def near(mine: str, theirs: str) -> bool:

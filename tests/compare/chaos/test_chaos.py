@@ -13,10 +13,10 @@ import pytest
 
 from truebreak.compare.chaos import calibration
 from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
-from truebreak.compare.chaos.errors import TOSS, ErrorCurve, ErrorModel, model_of
 from truebreak.compare.chaos.growth.blocks import rate
 from truebreak.compare.chaos.growth.spectrum import spectrum
-from truebreak.compare.chaos.horizon import Forecaster, Horizon, Place
+from truebreak.compare.chaos.hazard.errors import TOSS, ErrorCurve, ErrorModel, model_of
+from truebreak.compare.chaos.horizon import EventTime, Forecaster, Horizon
 from truebreak.compare.chaos.levels import LEVELS
 from truebreak.compare.cli import main
 from truebreak.compare.documents.chaos import chaos_json
@@ -174,13 +174,13 @@ def test_double_in_the_gas_is_foreseen_and_seen() -> None:
     assert told.seen is not None and told.seen.place is not None
     assert (told.seen.verdict, told.seen.place.event) == ("diverged", 161)
     assert told.holds(told.seen.place)
-    assert not told.holds(Place(0, 0.0))
-    assert not told.holds(Place(299, 0.0))
+    assert not told.holds(EventTime(0, 0.0))
+    assert not told.holds(EventTime(299, 0.0))
 
 
 def test_what_lies_beyond_the_run_is_not_told() -> None:
     (told,) = chaos(GAS, ["quad"], events=100).horizons
-    assert told.low == told.high == Place(None, None)
+    assert told.low == told.high == EventTime(None, None)
     assert told.seen is not None
     assert (told.seen.verdict, told.seen.place) == ("agree", None)
 

@@ -19,7 +19,7 @@ from truebreak.compare.bench.command import command as bench_command
 from truebreak.compare.cli import main, progress
 from truebreak.compare.cli.arguments.examples import LINES
 from truebreak.compare.cli.group import cli
-from truebreak.compare.cli.progress import Goal, Pace, ProgressLine, goal_of, showing
+from truebreak.compare.cli.progress import Pace, ProgressLine, RunEnd, goal_of, showing
 from truebreak.compare.cli.retold import command_of
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.trajectory import Progress
@@ -231,7 +231,7 @@ def test_shells_are_given_a_script(shell: str) -> None:
 def ticking(*seconds: float) -> Pace:
     """A pace whose clock shows these times in turn."""
     left = list(seconds)
-    return Pace("gas", Goal(events=100, until=50.0), lambda: left.pop(0))
+    return Pace("gas", RunEnd(events=100, until=50.0), lambda: left.pop(0))
 
 
 def test_the_time_left_is_that_of_the_end_that_comes_first() -> None:
@@ -265,9 +265,9 @@ def test_beyond_the_total_no_total_is_told() -> None:
 
 def test_the_goal_is_that_of_the_command_or_of_the_scene() -> None:
     gas = catalogue.build("gas")
-    assert goal_of(gas, None, None) == Goal(gas.events, None if gas.until is None else float(gas.until))
-    assert goal_of(gas, "9/4", 7) == Goal(7, 2.25)
-    assert goal_of(gas, "nonsense", 7) == Goal(7)
+    assert goal_of(gas, None, None) == RunEnd(gas.events, None if gas.until is None else float(gas.until))
+    assert goal_of(gas, "9/4", 7) == RunEnd(7, 2.25)
+    assert goal_of(gas, "nonsense", 7) == RunEnd(7)
 
 
 class Terminal(io.StringIO):

@@ -18,8 +18,8 @@ from truebreak.compare import compare
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble.family import family, shard_of, varied
-from truebreak.compare.ensemble.perturbed import Perturbed, displaced
-from truebreak.compare.ensemble.rows.row import COLUMNS, Job, rows_of, text_of
+from truebreak.compare.ensemble.rows.perturbed import Perturbed, displaced
+from truebreak.compare.ensemble.rows.row import COLUMNS, SweepJob, rows_of, text_of
 from truebreak.compare.ensemble.survival import fitted, summaries, survival, wilson
 from truebreak.compare.ensemble.sweep import sweep
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
@@ -101,7 +101,7 @@ def test_a_row_says_what_a_comparison_over_the_whole_run_says(spec: str) -> None
     """Though engines are run no further than it takes to see them leave."""
     engines = ("double", "interval", "pymunk:dt=1/64")
     found = compare(catalogue.build(spec), engines, events=80, causes=False)
-    for row in rows_of(Job(0, spec, {}, engines, 80)):
+    for row in rows_of(SweepJob(0, spec, {}, engines, 80)):
         candidate = found[row["engine"]]
         assert row["verdict"] == candidate.verdict
         divergence = candidate.alignment.divergence
@@ -114,32 +114,32 @@ def test_a_row_says_what_a_comparison_over_the_whole_run_says(spec: str) -> None
 def test_outcomes_are_compared_over_the_whole_run() -> None:
     spec = "gas:n=4,seed=3"
     found = compare(catalogue.build(spec), ["double"], events=150, causes=False)["double"]
-    (row,) = rows_of(Job(0, spec, {}, ("double",), 150, ("collisions", "who_hit_whom", "moved")))
+    (row,) = rows_of(SweepJob(0, spec, {}, ("double",), 150, ("collisions", "who_hit_whom", "moved")))
     assert row["changed"] == [n for n in ("collisions", "who_hit_whom", "moved") if n in found.changed]
     assert row["changed"]
 
 
 def test_causes_are_those_of_a_comparison() -> None:
-    (row,) = rows_of(Job(0, "near-tie:k=40", {}, ("double",), None, (), True))
+    (row,) = rows_of(SweepJob(0, "near-tie:k=40", {}, ("double",), None, (), True))
     assert row["cause"] == "input rounding"
     assert row["margin"] is not None
 
 
 def test_what_cannot_be_run_is_a_row() -> None:
-    (row,) = rows_of(Job(0, "gas:n=50,size=10", {"n": "50"}, ("double",)))
+    (row,) = rows_of(SweepJob(0, "gas:n=50,size=10", {"n": "50"}, ("double",)))
     assert (row["verdict"], row["digest"]) == ("refused", None)
     assert "no room for disc" in row["note"]
     assert list(row) == list(COLUMNS)
 
 
 def test_a_scene_without_a_tangent_map_has_no_horizon_and_a_verdict() -> None:
-    (row,) = rows_of(Job(0, "lee", {}, ("double",)))
+    (row,) = rows_of(SweepJob(0, "lee", {}, ("double",)))
     assert row["lyapunov"] is None and row["foreseen"] is None
     assert row["verdict"] == "agree"
 
 
 def test_a_displaced_scene_leaves_the_later_the_less_it_is_displaced() -> None:
-    rows = rows_of(Job(0, "gas:n=4", {}, ("perturbed:1e-6", "perturbed:1e-12", "perturbed:10**-40"), 200))
+    rows = rows_of(SweepJob(0, "gas:n=4", {}, ("perturbed:1e-6", "perturbed:1e-12", "perturbed:10**-40"), 200))
     events = [row["event"] for row in rows]
     assert events[0] < events[1] < (events[2] or 200)
     assert all(row["by_exponent"] > 0 for row in rows)
@@ -160,7 +160,7 @@ def test_a_displacement_is_of_the_size_asked_for_and_drawn_from_its_seed() -> No
 
 
 def test_rows_are_the_same_text_each_time() -> None:
-    job = Job(5, "gas:n=3", {}, ("double", "pymunk", "perturbed:1e-9"), 60)
+    job = SweepJob(5, "gas:n=3", {}, ("double", "pymunk", "perturbed:1e-9"), 60)
     assert [text_of(row) for row in rows_of(job)] == [text_of(row) for row in rows_of(job)]
 
 

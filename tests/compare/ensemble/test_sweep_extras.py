@@ -24,7 +24,7 @@ from truebreak.compare.ensemble.rows import worker
 from truebreak.compare.ensemble.rows.row import COLUMNS
 from truebreak.compare.ensemble.survival import summaries, wilson
 from truebreak.compare.ensemble.sweep import sweep
-from truebreak.compare.ensemble.uncertainty import Share, slope, uncertainty
+from truebreak.compare.ensemble.uncertainty import ChangedShare, slope, uncertainty
 from truebreak.compare.report.pictures.engine_style import engine_style
 from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
 from truebreak.scenarios import SceneError
@@ -138,18 +138,18 @@ def test_pandas_and_parquet_have_the_rows(rows: list[dict[str, Any]], tmp_path: 
 
 
 def test_the_exponent_is_that_of_the_shares() -> None:
-    shares = [Share(10.0**-k, round(4000 * 10 ** (-0.3 * k)), 4000, 0, 1) for k in range(1, 6)]
+    shares = [ChangedShare(10.0**-k, round(4000 * 10 ** (-0.3 * k)), 4000, 0, 1) for k in range(1, 6)]
     value, low, high = slope(shares)
     assert value == pytest.approx(0.3, abs=0.01)
     assert low is not None and high is not None and low < 0.3 < high
     assert slope(shares[:2]) == (None, None, None)
-    assert slope([Share(1.0, 5, 5, 0, 1)] * 4) == (None, None, None)
+    assert slope([ChangedShare(1.0, 5, 5, 0, 1)] * 4) == (None, None, None)
 
 
 def test_where_most_scenes_change_already_the_line_is_not_drawn() -> None:
     """Shares that reach all, as they must, and fall as a power before that."""
-    small = [Share(10.0**-k, round(6000 * 10 ** (1.2 - 0.4 * k)), 6000, 0, 1) for k in range(5, 9)]
-    large = [Share(10.0**-k, count, 6000, 0, 1) for k, count in ((2, 5999), (3, 5900), (4, 4000))]
+    small = [ChangedShare(10.0**-k, round(6000 * 10 ** (1.2 - 0.4 * k)), 6000, 0, 1) for k in range(5, 9)]
+    large = [ChangedShare(10.0**-k, count, 6000, 0, 1) for k, count in ((2, 5999), (3, 5900), (4, 4000))]
     assert slope([*small, *large]) == slope(small)
     assert slope(small)[0] == pytest.approx(0.4, abs=0.01)
 
@@ -175,7 +175,7 @@ def test_the_command_tells_the_exponent(capsys: pytest.CaptureFixture[str]) -> N
     data = json.loads(capsys.readouterr().out)
     jsonschema.Draft202012Validator(schema("sweep-1")).validate(data)
     told = data["uncertainty"]["collisions"]
-    assert told["exponent"] == pytest.approx(slope([Share(**share) for share in told["shares"]])[0])
+    assert told["exponent"] == pytest.approx(slope([ChangedShare(**share) for share in told["shares"]])[0])
     assert call(line) == 0
     assert "goes as d**a" in capsys.readouterr().out
 

@@ -151,6 +151,8 @@ WRONG = [
     ('{"end": 0.2}', "line 2: time = 0.2 comes before 0.5"),
     ('{"end": 2, "contact": ["c1", "c2"]}', "line 2: an end is"),
     ('{"end": 2}\n{"time": 3, "contact": ["c1", "c2"]}', "line 3: comes after the end"),
+    ('{"time": 1, "time": 2, "contact": ["c1", "c2"]}', "line 2: has 'time' twice; keep one"),
+    ('{"time": 1, "states": {"c1": [0, 0, 0, 0], "c1": [1, 0, 0, 0]}}', "line 2: has 'c1' twice"),
     ("\udcff", "is not text in UTF-8"),
     ("9" * 5000, "is not a whole JSON object"),
     ("[" * 100_000, "is not a whole JSON object"),
@@ -177,6 +179,7 @@ def test_a_log_that_cannot_be_judged_is_one_line(
         ("time,a\n", "does not name the columns"),
         ("time,a,b\n1,c1\n", "line 2: has 2 cells, and 3 columns"),
         ("time,a,b\nx,c1,c2\n", "line 2: time = 'x'; must be a number"),
+        ("time,a,b\n1_0,c1,c2\n", "line 2: time = '1_0'; must be a number"),
         ("time,a,b\n1,c1,\n", "line 2: contacts has ''"),
     ],
 )

@@ -15,7 +15,7 @@ from truebreak.compare.cli import main
 from truebreak.compare.deadline import Clock
 from truebreak.compare.reduction import minimise as module
 from truebreak.compare.reduction.ddmin import ddmin
-from truebreak.compare.reduction.minimise import Searching
+from truebreak.compare.reduction.minimise import Reducing
 from truebreak.compare.reduction.smallest import End, Smallest
 from truebreak.scenarios import Circle, Pocket, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.files import dump_toml, load_scene
@@ -218,7 +218,7 @@ def test_runs_are_counted_and_the_best_so_far_is_given() -> None:
 
 def test_the_end_of_the_seconds_leaves_the_best_so_far(monkeypatch: pytest.MonkeyPatch) -> None:
     """A clock that says so stands for the seconds."""
-    seen: list[Searching] = []
+    seen: list[Reducing] = []
 
     class Told(Clock):
         @property
@@ -238,7 +238,7 @@ def test_the_end_of_the_seconds_leaves_the_best_so_far(monkeypatch: pytest.Monke
 def interrupting(after: int) -> Any:
     """Presses Ctrl-C once so many comparisons are made."""
 
-    def progress(state: Searching) -> None:
+    def progress(state: Reducing) -> None:
         if state.runs == after:
             raise KeyboardInterrupt
 

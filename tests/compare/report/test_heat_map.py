@@ -10,7 +10,7 @@ from browser import Browser, found
 
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.compare.stress.ladder import Ladder
-from truebreak.compare.stress.marks import Mark
+from truebreak.compare.stress.rows.marks import MapMark
 from truebreak.compare.stress.table import family
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
@@ -35,7 +35,7 @@ def browser() -> Iterator[Browser]:
 
 def many(levels: int, engine: str) -> str:
     """A map of long labels, with every mark in it."""
-    marks = tuple(list(Mark)[k % len(Mark)] for k in range(levels))
+    marks = tuple(list(MapMark)[k % len(MapMark)] for k in range(levels))
     lanes = [("near-ties", "left", 0), ("near-ties", "right", 0), ("scaled", "down", 2)]
     told = [Ladder(*lane, engine, tuple(range(1, levels + 1)), marks) for lane in lanes]
     return heat_map([family("near-ties"), family("scaled")], told, "Where each engine's answer turns wrong")
@@ -52,7 +52,7 @@ def test_labels_are_whole_and_beside_the_cells(browser: Browser, tmp_path: Path,
         "[document.documentElement.width.baseVal.value, document.documentElement.height.baseVal.value]"
     )
     texts, cells = browser.ask(TEXTS), browser.ask(CELLS)
-    assert len(cells) >= 3 * min(levels, len(Mark)) + len(Mark)
+    assert len(cells) >= 3 * min(levels, len(MapMark)) + len(MapMark)
     for words, left, right, top, bottom in texts:
         assert left >= 0 and right <= width and top >= 0 and bottom <= height, words
     for _, right, _, bottom in cells:
@@ -76,7 +76,7 @@ def test_colours_follow_the_page(browser: Browser, root: Path) -> None:
         browser.open(root / "docs" / "stress.svg")
         assert browser.ask(FILL.format("rect.page")) == rgb(colours["page"])
         assert browser.ask(FILL.format("svg > text")) == rgb(colours["ink"])
-        for mark in Mark:
+        for mark in MapMark:
             assert browser.ask(FILL.format(f"rect.{mark.value}")) == rgb(colours[mark.value])
             assert browser.ask(FILL.format(f"text.{mark.value}-ink")) == rgb(colours[f"{mark.value}-ink"])
     browser.media()

@@ -10,13 +10,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from truebreak.compare.report.text.output import PLAIN_WIDTH, Table, Tinted, console, grid, say
+from truebreak.compare.report.text.output import PLAIN_WIDTH, TextTable, Tinted, console, grid, say
 
 TEXT = st.text("ab 1-:[]/\\.", max_size=9).map(str.strip)
 
 
 @st.composite
-def tables(draw: st.DrawFn) -> Table:
+def tables(draw: st.DrawFn) -> TextTable:
     count = draw(st.integers(1, 5))
     headings = draw(st.lists(TEXT.filter(bool), min_size=count, max_size=count, unique=True))
     two_lines = draw(st.booleans())
@@ -28,14 +28,14 @@ def tables(draw: st.DrawFn) -> Table:
     return table
 
 
-def by_rich(table: Table, width: int = PLAIN_WIDTH) -> str:
+def by_rich(table: TextTable, width: int = PLAIN_WIDTH) -> str:
     out = io.StringIO()
     Console(file=out, width=width, highlight=False, force_terminal=False).print(table.rich())
     return out.getvalue()
 
 
 @given(tables())
-def test_a_plain_table_is_what_rich_makes_of_it(table: Table) -> None:
+def test_a_plain_table_is_what_rich_makes_of_it(table: TextTable) -> None:
     lines = table.lines(PLAIN_WIDTH)
     if lines is not None:
         assert "".join(f"{line}\n" for line in lines) == by_rich(table)

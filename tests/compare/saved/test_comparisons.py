@@ -129,6 +129,14 @@ def test_nothing_else_is_made_of_a_file() -> None:
         comparison_of(json.dumps({**data, "digest": digest(data)}))
 
 
+def test_a_file_is_read_whatever_room_a_class_was_in_when_it_was_written() -> None:
+    text = saved_comparison(CASES["near-tie"]())
+    data = json.loads(text.replace("scenarios.trajectory:", "scenarios.runs.elsewhere:"))
+    assert data != json.loads(text)
+    data.pop("digest")
+    assert saved_comparison(comparison_of(json.dumps({**data, "digest": digest(data)}))) == text
+
+
 def test_no_file_at_all(tmp_path: Path) -> None:
     for path in (tmp_path / "none.json", tmp_path):
         with pytest.raises(SceneError, match="cannot be read") as error:

@@ -72,6 +72,19 @@ def test_a_run_past_its_divergence_is_the_true_history_of_a_start_nearby(
     assert max(gaps) <= proof.run_distance.time * 1.01 + 1e-13
 
 
+def test_a_start_with_numbers_that_are_next_to_nothing_is_one() -> None:
+    """On a line the corrections across it are rounding alone, 10**-80 and less."""
+    told = shadow(catalogue.build("cradle"), "double", events=60)
+    assert told.proof is not None and told.proof.run_distance.position < 1e-13
+
+
+def test_flights_that_miss_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    assert call(["shadow", "inscribed", "--engine", "single", "--events", "25"]) == 4
+    told = capsys.readouterr().out
+    assert "What stands in the way: a graze" in told
+    assert "meet 0 of a diameter from missing each other, and by the flights that the engine tells they do miss" in told
+
+
 def test_the_exact_engine_shadows_itself() -> None:
     told = shadow(catalogue.build("gas:n=3"), "exact", events=60)
     assert told.divergence is None
@@ -86,6 +99,7 @@ def test_the_exact_engine_shadows_itself() -> None:
         ("tennis", 1, Obstacle.SIMULTANEOUS),
         ("cradle:n=3", 4, Obstacle.TOUCHING),
         ("reversal:n=3,after=5", 8, Obstacle.SIMULTANEOUS),
+        ("grazing", 20, Obstacle.GRAZE),
     ],
 )
 def test_where_there_is_no_smooth_map_nothing_is_claimed(spec: str, events: int, obstacle: Obstacle) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from referee import compare_to_referee, settled
 
-from truebreak.compare.stress.family import Family, Place
+from truebreak.compare.stress.family import Family, MapPlace
 from truebreak.compare.stress.table import FAMILIES, family
 from truebreak.exact import ExactEngine, SymbolicEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Trajectory
@@ -62,7 +62,7 @@ def test_every_k_is_another_scene_or_another_length(one: Family, side: str) -> N
 
 def test_a_family_s_places_are_in_order_lane_by_lane() -> None:
     told = list(family("scaled").places((0, 5)))
-    assert told[:3] == [Place("scaled", 0, "up", 1), Place("scaled", 5, "up", 1), Place("scaled", 0, "up", 2)]
+    assert told[:3] == [MapPlace("scaled", 0, "up", 1), MapPlace("scaled", 5, "up", 1), MapPlace("scaled", 0, "up", 2)]
     assert len(told) == 8
 
 
@@ -175,5 +175,5 @@ def test_a_family_of_one_s_own_is_a_family() -> None:
     one = Family(
         "own", "A ball waits.", "k is nothing", lambda k, side, seed: Scene([Circle(k, 0)], events=1), 1, 2, 3, ("one",)
     )
-    assert one.scene(Place("own", 2, "one")).name == "own-one-2"
+    assert one.scene(MapPlace("own", 2, "one")).name == "own-one-2"
     assert one.levels() == one.levels(short=True) == (1, 2)

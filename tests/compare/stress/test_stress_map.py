@@ -19,12 +19,12 @@ from truebreak.compare.documents.stress import exact_sentence
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.compare.stress.__main__ import TITLE
 from truebreak.compare.stress.__main__ import main as page_main
-from truebreak.compare.stress.cell import Job, row_of
-from truebreak.compare.stress.family import Family, Place
+from truebreak.compare.stress.family import Family, MapPlace
 from truebreak.compare.stress.ladder import Ladder, ladders
-from truebreak.compare.stress.marks import Mark
 from truebreak.compare.stress.page import BEGIN, END, map_part, rewritten
 from truebreak.compare.stress.plan import Plan, plan
+from truebreak.compare.stress.rows.cell import Job, row_of
+from truebreak.compare.stress.rows.marks import MapMark
 from truebreak.compare.stress.table import FAMILIES, family
 from truebreak.scenarios import Scene, SceneError
 
@@ -41,7 +41,7 @@ def call(arguments: list[str]) -> int:
 
 
 def ladder(marks: str, first: int = 1) -> Ladder:
-    signs = {mark.sign: mark for mark in Mark}
+    signs = {mark.sign: mark for mark in MapMark}
     levels = tuple(range(first, first + len(marks)))
     return Ladder("near-ties", "left", 0, "double", levels, tuple(signs[sign] for sign in marks))
 
@@ -104,10 +104,10 @@ def told_by(page: str, asked: Plan) -> list[Ladder]:
             if row[0] == "engine":
                 continue
             side, _, seed = row[1].partition(", seed ")
-            marks: dict[int, Mark] = {}
+            marks: dict[int, MapMark] = {}
             for stretch in row[2].split("; "):
                 mark, low, *high = stretch.replace(" to ", " ").split()
-                marks |= dict.fromkeys(range(int(low), int((high or [low])[0]) + 1), Mark(mark))
+                marks |= dict.fromkeys(range(int(low), int((high or [low])[0]) + 1), MapMark(mark))
             found[name, row[1], row[0]] = Ladder(
                 name, side, int(seed or 0), row[0], tuple(marks), tuple(marks.values())
             )
@@ -144,11 +144,11 @@ def test_the_picture_is_that_of_the_page(root: Path, told: list[Ladder]) -> None
 
 def test_the_exact_engine_is_right_wherever_the_map_is(told: list[Ladder]) -> None:
     marks = [mark for one in told if one.engine == "exact" for mark in one.marks]
-    assert set(marks) == {Mark.RIGHT}
+    assert set(marks) == {MapMark.RIGHT}
     assert len(marks) == len(list(FULL.places()))
 
 
-def checked_again(one: Family, told: list[Ladder]) -> list[Place]:
+def checked_again(one: Family, told: list[Ladder]) -> list[MapPlace]:
     """The ends of a family's first ladder, and the brink of `double` on its last; nothing that takes long."""
     mine = [x for x in told if x.family == one.name and x.engine == "double"]
     first, last = mine[0], mine[-1]
@@ -218,16 +218,16 @@ def contrast(one: str, other: str) -> float:
 @pytest.mark.parametrize("colours", [LIGHT, DARK], ids=["light", "dark"])
 def test_letters_stand_out_on_light_and_on_dark_pages(colours: dict[str, str]) -> None:
     """4.5 : 1 and more, the least that WCAG 2 allows for small letters."""
-    assert {name.removesuffix("-ink") for name in colours} - {"page", "ink", "faint"} == {m.value for m in Mark}
+    assert {name.removesuffix("-ink") for name in colours} - {"page", "ink", "faint"} == {m.value for m in MapMark}
     for ink in ("ink", "faint"):
         assert contrast(colours[ink], colours["page"]) >= 4.5
-    for mark in Mark:
+    for mark in MapMark:
         assert contrast(colours[f"{mark.value}-ink"], colours[mark.value]) >= 4.5
 
 
 def test_the_picture_draws_every_stretch_and_names_every_lane() -> None:
     long = "pymunk:max_steps=300000,iterations=128"
-    marks = tuple(Mark)
+    marks = tuple(MapMark)
     mine = [Ladder("near-ties", side, 0, long, tuple(range(1, 8)), marks) for side in ("left", "right")]
     text = heat_map([family("near-ties")], mine, "A <title> & more")
     picture = ElementTree.fromstring(text)
@@ -235,7 +235,7 @@ def test_the_picture_draws_every_stretch_and_names_every_lane() -> None:
     assert {f"{long}  left", f"{long}  right", "A <title> & more", "wrong at 2"} <= set(words)
     fills = [node.get("fill") for node in picture.iter("{http://www.w3.org/2000/svg}rect")]
     legend = 1
-    for mark in Mark:
+    for mark in MapMark:
         assert fills.count(f"url(#stress-{mark.value})") == legend + 2
     titles = [node.text for node in picture.iter("{http://www.w3.org/2000/svg}title")]
     assert f"{long}  left: {mine[0].told()}" in titles
@@ -277,7 +277,7 @@ def test_people_are_told_the_map_the_marks_and_how_to_see_a_place(
     assert len(re.findall(r"^ exact", out, re.MULTILINE)) == 2
     assert "The exact engine: right at 8 of 8 places" in out
     assert "truebreak stress near-ties --show 17 --side right > scene.toml" in out
-    assert all(mark.meaning in out for mark in Mark)
+    assert all(mark.meaning in out for mark in MapMark)
     assert ElementTree.parse(picture).getroot().get("role") == "img"
 
 
@@ -340,4 +340,4 @@ def test_a_foreign_file_is_one_line_and_stays(tmp_path: Path, capsys: pytest.Cap
 def test_a_family_out_of_its_own_range_is_refused_by_its_scene_too() -> None:
     one = Family("own", "A.", "k", lambda k, side, seed: Scene([]), 1, 2, 3, ("one",))
     with pytest.raises(SceneError, match="k = 4: own has k from 1 to 3"):
-        one.scene(Place("own", 4, "one"))
+        one.scene(MapPlace("own", 4, "one"))

@@ -10,16 +10,16 @@ from typing import Any
 import pytest
 
 from truebreak.compare.certificate import certificate_json, certificate_of
-from truebreak.compare.certificates import Certified, verdict
+from truebreak.compare.certificate.certified import Certified, verdict
 from truebreak.compare.cli import main
 from truebreak.compare.cli.commands.stress import code_of
 from truebreak.compare.cli.exit_codes import ExitCode
-from truebreak.compare.stress import witness as witnessing
-from truebreak.compare.stress.cell import Job, row_of
-from truebreak.compare.stress.family import Place
-from truebreak.compare.stress.marks import Mark
+from truebreak.compare.stress.family import MapPlace
+from truebreak.compare.stress.rows import witness as witnessing
+from truebreak.compare.stress.rows.cell import Job, row_of
+from truebreak.compare.stress.rows.marks import MapMark
+from truebreak.compare.stress.rows.witness import witness
 from truebreak.compare.stress.table import family
-from truebreak.compare.stress.witness import witness
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Scene, SceneError, Trajectory
@@ -39,18 +39,18 @@ def call(arguments: list[str]) -> int:
 @pytest.mark.parametrize(
     "place",
     [
-        Place("near-ties", 16, "left"),
-        Place("grazes", 18, "miss"),
-        Place("unstable", 16, "right"),
-        Place("moved", 9, "along", 1),
-        Place("scaled", 12, "down", 2),
-        Place("touching", 2, "row"),
-        Place("pi", 3, "wall"),
+        MapPlace("near-ties", 16, "left"),
+        MapPlace("grazes", 18, "miss"),
+        MapPlace("unstable", 16, "right"),
+        MapPlace("moved", 9, "along", 1),
+        MapPlace("scaled", 12, "down", 2),
+        MapPlace("touching", 2, "row"),
+        MapPlace("pi", 3, "wall"),
     ],
     ids=lambda place: f"{place.family}-{place.k}",
 )
 def test_a_cell_is_what_compare_says_of_the_scene_that_it_shows(
-    place: Place, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    place: MapPlace, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     row = row_of(Job(place, ENGINES))
     assert call(place.show.split()[1:]) == 0
@@ -123,16 +123,16 @@ class Unchanged(DoubleEngine):
     [("Stops", "undecided"), ("Raises", "failed"), ("Refuses", "refused"), ("Before", "wrong"), ("Unchanged", "right")],
 )
 def test_an_engine_s_end_is_a_mark_and_never_the_end_of_the_map(name: str, mark: str) -> None:
-    row = row_of(Job(Place("near-ties", 3, "left"), (f"{__name__}:{name}",)))
+    row = row_of(Job(MapPlace("near-ties", 3, "left"), (f"{__name__}:{name}",)))
     (told,) = row["engines"].values()
     assert told["mark"] == mark
 
 
 def test_where_the_reference_does_not_know_nothing_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
-    from truebreak.compare.stress import cell
+    from truebreak.compare.stress.rows import cell
 
     monkeypatch.setattr(cell, "ExactEngine", lambda: ExactEngine(max_bits=256))
-    row = row_of(Job(Place("near-ties", 200, "left"), ("double", "quad")))
+    row = row_of(Job(MapPlace("near-ties", 200, "left"), ("double", "quad")))
     assert row["exact"]["mark"] == "undecided"
     assert {told["mark"] for told in row["engines"].values()} <= {"undecided", "unsettled", "wrong"}
     assert code_of([row]) is ExitCode.UNDECIDED
@@ -141,7 +141,7 @@ def test_where_the_reference_does_not_know_nothing_is_right(monkeypatch: pytest.
 # -- the exact engine
 
 
-def checked(code: int) -> Mark:
+def checked(code: int) -> MapMark:
     """The mark of a right run if the checker ended with a code."""
     one = family("long-runs")
     place = one.place(3)
@@ -154,7 +154,12 @@ def checked(code: int) -> Mark:
 
 
 def test_the_exact_engine_is_right_only_where_the_checker_says_so() -> None:
-    assert [checked(code) for code in (0, 1, 2, 4)] == [Mark.RIGHT, Mark.WRONG, Mark.UNCHECKED, Mark.UNCHECKED]
+    assert [checked(code) for code in (0, 1, 2, 4)] == [
+        MapMark.RIGHT,
+        MapMark.WRONG,
+        MapMark.UNCHECKED,
+        MapMark.UNCHECKED,
+    ]
 
 
 def test_the_history_of_another_scene_is_refuted() -> None:
@@ -162,9 +167,9 @@ def test_the_history_of_another_scene_is_refuted() -> None:
     one = family("near-ties")
     mine, other = one.place(20, "left"), one.place(20, "right")
     run = ExactEngine().run(one.scene(other))
-    assert witness(run, one, other).mark is Mark.RIGHT
+    assert witness(run, one, other).mark is MapMark.RIGHT
     told = witness(replace(run, scene=one.scene(mine)), one, mine)
-    assert told.mark is Mark.WRONG
+    assert told.mark is MapMark.WRONG
     assert told.closed_form is False
 
 
@@ -177,28 +182,28 @@ def test_a_certificate_of_too_few_bits_is_checked_with_more(monkeypatch: pytest.
     assert verdict(text)[0] == 4
     monkeypatch.setattr(witnessing, "certified", lambda run: Certified(text, *verdict(text)))
     told = witness(run, one, place)
-    assert told.mark is Mark.RIGHT
+    assert told.mark is MapMark.RIGHT
     assert told.told == "verified: 4 events, to the end: quiet (with 2 times its bits)"
     monkeypatch.setattr(witnessing, "MOST_TIMES", 1)
-    assert witness(run, one, place).mark is Mark.UNCHECKED
+    assert witness(run, one, place).mark is MapMark.UNCHECKED
 
 
 def test_a_closed_form_that_says_otherwise_refutes() -> None:
     one = replace(family("long-runs"), known=lambda run, k, side, seed: False)
     place = one.place(3)
-    assert witness(ExactEngine().run(one.scene(place)), one, place).mark is Mark.WRONG
+    assert witness(ExactEngine().run(one.scene(place)), one, place).mark is MapMark.WRONG
 
 
 @pytest.mark.parametrize(
     ("error", "mark"),
     [
-        (SceneError("it is too long for a certificate"), Mark.UNCHECKED),
-        (OverflowError("numbers that certificates do not reach"), Mark.UNCHECKED),
-        (AssertionError("its witness proves nothing"), Mark.WRONG),
+        (SceneError("it is too long for a certificate"), MapMark.UNCHECKED),
+        (OverflowError("numbers that certificates do not reach"), MapMark.UNCHECKED),
+        (AssertionError("its witness proves nothing"), MapMark.WRONG),
     ],
 )
 def test_a_run_without_a_certificate_is_not_right(
-    error: Exception, mark: Mark, monkeypatch: pytest.MonkeyPatch
+    error: Exception, mark: MapMark, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Nor is one whose certificate the writer itself refutes."""
 

@@ -12,7 +12,7 @@ from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES, engine
 from truebreak.compare.suites.document import survey_json
-from truebreak.compare.suites.survey import SCENES, SURVEYED, Entry, Survey, installed, survey, texts
+from truebreak.compare.suites.survey import SCENES, SURVEYED, Survey, SurveyEntry, installed, survey, texts
 from truebreak.compare.suites.surveys.recorded_survey import read_survey
 from truebreak.compare.suites.surveys.survey_page import page_text
 from truebreak.scenarios import SceneError
@@ -121,7 +121,7 @@ def test_what_is_written_is_read_again(found: Survey, tmp_path: Path) -> None:
     assert page_text(again) == page_text(Survey(found.versions, tuple(sorted_entries(found)), (), None))
 
 
-def sorted_entries(found: Survey) -> list[Entry]:
+def sorted_entries(found: Survey) -> list[SurveyEntry]:
     labels = list(SCENES)
     return sorted(found.entries, key=lambda entry: labels.index(entry.label))
 

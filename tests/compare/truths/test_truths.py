@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import math
 import re
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,15 @@ def test_the_page_names_every_truth(truth: Truth, root: Path) -> None:
     (row,) = [row for row in text.splitlines() if row.startswith(f"| {truth.title} |")]
     assert f"| {truth.published} |" in row
     assert f"`{truth.command}`" in row
+
+
+@pytest.mark.parametrize("truth", ALL, ids=name)
+def test_a_command_is_of_words_that_a_shell_takes_and_measures_this_truth_alone(truth: Truth) -> None:
+    words = shlex.split(truth.command)
+    bare = re.sub(r'"[^"$]*"', "", truth.command)
+    assert re.fullmatch(r"[\w\s.:,=/-]*", bare), bare
+    if "--only" in words:
+        assert [other.title for other in ALL if words[-1] in other.title] == [truth.title]
 
 
 def test_what_is_not_reproduced_stops_the_command(

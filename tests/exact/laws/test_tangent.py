@@ -16,6 +16,8 @@ from truebreak.exact.laws.derivation import LawError
 from truebreak.exact.laws.formulas import wall_bounce
 from truebreak.exact.laws.tangent_formulas import pair_tangent
 from truebreak.exact.laws.verification import functions
+from truebreak.exact.replay.contact import Pair
+from truebreak.exact.results.motion import ExactMotion
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Trajectory, Wall, catalogue
 
@@ -241,6 +243,9 @@ def test_a_run_of_floats_has_the_map_of_the_exact_one_while_it_is_near(text: str
         (catalogue.build("gas:n=3").with_changes(reverse_after=4, events=8), 6, "turns back after 4 events"),
         (Scene([Circle(0, 0, vx=-1)], [Wall(-3, 0, -3, 1)], pockets=[Pocket(9, 9, 1)], capture=True), 1, "capture"),
         (Scene([Circle(0, 1, vx=1), Circle(9, 1)], [Wall(0, 0, 1, 0)]), 1, "c1 and w1 touch from the start on"),
+        (catalogue.build("grazing"), 1, "before event 0, mover and rest graze"),
+        (Scene([Circle(0, 0, vx=1), Circle(4, 0), Circle(0, 9, vx=1), Circle(2, 11)]), 1, "0, c3 and c4 graze"),
+        (Scene([Circle(0, 0, vx=1), Circle(4, 0), Circle(9, 2), Circle(14, 0)]), 2, "event 1, c2 and c3 graze"),
     ],
 )
 def test_where_there_is_no_map_it_is_refused(scene: Scene, events: int, reason: str) -> None:
@@ -248,6 +253,18 @@ def test_where_there_is_no_map_it_is_refused(scene: Scene, events: int, reason: 
     with pytest.raises(NoTangentMap, match=reason):
         impacts(run, events)
     assert error_growth(run, events) is None
+
+
+def test_a_graze_that_does_not_come_to_pass_takes_no_map_away() -> None:
+    """The first ball would graze the last one, but hits another before; that one does graze it, after event 0."""
+    run = ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 0), Circle(9, 2)], [Wall(15, 0, 15, 1)]), events=2)
+    assert isinstance(run.motion, ExactMotion) and run.motion.tape is not None
+    grazes = run.motion.tape.grazes
+    assert (grazes[0], grazes[2]) == ([Pair(0, 2)], [Pair(1, 2)])
+    assert len(impacts(run, 1)) == 1
+    with pytest.raises(NoTangentMap, match="event 1, c2 and c3 graze") as refused:
+        impacts(run, 2)
+    assert refused.value.events == 1
 
 
 def test_before_a_reversal_there_is_a_map() -> None:

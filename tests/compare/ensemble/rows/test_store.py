@@ -98,6 +98,11 @@ def test_bad_stores_are_refused(tmp_path: Path) -> None:
         Store(str(text), settings)
     with pytest.raises(SceneError, match="there is no such file"):
         Store(str(tmp_path / "none.db"), None)
+    (tmp_path / "empty.db").touch()
+    with pytest.raises(SceneError, match="the file is empty"):
+        Store(str(tmp_path / "empty.db"), None)
+    with pytest.raises(SceneError, match="is a folder; name a file in it"):
+        Store(str(tmp_path), settings)
     old = tmp_path / "old.db"
     Store(str(old), settings).close()
     with sqlite3.connect(old) as base:
@@ -106,8 +111,6 @@ def test_bad_stores_are_refused(tmp_path: Path) -> None:
         Store(str(old), settings)
     with pytest.raises(SceneError, match=r"there is no folder .*no'; create it first"):
         Store(str(tmp_path / "no" / "folder.db"), settings)
-    with pytest.raises(SceneError, match="unable to open"):
-        Store(str(tmp_path), settings)
 
 
 def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from truebreak.compare.cli import main
 from truebreak.compare.suites import survey as surveying
-from truebreak.compare.suites.survey import Entry, survey
+from truebreak.compare.suites.survey import SurveyEntry, survey
 from truebreak.compare.suites.surveys.survey_page import page_text
 from truebreak.compare.suites.surveys.survey_store import SurveyStore, survey_settings
 from truebreak.scenarios import SceneError
@@ -37,7 +37,7 @@ def copied(rows: Path, tmp_path: Path, lines: list[str] | None = None) -> Path:
     return path
 
 
-def refuse(*given: Any) -> Entry:
+def refuse(*given: Any) -> SurveyEntry:
     raise AssertionError(f"this row is there already: {given[:2]}")
 
 

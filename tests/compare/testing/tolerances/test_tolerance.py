@@ -11,6 +11,7 @@ from bugs import BUGS, Planted, heavier
 from logs import triples
 
 from truebreak.compare import engine
+from truebreak.compare.foreign import Recording
 from truebreak.compare.tangent.growth import error_growth
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.compare.testing.tolerances.errors_grown import GrownErrors
@@ -143,6 +144,31 @@ def test_the_order_of_an_engine_of_steps_is_seen() -> None:
 
 
 @dataclass(frozen=True)
+class ToldLater(Planted):
+    """An engine of steps that pushes in time, and tells it two steps later."""
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        recording = Recording(scene, self.name)
+        run = self.inner.run(scene, **limits)
+        for event in run.events:
+            state, lag = run.at(event.time), 2 * self.inner.step
+            rows = {
+                name: (c.x + lag * c.vx, c.y + lag * c.vy, c.vx, c.vy)
+                for pair in event.impulses
+                for name, c in ((name, state[name]) for name in pair if name not in {w.id for w in scene.walls})
+            }
+            recording.hits(float(event.time) + lag, event.impulses, rows)
+        recording.end()
+        return replace(recording.trajectory(), stop=run.stop)
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_meeting_that_is_told_some_steps_later_is_honest(name: str) -> None:
+    told = str(check(ToldLater(engine(name), BUGS[0]), "gas:n=3"))
+    assert "the same history in" in told
+
+
+@dataclass(frozen=True)
 class Silent(Declared):
     """An engine that stops, not knowing."""
 
@@ -156,6 +182,15 @@ class Silent(Declared):
 def test_what_cannot_be_decided_is_not_passed() -> None:
     with pytest.raises(NotDecided, match="undecided: at all"):
         check(Silent(), "gas", events=20)
+
+
+@pytest.mark.parametrize("asked", [{}, {"permitted": True}, {"events": 3}])
+def test_a_scene_that_an_engine_does_not_follow_is_not_passed(asked: dict[str, Any]) -> None:
+    class NoPockets(DoubleEngine):
+        name, scene_keys = "plain", frozenset({"wall"})
+
+    with pytest.raises(NotDecided, match="plain on rack: cannot run this scene: it does not follow 'pocket'"):
+        check(NoPockets(), "rack", **asked)
 
 
 def test_a_span_is_required_whatever_its_margins() -> None:
@@ -257,6 +292,28 @@ def test_what_cannot_be_checked_is_refused() -> None:
         check("double", "gas", horizon="wide")
     with pytest.raises(SceneError, match="engine 'duoble' is not known"):
         check("duoble", "gas")
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"digits": 0}, "digits = 0: must be a whole number from 1"),
+        ({"digits": 1.5}, "digits = 1.5: must be"),
+        ({"atol": float("nan")}, "atol = nan: must be a finite number from 0"),
+        ({"atol": float("inf")}, "atol = inf: must be"),
+        ({"rtol": -1}, "rtol = -1: must be"),
+        ({"atol": "1"}, "atol = '1': must be"),
+        ({"horizon": 2.5}, "horizon = 2.5: must be a number of bits"),
+        ({"horizon": True}, "horizon = True: must be"),
+        ({"max_seconds": 0}, "max_seconds = 0: must be a number of seconds above zero"),
+        ({"max_seconds": "5"}, "max_seconds = '5': must be"),
+    ],
+)
+def test_a_demand_that_asks_for_nothing_is_refused(asked: dict[str, Any], told: str) -> None:
+    with pytest.raises(SceneError, match=told.replace("'", ".")):
+        check("double", "near-tie:k=2", **asked)
+    with pytest.raises(SceneError, match="scene = 3: must be a Scene"):
+        check("double", 3)  # pyright: ignore[reportArgumentType]
 
 
 def test_a_horizon_of_fewer_bits_asks_for_less() -> None:

@@ -1,0 +1,123 @@
+"""Exact numbers in which a certificate's values are found: nested square roots in normal form."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import isqrt
+from typing import Any, ClassVar
+
+from ...tools.verify import Form, Undecided
+
+ROOTS = 24
+"""Most roots that a run's numbers may take."""
+
+WORK = 1 << 37
+"""Most work (see `Exact.work`): about two minutes."""
+
+
+class Exact:
+    """a + b*sqrt(d): d is the k-th of `roots`, a and b use those before it; for k = 0 the fraction a.
+
+    Attributes:
+        roots: the numbers whose positive roots are taken, each in those before it.
+        most: how many of them there may be.
+        work: what products have cost so far, in units of about a nanosecond.
+        budget: what they may cost.
+    """
+
+    roots: ClassVar[list[Exact]] = []
+    most: ClassVar[int] = ROOTS
+    work: ClassVar[int] = 0
+    budget: ClassVar[int] = WORK
+
+    __slots__ = ("a", "b", "k")
+
+    def __init__(self, a: Any, b: Any = None, k: int = 0) -> None:
+        self.a, self.b, self.k = a, b, k
+
+    def __bool__(self) -> bool:
+        return self.k > 0 or self.a != 0
+
+    def parts(self, k: int) -> tuple[Exact, Exact]:
+        """a and b, by the k-th root."""
+        return (self.a, self.b) if self.k == k else (self, ZERO)
+
+    def __neg__(self) -> Exact:
+        return Exact(-self.a, self.b and -self.b, self.k)
+
+    def __sub__(self, o: Exact) -> Exact:
+        return self + -o
+
+    def __add__(self, o: Exact) -> Exact:
+        if not (k := max(self.k, o.k)):
+            return Exact(self.a + o.a)
+        (a, b), (c, d) = self.parts(k), o.parts(k)
+        return Exact(a + c, high, k) if (high := b + d) else a + c
+
+    def __mul__(self, o: Exact) -> Exact:
+        if not (self and o):
+            return ZERO
+        if not (k := max(self.k, o.k)):
+            Exact.work += 10_000 + (size(self.a) * size(o.a) >> 8)  # about a nanosecond a unit
+            if Exact.work > Exact.budget:
+                raise Undecided("exact values take too much work")
+            return Exact(self.a * o.a)
+        (a, b), (c, d) = self.parts(k), o.parts(k)
+        low, high = a * c + b * d * Exact.roots[k - 1], a * d + b * c
+        return Exact(low, high, k) if high else low
+
+    def __truediv__(self, o: Exact) -> Exact:
+        if o.k == 0:
+            return self * Exact(1 / o.a)
+        return self * Exact(o.a, -o.b, o.k) / (o.a * o.a - o.b * o.b * Exact.roots[o.k - 1])
+
+    def sign(self) -> int:
+        """That of a and b; where they differ, a*a - b*b*d tells which is the greater."""
+        if self.k == 0:
+            return (self.a > 0) - (self.a < 0)
+        a, b = self.a.sign(), self.b.sign()
+        return b if a in (0, b) else a * (self.a * self.a - self.b * self.b * Exact.roots[self.k - 1]).sign()
+
+    def sqrt(self) -> Exact:
+        """The positive root: made of the roots at hand if it can be, else a new one."""
+        if self.sign() < 1:
+            raise Undecided("a number that is not positive has a root")
+        if root := self.within(len(Exact.roots)):
+            return root if root.sign() > 0 else -root
+        if len(Exact.roots) >= Exact.most:
+            raise Undecided("exact values take too many roots")
+        Exact.roots.append(self)
+        return Exact(ZERO, ONE, len(Exact.roots))
+
+    def within(self, k: int) -> Exact | None:
+        """A square root made of the first k roots, or None: from (c + e*sqrt(d))^2 = a + b*sqrt(d)."""
+        if k == 0:
+            root = Fraction(isqrt(abs(self.a.numerator)), isqrt(self.a.denominator))
+            return Exact(root) if root * root == self.a else None
+        (a, b), d = self.parts(k), Exact.roots[k - 1]
+        if not b:
+            return a.within(k - 1) or ((e := (a / d).within(k - 1)) and Exact(ZERO, e, k))
+        norm = (a * a - b * b * d).within(k - 1)
+        for n in (norm, -norm) if norm else ():
+            if c := ((a + n) / (ONE + ONE)).within(k - 1):
+                return Exact(c, b / (c + c), k)
+        return None
+
+    @staticmethod
+    def of(form: Form) -> Exact:
+        """A sum of terms as a number."""
+        total = ZERO
+        for ks, x in form.items():
+            term = Exact(Fraction(x))
+            for k in ks:
+                term = term * Exact(ZERO, ONE, k + 1)
+            total = total + term
+        return total
+
+
+ZERO, ONE = Exact(Fraction(0)), Exact(Fraction(1))
+
+
+def size(x: Fraction) -> int:
+    """Bits of a fraction."""
+    return x.numerator.bit_length() + x.denominator.bit_length()

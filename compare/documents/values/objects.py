@@ -1,0 +1,290 @@
+"""What a comparison is made of as JSON, and back: values of the classes listed here, shared ones once."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from functools import cached_property
+from importlib import import_module
+from typing import Any
+
+import mpmath
+import numpy as np
+from flint import arb, fmpq
+from mpmath.ctx_iv import ivmpf
+from mpmath.libmp import MPZ
+
+from ....exact.results.ball_parts import from_parts, parts_of
+from ....scenarios.errors import SceneError
+from ....scenarios.files import dump_json, loads_json
+from ....scenarios.lazy.late import Late
+from ....scenarios.numbers.doubles import Double
+from ....scenarios.numbers.quantity import Quantity
+from ....scenarios.numbers.tower.element import Element
+from ....scenarios.scene import Scene
+from ...saved.run_numbers import NumberReader, NumberWriter, set_time_data, step_data, step_of
+
+STEPS = ("Flip", "Go", "Kick", "Take")
+
+CLASSES = (
+    "compare.alignment.align:Alignment",
+    "compare.alignment.align:Wanted",
+    "compare.alignment.divergence:Divergence",
+    "compare.alignment.divergence:Kind",
+    "compare.alignment.separation:Separation",
+    "compare.alignment.walk:Mismatch",
+    "compare.alignment.walk:Walk",
+    "compare.candidate:Candidate",
+    "compare.causes.diagnosis:CauseName",
+    "compare.causes.diagnosis:Diagnosis",
+    "compare.causes.diagnosis:Experiment",
+    "compare.causes.margin:BitsEnough",
+    "compare.causes.margin:Margin",
+    "compare.certificate.certified:Certified",
+    "compare.chaos.hazard.errors:ErrorModel",
+    "compare.comparison:Comparison",
+    "compare.outcomes.nearby:Witness",
+    "compare.outcomes.permitted:PermittedPatterns",
+    "compare.outcomes.permitted:Relation",
+    "exact.replay.contact:AtWall",
+    "exact.replay.contact:Entry",
+    "exact.replay.contact:Pair",
+    "exact.results.motion:Constant",
+    "exact.results.motion:ExactMotion",
+    "exact.results.motion:Place",
+    "exact.results.motion:Velocity",
+    "exact.results.run_log:RunLog",
+    "exact.results.times:TimeFormula",
+    "exact.results.value:ExactValue",
+    "exact.simulation.instants.instant:Instant",
+    "exact.simulation.limits:Limits",
+    "exact.simulation.tape:Reached",
+    "exact.simulation.tape:Tape",
+    "floating.double_double:DoubleDouble",
+    "floating.interval:IntervalMotion",
+    "floating.interval:IntervalNumber",
+    "floating.knots:DoubleMotion",
+    "floating.quad:QuadMotion",
+    "floating.quad:QuadTime",
+    "scenarios.event:Assumption",
+    "scenarios.event:Contact",
+    "scenarios.event:Event",
+    "scenarios.event:Pocketing",
+    "scenarios.event:Reversal",
+    "scenarios.event:Tie",
+    "scenarios.event:TieProof",
+    "scenarios.trajectory:CircleState",
+    "scenarios.trajectory:State",
+    "scenarios.trajectory:Stop",
+    "scenarios.trajectory:StopReason",
+    "scenarios.trajectory:Trajectory",
+)
+"""Every class that a comparison of truebreak's own engines, or of logs, holds. Nothing else is written or made."""
+
+_HOMES = {kind: module for module, _, kind in (name.partition(":") for name in CLASSES)}
+
+ROOT = __name__.partition(".compare.")[0]
+
+
+def _name_of(kind: type) -> str:
+    return f"{kind.__module__.removeprefix(f'{ROOT}.')}:{kind.__qualname__}"
+
+
+class Writer:
+    """Writes objects.
+
+    Attributes:
+        roots: for each field of exact numbers, the roots that generate it.
+    """
+
+    def __init__(self) -> None:
+        self._seen: dict[int, int] = {}
+        self._kept: list[Any] = []
+        self._fields: dict[int, tuple[int, NumberWriter]] = {}
+
+    @property
+    def roots(self) -> list[list[str]]:
+        return [writer.roots for _, writer in self._fields.values()]
+
+    def __call__(self, value: Any) -> Any:
+        """One object.
+
+        Raises:
+            SceneError: for one of no class listed.
+        """
+        if value is None or isinstance(value, bool | str) or type(value) is int:
+            return value
+        if isinstance(value, Enum):
+            return {"enum": self._listed(value), "name": value.name}
+        if isinstance(value, float) and not getattr(value, "__dict__", None):
+            return self._float(value)
+        if type(value) is list:
+            return [self(item) for item in value]
+        if type(value) is tuple or isinstance(value, Late):
+            return {"tuple": [self(item) for item in value]}
+        if isinstance(value, set | frozenset):
+            return {
+                "set": sorted((self(item) for item in value), key=json.dumps),
+                "frozen": isinstance(value, frozenset),
+            }
+        if isinstance(value, Mapping):
+            return {"dict": [[self(key), self(item)] for key, item in value.items()]}
+        return self._number(value) or self._object(value)
+
+    def _float(self, value: float) -> Any:
+        told = float(value) if math.isfinite(value) else {"float": repr(float(value))}
+        return {"double": told} if type(value) is Double else told
+
+    def _number(self, value: Any) -> Any:
+        if isinstance(value, np.ndarray):
+            return {"array": self(value.tolist()), "type": value.dtype.str}
+        if isinstance(value, np.generic):
+            return self(value.item())
+        if isinstance(value, Quantity):
+            return {"exact": set_time_data(value)}
+        if isinstance(value, fmpq):
+            return {"rational": str(value)}
+        if isinstance(value, arb):
+            return {"ball": [f"{part:x}" for part in parts_of(value)]}
+        if isinstance(value, Element):
+            place, writer = self._fields.setdefault(id(value.tower), (len(self._fields), NumberWriter()))
+            self._kept.append(value.tower)
+            return {"field": place, "number": writer(value)}
+        if isinstance(value, ivmpf):
+            ends: Any = value
+            return {"interval": [[int(s), f"{int(m):x}", int(e), int(b)] for s, m, e, b in ends._mpi_]}
+        return None
+
+    def _object(self, value: Any) -> Any:
+        if id(value) in self._seen:
+            return {"same": self._seen[id(value)]}
+        kind = type(value)
+        if kind.__name__ in STEPS and kind.__module__ == f"{ROOT}.exact.replay.steps":
+            return {"step": step_data(value)}
+        self._seen[id(value)] = len(self._seen)
+        self._kept.append(value)  # so that no other object gets its identity
+        if isinstance(value, Scene):
+            return {"scene": json.loads(dump_json(value))}
+        named = {"is": self._listed(value)}
+        if isinstance(value, tuple):
+            return {**named, "of": [self(item) for item in value]}
+        if isinstance(value, float):
+            named["float"] = self._float(float(value))
+        return {**named, "has": {key: self(item) for key, item in _parts(value).items()}}
+
+    def _listed(self, value: Any) -> str:
+        name = _name_of(type(value))
+        if name not in CLASSES:
+            raise SceneError(
+                f"a {type(value).__qualname__} of {type(value).__module__} cannot be saved as JSON; pickle it"
+            )
+        return name
+
+
+def _parts(value: Any) -> dict[str, Any]:
+    """What makes an object: the fields of a dataclass, else its attributes."""
+    if is_dataclass(value):
+        return {field.name: getattr(value, field.name) for field in fields(value)}
+    slots = getattr(type(value), "__slots__", None)
+    if slots:
+        return {name: getattr(value, name) for name in slots}
+    kind = type(value)
+    state: dict[str, Any] = value.__getstate__()
+    return {name: part for name, part in state.items() if not isinstance(getattr(kind, name, None), cached_property)}
+
+
+class Reader:
+    """Reads what a `Writer` wrote.
+
+    Args:
+        roots: its roots.
+    """
+
+    def __init__(self, roots: list[list[str]]) -> None:
+        self._seen: list[Any] = []
+        self._numbers = [NumberReader(each) for each in roots]
+
+    def __call__(self, data: Any) -> Any:
+        """One object.
+
+        Raises:
+            ValueError, LookupError, TypeError: if no writer wrote this.
+        """
+        if isinstance(data, list):
+            return [self(item) for item in data]
+        if not isinstance(data, dict):
+            return data
+        return getattr(self, f"_{next(iter(data))}")(**{f"{key}_": item for key, item in data.items()})
+
+    def _enum(self, enum_: str, name_: str) -> Any:
+        return _class(enum_)[name_]
+
+    def _float(self, float_: str) -> float:
+        return float(float_)
+
+    def _double(self, double_: Any) -> Double:
+        return Double(self(double_))
+
+    def _tuple(self, tuple_: list[Any]) -> tuple[Any, ...]:
+        return tuple([self(item) for item in tuple_])
+
+    def _set(self, set_: list[Any], frozen_: bool) -> Any:
+        found = {self(item) for item in set_}
+        return frozenset(found) if frozen_ else found
+
+    def _dict(self, dict_: list[Any]) -> dict[Any, Any]:
+        return {self(key): self(item) for key, item in dict_}
+
+    def _array(self, array_: Any, type_: str) -> Any:
+        return np.array(self(array_), dtype=np.dtype(type_))
+
+    def _exact(self, exact_: str) -> Quantity:
+        return Quantity.of(exact_)
+
+    def _rational(self, rational_: str) -> fmpq:
+        return fmpq(*map(int, rational_.split("/")))
+
+    def _ball(self, ball_: list[str]) -> arb:
+        return from_parts(*(int(part, 16) for part in ball_))
+
+    def _field(self, field_: int, number_: Any) -> Any:
+        return self._numbers[field_](number_)
+
+    def _interval(self, interval_: list[Any]) -> Any:
+        return mpmath.iv.make_mpf(tuple((s, MPZ(int(m, 16)), e, b) for s, m, e, b in interval_))
+
+    def _same(self, same_: int) -> Any:
+        return self._seen[same_]
+
+    def _step(self, step_: Any) -> Any:
+        return step_of(step_)
+
+    def _scene(self, scene_: Any) -> Scene:
+        place = len(self._seen)
+        self._seen.append(None)
+        self._seen[place] = loads_json(json.dumps(scene_), "the scene")
+        return self._seen[place]
+
+    def _is(self, is_: str, of_: Any = None, has_: Any = None, float_: Any = None) -> Any:
+        kind = _class(is_)
+        place = len(self._seen)
+        self._seen.append(None)
+        if of_ is not None:
+            self._seen[place] = kind(*(self(item) for item in of_))
+            return self._seen[place]
+        made = kind.__new__(kind) if float_ is None else kind.__new__(kind, self(float_))
+        self._seen[place] = made
+        for key, item in has_.items():
+            object.__setattr__(made, key, self(item))
+        return made
+
+
+def _class(name: str) -> Any:
+    """The class of that name, in whatever room it was when the file was written."""
+    module = _HOMES.get(kind := name.rpartition(":")[2])
+    if module is None:
+        raise ValueError(f"{name} is not among the classes that are read")
+    return getattr(import_module(f"{ROOT}.{module}"), kind)

@@ -1,0 +1,1 @@
+"""Runs of any engine, made of what it reports."""

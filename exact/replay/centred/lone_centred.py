@@ -1,0 +1,236 @@
+"""A contact alone, carried out in one go on midpoints, with their deviations: `CentredState` does it in two steps.
+
+The numbers are those of `LoneContacts`, made of midpoints, with fewer products: d at the hit is d moved on by v, and
+one circle is reckoned from the other and from that. The deviations follow in one step of their set
+(docs/error-bound.md). Balls are made when somebody asks for them, which few do. What is not ordinary is left to the two
+steps, with nothing changed.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from math import frexp, ldexp
+
+from flint import arb
+
+from ...laws.formulas import wall_approach, wall_gap, wall_hit_time
+from ...numbers import ball
+from ..body import FAINT, Flight, Landed, Midpoints, new_flight
+from ..contact import AtWall, Pair, Touch
+from ..lone import SPARE_BITS, LoneContacts
+from ..unchanging import Oblique, Unchanging
+from .centred_state import CentredState
+from .deviations import Deviations, Moved
+from .errors import MOST, UP, Spent
+
+PLAIN = 2.0**-100
+"""Numbers beyond this, with a radius of at most 2**FAINT, less than 2**-140 of them, are told by the doubles of their
+midpoints, and by short balls around these."""
+
+
+def lone_contacts(state: CentredState) -> LoneContacts | LoneCentred:
+    """What carries out contacts that stand alone: on balls, or on midpoints where deviations are kept in a set."""
+    return LoneCentred(state) if state.centred else LoneContacts(state)
+
+
+class LoneCentred:
+    """Carries out contacts that stand alone, on midpoints.
+
+    Args:
+        state: whose bodies fly.
+
+    Attributes:
+        landed: see `LoneContacts`.
+    """
+
+    def __init__(self, state: CentredState) -> None:
+        self.landed: list[Landed[arb]] | None = None
+        self._state = state
+        self._known = Unchanging(state)
+
+    def strike(self, link: Touch, bits: int, done: int) -> int | None:
+        """As `LoneContacts.strike`."""
+        self.landed = None
+        held = self._state.ready(link)
+        if held is None:
+            return None
+        self._known.at(bits)
+        try:
+            if isinstance(link, Pair):
+                return self._bounce(held, link, bits, done + 1)
+            return self._rebound(held, link, bits, done + 1)
+        except (Spent, OverflowError):
+            self._state.loosen()
+            return None
+
+    def _bounce(self, held: Deviations, link: Pair, bits: int, step: int) -> int | None:
+        """Two circles.
+
+        Raises:
+            Spent: if the deviations are too large after it.
+        """
+        state = self._state
+        one, other = link
+        a, b = state.bodies[one], state.bodies[other]
+        square_reach, share_a, share_b, alike = self._known.partners(link)
+        worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        ax, ay, avx, avy, at, a_last = held.mid[one]
+        bx, by, bvx, bvy, bt, b_last = held.mid[other]
+        vx, vy = bvx - avx, bvy - avy
+        of_a = a_last >= b_last  # the younger of the two is the one from which the other is reckoned
+        if of_a:
+            base = at
+            lag = at - bt
+            dx, dy = bx + bvx * lag - ax, by + bvy * lag - ay
+        else:
+            base = bt
+            lag = bt - at
+            dx, dy = bx - (ax + avx * lag), by - (ay + avy * lag)
+        cross = dx * vy - dy * vx
+        square = vx * vx + vy * vy
+        disc = square * square_reach - cross * cross
+        if cross.is_zero() or not disc > ball.ZERO:
+            return None
+        root = disc.sqrt()
+        wait = -(dx * vx + dy * vy + root) / square
+        ex, ey = dx + vx * wait, dy + vy * wait
+        instant = base + wait
+        clock = instant.mid()
+        lag = clock - base
+        late = wait - lag
+        beside, unit = float(late.abs_upper()) * UP, held.unit
+        lags = float(clock - at) / unit, float(clock - bt) / unit
+        i, j = held.place[one], held.place[other]
+        found = held.collision(state, link, (ex, ey, vx, vy, root), i, j, lags, beside)
+        if found is None:
+            return None
+        hit, spread = found
+        if of_a:
+            ax, ay = ax + avx * lag, ay + avy * lag
+            bx, by = ax + ex - vx * late, ay + ey - vy * late
+        else:
+            bx, by = bx + bvx * lag, by + bvy * lag
+            ax, ay = bx - ex + vx * late, by - ey + vy * late
+        strength = share_a * root
+        jx, jy = strength * ex, strength * ey
+        ax, ay, avx, avy = ax + jx * late, ay + jy * late, avx - jx, avy - jy
+        if not alike:
+            strength = share_b * root
+            jx, jy = strength * ex, strength * ey
+        bx, by, bvx, bvy = bx - jx * late, by - jy * late, bvx + jx, bvy + jy
+        moved = (a, ax, ay, avx, avy), (b, bx, by, bvx, bvy)
+        rounding, doubles = held.recentre(moved, clock, step)
+        held.errors.meet(i, j, lags, (held.weights[one], held.weights[other]), hit, rounding)
+        return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
+
+    def _rebound(self, held: Deviations, link: AtWall, bits: int, step: int) -> int | None:
+        """A circle and a wall.
+
+        Raises:
+            Spent: if the deviations are too large after it.
+        """
+        state, index = self._state, link[0]
+        body = state.bodies[index]
+        wall = self._known.wall(link)
+        worst = body.acc + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        x, y, vx, vy, base, _ = held.mid[index]
+        if isinstance(wall, Oblique):
+            wait = wall_hit_time(wall_gap(x, y, *wall[:5]), wall_approach(vx, vy, wall.nx, wall.ny))
+        else:
+            wait = (wall.touch - y) / vy if wall.level else (wall.touch - x) / vx
+        instant = base + wait
+        if not instant.is_finite():
+            return None
+        clock = instant.mid()
+        lag = clock - base
+        late = wait - lag
+        face = held.face(state, link)
+        i, time_lag, beside = held.place[index], float(lag) / held.unit, float(late.abs_upper()) * UP
+        spread = held.wall_time(face, i, time_lag, float(vx), float(vy), beside)
+        if spread is None:
+            return None
+        if isinstance(wall, Oblique):
+            *_, xx, xy, yy, shift_x, shift_y = wall
+            x, y = x + vx * lag, y + vy * lag
+            x, y = xx * x + xy * y + shift_x, xy * x + yy * y + shift_y
+            vx, vy = xx * vx + xy * vy, xy * vx + yy * vy
+        elif wall.level:
+            x, y, vy = x + vx * lag, wall.touch + vy * late, -vy
+        else:
+            x, y, vx = wall.touch + vx * late, y + vy * lag, -vx
+        moved = ((body, x, y, vx, vy),)
+        rounding, doubles = held.recentre(moved, clock, step)
+        held.errors.fly(i, time_lag, face.mirror, rounding)
+        return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
+
+    def _land(
+        self,
+        held: Deviations,
+        moved: tuple[Moved, ...],
+        doubles: list[tuple[float, float, float, float]],
+        when: tuple[arb, arb, arb, float, float],
+        step: int,
+        bits: int,
+    ) -> int:
+        """The bodies fly on from their new midpoints, in balls; gives how many bits of the instant are known.
+
+        Args:
+            held: their deviations.
+            moved: the bodies, with numbers around their midpoints.
+            doubles: their midpoints.
+            when: the instant of the midpoints, its clock, the time between the two, a bound of that, and a bound of all
+                errors of the instant, as the set counts it.
+            step: the number of the step to the contact.
+            bits: the precision of the state.
+
+        Raises:
+            Spent: if the deviations are too large.
+        """
+        instant, clock, late, beside, spread = when
+        errors, place, mids = held.errors, held.place, held.mid
+        bounds, shift, least = errors.bounds, errors.shift, held.time_power
+        if not spread + bounds.both(place[moved[0][0].index]) + bounds.both(place[moved[-1][0].index]) < MOST:
+            raise Spent
+        power = frexp(spread)[1] + shift
+        time, now = held.ball(power), float(clock)
+        beside = (beside + ldexp(1.0, power if power > -1000 else -1000)) * UP
+        instant, late = instant + time, late + time
+        accuracy = instant.rel_accuracy_bits()
+        if not 0 < accuracy < bits:
+            accuracy = max(0, min(bits, accuracy))
+        used = ball.bits_in_use()
+        landed: list[Landed[arb]] = []
+        for (body, *_), (fx, fy, fvx, fvy) in zip(moved, doubles, strict=True):
+            index = body.index
+            i = place[index]
+            far, fast = frexp(bounds.place[i])[1] + shift, frexp(bounds.pace[i])[1] + shift - least
+            mid = mids[index]
+            body.acc = accuracy
+            body.await_flight(partial(_flight, held, mid, far, fast, used, instant, late))
+            told = (
+                far < FAINT
+                and fast < FAINT
+                and (fx > PLAIN or fx < -PLAIN)
+                and (fy > PLAIN or fy < -PLAIN)
+                and (fvx > PLAIN or fvx < -PLAIN)
+                and (fvy > PLAIN or fvy < -PLAIN)
+            )
+            landed.append((body, mid, (fx, fy, fvx, fvy, now, beside) if told else None))
+        self._state.stand(instant, late, step + 1)
+        if errors.full:
+            self._state.renew()
+        self.landed = landed
+        return accuracy
+
+
+def _flight(
+    held: Deviations, mid: Midpoints[arb], far: int, fast: int, bits: int, instant: arb, late: arb
+) -> Flight[arb]:
+    """A flight in balls: its midpoints, at most 2**far and 2**fast off."""
+    x, y, vx, vy, clock, last = mid
+    wide, narrow = held.ball(far), held.ball(fast)
+    with ball.precision(bits):
+        numbers = x + wide, y + wide, vx + narrow, vy + narrow
+    return new_flight(Flight, (*numbers, clock, instant, late, last, False))

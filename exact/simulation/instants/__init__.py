@@ -1,0 +1,1 @@
+"""One instant: all that falls on it is gathered, then resolved in rounds."""

@@ -1,0 +1,1 @@
+"""Pictures of scenes and states, and what a notebook shows of them."""
