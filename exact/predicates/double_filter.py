@@ -114,7 +114,13 @@ class DoubleFilter:
         ):
             body.f = None
             return
-        self.take(body, (float(x), float(y), float(vx), float(vy), ft, late))
+        fx, fy, fvx, fvy = float(x), float(y), float(vx), float(vy)
+        if not (fx and fy and fvx and fvy) and any(
+            told == 0.0 and not ball.is_zero() for told, ball in ((fx, x), (fy, y), (fvx, vx), (fvy, vy))
+        ):  # below all doubles, which is not at rest
+            body.f = None
+            return
+        self.take(body, (fx, fy, fvx, fvy, ft, late))
 
     def take(self, body: Body[arb], doubles: Doubles) -> None:
         """Sets a body's doubles, which are off by at most 2u, or None if they are too large or too small."""
@@ -124,12 +130,7 @@ class DoubleFilter:
         speed = sx if sx > sy else sy
         if not (place < BIG and speed < BIG) or (
             not (px > TINY and py > TINY and sx > TINY and sy > TINY)
-            and (
-                (px < TINY and not x.is_zero())
-                or (py < TINY and not y.is_zero())
-                or (sx < TINY and not vx.is_zero())
-                or (sy < TINY and not vy.is_zero())
-            )
+            and (0.0 < px < TINY or 0.0 < py < TINY or 0.0 < sx < TINY or 0.0 < sy < TINY)
         ):
             body.f = None
             return
