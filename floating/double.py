@@ -10,7 +10,6 @@ from typing import ClassVar
 
 from ..exact.numbers.system import NumberSystem
 from ..exact.policies import Policy
-from ..exact.replay.state import State
 from ..scenarios.lazy.late import Late
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.real import Real
@@ -20,6 +19,7 @@ from .flat.loop import FlatDecider, FlatLoop, follows
 from .knots import DoubleMotion
 from .plain.event_engine import EventEngine
 from .plain.run import Passed, run_plain
+from .plain.state import PlainState
 
 
 class Doubles:
@@ -91,7 +91,7 @@ class DoubleEngine(EventEngine[float]):
         """As `EventEngine.run_with`, on flat flights where that can be (see `follows`)."""
         if not follows(scene, policy):
             return super().run_with(scene, policy, until=until, events=events, progress=progress)
-        decider = FlatDecider(scene, State(scene, DOUBLES), DOUBLES)
+        decider = FlatDecider(scene, PlainState(scene, DOUBLES), DOUBLES)
         return run_plain(
             scene,
             self.name,

@@ -18,7 +18,6 @@ from mpmath.libmp import to_float
 from numpy.typing import NDArray
 
 from ..exact.numbers.undecided import Undecided
-from ..exact.replay.state import State
 from ..scenarios.engine import EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.doubles import digits_of, hull
@@ -27,6 +26,7 @@ from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
 from .plain.decider import PlainDecider
 from .plain.run import run_plain
+from .plain.state import PlainState
 
 MIN_BITS, MAX_BITS = 24, 100_000
 
@@ -294,7 +294,7 @@ class IntervalEngine(EventDriven):
                 scene,
                 self.name,
                 {"bits": self.bits},
-                PlainDecider(scene, State(scene, INTERVALS), INTERVALS),
+                PlainDecider(scene, PlainState(scene, INTERVALS), INTERVALS),
                 lambda knots, end: IntervalMotion(knots, self.bits, end),
                 IntervalNumber,
                 until=until,

@@ -51,3 +51,23 @@ def test_what_a_short_run_loads(engine: str, tmp_path: Path) -> None:
         rooms = {name for name in names if any(one.startswith(f"{name}.") for one in listed)}
         within = {name for name in names if any(f"{name}.".startswith(f"{one}.") for one in listed)}
         assert names == rooms | within, f"{layer}: {sorted(names - rooms - within)}"
+
+
+@pytest.mark.parametrize("given", [None, "3"])
+def test_matrices_are_computed_in_one_thread(given: str | None, tmp_path: Path) -> None:
+    """They are small; but what the user says holds."""
+    name = "OPENBLAS_NUM_THREADS"
+    script = (
+        f"import atexit, os; atexit.register(lambda: print('THREADS', os.environ[{name!r}]))\n"
+        "from truebreak.compare.cli import main; main(['scenes'])"
+    )
+    others = {key: value for key, value in os.environ.items() if key != name}
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", script],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        check=True,
+        env=others if given is None else {**others, name: given},
+    )
+    assert done.stdout.split()[-2:] == ["THREADS", given or "1"]

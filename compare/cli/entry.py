@@ -31,6 +31,7 @@ def main(arguments: list[str] | None = None) -> None:
 
         cli.main(given, prog_name="truebreak")
     _open_streams()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small matrices threads cost more
     debug = "--debug" in given
     words = [word for word in given if word != "--debug"]
     try:

@@ -54,7 +54,7 @@ class CertifiedDecider:
         state: the state.
         retrace: what the way back knows of the way out.
         stride: carries ordinary instants out; None where too little work is allowed for them.
-        grazes: by the number of the instant before: the pairs proved to graze on their flights then.
+        grazes: by the number of the instant at which the later of their flights begins: the pairs proved to graze.
     """
 
     def __init__(self, scene: Scene, limits: Limits, max_bits: int, work: int, rule: TieRule) -> None:
@@ -132,16 +132,16 @@ class CertifiedDecider:
         self.retrace.note(self._past.catch_up())
 
     def _note_graze(self, link: Link) -> None:
-        known = self.grazes.setdefault(self._instant, [])
-        if link not in known:
-            known.append(link)
         self.catch_up()
-        self.retrace.grazes(link)
+        if self.retrace.grazes(link):
+            begun = max(self.history.knots[i][-1][-1] for i in link.circles) // 2 * 2
+            self.grazes.setdefault(begun, []).append(link)
 
     def graze_again(self, instant: int) -> None:
-        """Notes the grazes that are known to have been proved after an instant, which has just been carried out."""
+        """Notes the grazes that are known of flights that begin at an instant, which has just been carried out."""
+        self.catch_up()
         for link in self.grazes.get(instant, ()):
-            self._note_graze(link)
+            self.retrace.grazes(link)
 
     def _projection(self, i: int) -> Projection | None:
         """What holds a circle to a line or a point, after the last step of the log; None if it stands there."""

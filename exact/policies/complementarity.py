@@ -29,7 +29,7 @@ def pushing_contacts(approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...
         ask: decides the sign of a question.
 
     Raises:
-        BudgetSpent: if a set of contacts comes a second time, which no true signs lead to.
+        BudgetSpent: if a set of contacts comes a second time, or none pushes, which no true signs lead to.
         whatever `ask` raises when a sign is not known.
     """
     if len(approaching) == 1:
@@ -50,7 +50,9 @@ def pushing_contacts(approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...
                 _exchange(basis, link, approaching, ask)
                 break
         else:
-            return tuple(pushing)
+            if pushing:
+                return tuple(pushing)
+            break
     raise BudgetSpent(ENDLESS.format(len(approaching)))
 
 

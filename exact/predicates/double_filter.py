@@ -114,7 +114,13 @@ class DoubleFilter:
         ):
             body.f = None
             return
-        self.take(body, (float(x), float(y), float(vx), float(vy), ft, late))
+        fx, fy, fvx, fvy = float(x), float(y), float(vx), float(vy)
+        if not (fx and fy and fvx and fvy) and any(
+            told == 0.0 and not ball.is_zero() for told, ball in ((fx, x), (fy, y), (fvx, vx), (fvy, vy))
+        ):  # below all doubles, which is not at rest
+            body.f = None
+            return
+        self.take(body, (fx, fy, fvx, fvy, ft, late))
 
     def take(self, body: Body[arb], doubles: Doubles) -> None:
         """Sets a body's doubles, which are off by at most 2u, or None if they are too large or too small."""

@@ -43,7 +43,7 @@ class Tape:
         found: the instants.
         reached: how many of them are whole, with all that followed from them; None before the first look.
         rises: as the history has them.
-        grazes: by the number of the instant before: the pairs proved to graze on their flights then.
+        grazes: by the number of the instant at which the later of their flights begins: the pairs proved to graze.
     """
 
     limits: Limits

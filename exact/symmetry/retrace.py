@@ -42,11 +42,13 @@ class Retrace:
         if not self.levels:
             self._gathered[instant] = self._gathered.get(instant, frozenset()) | frozenset(links)
 
-    def grazes(self, link: Link) -> None:
-        """Notes a pair proved to graze on its flights of now."""
-        heights = self._heights(link)
-        if -1 not in heights:
-            self._grazes.add((link, heights))
+    def grazes(self, link: Link) -> bool:
+        """Notes a pair proved to graze on its flights of now; tells whether that is new, and of use on the way back."""
+        graze = link, self._heights(link)
+        new = -1 not in graze[1] and graze not in self._grazes
+        if new:
+            self._grazes.add(graze)
+        return new
 
     def note(self, blocks: Iterable[Block]) -> None:
         """Notes new blocks of the log."""

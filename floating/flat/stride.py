@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from heapq import heappop, heappush
+from math import inf
 
 from .flights import FlatFlights
 from .formulas.inlined import rebound, strike
@@ -47,7 +48,7 @@ class FlatStride:
             if serial[i] != si or serial[j] != sj:
                 heappop(heap)
                 continue
-            if crowd is not None and crowd.cells.next_crossing <= time:
+            if crowd is not None and time >= crowd.cells.next_crossing < inf:
                 crowd.cross()
                 continue
             if wait is None or not time < before or (shifted and (i in shifted or j in shifted)):

@@ -8,7 +8,6 @@ from typing import Any, Generic, Protocol, SupportsFloat, TypeVar
 
 from ...exact.numbers.system import NumberSystem, Ordered
 from ...exact.policies import Policy
-from ...exact.replay.state import State
 from ...exact.simulation.collecting import SELDOM_COLLECTED
 from ...scenarios.engine import EventDriven
 from ...scenarios.numbers.doubles import Double
@@ -19,6 +18,7 @@ from ...scenarios.trajectory import Motion, OnProgress, Trajectory
 from ..knots import DoubleMotion
 from .decider import PlainDecider
 from .run import Passed, run_plain
+from .state import PlainState
 
 
 class Counted(Ordered, SupportsFloat, Protocol):
@@ -90,7 +90,7 @@ class EventEngine(EventDriven, ABC, Generic[F]):
             scene,
             self.name,
             self.parameters,
-            PlainDecider(scene, State(scene, self.numbers), self.numbers),
+            PlainDecider(scene, PlainState(scene, self.numbers), self.numbers),
             self.motion,
             self.shown,
             until=until,

@@ -35,6 +35,7 @@ class StandingClock:
         self._kept: Sequence[object] | None = None
         self._at = 0
         self._returns = 0
+        self._seen = 0
 
     def look(self, events: int, time: float, flights: Callable[[], Sequence[object]]) -> None:
         """Notes where the run is.
@@ -43,13 +44,16 @@ class StandingClock:
         of these is long enough (Brent).
 
         Args:
-            events: how many there have been.
+            events: how many there have been; no more since the last look, as where two only grazed, tell nothing.
             time: of the last of them.
             flights: of all circles.
 
         Raises:
             BudgetSpent: if no time passes any more.
         """
+        if events == self._seen:
+            return
+        self._seen = events
         if time > self._time:
             self._time, self._first, self._kept, self._at = time, events, None, 1
             return

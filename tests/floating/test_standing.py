@@ -45,6 +45,17 @@ def test_events_at_one_time_that_lead_on_are_let_be() -> None:
     assert max(times.count(time) for time in set(times)) > 1000
 
 
+@pytest.mark.parametrize("name", ["double", "single"])
+def test_grazes_are_no_return(name: str) -> None:
+    """Three meetings at what is one time in doubles; then the ball flies on and grazes 120 others: no events."""
+    balls = [Circle(-4098, 0, vx=1), *(Circle(f"{2 * k} + {k}/10**14", 0) for k in range(4))]
+    pegs = [Circle(20 + 3 * k, 2, m="oo") for k in range(120)]
+    run = engine(name).run(Scene([*balls, *pegs], [Wall(400, 0, 400, 1)]), events=5)
+    times = [float(event.time) for event in run.events]
+    assert times[:4] == [4096.0] * 4
+    assert times[4] > 4400
+
+
 @pytest.mark.parametrize("name", ["double", "rounded:bits=12"])
 def test_events_at_one_time_are_counted(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(standing, "MOST", 500)
@@ -61,3 +72,12 @@ def test_signs_that_contradict_each_other_end_an_instant() -> None:
     assert run.stop.reason is StopReason.BUDGET
     assert "rounds without end" in run.stop.message and "contradict" in run.stop.message
     assert run.events
+
+
+def test_an_instant_in_which_nothing_pushes_is_no_event() -> None:
+    """At 12 bits the first ball comes to stand in the midst of the others: all approach, and nothing pushes."""
+    balls = [Circle(-1000003, 0, vx=1), Circle(0, 0), Circle("2+10**-16", 0, m="3/2"), Circle("4+10**-15", 0, m="oo")]
+    (told,) = compare(Scene(balls), ["rounded:bits=12"], until=1000003).candidates
+    assert told.trajectory.stop.reason is StopReason.BUDGET
+    assert "contradict" in told.trajectory.stop.message
+    assert told.verdict != "agree" and not told.trajectory.events

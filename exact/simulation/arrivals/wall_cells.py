@@ -110,6 +110,8 @@ def _spans(
     if not TINIEST < length < 1.0 / TINIEST:
         return None
     fx, fy = fx / length, fy / length
+    if (fx == 0.0 and nx.sign()) or (fy == 0.0 and ny.sign()):  # a cell without end reaches a wall at any angle
+        return None
     across, along = [_span(fx, ends) for ends in columns], [_span(fy, ends) for ends in rows]
     height = fx * x0 + fy * y0
     farthest = max((abs(end) for ends in (*columns, *rows) for end in ends if abs(end) < inf), default=0.0)

@@ -115,13 +115,14 @@ class Gatherer(Generic[N, K]):
         if len(rivals) < 2:
             return rivals, []
         meetings = self._meetings
-        timed = [meetings.timed(rival) for rival in sorted(rivals, key=lambda rival: not rival.link.pushes)]
-        front = []
+        timed = [meetings.timed(rival) for rival in rivals]
+        front: list[Arrival[N]] = []
         for rival in timed:
             if any(meetings.certainly_before(other, rival) for other in timed):
                 self.queue.put_back(rival)
             else:
                 front.append(rival)
+        front.sort(key=lambda rival: (not rival.link.pushes, scene_order(rival.link)))  # whatever the queue's order
         chosen, ties = front[:1], []
         for rival in front[1:]:
             first = chosen[0]

@@ -166,6 +166,21 @@ def test_to_farther_limits_it_is_the_run_to_those(kind: str) -> None:
         assert json.dumps(mine) == json.dumps(told)
 
 
+@pytest.mark.parametrize("seed", [0, 2, 4, 6])
+def test_ties_and_grazes_are_told_as_in_one_run(seed: int) -> None:
+    """Which of many meetings at one instant was queued first, and when a graze was proved, is another thing there."""
+    draw = random.Random(seed)
+    circles = [Circle(4 * i, 4 * j, vx=draw.randint(-1, 1), vy=draw.randint(-1, 1)) for i in range(5) for j in range(4)]
+    walls = [Wall(-4, 0, -4, 1), Wall(20, 0, 20, 1), Wall(0, -4, 1, -4), Wall(0, 16, 1, 16)]
+    scene = Scene(circles, walls)
+    whole = json.loads(saved_run(ExactEngine().run(scene, events=40)))
+    for place in (3, 9, 17, 25):
+        part = run_of(saved_run(ExactEngine().run(scene, events=place)))
+        again = json.loads(saved_run(ExactEngine().resume(part, events=40)))
+        assert again["events"] == whole["events"], place
+        assert again["tape"]["grazes"] == whole["tape"]["grazes"], place
+
+
 def test_to_nearer_limits_too() -> None:
     whole = CASES["gas"]()
     assert all_but_plan(ExactEngine().resume(whole, events=7)) == all_but_plan(ExactEngine().run(whole.scene, events=7))

@@ -163,3 +163,9 @@ def test_signs_that_contradict_each_other_end_with_a_word(told: int) -> None:
 
     with pytest.raises(BudgetSpent, match=r"rounds without end.* which of 3 contacts"):
         pushing_contacts([Pair(0, 1), Pair(1, 2), Pair(2, 3)], ask)
+
+
+def test_signs_by_which_nothing_pushes_end_with_a_word() -> None:
+    """Of contacts that approach, one pushes at least."""
+    with pytest.raises(BudgetSpent, match="which of 2 contacts"):
+        pushing_contacts([Pair(0, 1), Pair(1, 2)], lambda question: 0)

@@ -173,3 +173,19 @@ def test_what_no_double_holds_is_held_against_all() -> None:
     hit = engine("exact").run(beside).events[0]
     assert hit.contacts[0] == ("c1", "w1")
     assert float(hit.time) == 7.5e-321
+
+
+@pytest.mark.parametrize("digits", [20, 320, 330, 400])
+def test_what_doubles_take_for_zero_is_not_at_rest(digits: int) -> None:
+    """A speed, and the slope of a wall, below all doubles: what they lead to comes late, but it comes."""
+    slow = [Circle(4 * (k % 10), 4 * (k // 10)) for k in range(80)]
+    run = engine("exact").run(Scene([*slow, Circle(-40, 20, vx=f"10**-{digits}")]), events=1)
+    assert [run.scene.ids.index(one) for one in run.events[0].contacts[0]] == [50, 80]
+    aside = [Circle(9 + 4 * (k % 10), 4 * (k // 10), vy=int(k == 75)) for k in range(80)]
+    run = engine("exact").run(Scene(aside, [Wall(0, 0, f"10**-{digits}", 1)]), events=1)
+    assert run.events[0].contacts[0] == ("c76", "w1")
+
+
+def test_a_time_beyond_doubles_is_no_crossing() -> None:
+    aside = [Circle(9 + 4 * (k % 10), 4 * (k // 10), vy=int(k == 75)) for k in range(80)]
+    assert len(engine("double").run(Scene(aside, [Wall(0, 0, "10**-320", 1)]), events=1).events) == 1

@@ -1,0 +1,42 @@
+"""Whatever rounding does to balls that touch, the clock of a run does not go back."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import pairwise
+from random import Random
+
+import pytest
+
+from truebreak.compare.engines import engine
+from truebreak.scenarios import Circle, Scene, Wall
+
+ROUNDING = {"double": 1e-12, "single": 1e-4, "quad": 1e-25, "rounded:bits=30": 1e-6}
+"""For each engine, more than a last bit of its clock."""
+
+
+def row_of_balls(seed: int) -> Scene:
+    """Balls on a line between two walls; some touch and fly together until another meets them."""
+    draw = Random(seed)
+    r = draw.choice([Fraction(1), Fraction(3, 10), Fraction(7, 10)])
+    x, v, balls = Fraction(0), draw.randint(-2, 2), []
+    for _ in range(draw.choice([3, 4, 5, 6, 8])):
+        balls.append(Circle(str(x), 0, str(r), v))
+        gap = draw.choice([0, 0, 1, Fraction(1, 3)])
+        x += 2 * r + gap
+        v = draw.randint(-2, 2) if gap else v
+    walls = [Wall(-9, 0, -9, 1), Wall(str(x + 5), 0, str(x + 5), 1)]
+    if seed % 2:
+        walls.append(Wall(0, str(-r), 1, str(-r)))
+    return Scene(balls, walls, tie_policy=draw.choice(["simultaneous", "sequential"]))
+
+
+@pytest.mark.parametrize("name", ROUNDING)
+def test_time_goes_on(name: str) -> None:
+    """Two that all but rest with each other, and that rounding has put into each other, meet at once: the time at which
+    they would have met lies far back."""
+    for seed in range(24):
+        run = engine(name).run(row_of_balls(seed), events=100)
+        times = [float(event.time) for event in run.events]
+        assert all(later >= time - ROUNDING[name] for time, later in pairwise(times)), seed
+        assert len(times) == 100 or run.stop.reason.name == "QUIET", (seed, run.stop)
