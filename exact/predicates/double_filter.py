@@ -22,11 +22,6 @@ pair surely parts only beyond that, and a hit counts only if it comes later than
 part do so beyond one bound for all, with W <= 4 V, D <= 4 S + 2 V T and |v|^2 <= 8 V^2; most that miss each other do
 so beyond such bounds of d x v and |v|^2.
 
-The line of a flight is kept by where it is at time 0 too, x - v t in doubles, off by less than 4u S + 7u V T: so d at
-time 0 is off by less than 8u S + 14u V T and a rounding, less than E, and D is at most 4 (S + V T). d x v is the same
-at all times, and is reckoned from these first, since most pairs miss: E W + F D + E F and roundings of 1.5 F D are at
-most 4 E V + 10 F (S + V T) + E F there, a quarter of the bound for all.
-
 All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
 themselves.
 """
@@ -139,7 +134,7 @@ class DoubleFilter:
             return
         if place > self.largest or speed > self.fastest or ft > self.latest:
             self._widen(place, speed, ft)
-        body.f = (fx, fy, fvx, fvy, ft, late, fx - fvx * ft, fy - fvy * ft)
+        body.f = (fx, fy, fvx, fvy, ft, late)
 
     def _stand(self, t: arb, beside: arb | None) -> None:
         """Keeps the double of a clock and a bound of `late`, which the two of a contact share; not a number where
@@ -186,24 +181,17 @@ class DoubleFilter:
         unclear: list[Body[arb]] = []
         if fa is None:
             return found, list(others)
-        ax, ay, avx, avy, at, a_late, ax0, ay0 = fa
+        ax, ay, avx, avy, at, late = fa
         near, slack, any_off, any_loose, any_early = self._bounds or self._bound()
+        most = any_off + any_early * late
         close = 4 * UNIT * at
         for b in others:
             fb = b.f
             if fb is None:
                 unclear.append(b)
                 continue
-            bx, by, bvx, bvy, bt, b_late, bx0, by0 = fb
-            vx = bvx - avx
-            vy = bvy - avy
-            cross = (bx0 - ax0) * vy - (by0 - ay0) * vx
-            square = vx * vx + vy * vy
-            reach = reaches[b.kind]
-            clear = (cross if cross > 0.0 else -cross) - any_off
-            if clear > 0.0 and clear * clear > (square + any_loose) * (reach * reach) * ROUND_UP:
-                continue
-            lag, late = at - bt, a_late
+            bx, by, bvx, bvy, bt, b_late = fb
+            lag = at - bt
             if lag > close:
                 now = at
                 dx = bx + bvx * lag - ax
@@ -212,11 +200,22 @@ class DoubleFilter:
                 now = bt
                 dx = bx - (ax - avx * lag)
                 dy = by - (ay - avy * lag)
-                late = max(late, b_late)
+                if b_late > late:
+                    late = b_late
+                    most = any_off + any_early * late
+            vx = bvx - avx
+            vy = bvy - avy
             approach = dx * vx + dy * vy
-            if approach > any_off + any_early * late:
+            if approach > most:
                 continue
-            cross = abs(dx * vy - dy * vx)
+            cross = dx * vy - dy * vx
+            if cross < 0.0:
+                cross = -cross
+            square = vx * vx + vy * vy
+            reach = reaches[b.kind]
+            clear = cross - any_off
+            if clear > 0.0 and clear * clear > (square + any_loose) * (reach * reach) * ROUND_UP:
+                continue
             wide = abs(vx) + abs(vy)
             off = near * wide + 10.0 * slack * (abs(dx) + abs(dy))
             loose = 6.0 * slack * wide
@@ -270,7 +269,7 @@ class DoubleFilter:
         unclear: list[int] = []
         if fa is None:
             return found, [line.wall for line in lines]
-        x, y, vx, vy, t, late, *_ = fa
+        x, y, vx, vy, t, late = fa
         flat, far = 16 * UNIT * self.fastest, 32 * UNIT * self.largest
         for k, x0, y0, nx, ny, offset, norm, size in lines:
             approach = nx * vx + ny * vy

@@ -38,9 +38,6 @@ Doubles: TypeAlias = tuple[float, float, float, float, float, float]
 """(x, y, vx, vy, t) of a flight, and a bound of `late`."""
 
 
-OnLine: TypeAlias = tuple[float, float, float, float, float, float, float, float]
-"""`Doubles`, and where the line of the flight is at time 0."""
-
 FAINT = -240
 """Deviations of at most 2**FAINT do not matter to short balls, where numbers are not all but zero themselves."""
 
@@ -75,7 +72,7 @@ class Body(Generic[N]):
         self.w = w
         self.is_pocket = is_pocket
         self.q: tuple[N, N, N, N, N] = flight[:5]
-        self.f: OnLine | None = None
+        self.f: Doubles | None = None
         self.serial = 0
         self.until = inf
         self.kind = 0
