@@ -80,16 +80,10 @@ class Body(Generic[N]):
 
     def await_flight(self, make: Callable[[], Flight[N]]) -> None:
         """Has a new flight made when it is first asked for."""
+        object.__setattr__(self, "__class__", WaitingBody)  # for good
         self._make = make
         self.flight = NO_FLIGHT
         del self.flight
-
-    def __getattr__(self, name: str) -> Flight[N]:
-        """The flight, where it was left to be made."""
-        if name != "flight":
-            raise AttributeError(name, name=name, obj=self)
-        flight = self.flight = self._make()
-        return flight
 
     def become(self, other: Body[N]) -> None:
         """Takes over the numbers of the same body, computed again."""
@@ -97,6 +91,19 @@ class Body(Generic[N]):
 
     def __repr__(self) -> str:
         return f"Body({self.index}, {self.flight})"
+
+
+class WaitingBody(Body[N]):
+    """A body whose flights are made when they are asked for: a class of its own, as all its attributes take longer."""
+
+    __slots__ = ()
+
+    def __getattr__(self, name: str) -> Flight[N]:
+        """The flight, where it was left to be made."""
+        if name != "flight":
+            raise AttributeError(name, name=name, obj=self)
+        flight = self.flight = self._make()
+        return flight
 
 
 Landed: TypeAlias = tuple[Body[N], Midpoints[N], Doubles | None]
