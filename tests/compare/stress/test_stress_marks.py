@@ -178,7 +178,7 @@ def test_a_certificate_of_too_few_bits_is_checked_with_more(monkeypatch: pytest.
     one = family("near-ties")
     place = one.place(30)
     run = ExactEngine().run(one.scene(place))
-    text = certificate_json({**certificate_of(run), "bits": [[0, 80]]})
+    text = certificate_json({**certificate_of(run), "bits": 80})
     assert verdict(text)[0] == 4
     monkeypatch.setattr(witnessing, "certified", lambda run: Certified(text, *verdict(text)))
     told = witness(run, one, place)
