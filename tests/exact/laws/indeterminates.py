@@ -8,9 +8,12 @@ comparisons choose their branch: what is proved then holds for all numbers that 
 from __future__ import annotations
 
 import math
+import operator
 from fractions import Fraction
+from itertools import chain, combinations
 from types import SimpleNamespace
 
+import numpy as np
 from sympy import QQ
 from sympy.polys.fields import field
 
@@ -51,12 +54,13 @@ class World:
         return self.number(Fraction(int(q.rational.p), int(q.rational.q)))
 
     def root(self, value: Formula) -> Formula:
-        """The square root: a new symbol, but where the number is a square, or one times a number that has a root."""
+        """The square root: a new symbol, but where the number is a square, or one times numbers that have roots."""
         assert value.near > 0
-        for square, root in ((self.one, self.one), *self._roots):
-            factor = self._rooted(value / square)
+        value = Formula(self, self._reduced(value.told.numer) / self._reduced(value.told.denom), value.near)
+        for some in chain.from_iterable(combinations(self._roots, size) for size in range(len(self._roots) + 1)):
+            factor = self._rooted(math.prod((square for square, _ in some), start=self.one) ** -1 * value)
             if factor is not None:
-                return abs(factor * root)
+                return abs(math.prod((root for _, root in some), start=factor))
         made = self._new(f"root_{len(self._roots)}", math.sqrt(value.near))
         self._roots.append((value, made))
         return made
@@ -96,19 +100,33 @@ class World:
         return made
 
     def is_zero(self, told) -> bool:
-        """Whether a rational function is zero once each even power of a root is one of its square."""
+        """Whether a rational function is zero."""
+        return not self._reduced(told.numer)
+
+    def _reduced(self, polynomial):
+        """A polynomial in which each even power of a root is one of its square."""
+        told = self.field(polynomial)
         for square, root in reversed(self._roots):
-            name = root.told.numer
-            index = next(k for k, power in enumerate(name.leading_expv()) if power)
+            index = next(k for k, power in enumerate(root.told.numer.leading_expv()) if power)
             even = odd = self.field.zero
             for powers, factor in told.numer.terms():
-                rest = [0 if k == index else power for k, power in enumerate(powers)]
-                term = self.field(told.numer.ring({tuple(rest): factor})) * square.told ** (powers[index] // 2)
+                rest = tuple(0 if k == index else power for k, power in enumerate(powers))
+                term = self.field(self.field.ring({rest: factor})) * square.told ** (powers[index] // 2)
                 even, odd = (even, odd + term) if powers[index] % 2 else (even + term, odd)
-            told = even + odd * root.told
-            if not odd:
-                told = even
-        return not told.numer
+            told = (even + odd * root.told) / self.field(told.denom)
+        return told
+
+
+def _operator(act):
+    """What numbers and their values undergo alike; an array sees to its own members."""
+
+    def apply(self, other):
+        if isinstance(other, np.ndarray):
+            return NotImplemented
+        other = self._of(other)
+        return Formula(self.world, act(self.told, other.told), act(self.near, other.near))
+
+    return apply
 
 
 class Formula:
@@ -120,33 +138,10 @@ class Formula:
     def _of(self, other) -> Formula:
         return other if isinstance(other, Formula) else self.world.number(other)
 
-    def __add__(self, other):
-        other = self._of(other)
-        return Formula(self.world, self.told + other.told, self.near + other.near)
-
-    def __sub__(self, other):
-        other = self._of(other)
-        return Formula(self.world, self.told - other.told, self.near - other.near)
-
-    def __mul__(self, other):
-        other = self._of(other)
-        return Formula(self.world, self.told * other.told, self.near * other.near)
-
-    def __truediv__(self, other):
-        other = self._of(other)
-        return Formula(self.world, self.told / other.told, self.near / other.near)
-
-    def __radd__(self, other):
-        return self._of(other) + self
-
-    def __rsub__(self, other):
-        return self._of(other) - self
-
-    def __rmul__(self, other):
-        return self._of(other) * self
-
-    def __rtruediv__(self, other):
-        return self._of(other) / self
+    __add__, __radd__ = _operator(operator.add), _operator(lambda a, b: b + a)
+    __sub__, __rsub__ = _operator(operator.sub), _operator(lambda a, b: b - a)
+    __mul__, __rmul__ = _operator(operator.mul), _operator(lambda a, b: b * a)
+    __truediv__, __rtruediv__ = _operator(operator.truediv), _operator(lambda a, b: b / a)
 
     def __neg__(self):
         return Formula(self.world, -self.told, -self.near)

@@ -48,8 +48,18 @@ def two(younger: int, masses: str = "two", fixed: tuple[bool, bool] = (False, Fa
     d and v are symbols, and b's place and speed made of them, so that nothing is lost of the generality, and formulas
     stay short.
     """
-    values = {"dx": 4.0, "dy": 1.25, "vx": -1.5, "vy": -0.25, "ax": 0.5, "ay": -0.75, "avx": 0.625, "avy": 0.375, "at": 2.0, "lag": 0.5}
-    world = World(**(values | changed), r=0.75, R=2.0, wa=0.5, wb=1.25)
+    values = {
+        "dx": 4.0,
+        "dy": 1.25,
+        "vx": -1.5,
+        "vy": -0.25,
+        "ax": 0.5,
+        "ay": -0.75,
+        "avx": 0.625,
+        "avy": 0.375,
+        "at": 2.0,
+    }
+    world = World(**(values | changed), lag=0.5, r=0.75, R=2.0, wa=0.5, wb=1.25)
     w = world
     world.fixed, world.masses = fixed, (w.wa, w.wa if masses == "one" else w.wb)
     bvx, bvy = w.avx + w.vx, w.avy + w.vy
@@ -142,7 +152,8 @@ def test_the_plain_contact_of_two_is_the_derived_one(younger):
 
 def wall_world(kind: str) -> World:
     """A circle and a wall: seen as an oblique one with a normal of any length, or along an axis, from either side."""
-    values = {"ax": 0.5, "ay": 2.0, "avx": 0.625, "avy": -0.375, "at": 2.0, "x0": -1.0, "y0": -0.5, "nx": 0.5, "ny": 1.5}
+    values = {"ax": 0.5, "ay": 2.0, "avx": 0.625, "avy": -0.375, "at": 2.0, "x0": -1.0, "y0": -0.5, "nx": 0.5}
+    values["ny"] = 1.5
     if kind == "level below":
         values |= {"ay": -3.0, "avy": 0.375, "ny": -1.5}
     if kind == "upright":
