@@ -8,8 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
-from ..exact.laws.formulas import advance
-
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
@@ -48,7 +46,7 @@ class DoubleMotion:
         rows: list[tuple[float, float, float, float]] = []
         for knots in self.knots:
             t0, x, y, vx, vy = knots[bisect_right(knots, t, key=_time) - 1]
-            rows.append((advance(x, vx, t - t0), advance(y, vy, t - t0), vx, vy))
+            rows.append((x + vx * (t - t0), y + vy * (t - t0), vx, vy))
         return rows
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
@@ -67,7 +65,7 @@ class DoubleMotion:
         for column, knots in enumerate(self.knots):
             table = np.array(knots, dtype=np.float64)
             held = table[np.searchsorted(table[:, 0], at, side="right") - 1]
-            result[:, column, :2] = advance(held[:, 1:3], held[:, 3:], (at - held[:, 0])[:, None])
+            result[:, column, :2] = held[:, 1:3] + held[:, 3:] * (at - held[:, 0])[:, None]
             result[:, column, 2:] = held[:, 3:]
         return result
 
