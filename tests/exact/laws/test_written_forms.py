@@ -95,6 +95,15 @@ def test_the_filter_tells_the_time_of_the_hit_of_a_wall(kind, monkeypatch):
     assert low == high == hit_of(world, FACE, (0,)).instant
 
 
+def test_the_filter_weighs_a_rim_by_the_gap(monkeypatch):
+    """A sign alone comes out: at whole numbers, of which doubles lose nothing, on the rim and on either side."""
+    world = two(0)
+    filter_, (a, b) = filtered(world, monkeypatch)
+    a.f, b.f = (1.0, 2.0, 1.0, 1.0, 0.0, 0.0, 1.0, 2.0), (4.0, -2.0, 0.0, 0.0, 0.0, 0.0, 4.0, -2.0)
+    filter_.largest = filter_.fastest = 1.0
+    assert [filter_.apart(a, b, r) for r in (4.0, 5.0, 6.0)] == [True, False, True]
+
+
 def test_the_earliest_time_of_a_doubtful_meeting_is_the_gap_over_the_speed(monkeypatch):
     """|d| - R over |v|, and n.p - r |n| over n.v."""
     world, seen = two(0), []
