@@ -17,6 +17,7 @@ from flint import arb
 from mpmath.libmp import to_float
 from numpy.typing import NDArray
 
+from ..exact.laws.formulas import advance
 from ..exact.numbers.undecided import Undecided
 from ..scenarios.engine import EventDriven
 from ..scenarios.errors import SceneError
@@ -228,7 +229,7 @@ def _instant(knot: tuple[Any, ...]) -> int:
 
 def _flown(knot: tuple[Any, ...], time: Any) -> tuple[Any, ...]:
     t, x, y, vx, vy, _ = knot
-    return x + vx * (time - t), y + vy * (time - t), vx, vy
+    return advance(x, vx, time - t), advance(y, vy, time - t), vx, vy
 
 
 def _hull(states: list[tuple[Any, ...]]) -> list[Any]:

@@ -13,6 +13,7 @@ from typing import ClassVar, SupportsFloat
 import numpy as np
 from numpy.typing import NDArray
 
+from ..exact.laws.formulas import advance
 from ..exact.numbers.system import NumberSystem
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.numbers.quantity import Quantity
@@ -107,7 +108,7 @@ class QuadMotion:
                 k = bisect_right(knots, at, key=_time) - 1
             t, x, y, vx, vy, _ = knots[max(k, 0)]
             lag = at - t
-            rows.append((float(x + vx * lag), float(y + vy * lag), float(vx), float(vy)))
+            rows.append((float(advance(x, vx, lag)), float(advance(y, vy, lag)), float(vx), float(vy)))
         return rows
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:

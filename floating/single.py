@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isfinite
@@ -10,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..exact.numbers.system import NumberSystem
+from ..exact.numbers.system import Nearest, NumberSystem
 from ..exact.policies import Policy
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -19,7 +18,7 @@ from ..scenarios.trajectory import OnProgress, Trajectory
 from .plain.event_engine import EventEngine
 
 
-class Singles:
+class Singles(Nearest):
     """The system of IEEE 754 binary32: every sign is an answer, perhaps a wrong one."""
 
     name: ClassVar[str] = "single"
@@ -49,18 +48,6 @@ class Singles:
     def root(self, value: np.float32) -> np.float32:
         """The square root; nan below zero."""
         return np.sqrt(value) if value >= 0 else np.float32(np.nan)
-
-    def sign(self, value: np.float32) -> int:
-        """The sign of the single."""
-        return int(value > 0) - int(value < 0)
-
-    def bounds(self, value: np.float32) -> tuple[float, float]:
-        """A single is its own bound."""
-        return float(value), float(value)
-
-    def at(self, bits: int) -> AbstractContextManager[None]:
-        """Singles have 24 bits, whatever is asked."""
-        return nullcontext()
 
 
 SINGLES = Singles()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shutil
@@ -88,6 +89,23 @@ def test_the_rooms_that_it_names_are_there() -> None:
     rooms = re.findall(r"`([a-z]+/[a-z]+)`", house)
     assert len(rooms) > 8
     assert [room for room in rooms if not (ROOT / room).is_dir()] == []
+
+
+def code_of(text: str) -> list[str]:
+    """The lines of a file that are neither imports nor docstrings nor empty."""
+    beside: set[int] = set()
+    for node in ast.walk(ast.parse(text)):
+        told = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        if told or isinstance(node, ast.Import | ast.ImportFrom):
+            beside.update(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+        elif isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            beside.add(node.lineno)
+    return [line for k, line in enumerate(text.splitlines(), 1) if line.strip() and k not in beside]
+
+
+@pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.title)
+def test_a_recipe_is_at_most_ten_lines_of_code(recipe: Recipe) -> None:
+    assert 0 < len(code_of(recipe.file[1])) <= 10
 
 
 def add_line(top: Path, table: str, name: str, row: str) -> None:

@@ -50,7 +50,7 @@ class MapPlace:
         return f"truebreak stress {self.family} --show {self.k} --side {self.side}{seed}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Family:
     """Scenes for k = `first` to `most`, on each of its sides and for each of its seeds.
 
@@ -71,17 +71,19 @@ class Family:
     summary: str
     grows: str
     make: Callable[[int, str, int], Scene]
-    first: int
+    first: int = 1
     last: int
     most: int
-    sides: tuple[str, ...]
+    sides: tuple[str, ...] = ("only",)
     seeds: tuple[int, ...] = (0,)
     known: Callable[[Trajectory, int, str, int], bool] | None = None
 
     def levels(self, short: bool = False) -> tuple[int, ...]:
         """The k of the map; a short map has a few, evenly spread.
 
-        >>> one = Family("one", "", "", lambda k, side, seed: Scene([]), 1, 10, 99, ("only",))
+        >>> def make(k: int, side: str, seed: int) -> Scene:
+        ...     return Scene([])
+        >>> one = Family(name="one", summary="", grows="", make=make, last=10, most=99)
         >>> one.levels(short=True)
         (1, 4, 7, 10)
         """

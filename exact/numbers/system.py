@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
@@ -57,6 +57,35 @@ class NumberSystem(Arithmetic[N], Protocol[N]):
     def at(self, bits: int) -> AbstractContextManager[None]:
         """The system at a working precision; nothing changes in one that has none to choose."""
         ...
+
+
+class HeldToZero(Protocol):
+    """A number that is compared with 0, and has a nearest double."""
+
+    def __gt__(self, other: int, /) -> object: ...
+    def __lt__(self, other: int, /) -> object: ...
+    def __float__(self) -> float: ...
+
+
+class Nearest:
+    """What systems share whose numbers are taken at their word: of one precision, every sign an answer, perhaps wrong.
+
+    >>> Nearest().sign(-0.5), Nearest().bounds(0.5)
+    (-1, (0.5, 0.5))
+    """
+
+    def sign(self, value: HeldToZero) -> int:
+        """The sign of the number."""
+        return bool(value > 0) - bool(value < 0)
+
+    def bounds(self, value: HeldToZero) -> tuple[float, float]:
+        """The nearest double, twice."""
+        double = float(value)
+        return double, double
+
+    def at(self, bits: int) -> AbstractContextManager[None]:
+        """The one precision that there is, whatever is asked."""
+        return nullcontext()
 
 
 SYSTEMS: dict[str, str] = {

@@ -16,8 +16,8 @@ L = TypeVar("L", Link, Round, Entry)
 
 
 @frozen
-class _OfOne(RootFree, Generic[L]):
-    """A root-free question about one contact."""
+class OfOne(RootFree, Generic[L]):
+    """A root-free question about one contact: its circles are those that it depends on."""
 
     link: L
 
@@ -26,7 +26,7 @@ class _OfOne(RootFree, Generic[L]):
         return self.link.circles
 
 
-class Approach(_OfOne[Link]):
+class Approach(OfOne[Link]):
     """Do the two of a contact come nearer (negative) or part (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -39,7 +39,7 @@ class Approach(_OfOne[Link]):
         return form.alike(self.link)
 
 
-class Closing(_OfOne[Link]):
+class Closing(OfOne[Link]):
     """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -52,7 +52,7 @@ class Closing(_OfOne[Link]):
         return form.alike(self.link)
 
 
-class Gap(_OfOne[Link]):
+class Gap(OfOne[Link]):
     """Are the two of a contact apart (positive) or touching (zero)?"""
 
     def value(self, state: State[N]) -> N:
@@ -62,7 +62,7 @@ class Gap(_OfOne[Link]):
         return f"whether {name(self.link)} touch"
 
 
-class Discriminant(_OfOne[Round]):
+class Discriminant(OfOne[Round]):
     """Do the paths of two circles hit (positive), graze (zero) or miss (negative)?"""
 
     def value(self, state: State[N]) -> N:
@@ -72,7 +72,7 @@ class Discriminant(_OfOne[Round]):
         return f"whether {name(self.link)} hit, graze or miss"
 
 
-class RelativeSpeed(_OfOne[Round]):
+class RelativeSpeed(OfOne[Round]):
     """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
 
     def value(self, state: State[N]) -> N:
@@ -86,7 +86,7 @@ class RelativeSpeed(_OfOne[Round]):
         return form.alike(self.link)
 
 
-class Rim(_OfOne[Entry]):
+class Rim(OfOne[Entry]):
     """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
 
     def value(self, state: State[N]) -> N:

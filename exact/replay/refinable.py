@@ -18,9 +18,9 @@ from ..numbers import ball
 from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
 from .body import Body, Flight
 from .centred.centred_state import CentredState
-from .centred.lone_centred import lone_contacts
 from .contact import AtWall, Pair, Touch
-from .lone import SPARE_BITS
+from .lone.centred import lone_contacts
+from .lone.contacts import SPARE_BITS
 from .state import State
 from .steps import Flip, Go, Kick, Step, circles_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, fmpq
 
@@ -252,16 +252,20 @@ def _exact_kind(*numbers: Known) -> bool:
 
 def _near(x: Known, v: Known, time: Known, t: Known) -> Known:
     """x + v (time - t) in the numbers at hand: exact if they all are and share a field, else a ball."""
-    if _exact_kind(x, v, time, t):
-        towers = {id(n.tower) for n in (x, v, time, t) if isinstance(n, Element)}
-        if len(towers) <= 1:
-            return _advanced(x, v, time, t)
+    numbers = (x, v, time, t)
+    rational = [number for number in numbers if isinstance(number, fmpq)]
+    if len(rational) == len(numbers):
+        return _advanced(*rational)
+    towers = {id(number.tower): number.tower for number in numbers if isinstance(number, Element)}
+    if len(towers) == 1 and _exact_kind(*numbers):
+        (tower,) = towers.values()
+        return _advanced(*(tower.rational(n) if isinstance(n, fmpq) else n for n in numbers if not isinstance(n, arb)))
     with ball.precision(READ_BITS):
         return advance(_ball(x), _ball(v), _ball(time) - _ball(t))
 
 
-def _advanced(x: Any, v: Any, time: Any, t: Any) -> Any:
-    """x + v (time - t) in one field, whose numbers mix with rational ones."""
+def _advanced(x: N, v: N, time: N, t: N) -> N:
+    """x + v (time - t)."""
     return advance(x, v, time - t)
 
 

@@ -27,6 +27,7 @@ from __future__ import annotations
 from flint import fmpq
 
 from ...scenarios.scene import Scene
+from ..laws.formulas import wall_mirror
 from ..numbers.field import LeavesField
 from ..predicates.question import Question
 from ..replay.contact import AtWall, Link, Pair
@@ -117,10 +118,8 @@ class LogSymmetry:
         """Whether the mirror parallel to a wall through a circle's centre keeps the circle and its past."""
         assert self._data is not None
         _, (nx, ny) = self._data.walls[wall]
-        square = nx * nx + ny * ny
-        across = 2 * nx * ny / square
-        matrix = (1 - 2 * nx * nx / square, -across, -across, 1 - 2 * ny * ny / square)
-        return self._fixes(matrix, i, i)
+        xx, xy, yy = wall_mirror(nx, ny, nx * nx + ny * ny)
+        return self._fixes((xx, xy, xy, yy), i, i)
 
     def _fixes(self, matrix: Matrix, i: int, j: int) -> bool:
         """Whether the isometry of this linear part that takes centre i to centre j maps past i to past j."""

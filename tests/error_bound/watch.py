@@ -21,8 +21,8 @@ from truebreak.exact.replay import refinable
 from truebreak.exact.replay.body import Body
 from truebreak.exact.replay.centred.centred_state import CentredState
 from truebreak.exact.replay.centred.deviations import Deviations, Moved
-from truebreak.exact.replay.centred.lone_centred import LoneCentred, lone_contacts
 from truebreak.exact.replay.contact import Touch
+from truebreak.exact.replay.lone.centred import LoneCentred, lone_contacts
 from truebreak.exact.replay.refinable import RefinableState
 from truebreak.exact.replay.steps import Flip, Go, Step, circles_of
 from truebreak.scenarios import Scene

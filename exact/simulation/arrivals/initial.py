@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 from ....scenarios.scene import Scene
+from ...laws.formulas import pair_gap
 from ...replay.contact import Entry, Touch, touch_of
 
 
@@ -33,6 +34,6 @@ def rims_at_start(scene: Scene) -> tuple[Entry, ...]:
     for i, circle in enumerate(scene.circles):
         for k, pocket in enumerate(scene.pockets):
             dx, dy = pocket.x - circle.x, pocket.y - circle.y
-            if not circle.fixed and (dx * dx + dy * dy - pocket.r * pocket.r).sign() == 0:
+            if not circle.fixed and pair_gap(dx, dy, pocket.r).sign() == 0:
                 found.append(Entry(i, k))
     return tuple(found)

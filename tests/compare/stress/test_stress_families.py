@@ -172,8 +172,10 @@ def test_the_literal_engine_tells_the_exact_engine_s_history(name: str, k: int) 
 
 def test_a_family_of_one_s_own_is_a_family() -> None:
     """What the recipe shows, without the table."""
-    one = Family(
-        "own", "A ball waits.", "k is nothing", lambda k, side, seed: Scene([Circle(k, 0)], events=1), 1, 2, 3, ("one",)
-    )
-    assert one.scene(MapPlace("own", 2, "one")).name == "own-one-2"
+
+    def make(k: int, side: str, seed: int) -> Scene:
+        return Scene([Circle(k, 0)], events=1)
+
+    one = Family(name="own", summary="A ball waits.", grows="k is nothing", make=make, last=2, most=3)
+    assert one.scene(MapPlace("own", 2, "only")).name == "own-only-2"
     assert one.levels() == one.levels(short=True) == (1, 2)

@@ -338,6 +338,6 @@ def test_a_foreign_file_is_one_line_and_stays(tmp_path: Path, capsys: pytest.Cap
 
 
 def test_a_family_out_of_its_own_range_is_refused_by_its_scene_too() -> None:
-    one = Family("own", "A.", "k", lambda k, side, seed: Scene([]), 1, 2, 3, ("one",))
+    one = Family(name="own", summary="A.", grows="k", make=lambda k, side, seed: Scene([]), last=2, most=3)
     with pytest.raises(SceneError, match="k = 4: own has k from 1 to 3"):
         one.scene(MapPlace("own", 4, "one"))

@@ -10,7 +10,7 @@ from truebreak.exact.certified.stride import Stride
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.contact import AtWall, Pair
-from truebreak.exact.replay.lone import LoneContacts
+from truebreak.exact.replay.lone.contacts import LoneContacts
 from truebreak.exact.replay.steps import Go, Kick
 from truebreak.exact.simulation.tape import instant_of
 from truebreak.scenarios import Circle, Scene, Wall, catalogue

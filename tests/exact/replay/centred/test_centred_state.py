@@ -15,7 +15,7 @@ from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred.centred_state import CentredState
 from truebreak.exact.replay.centred.error_set import ErrorSet
 from truebreak.exact.replay.centred.errors import Collision, Mirror, Spent
-from truebreak.exact.replay.centred.lone_centred import LoneCentred
+from truebreak.exact.replay.lone.centred import LoneCentred
 from truebreak.exact.replay.steps import Go, Kick
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 

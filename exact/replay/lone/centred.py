@@ -16,12 +16,12 @@ from flint import arb
 from ...laws.formulas import wall_approach, wall_gap, wall_hit_time
 from ...numbers import ball
 from ..body import FAINT, Flight, Landed, Midpoints, new_flight
+from ..centred.centred_state import CentredState
+from ..centred.deviations import Deviations, Moved
+from ..centred.errors import MOST, UP, Spent
 from ..contact import AtWall, Pair, Touch
-from ..lone import SPARE_BITS, LoneContacts
-from ..unchanging import Oblique, Unchanging
-from .centred_state import CentredState
-from .deviations import Deviations, Moved
-from .errors import MOST, UP, Spent
+from .contacts import SPARE_BITS, LoneContacts
+from .unchanging import Oblique, Unchanging
 
 PLAIN = 2.0**-100
 """Numbers beyond this, with a radius of at most 2**FAINT, less than 2**-140 of them, are told by the doubles of their

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from flint import arb
 
-from ..laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
-from ..numbers import ball
-from .ball_state import BallState
-from .body import Flight, Landed, new_flight
-from .contact import AtWall, Pair, Touch
+from ...laws.formulas import pair_meeting, wall_approach, wall_gap, wall_hit_time
+from ...numbers import ball
+from ..ball_state import BallState
+from ..body import Flight, Landed, new_flight
+from ..contact import AtWall, Pair, Touch
 from .unchanging import Oblique, Unchanging
 
 SPARE_BITS = 64

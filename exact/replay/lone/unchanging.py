@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 from flint import arb
 
-from ..numbers import ball
-from .ball_state import BallState
-from .body import Body
-from .contact import AtWall, Pair
+from ...numbers import ball
+from ..ball_state import BallState
+from ..body import Body
+from ..contact import AtWall, Pair
 
 
 class Partners(NamedTuple):

@@ -1,0 +1,1 @@
+"""Contacts that stand alone: the flight and the impulse in one go, on balls or on midpoints."""

@@ -1,0 +1,321 @@
+"""Forms written by hand elsewhere are the laws' too: predictions in doubles, questions, the flat loop, derivatives.
+
+As in `test_contact_forms.py` the code itself runs on formulas. Where it bounds roundings, the unit of rounding is set
+to 0 here: what is left is the formula; that the bounds hold is the matter of `tests/exact/predicates`, and of
+docs/error-bound.md.
+"""
+
+from __future__ import annotations
+
+from itertools import count
+from math import inf
+
+import pytest
+from contact_worlds import (
+    FACE,
+    PAIR,
+    STEPS,
+    WALLS,
+    at_wall,
+    either,
+    plain,
+    scene_with_wall,
+    steps_of,
+    there,
+    two,
+    wall_world,
+)
+from indeterminates import Formula, World, root_of, stub
+
+from truebreak.exact.laws import formulas
+from truebreak.exact.predicates import double_filter
+from truebreak.exact.predicates.hits import BeforeTime, Discriminant, Moment, RelativeSpeed, Sooner
+from truebreak.exact.predicates.impulses import Coupling, Pivot, Share, Slack, Strength
+from truebreak.exact.replay.body import Body, Flight
+from truebreak.exact.replay.contact import AtWall, Pair
+from truebreak.exact.replay.state import State
+from truebreak.exact.replay.steps import Go
+from truebreak.exact.simulation.arrivals import prediction
+from truebreak.floating.flat.formulas import flying, inlined
+from truebreak.floating.knots import DoubleMotion
+from truebreak.floating.pymunk import pockets
+from truebreak.scenarios import Circle, Quantity, Scene, Wall
+
+
+def hit_of(world: World, link=PAIR, bodies=(0, 1)) -> State:
+    state = plain(world) if link is PAIR else at_wall(State(scene_with_wall(), world), world)
+    state.steps_done = STEPS
+    state.do(Go(link, bodies))
+    return state
+
+
+def filtered(world: World, monkeypatch) -> tuple[double_filter.DoubleFilter, list[Body]]:
+    """A filter without roundings, and the bodies of a world as it has them."""
+    monkeypatch.setattr(double_filter, "UNIT", 0)
+    monkeypatch.setattr(double_filter, "sqrt", root_of)
+    monkeypatch.setattr(double_filter, "isfinite", lambda value: True)
+    filter_, bodies = double_filter.DoubleFilter(), []
+    for i, (flight, w) in enumerate(zip(world.flights, world.masses, strict=True)):
+        body = Body(i, flight, world.r, w)
+        filter_.take(body, (*flight[:5], 0.0))
+        bodies.append(body)
+    return filter_, bodies
+
+
+# -- the filter in doubles
+
+
+@either
+def test_the_filter_tells_the_time_of_the_hit_of_two(younger, monkeypatch):
+    world = two(younger)
+    filter_, (a, b) = filtered(world, monkeypatch)
+    ((low, high, other),), unclear = filter_.pairs(a, [b], [world.R])
+    assert (other, unclear) == (b, [])
+    assert low == high == hit_of(world).instant
+
+
+@either
+def test_the_filter_leaves_out_two_that_miss_by_the_discriminant(younger, monkeypatch):
+    """First by d x v at time 0: it is that at any time."""
+    world = two(younger)
+    _, (a, b) = filtered(world, monkeypatch)
+    (ax, ay, *_), (bx, by, *_) = a.f[6:], b.f[6:]
+    assert (bx - ax) * world.vy - (by - ay) * world.vx == world.dx * world.vy - world.dy * world.vx
+    assert (ax, ay) == there(world.flights[0], world.zero)[:2]
+
+
+@pytest.mark.parametrize("kind", WALLS)
+def test_the_filter_tells_the_time_of_the_hit_of_a_wall(kind, monkeypatch):
+    world = wall_world(kind)
+    filter_, (body,) = filtered(world, monkeypatch)
+    x0, y0, nx, ny, _, length = world.seen
+    line = double_filter.FloatLine(0, x0, y0, nx, ny, world.r * length, abs(nx) + abs(ny), world.one)
+    ((low, high, wall),), unclear = filter_.walls(body, [line])
+    assert (wall, unclear) == (0, [])
+    assert low == high == hit_of(world, FACE, (0,)).instant
+
+
+def test_the_filter_weighs_a_rim_by_the_gap(monkeypatch):
+    """A sign alone comes out: at whole numbers, of which doubles lose nothing, on the rim and on either side."""
+    world = two(0)
+    filter_, (a, b) = filtered(world, monkeypatch)
+    a.f, b.f = (1.0, 2.0, 1.0, 1.0, 0.0, 0.0, 1.0, 2.0), (4.0, -2.0, 0.0, 0.0, 0.0, 0.0, 4.0, -2.0)
+    filter_.largest = filter_.fastest = 1.0
+    assert [filter_.apart(a, b, r) for r in (4.0, 5.0, 6.0)] == [True, False, True]
+
+
+def test_the_earliest_time_of_a_doubtful_meeting_is_the_gap_over_the_speed(monkeypatch):
+    """|d| - R over |v|, and n.p - r |n| over n.v."""
+    world, seen = two(0), []
+    state = plain(world)
+    prediction.earliest_possible(state, PAIR, lambda value: seen.append(value) or (float(value), float(value)))
+    gap, speed, clock = seen
+    assert (gap + world.R) * (gap + world.R) == world.dx * world.dx + world.dy * world.dy
+    assert (gap + world.R).near > 0
+    assert speed * speed == world.vx * world.vx + world.vy * world.vy
+    assert speed.near > 0
+    assert clock == world.at
+    world, seen = wall_world("oblique"), []
+    state = at_wall(State(scene_with_wall(), world), world)
+    prediction.earliest_possible(state, FACE, lambda value: seen.append(value) or (float(value), float(value)))
+    assert seen[0] / seen[1] == state.wall_hit(FACE)[1]
+
+
+# -- questions
+
+
+def square_roots(state: State, question) -> Formula:
+    """What a question's sum of roots comes to."""
+    a, b, d1, c, d2 = question.sum_of_roots(state)
+    return a + sum((k * state.root(d) for k, d in ((b, d1), (c, d2)) if not d.is_zero()), state.zero)
+
+
+@either
+def test_a_question_of_time_is_the_same_number_in_either_form(younger):
+    """The textbook root, which adds none to a comparison, and the stable one, which keeps its digits."""
+    world = two(younger)
+    hit, graze = Moment(PAIR), Moment(PAIR, graze=True)
+    for question in (BeforeTime(hit, Quantity.of(3)), Sooner(hit, graze), Sooner(graze, hit), Sooner(hit, hit)):
+        state = plain(world)
+        assert question.value(state) == square_roots(state, question)
+    state = plain(world)
+    assert BeforeTime(hit, Quantity.of(3)).value(state) == hit_of(world).instant - 3
+    assert BeforeTime(hit, None).value(state) == hit_of(world).instant - state.flip_time * 2
+    root = state.root(Discriminant(PAIR).value(state))
+    nearest = sum(graze.wait(state), world.zero) - sum(hit.wait(state), world.zero)
+    assert nearest * RelativeSpeed(PAIR).value(state) == root
+    assert RelativeSpeed(PAIR).value(state) == world.vx * world.vx + world.vy * world.vy
+    assert Discriminant(PAIR).value(state) == formulas.pair_discriminant(
+        world.dx, world.dy, world.vx, world.vy, world.R
+    )
+
+
+@pytest.mark.parametrize("kind", WALLS)
+def test_a_question_of_time_at_a_wall(kind):
+    world = wall_world(kind)
+    state = at_wall(State(scene_with_wall(), world), world)
+    question = BeforeTime(Moment(FACE), Quantity.of(3))
+    assert question.value(state) == square_roots(state, question) == hit_of(world, FACE, (0,)).instant - 3
+
+
+def row() -> tuple[State, tuple[Pair | AtWall, ...]]:
+    """Three circles that touch, the middle one both others, and the last a wall: any places and masses, and velocities,
+    as one sees them who flies with the middle one."""
+    values = {"px": 2.0, "py": 0.25, "qx": 1.75, "qy": 1.0, "ux": 1.0, "uy": 0.5, "wx": -0.75, "wy": 0.25}
+    world = World(**values, wa=0.5, wb=1.25, wc=0.75, nx=-1.5, ny=0.5, time=1.0)
+    w, zero = world, world.zero
+    world.masses, world.r, world.R = (w.wa, w.wb, w.wc), w.one, w.one + w.one
+    places = ((zero, zero), (w.px, w.py), (w.px + w.qx, w.py + w.qy))
+    speeds = ((w.ux, w.uy), (zero, zero), (w.wx, w.wy))
+    world.flights = tuple(
+        Flight(*place, *speed, w.time, w.time, None, 1, False) for place, speed in zip(places, speeds, strict=True)
+    )
+    scene = Scene([Circle(9 * k, 5) for k in range(3)], [Wall(-9, 0, 99, 0)])
+    state = State(scene, world)
+    for body, flight, mass in zip(state.bodies.values(), world.flights, world.masses, strict=True):
+        body.flight, body.w = flight, mass
+    seen = stub(x0=zero, y0=zero, nx=w.nx, ny=w.ny)
+    state._lines[0] = (seen, seen)
+    return state, (Pair(0, 1), Pair(1, 2), AtWall(2, 0))
+
+
+def energy(state: State) -> Formula:
+    """Twice the kinetic energy."""
+    flights = [(body.flight, body.w) for body in state.bodies.values()]
+    return sum(((f.vx * f.vx + f.vy * f.vy) / w for f, w in flights), state.zero)
+
+
+def test_impulses_together_keep_energy_and_momentum_and_turn_every_approach():
+    """The statement of a collision (`derivation.pair_collision`), for several contacts of one instant."""
+    state, links = row()
+    before = energy(state), [link.closing(state) for link in links]
+    momenta = [sum((b.flight[k] / b.w for b in state.bodies.values()), state.zero) for k in (2, 3)]
+    first = Strength(links[:2], links[0]).value(state)
+    (px, py), wa, (_, _, ux, uy, *_) = state.span(links[0]), state.bodies[0].w, state.bodies[0].flight
+    state.kick(links[:2])
+    after = energy(state), [link.closing(state) for link in links]
+    assert after[0] == before[0]
+    assert after[1][:2] == [-speed for speed in before[1][:2]]
+    assert momenta == [sum((b.flight[k] / b.w for b in state.bodies.values()), state.zero) for k in (2, 3)]
+    assert (state.bodies[0].flight.vx, state.bodies[0].flight.vy) == (ux - wa * first * px, uy - wa * first * py)
+
+
+def test_a_slack_is_what_a_contact_outside_separates_by_beyond_its_approach():
+    state, links = row()
+    slack = Slack(links[:2], links[2]).value(state)
+    before = links[2].closing(state)
+    state.kick(links[:2])
+    assert slack == links[2].closing(state) + before
+
+
+def test_one_contact_kicked_together_has_the_derived_impulse():
+    """R is |d| at contact."""
+    state, links = row()
+    dx, dy = state.span(links[0])
+    strength = Strength(links[:1], links[0]).value(state)
+    reach = state.root(dx * dx + dy * dy)
+    a, b = (state.bodies[i] for i in links[0])
+    between = b.flight.vx - a.flight.vx, b.flight.vy - a.flight.vy
+    assert (strength * dx, strength * dy) == formulas.pair_impulse(dx, dy, *between, reach, a.w, b.w)
+    nx, ny = (state.line(2, 0).nx, state.line(2, 0).ny)
+    strength = Strength(links[2:], links[2]).value(state)
+    c = state.bodies[2]
+    bounced = formulas.wall_bounce(c.flight.vx, c.flight.vy, nx, ny, nx * nx + ny * ny)
+    assert (c.flight.vx + c.w * strength * nx, c.flight.vy + c.w * strength * ny) == bounced
+
+
+def test_pivot_and_share_tell_whether_a_push_is_made_of_others():
+    """With the Gram matrix of the pushes: a share solves it, and the pivot is the ratio of two determinants."""
+    state, links = row()
+    matrix, _ = state.contact_system(links)
+    (aa, ab, ac), (_, bb, bc), (_, _, cc) = matrix
+    shares = [Share(links[:2], link, links[2]).value(state) for link in links[:2]]
+    assert aa * shares[0] + ab * shares[1] == ac
+    assert ab * shares[0] + bb * shares[1] == bc
+    inner = aa * bb - ab * ab
+    whole = cc * inner - ac * (ac * bb - ab * bc) - bc * (aa * bc - ab * ac)
+    assert Pivot(links[:2], links[2]).value(state) * inner == whole
+
+
+def test_a_coupling_is_what_one_push_does_to_the_other_contact():
+    """How fast the second separates more for a push of strength 1 through the first."""
+    state, (first, second, _) = row()
+    before = second.closing(state)
+    coupling = Coupling(first, second).value(state)
+    for index, jx, jy in first.arms(state):
+        state.push(state.bodies[index], jx, jy)
+    assert second.closing(state) - before == coupling
+
+
+# -- the flat loop
+
+
+def flat(world: World, steps: int = STEPS):
+    """The flights of a world as the flat loop keeps them."""
+    radii = (world.r, world.R - world.r)
+    places = 3
+    return stub(
+        n=2,
+        flights=[(*flight[:5], r, i) for i, (flight, r) in enumerate(zip(world.flights, radii, strict=False))],
+        weights=[(mass, False) for mass in world.masses],
+        until=[inf] * places,
+        serial=[0] * places,
+        last=[0] * places,
+        heap=[],
+        tick=count(1).__next__,
+        steps=steps,
+        unsure=None,
+    )
+
+
+both = pytest.mark.parametrize("code", [flying, inlined], ids=["as written", "inlined"])
+
+
+@both
+def test_the_flat_loop_predicts_and_carries_out_the_contact_of_two(code, monkeypatch):
+    world = two(0)
+    monkeypatch.setattr(code, "sqrt", root_of)
+    f = flat(world)
+    code.pairs(f, 0, [f.flights[1]], ())
+    ((time, _, i, j, _, _, wait, graze),) = f.heap
+    assert (i, j, graze) == (0, 1, False)
+    state = steps_of(plain(world), PAIR, (0, 1))
+    assert time == state.instant
+    code.strike(f, 0, 1, time, wait)
+    for (x, y, vx, vy, t, *_), body in zip(f.flights, state.bodies.values(), strict=True):
+        assert (x, y, vx, vy, t) == body.flight[:5]
+
+
+@both
+@pytest.mark.parametrize("kind", WALLS)
+def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(code, kind):
+    world = wall_world(kind)
+    f = flat(world)
+    x0, y0, nx, ny, nn, length = world.seen
+    f.n, line = 1, (1, x0, y0, nx, ny, world.r * length, nn)
+    f.lines = lambda i: (line,)
+    code.walls(f, 0, [line], ())
+    ((time, _, i, wall, _, _, wait, graze),) = f.heap
+    assert (i, wall, graze) == (0, 1, False)
+    state = steps_of(at_wall(State(scene_with_wall(), world), world), FACE, (0,))
+    assert time == state.instant
+    code.rebound(f, 0, 1, time, wait)
+    assert f.flights[0][:5] == state.bodies[0].flight[:5]
+
+
+def test_the_game_engine_s_time_into_a_pocket_is_that_of_a_hit(monkeypatch):
+    world = two(0)
+    monkeypatch.setattr(pockets, "math", stub(sqrt=root_of))
+    w = world
+    wait = pockets.time_to_enter(w.dx, w.dy, w.vx, w.vy, w.R)
+    root = world.root(formulas.pair_discriminant(w.dx, w.dy, w.vx, w.vy, w.R))
+    approach = formulas.pair_approach(w.dx, w.dy, w.vx, w.vy)
+    assert wait == formulas.pair_hit_time(formulas.pair_gap(w.dx, w.dy, w.R), approach, root)
+
+
+def test_flights_between_knots_are_those_of_the_law():
+    """Of engines that take nothing from the exact ones, so that they call no formula of the laws."""
+    w = World(t=1.0, x=2.0, y=3.0, vx=0.5, vy=0.25)
+    told = DoubleMotion([[(w.t, w.x, w.y, w.vx, w.vy)]]).state(3.0)
+    lag = 3 - w.t
+    assert told == [(formulas.advance(w.x, w.vx, lag), formulas.advance(w.y, w.vy, lag), w.vx, w.vy)]
