@@ -63,7 +63,7 @@ Meeting = namedtuple("Meeting", "gap closing speed disc arms")  # the gap at s l
 class Malformed(Exception): """This is no certificate."""
 class Refuted(Exception): code, word = 1, "refuted"
 class Undecided(Exception): code, word = 4, "not decided"  # the intervals are too wide, or a witness is missing
-BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
+BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, MemoryError
 def positive(sign, text, fault=Refuted):  # goes on if a sign is 1
     if sign != 1: raise (Undecided if sign is None else fault)(text)
 
@@ -276,6 +276,7 @@ class Checker:
         age, times, due = self.age, self.ball.times, self.due
         self.take(entry, f"instant {age}")
         if due != turn or self.count == self.last: raise Refuted("the reversal is due, or is not, or the end is")
+        if told and (turn or not age): raise Refuted("it has a time already")
         if len({*met} - self.lasting.keys() & self.meets) < len(met) * (1 + turn): raise Refuted(f"{met} cannot meet")
         for w in self.worlds if age else ():
             w.times.append(w.times[-1] if turn else w.of(number(entry["exact"])) if told else w.hit(met[0]))
@@ -395,6 +396,5 @@ def verdict(path):  # the exit code for a file, and a sentence
         return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
 
 if __name__ == "__main__":
-    code, sentence = verdict(sys.argv[1]) if len(sys.argv) == 2 else (2, "usage: verify.py FILE")
-    print(sentence)
-    sys.exit(code)
+    code, said = verdict(sys.argv[1]) if len(sys.argv) == 2 else (2, "usage: verify.py FILE")
+    sys.exit(print(said.encode("ascii", "backslashreplace").decode()) or code)
