@@ -36,7 +36,7 @@ def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
     scene = run.scene
     masses = np.array([1.0 / float(c.inverse_mass) if not c.fixed else 0.0 for c in scene.circles])
     places = {str(c.id): k for k, c in enumerate(scene.circles)}
-    last, then = run.at(0).array(), 0.0
+    last, then = np.array([[float(q) for q in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]), 0.0
     unit, laws = max(local.unit, TOLD), PermittedImpulses(scene, local)
     start, askew = _energy(masses, last[:, 2:]), 0.0
     for group in _instants(run):
