@@ -45,6 +45,10 @@ MOST_CIRCLES = 256
 """Circles up to which local errors are carried along: four columns a circle, and eight an event."""
 
 
+PAST = 9 / 8
+"""Invariants are asked for up to this many times the true run's end: what is missing at the end shows after it."""
+
+
 class CheckFailed(AssertionError):
     """An engine does not do what was required of it.
 
@@ -311,13 +315,13 @@ class _Case:
         """Energy, momentum and no overlap over all of the engine's run; of a log without states nothing is known."""
         if not self._tells_places:
             return []
+        until = PAST * float(reference.final_time) or None
         if isinstance(self.engine, LogEngine):
             run = self.engine.last
         else:
-            until = float(reference.final_time) or None
             told = run_guarded(self.engine, self.scene, until=until, events=4 * len(reference.events) + 64)
             run = check_trajectory(told, self.scene, self.name, self.engine.bits)
-        broken = broken_invariant(run, local)
+        broken = broken_invariant(run, local, until)
         if broken is not None:
             shown = [] if comparison is None else [f"  reproduce: {self._reproduced(comparison)}"]
             raise CheckFailed("\n".join([f"{self.name} on {self.where}: {broken}", *shown]), comparison)
