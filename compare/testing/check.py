@@ -27,7 +27,7 @@ from .asked import bits_asked, engine_asked
 from .message import failure
 from .reproduction import reproduction
 from .tolerances.invariants import broken_invariant
-from .tolerances.local_error import LocalError, local_error
+from .tolerances.local_error import PAST, LocalError, local_error
 from .tolerances.numbers import Demand, number_off, tie_off
 from .tolerances.own_order import permission
 from .tolerances.reach import OutOfReach, Reach, reach_of
@@ -43,10 +43,6 @@ FIRST, THEN = 64, 256
 
 MOST_CIRCLES = 256
 """Circles up to which local errors are carried along: four columns a circle, and eight an event."""
-
-
-PAST = 9 / 8
-"""Invariants are asked for up to this many times the true run's end: what is missing at the end shows after it."""
 
 
 class CheckFailed(AssertionError):

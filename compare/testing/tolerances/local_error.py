@@ -38,6 +38,10 @@ FIRST_EVENTS = 24
 """Events of the true run among which each circle's first meeting is looked for: before it, nothing has grown."""
 
 
+PAST = 9 / 8
+"""Invariants are asked for up to this many times the true run's end: what is missing at the end shows after it."""
+
+
 @dataclass(frozen=True)
 class LocalError:
     """What one contact may cost.
@@ -118,7 +122,7 @@ def _iterated(engine: Engine, reference: Trajectory) -> float:
     masses, left = masses_of(reference.scene), list[float]()
     for each in (engine, firmer):
         try:
-            until, most = float(reference.final_time), 4 * len(reference.events) + 64
+            until, most = PAST * float(reference.final_time), 4 * len(reference.events) + 64
             run = run_guarded(each, reference.scene, until=until, events=most)
         except SceneError:
             return 0.0

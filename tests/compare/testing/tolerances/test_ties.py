@@ -59,3 +59,20 @@ def test_before_a_tie_no_order_excuses_a_history() -> None:
     assert check(told, scene, permitted=True).asserted
     with pytest.raises(CheckFailed, match=r"first differs at event 1 .*shuttle meets wall right instead of wall left"):
         check([told[0], *told[2:]], scene, permitted=True)
+
+
+LOOSE = Scene(
+    [Circle(-3, 0, r="1/2", vx=1, id="striker"), *(Circle(k, 0, r="1/2", id=f"b{k}") for k in range(5))],
+    [Wall(7, 0, 7, 1, id="right")],
+    name="loose",
+    events=2,
+)
+
+
+@pytest.mark.parametrize("permitted", [False, True])
+def test_a_wall_that_is_missed_at_the_very_end_is_found_after_it(permitted: bool) -> None:
+    """The last of the row comes to it in the true run's last event."""
+    missed = next(bug for bug in BUGS if bug.name == "missed wall")
+    assert check("double", LOOSE, permitted=permitted).asserted
+    with pytest.raises(CheckFailed, match="wall"):
+        check(Planted(engine("double"), missed), LOOSE, permitted=permitted)
