@@ -45,7 +45,7 @@ class Reduction:
 
         >>> Reduction("circles", ("a", "b"), None, 3).told, Reduction("events", ("12",), None, 4).told
         ('circles a, b', 'events after 12')
-        >>> Step("circles", ("a",), None, 5).told
+        >>> Reduction("circles", ("a",), None, 5).told
         'circle a'
         """
         if self.kind == "events":

@@ -70,7 +70,7 @@ class Body(Generic[N]):
 
     def __init__(self, index: int, flight: Flight[N], r: N, w: N, is_pocket: bool = False) -> None:
         self.index = index
-        self.flight = flight
+        self.flight: Flight[N] = flight
         self.r = r
         self.w = w
         self.is_pocket = is_pocket

@@ -23,8 +23,7 @@ SAMPLE = ROOT / "tests" / "data" / "sample_project"
 
 
 def test_the_plugin_imports_nothing_but_pytest(tmp_path: Path) -> None:
-    """A run of pytest that uses no check loads nothing beyond the plugin's own file, and the few lines by
-    which its packages find their names."""
+    """Where no check is used, nothing is loaded beyond the plugin's own file and what finds its packages' names."""
     (tmp_path / "test_it.py").write_text(
         "import sys\n"
         "def test_it():\n"
