@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 from .checks.limits import positive_count, positive_time
 from .numbers.quantity import Quantity, QuantityLike
@@ -94,22 +94,20 @@ class Unchangeable:
 
 
 class EventDriven(Unchangeable):
-    """The declarations of an event-driven engine, but for its `bits`."""
+    """The declarations of an event-driven engine, but for its `bits`.
 
-    @property
-    def step(self) -> float | None:
-        """No time step: event-driven (see `Engine.step`)."""
-        return None
+    What it declares is of any type here, so that an engine derived from it may state what differs by a class attribute,
+    a field or a property; `Engine` has the types.
 
-    @property
-    def rounds_input(self) -> bool:
-        """Takes a scene's numbers as they are (see `Engine.rounds_input`)."""
-        return False
+    Attributes:
+        step: none: event-driven (see `Engine.step`).
+        rounds_input: takes a scene's numbers as they are (see `Engine.rounds_input`).
+        scene_keys: follows every key (see `Engine.scene_keys`).
+    """
 
-    @property
-    def scene_keys(self) -> frozenset[str]:
-        """Follows every key (see `Engine.scene_keys`)."""
-        return SCENE_KEYS
+    step: Any = None
+    rounds_input: Any = False
+    scene_keys: Any = SCENE_KEYS
 
 
 class Declared(EventDriven):
@@ -117,12 +115,12 @@ class Declared(EventDriven):
 
     >>> Declared().step, Declared().rounds_input, Declared().finer()
     (None, False, None)
+
+    Attributes:
+        bits: as many as it takes (see `Engine.bits`).
     """
 
-    @property
-    def bits(self) -> int | None:
-        """As many as it takes (see `Engine.bits`)."""
-        return None
+    bits: Any = None
 
 
 def horizon(scene: Scene, until: QuantityLike | None, events: int | None) -> tuple[Quantity | None, int | None]:

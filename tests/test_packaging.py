@@ -193,6 +193,51 @@ def test_type_checkers_see_the_names_of_the_face(site: Path, tmp_path: Path) -> 
     assert [line for _, line, _ in found] == [len(USER.splitlines())], found
 
 
+ENGINES = """\
+from dataclasses import dataclass
+from typing import Any
+from truebreak.floating import DoubleEngine
+from truebreak.compare.foreign import RecordedEngine, Recording
+from truebreak.scenarios import Declared, Engine, Scene, Trajectory
+
+class Stated(Declared):
+    name, step, bits, rounds_input = "stated", 1 / 64, 24, True
+    scene_keys = frozenset({"wall"})
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        return DoubleEngine().run(scene, **limits)
+
+@dataclass(frozen=True)
+class Fields(Stated):
+    bits: int = 53
+    step: float = 1 / 64
+
+class Told(Stated):
+    @property
+    def step(self) -> float:
+        return 1 / 64
+
+@dataclass(frozen=True)
+class Played(RecordedEngine):
+    step: float = 1 / 256
+    bits = 24
+    scene_keys = frozenset({"wall"})
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        return None
+
+engines: list[Engine] = [Stated(), Fields(), Played()]
+wrong: list[Engine] = [3]
+"""
+
+
+def test_an_engine_states_what_it_is_by_attributes_fields_or_properties(site: Path, tmp_path: Path) -> None:
+    """Derived from either base, in strict mode, with one deliberate mistake."""
+    (tmp_path / "engines.py").write_text(ENGINES, "utf-8")
+    found = strictly(site, tmp_path, "engines.py")
+    assert [line for _, line, _ in found] == [len(ENGINES.splitlines())], found
+
+
 def statements(text: str) -> str:
     """The Python of a page's blocks: of sessions what is typed at the prompt."""
     found: list[str] = []

@@ -27,8 +27,8 @@ from .asked import bits_asked, engine_asked
 from .message import failure
 from .reproduction import reproduction
 from .tolerances.invariants import broken_invariant
-from .tolerances.local_error import LocalError, local_error
-from .tolerances.numbers import Demand, number_off
+from .tolerances.local_error import PAST, LocalError, local_error
+from .tolerances.numbers import Demand, number_off, tie_off
 from .tolerances.own_order import permission
 from .tolerances.reach import OutOfReach, Reach, reach_of
 
@@ -167,14 +167,15 @@ class _Case:
 
     def span(self, events: int | None, until: QuantityLike | None, bits: int | None) -> Checked:
         """All of a span, or the scene's own, is required."""
-        if isinstance(self.engine, LogEngine) and events is None and until is None and not self.engine.over:
-            until = float(self.engine.last.final_time)
+        given = events is not None or until is not None
+        until = until if given else self._log_end
         comparison = self._compared(events=events, until=until)
         asserted = [f"the same history in {len(comparison.reference.events)} events"]
-        if self.permitted and (events is not None or until is not None or len(self.scene.circles) > MOST_CIRCLES):
+        if self.permitted and (given or len(self.scene.circles) > MOST_CIRCLES):
             asserted = self._permitted(comparison, None)
         elif self.permitted:
-            reference, local, _ = self._reach(bits)
+            reference, local, reach = self._reach(bits)
+            self._up_to_a_tie(comparison, reach, local)
             asserted = [*self._permitted(comparison, local), *self._invariants(reference, local, comparison)]
         else:
             self._same_history(comparison, None)
@@ -255,6 +256,17 @@ class _Case:
         places = "times and places" if self._tells_places else "times"
         return [f"{places} of {reach.linear} within honest errors ({local.told})"]
 
+    def _up_to_a_tie(self, comparison: Comparison, reach: Reach, local: LocalError) -> None:
+        """Before the first tie, and to its time, no order of impulses makes a difference: all is as by the policy."""
+        (candidate,) = comparison.candidates
+        parted = candidate.alignment.divergence
+        if parted is not None and parted.event < reach.events:
+            raise CheckFailed(self._failure(comparison, reach, amiss=self._amiss(comparison, reach, local)), comparison)
+        off = number_off(comparison.reference, candidate, Demand(), reach, self._tells_places)
+        off = off or (tie_off(comparison.reference, candidate, reach.limit) if reach.limit else None)
+        if off is not None:
+            raise CheckFailed(self._failure(comparison, reach, off), comparison)
+
     def _permitted(self, comparison: Comparison, local: LocalError | None) -> list[str]:
         """Some order of simultaneous impulses leads to the history, and to its times and places."""
         (candidate,) = comparison.candidates
@@ -281,6 +293,9 @@ class _Case:
             return []
         comparison = self._compared(events=limit.event + 1, causes=False)
         (candidate,) = comparison.candidates
+        off = tie_off(comparison.reference, candidate, limit)
+        if off is not None:
+            raise CheckFailed(self._failure(comparison, None, off), comparison)
         if candidate.verdict == "agree":
             return [f"its tie: {Relation.OWN.value}"]
         if candidate.verdict != "diverged" or candidate.pattern is None:
@@ -296,13 +311,13 @@ class _Case:
         """Energy, momentum and no overlap over all of the engine's run; of a log without states nothing is known."""
         if not self._tells_places:
             return []
+        until = PAST * float(reference.final_time) or None
         if isinstance(self.engine, LogEngine):
             run = self.engine.last
         else:
-            until = float(reference.final_time) or None
             told = run_guarded(self.engine, self.scene, until=until, events=4 * len(reference.events) + 64)
             run = check_trajectory(told, self.scene, self.name, self.engine.bits)
-        broken = broken_invariant(run, local)
+        broken = broken_invariant(run, local, until)
         if broken is not None:
             shown = [] if comparison is None else [f"  reproduce: {self._reproduced(comparison)}"]
             raise CheckFailed("\n".join([f"{self.name} on {self.where}: {broken}", *shown]), comparison)

@@ -30,16 +30,15 @@ class Player(Engine, Protocol):
 
 
 class Playing(Unchangeable, ABC):
-    """What plays a scene into a `Recording`, in the place of `Engine.run`."""
+    """What plays a scene into a `Recording`, in the place of `Engine.run`.
+
+    What it declares follows `Engine`, and may be stated by a class attribute, a field or a property.
+    """
 
     name: str = "mine"
-    bits: int | None = 53
-    rounds_input: bool = True
-
-    @property
-    def scene_keys(self) -> frozenset[str]:
-        """Follows every key (see `Engine.scene_keys`)."""
-        return SCENE_KEYS
+    bits: Any = 53
+    rounds_input: Any = True
+    scene_keys: Any = SCENE_KEYS
 
     @abstractmethod
     def play(self, scene: Scene, recording: Recording) -> None:
@@ -103,7 +102,7 @@ class RecordedEngine(Playing):
     'QUIET'
     """
 
-    step: float | None = None
+    step: Any = None
 
     def finer(self) -> Engine | None:
         """The same with half the time step, where `step` is a field of a dataclass; else None."""

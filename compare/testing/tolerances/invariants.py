@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ....scenarios.trajectory import StopReason
+from .local_error import energy, masses_of
 from .numbers import latest_so_far
 from .permitted import PermittedImpulses, Room
 
@@ -25,8 +27,10 @@ TOLD = 2.0**-47
 """States are told in doubles, and energies summed in them, whatever an engine counts in: 64 roundings of each."""
 
 
-def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
+def broken_invariant(run: Trajectory, local: LocalError, until: float | None = None) -> str | None:
     """The first invariant that a run breaks by more than its contacts may cost, in words; None if it keeps them.
+
+    Up to a time `until` what a run leaves at its end flies on, if nothing is left to happen.
 
     Momentum is that of the circles of an event in which no wall and no fixed circle takes part; circles that take no
     part keep their velocities; from one event to the next circles fly straight on; what meets touches, and is pushed
@@ -34,21 +38,22 @@ def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
     between two, or a circle leaves play, nothing is said of what happens from the one to the other but to energy.
     """
     scene = run.scene
-    masses = np.array([1.0 / float(c.inverse_mass) if not c.fixed else 0.0 for c in scene.circles])
+    masses = masses_of(scene)
     places = {str(c.id): k for k, c in enumerate(scene.circles)}
-    last, then = run.at(0).array(), 0.0
+    last, then = np.array([[float(q) for q in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]), 0.0
     unit, laws = max(local.unit, TOLD), PermittedImpulses(scene, local)
-    start, askew = _energy(masses, last[:, 2:]), 0.0
+    start, askew = energy(masses, last[:, 2:]), 0.0
     for group in _instants(run):
         event, last_time = group[-1], latest_so_far(group)[-1].time
         time = float(last_time)
         where = f"event {event.index} (t = {time:.9g})"
         state = run.at(last_time).array()
         before, after, share = last[:, 2:], state[:, 2:], unit * (event.index + 1)
-        energy, room = _energy(masses, after), _room(state, laws.radii, local, time)
+        kept, room = energy(masses, after), _room(state, laws.radii, local, time)
         askew += sum(laws.askew(pair, room) for e in group for pair in e.impulses)
-        if abs(energy - start) > (share + askew) * start:
-            return f"{where}: energy is {energy:.17g}, it was {start:.17g}: not kept within {share + askew:.3g} of it"
+        off = share + askew + local.iterated
+        if abs(kept - start) > off * start:
+            return f"{where}: energy is {kept:.17g}, it was {start:.17g}: not kept within {off:.3g} of it"
         if not _turned(run, then, time):
             aside = np.hypot(*(state[:, :2] - last[:, :2] - (time - then) * before).T)
             if aside.max() > sum(room):
@@ -75,7 +80,25 @@ def broken_invariant(run: Trajectory, local: LocalError) -> str | None:
         if deep is not None:
             return f"{where}: {deep}"
         last, then = state, time
-    return None
+    return _broken_at_the_end(run, local, last, then, until)
+
+
+def _broken_at_the_end(
+    run: Trajectory, local: LocalError, last: NDArray[np.float64], then: float, until: float | None
+) -> str | None:
+    """What an engine that misses all that comes after its last event does: circles overlap, or are across walls."""
+    end = float(run.final_time)
+    if run.stop.reason is StopReason.QUIET:
+        end = max(end, until or 0.0)
+    elif run.stop.reason is not StopReason.HORIZON:
+        return None
+    if end <= then or _turned(run, then, end):
+        return None
+    flown = last.copy()
+    flown[:, :2] += (end - then) * last[:, 2:]
+    radii = np.array([float(c.r) for c in run.scene.circles])
+    deep = _overlap(run, flown, masses_of(run.scene), _room(flown, radii, local, end))
+    return None if deep is None else f"t = {end:.9g}, with no event since t = {then:.9g}: {deep}"
 
 
 def _turned(run: Trajectory, then: float, time: float) -> bool:
@@ -96,10 +119,6 @@ def _instants(run: Trajectory) -> Iterator[list[Event]]:
         group.append(event)
     if group:
         yield group
-
-
-def _energy(masses: NDArray[np.float64], velocities: NDArray[np.float64]) -> float:
-    return float((masses * (velocities**2).sum(axis=1)).sum()) / 2
 
 
 def _room(state: NDArray[np.float64], radii: NDArray[np.float64], local: LocalError, time: float) -> Room:

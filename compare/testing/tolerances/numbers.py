@@ -1,4 +1,4 @@
-"""Whether times and places of matched events are near enough to the true ones."""
+"""Whether times and places of matched events, and the time of a tie, are near enough to the true ones."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from ....exact.numbers import ball
 from ....scenarios.checks.limits import positive_count
 from ....scenarios.errors import SceneError
 from ....scenarios.numbers.real import real
+from ....scenarios.trajectory import StopReason
 from ...report.counting import counted
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from ....scenarios.numbers.real import Real
     from ....scenarios.trajectory import Trajectory
     from ...candidate import Candidate
-    from .reach import Reach
+    from .reach import OutOfReach, Reach
 
 BITS = 512
 """Precision at which a difference of times is taken."""
@@ -121,6 +122,39 @@ def number_off(
                     f"{value:.3g}, {room:.3g} is {why}"
                 )
     return None
+
+
+def tie_off(reference: Trajectory, candidate: Candidate, tie: OutOfReach) -> str | None:
+    """The first meeting of a tie that is too far off in time, in words; None if there is none, or nothing is known.
+
+    Whatever order its impulses are taken in, circles fly freely up to the first of them: it is at the tie's time.
+    """
+    if tie.late is None:
+        return None
+    run, time, room = candidate.trajectory, float(reference.events[tie.event].time), tie.late + TOLD * tie.time
+    for cluster in _clusters(reference, tie.event):
+        walks = candidate.alignment.walks
+        last = {body: max((c for r, c in walks[body].pairs if r < tie.event), default=-1) for body in cluster}
+        later = (e for e in run.events if any(e.index > last.get(n, e.index) for pair in e.impulses for n in pair))
+        first = next(later, None)
+        told = f"{candidate.engine}: event {tie.event} ({', '.join(cluster)}): the first meeting of its tie"
+        should = f"where it should be {reference.events[tie.event].time.digits(DIGITS)}"
+        if first is None:
+            if run.stop.reason is StopReason.QUIET or float(run.final_time) > time + room:
+                return f"{told} is missing {should}"
+        elif (off := difference(reference.events[tie.event].time, first.time)) > room:
+            return f"{told} is at {float(first.time)!r} {should}: off by {off:.3g}, {room:.3g} is {HONEST}"
+    return None
+
+
+def _clusters(reference: Trajectory, event: int) -> list[tuple[str, ...]]:
+    """The movable circles of an event, those that contacts join together, in scene order."""
+    movable = [str(c.id) for c in reference.scene.circles if not c.fixed]
+    clusters = [{body} for body in movable if any(body in pair for pair in reference.events[event].contacts)]
+    for pair in reference.events[event].contacts:
+        joined = [each for each in clusters if each.intersection(pair)]
+        clusters = [each for each in clusters if each not in joined] + [set[str]().union(*joined)]
+    return [tuple(body for body in movable if body in each) for each in clusters]
 
 
 HONEST = "what honest errors can grow to"

@@ -41,6 +41,7 @@ class OutOfReach:
         margin: exact, in units of time or length; None where the instant has no tangent map.
         tolerance: what honest errors can move it by.
         tie: whether it is an exact tie of one circle's contacts, whose order is a choice.
+        late: by how much the first meeting of each of a tie's clusters may be off; None where this is not known.
     """
 
     event: int
@@ -49,6 +50,7 @@ class OutOfReach:
     margin: float | None = None
     tolerance: float | None = None
     tie: bool = False
+    late: float | None = None
 
     def __str__(self) -> str:
         if self.margin is None:
@@ -138,7 +140,8 @@ class _Walk:
         run, time = self.run, float(self.run.events[index].time)
         if self._tied(index) and not self.grown.in_rounds:
             told = "several contacts of one circle fall on exactly one instant, and nearby runs part there"
-            return OutOfReach(index, time, told, tie=True)
+            known = self._decided(index) is None and self.linear is None
+            return OutOfReach(index, time, told, tie=True, late=self._lateness(index) if known else None)
         if run.reversal is not None and run.reversal.after <= index:
             return OutOfReach(index, time, "the velocities are reversed before it, and errors are carried no farther")
         if run.scene.capture and any(float(entry.time) <= time for entry in run.pocketings):
@@ -163,7 +166,7 @@ class _Walk:
         """The contacts of an event, without those that others' impulses at the same instant lead to."""
         contacts = self.run.events[index].contacts
         found = [(self.grown.places[first], self.grown.places[second]) for first, second in contacts]
-        if not self.grown.in_rounds or len(found) == 1:
+        if len(found) == 1 or not self._tied(index):
             return found
         return [(i, j) for i, j in found if self.reader.hit_time(self._pairing(i, j)) is not None]
 

@@ -97,6 +97,11 @@ class Planted(Declared):
         finer = self.inner.finer()
         return None if finer is None else replace(self, inner=finer)
 
+    def firmer(self) -> Any:
+        """The engine's, with the bug."""
+        firmer = self.inner.firmer()
+        return None if firmer is None else replace(self, inner=firmer)
+
     def run(self, scene: Scene, **limits: Any) -> Trajectory:
         """The engine's run of what the bug leaves of the scene, and what the bug makes of it."""
         run = self.bug.made(self.inner.run(self.bug.given(scene), **limits))

@@ -161,11 +161,11 @@ LATE = next(bug for bug in BUGS if bug.name == "late clock")
 
 
 @pytest.mark.parametrize(
-    ("scene", "told"), [("gas", "time = "), ("rack:rows=3,gap=1/40", "from where it flew to since t = ")]
+    ("scene", "told"), [("gas", "time = "), ("rack:rows=3,gap=1/40", "the first meeting of its tie is at ")]
 )
 @pytest.mark.parametrize("name", ["pymunk", "pymunk:dt=1/64"])
 def test_a_late_clock_of_an_engine_of_steps_is_no_matter_of_its_step(name: str, scene: str, told: str) -> None:
-    """Lateness that does not fall with the step is not granted, so that times are off; beyond reach flights are."""
+    """Lateness that does not fall with the step is not granted, so that times are off, and that of a tie."""
     assert check(name, scene).asserted
     with pytest.raises(CheckFailed, match=told):
         check(Planted(engine(name), LATE), scene)
