@@ -150,6 +150,7 @@ export class Check {
     const turn = entry.turn ?? false
     this.#take(entry, `instant ${age}`)
     if (this.due !== turn || this.events === this.lastEvent) throw new Refuted('the reversal falls on it, or not, or the end')
+    if (entry.exact !== undefined && (turn || age === 0)) throw new Refuted('it has a time already')
     for (const contact of met) this.#possible(contact, entry)
     if (new Set(met.map(keyOf)).size < met.length) throw new Refuted('a contact is listed twice')
     if (age > 0) this.#time(entry, met)

@@ -50,6 +50,15 @@ def an_entry_hidden_by_the_leaving() -> Told:
     return cert
 
 
+def a_time_of_its_own(place: int) -> Told:
+    """Time 0, or the reversal, is told a time that is another one, and that nothing rests on."""
+    cert = told(Scene(FLY, reverse_after=1))
+    entry = cert["instants"][place]
+    assert place == 0 or "turn" in entry
+    entry["exact"] = "12345"
+    return cert
+
+
 def a_touch_at_time_0_left_out(**second: Any) -> Told:
     """Two touch at time 0, and then the one is struck, or they fly at each other."""
     cert = told(Scene([Circle(-9, 0, vx=1), Circle(0, 0), Circle(2, 0, **second)]), events=1)
@@ -217,6 +226,7 @@ LOOPHOLES: dict[str, Callable[[], Told]] = {
     **{f"meeting {k} of a row of four left out": lambda k=k: in_a_row(k) for k in (1, 2, 3)},
     "all but the first of a row of four left out": lambda: in_a_row(2, 3),
     **{f"a meeting at {text}": lambda text=text: at_the_time(text) for text in ("-1", "0", "7", f"7+{TINY}", "1e9")},
+    **{f"a time of its own at instant {k}": lambda k=k: a_time_of_its_own(k) for k in (0, 2)},
     "the first alone": lambda: rounds([[0, 1]]),
     "the last alone": lambda: rounds([[1, 2]]),
     "one after the other": lambda: rounds([[0, 1]], [[1, 2]], [[0, 1]], [[1, 2]]),
