@@ -1,90 +1,69 @@
-#!/usr/bin/env node
-// A checker of certificates, written from docs/certificates.md alone: node tools/verify.mjs FILE...
-//
-// Exit codes: 0 verified; 1 refuted; 2 no certificate; 4 not decided with the bits that the certificate states.
+// Checks certificates of runs of hard discs: node verify.mjs FILE... [--work=N], a line for each
+// Exit code 0: verified, 1: refuted, 2: no certificate, 4: not decided; of several files, the greatest.
+import { closeSync, constants, fstatSync, openSync, readSync } from 'node:fs';
+import { Verdict, TooMuch, Work, malformed } from './second/base.mjs';
+import { readJson } from './second/json.mjs';
+import { readCertificate } from './second/shape.mjs';
+import { Run } from './second/run.mjs';
 
-import { closeSync, constants, fstatSync, openSync, readSync } from 'node:fs'
-import { Check } from './second/check.mjs'
-import { MAX_BYTES, checkShape } from './second/format.mjs'
-import { parse } from './second/json.mjs'
-import { NoCertificate, Refuted, Undecided, Work } from './second/outcome.mjs'
-
-/** Units of work that a check may take, unless --work=N says otherwise. */
-const WORK = 5e8
-const FACTORS = [2, 4, 8]
+const MOST_BYTES = 2 ** 24, MOST_WORK = 1e11;
 
 function read(path) {
-  let file
+  let file;
   try {
-    file = openSync(path, constants.O_RDONLY | constants.O_NONBLOCK)
-  } catch (error) {
-    throw new NoCertificate(`cannot be read (${error.code})`)
-  }
-  try {
-    if (!fstatSync(file).isFile()) throw new NoCertificate('not a regular file')
-    const buffer = Buffer.alloc(Math.min(fstatSync(file).size, MAX_BYTES) + 1)
-    let size = 0
-    for (let got = -1; got !== 0 && size < buffer.length; size += got) got = readSync(file, buffer, size, buffer.length - size, null)
-    if (size > MAX_BYTES) throw new NoCertificate(`more than ${MAX_BYTES} bytes`)
-    return new TextDecoder('utf-8', { fatal: true, ignoreBOM: true }).decode(buffer.subarray(0, size))
-  } catch (error) {
-    if (error.code === 'ERR_ENCODING_INVALID_ENCODED_DATA') throw new NoCertificate('not UTF-8')
-    throw error
-  } finally {
-    closeSync(file)
-  }
+    file = openSync(path, constants.O_RDONLY | constants.O_NONBLOCK);
+    const status = fstatSync(file);
+    if (!status.isFile()) malformed('no regular file');
+    const bytes = Buffer.alloc(Math.min(status.size, MOST_BYTES) + 1);
+    let length = 0;
+    for (let n; length < bytes.length && (n = readSync(file, bytes, length, bytes.length - length, null)) > 0;) length += n;
+    if (length > MOST_BYTES) malformed('over 16 MiB');
+    return bytes.subarray(0, length);
+  } catch (e) {
+    throw e instanceof Verdict ? e : new Verdict(2, `unreadable (${e.code})`);
+  } finally { if (file !== undefined) closeSync(file); }
 }
 
-/** How many bits would do, found by trying. */
-function enough(data, work) {
-  const { bits } = data
-  for (const factor of FACTORS) {
+/** @returns {[number, string]} exit code and line */
+function verify(path, limit) {
+  const work = new Work(limit);
+  const attempt = (certificate, factor) => {
+    const verdict = e => e instanceof Verdict ? e : new Verdict(4, `the checker failed: ${String(e).slice(0, 200)}`);
     try {
-      new Check(data, work, factor).run()
-      return `${bits * factor} bits in the place of ${bits} would do`
-    } catch (error) {
-      if (error instanceof Undecided && !error.bits) return `more than ${(bits * factor) / 2} bits cannot be tried`
-      if (!(error instanceof Undecided)) return `with ${bits * factor} bits: ${error.message}`
-    }
+      return new Verdict(0, new Run(certificate, certificate.bits * factor, work).check());
+    } catch (e) { return verdict(e); }
+  };
+  let certificate;
+  try { certificate = readCertificate(readJson(read(path)), work); } catch (e) {
+    if (e instanceof Verdict) return e.code === 2 ? [2, `no certificate: ${e.message}`] : [4, `not decided: ${e.message}`];
+    throw e;
   }
-  return `${bits * FACTORS.at(-1)} bits would not do either`
+  const first = attempt(certificate, 1);
+  if (first.code === 0) return [0, `verified: ${first.message}`];
+  if (first.code === 1) return [1, `refuted: ${first.message}`];
+  if (first.code === 2) return [2, `no certificate: ${first.message}`];
+  let more = '';
+  for (const factor of first instanceof TooMuch ? [] : [2, 4]) {
+    const { code } = attempt(certificate, factor);
+    if (code > 1) continue;
+    more = `; with ${certificate.bits * factor} bits it is ${code ? 'refuted' : 'verified'}`;
+    break;
+  }
+  return [4, `not decided: ${first.message}${more}`];
 }
 
-/** The verdict on one file: [exit code, one line]. */
-function verdict(path, limit) {
-  let check
-  let data
-  try {
-    data = parse(read(path))
-    checkShape(data)
-    check = new Check(data, new Work(limit))
-    check.run()
-  } catch (error) {
-    const where = check ? `${check.now}: ` : ''
-    const line = error.message.slice(0, 250)
-    if (error instanceof NoCertificate) return [2, `no certificate: ${line}`]
-    if (error instanceof Refuted) return [1, `refuted: ${where}${line}`]
-    if (!(error instanceof Undecided)) throw error
-    return [4, `not decided: ${where}${line}${error.bits ? `; ${enough(data, new Work(limit))}` : ''}`]
+const args = process.argv.slice(2), options = args.filter(a => a.startsWith('--')), files = args.filter(a => !a.startsWith('--'));
+const given = options.map(a => /^--work=([0-9]{1,15})$/.exec(a)?.[1]);
+const asked = files.length > 0 && options.length <= 1 && !given.includes(undefined);
+if (!asked) console.log('no certificate: usage: node verify.mjs FILE... [--work=N]');
+let worst = asked ? 0 : 2;
+for (const file of asked ? files : []) {
+  let code, line;
+  try { [code, line] = verify(file, given.length ? Number(given[0]) : MOST_WORK); } catch (e) {
+    // nothing may pass for a verdict on the certificate that is none
+    [code, line] = [4, `not decided: the checker failed: ${String(e)}`];
   }
-  return [0, `verified: ${check.events} events, to the end: ${data.end.reason}`]
+  console.log(line.replace(/[^\x20-\x7e²]/g, '?').slice(0, 500));
+  worst = Math.max(worst, code);
 }
-
-function main(args) {
-  const paths = args.filter((arg) => !arg.startsWith('--'))
-  const options = args.filter((arg) => arg.startsWith('--'))
-  const limit = options.length ? Number(/^--work=([0-9.e]+)$/.exec(options[0])?.[1]) : WORK
-  if (!paths.length || options.length > 1 || !(limit > 0)) {
-    console.log('usage: verify.mjs [--work=N] FILE...')
-    return 2
-  }
-  let worst = 0
-  for (const path of paths) {
-    const [code, line] = verdict(path, limit)
-    console.log(line)
-    worst = Math.max(worst, code)
-  }
-  return worst
-}
-
-process.exitCode = main(process.argv.slice(2))
+process.exitCode = worst;

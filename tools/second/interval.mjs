@@ -1,136 +1,117 @@
-// Real numbers enclosed in fixed point: {m, r} stands for the numbers within r of m, both in units of 2**-bits.
-//
-// Each operation encloses all results that its operands allow. Where r = 0 the number is known exactly.
+// The world of intervals [lo, hi] / 2**bits, rounded outward.
+import { words } from './base.mjs';
 
-import { Undecided, bitLength } from './outcome.mjs'
+/** @typedef {{lo: bigint, hi: bigint}} Interval */
 
-const abs = (n) => (n < 0n ? -n : n)
+/** The quotients by d > 0, rounded down and up (BigInt's own rounds towards zero). */
+const floorDiv = (n, d) => { const q = n / d; return n < 0n && q * d !== n ? q - 1n : q; };
+const ceilDiv = (n, d) => -floorDiv(-n, d);
 
-/** The whole part of a square root. */
-export function wholeRoot(n) {
-  if (n < 2n) return n
-  const c = Math.floor((bits(n) - 1) / 2)
-  let a = 1n
-  let d = 0
-  for (let s = Math.floor(Math.log2(Math.max(c, 1))) + 1; s >= 0; s--) {
-    const e = d
-    d = Math.floor(c / 2 ** s)
-    if (d === e) continue
-    a = (a << BigInt(d - e - 1)) + (n >> BigInt(2 * c - e - d + 1)) / a
-  }
-  while (a * a > n) a--
-  while ((a + 1n) * (a + 1n) <= n) a++
-  return a
-}
-
-function bits(n) {
-  const text = n.toString(16)
-  return 4 * (text.length - 1) + 32 - Math.clz32(parseInt(text[0], 16))
-}
-
-/** -1, 0 or 1, or undefined where it is not known. */
-export function sign(x) {
-  if (x.m > x.r) return 1
-  if (x.m < -x.r) return -1
-  return x.m === 0n && x.r === 0n ? 0 : undefined
-}
-
-export const lower = (x) => x.m - x.r
-export const upper = (x) => x.m + x.r
-export const apart = (x, y) => abs(x.m - y.m) > x.r + y.r
-export const sameSingle = (x, y) => x.r === 0n && y.r === 0n && x.m === y.m
-export const isZero = (x) => x.m === 0n && x.r === 0n
-
-/** Arithmetic with so many bits after the binary point. */
-export class Fixed {
+export class IntervalWorld {
+  /** @param {number} bits @param {import('./base.mjs').Work} work */
   constructor(bits, work) {
-    this.bits = bits
-    this.shift = BigInt(bits)
-    this.work = work
-    this.cost = 2 + (bits / 64) ** 1.5 / 4
-    this.zero = { m: 0n, r: 0n }
+    this.bits = BigInt(bits);
+    this.work = work;
+    this.zero = { lo: 0n, hi: 0n };
+    this.usual = 1n << BigInt(bits + 64); // numbers up to here are charged alike, without being measured
+    this.price = ((bits >> 6) + 2) ** 2;
+    /** @type {Interval[]} the square roots r1, r2, ... */ this.roots = [];
+    /** @type {Map<bigint, Interval>} their products */ this.products = new Map();
   }
 
-  whole(n) {
-    return { m: BigInt(n) << this.shift, r: 0n }
+  charge(a, b) {
+    const { usual, work } = this;
+    if (a.lo > -usual && a.hi < usual && b.lo > -usual && b.hi < usual) work.charge(this.price);
+    else work.charge((words(a.lo) + words(a.hi)) * (words(b.lo) + words(b.hi)));
   }
 
-  fraction(n, d) {
-    this.work.product(bitLength(n) + this.bits, bitLength(d))
-    const scaled = n << this.shift
-    const m = scaled / d
-    return { m, r: m * d === scaled ? 0n : 1n }
-  }
+  /** +1, 0, -1, or undefined if not known */
+  sign(a) { return a === null ? undefined : a.lo > 0n ? 1 : a.hi < 0n ? -1 : a.lo === 0n && a.hi === 0n ? 0 : undefined; }
 
-  /** The same number, given with other bits. */
-  from(x, bits) {
-    return this.shifted(x, BigInt(this.bits - bits))
-  }
+  add(a, b) { return { lo: a.lo + b.lo, hi: a.hi + b.hi }; }
+  sub(a, b) { return { lo: a.lo - b.hi, hi: a.hi - b.lo }; }
+  neg(a) { return { lo: -a.hi, hi: -a.lo }; }
+  twice(a) { return { lo: a.lo * 2n, hi: a.hi * 2n }; }
 
-  add(x, y) {
-    return { m: x.m + y.m, r: x.r + y.r }
-  }
+  /** From 2 * bits after the point to bits. */
+  round(lo, hi) { return { lo: lo >> this.bits, hi: -(-hi >> this.bits) }; } // >> rounds down
 
-  sub(x, y) {
-    return { m: x.m - y.m, r: x.r + y.r }
-  }
-
-  neg(x) {
-    return { m: -x.m, r: x.r }
-  }
-
-  twice(x) {
-    return { m: x.m << 1n, r: x.r << 1n }
-  }
-
-  /** x times 2**n. */
-  shifted(x, n) {
-    if (n >= 0n) return { m: x.m << n, r: x.r << n }
-    const m = x.m >> -n
-    return { m, r: -(-x.r >> -n) + (m << -n === x.m ? 0n : 1n) }
-  }
-
-  mul(x, y) {
-    if (isZero(x) || isZero(y)) return this.zero
-    this.work.spend(this.cost)
-    const product = x.m * y.m
-    const m = product >> this.shift
-    let r = m << this.shift === product ? 0n : 1n
-    if (x.r !== 0n || y.r !== 0n) {
-      const spread = abs(x.m) * y.r + abs(y.m) * x.r + x.r * y.r
-      r += (spread >> this.shift) + 1n
+  mul(a, b) {
+    this.charge(a, b);
+    if (a.lo >= 0n) {
+      return this.round((b.lo >= 0n ? a.lo : a.hi) * b.lo, (b.hi >= 0n ? a.hi : a.lo) * b.hi);
     }
-    return { m, r }
+    if (a.hi <= 0n) {
+      return this.round((b.hi >= 0n ? a.lo : a.hi) * b.hi, (b.lo >= 0n ? a.hi : a.lo) * b.lo);
+    }
+    if (b.lo >= 0n) return this.round(a.lo * b.hi, a.hi * b.hi);
+    if (b.hi <= 0n) return this.round(a.hi * b.lo, a.lo * b.lo);
+    const p = a.lo * b.hi, q = a.hi * b.lo, r = a.lo * b.lo, s = a.hi * b.hi;
+    return this.round(p < q ? p : q, r > s ? r : s);
   }
 
-  square(x) {
-    return this.mul(x, x)
+  square(a) {
+    if (a.lo >= 0n || a.hi <= 0n) return this.mul(a, a);
+    this.charge(a, a);
+    const far = -a.lo > a.hi ? -a.lo : a.hi;
+    return this.round(0n, far * far);
   }
 
-  dot(a, b, c, d) {
-    return this.add(this.mul(a, c), this.mul(b, d))
+  /** null if the divisor is not known to be other than zero */
+  div(a, b) {
+    if (b.hi < 0n) return this.div(this.neg(a), this.neg(b));
+    if (b.lo <= 0n) return null;
+    this.charge(a, b); this.charge(a, b);
+    return {
+      lo: floorDiv(a.lo << this.bits, a.lo >= 0n ? b.hi : b.lo),
+      hi: ceilDiv(a.hi << this.bits, a.hi >= 0n ? b.lo : b.hi),
+    };
   }
 
-  div(x, y) {
-    const least = abs(y.m) - y.r
-    if (least <= 0n) throw new Undecided('a divisor may be zero')
-    if (isZero(x)) return this.zero
-    this.work.spend(3 * this.cost)
-    const scaled = x.m << this.shift
-    const m = scaled / y.m
-    let r = m * y.m === scaled ? 0n : 1n
-    if (x.r !== 0n || y.r !== 0n) r += ((x.r << this.shift) + (abs(m) + 1n) * y.r) / least + 1n
-    return { m, r }
+  /** of a positive interval */
+  sqrt(a) {
+    const hi = this.isqrt(a.hi << this.bits);
+    return { lo: this.isqrt(a.lo << this.bits), hi: hi * hi === a.hi << this.bits ? hi : hi + 1n };
   }
 
-  /** The positive root of a number above zero. */
-  sqrt(x) {
-    if (x.m <= x.r) throw new Undecided('a radicand may be zero')
-    this.work.spend(8 * this.cost)
-    const scaled = x.m << this.shift
-    const m = wholeRoot(scaled)
-    let r = m * m === scaled ? 0n : 1n
-    if (x.r !== 0n) r += (x.r << this.shift) / m + 1n // sqrt(x) - sqrt(x - r) <= r / sqrt(x)
-    return { m, r }
+  /** The whole square root, rounded down, of a whole number (Newton's method from above falls until it is there). */
+  isqrt(n) {
+    if (n < 2n) return n;
+    let x = 1n << BigInt(2 * n.toString(16).length);
+    for (;;) {
+      this.work.product(x, x);
+      const y = (x + n / x) >> 1n;
+      if (y >= x) return x;
+      x = y;
+    }
   }
+
+  /** A narrow enclosure of an exact number. @param {import('./exact.mjs').Exact} e @returns {Interval} */
+  of(e) {
+    if (e === null) return null;
+    let lo = 0n, hi = 0n;
+    for (const [mask, n] of e.terms) {
+      const r = this.product(mask);
+      this.work.product(n, r.hi);
+      const [p, q] = [n * r.lo, n * r.hi];
+      lo += n > 0n ? p : q;
+      hi += n > 0n ? q : p;
+    }
+    this.work.product(hi, e.den); this.work.product(lo, e.den);
+    return { lo: floorDiv(lo, e.den), hi: ceilDiv(hi, e.den) };
+  }
+
+  /** The product of the roots in a mask. */
+  product(mask) {
+    let p = this.products.get(mask);
+    if (!p) {
+      p = { lo: 1n << this.bits, hi: 1n << this.bits };
+      this.roots.forEach((r, k) => { if (mask >> BigInt(k) & 1n) p = this.mul(p, r); });
+      this.products.set(mask, p);
+    }
+    return p;
+  }
+
+  /** The interval of a world of more bits, rounded outward. */
+  from(a, bits) { const s = bits - this.bits; return a && { lo: a.lo >> s, hi: -(-a.hi >> s) }; }
 }

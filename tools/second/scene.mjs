@@ -1,144 +1,146 @@
-// The scene of a certificate in exact numbers, and its contacts.
+// The scene in several worlds, its contacts, and the laws: gap, closing, speed, discriminant.
+import { malformed, undecided } from './base.mjs';
+import { IntervalWorld } from './interval.mjs';
+import { ZERO } from './exact.mjs';
 
-import { exactNumber } from './format.mjs'
-import { Balls, Forms, ONE, isNone } from './forms.mjs'
-import { Fixed, sign } from './interval.mjs'
-import { NoCertificate, Refuted, Undecided } from './outcome.mjs'
+/**
+ * A contact of the scene. `key` orders contacts as pairs of whole numbers.
+ * @typedef {{i: number, j: number, kind: 'circle'|'wall'|'pocket', key: number, name: string}} Contact
+ */
 
-/** A contact as a key of sets and maps. */
-export const keyOf = ([i, j]) => `${i},${j}`
-
-/** Things above zero; what is not is said to be no certificate. */
-function above(ball, where) {
-  const found = sign(ball)
-  if (found === undefined) throw new Undecided(`${where} may not be positive`)
-  if (found < 1) throw new NoCertificate(`${where} is not positive`)
-}
-
+/**
+ * A number of the run is an array: one value for each world, [intervals of few bits, intervals of all bits, exact].
+ * The first are only there to save time: a sign that they tell is true.
+ */
 export class Scene {
-  constructor(data, work, bits) {
-    this.forms = new Forms(work)
-    this.balls = new Balls(new Fixed(bits, work))
-    data.roots.forEach((text, k) => {
-      const square = this.number(text, `roots[${k}]`)
-      const ball = this.balls.of(square)
-      above(ball, `roots[${k}]`)
-      this.forms.squares.push(square)
-      this.balls.roots.push(this.balls.sqrt(ball))
-    })
-    const { circles, walls = [], pockets = [] } = data.scene
-    const read = (thing, keys, where) => Object.fromEntries(keys.map((key) => [key, this.number(thing[key], `${where}.${key}`)]))
-    this.circles = circles.map((circle, k) => read(circle, ['x', 'y', 'vx', 'vy', 'r', 'w'], `circles[${k}]`))
-    this.pockets = pockets.map((pocket, k) => read(pocket, ['x', 'y', 'r'], `pockets[${k}]`))
-    const { forms } = this
-    this.walls = walls.map((wall, k) => {
-      const { x0, y0, x1, y1, length } = read(wall, ['x0', 'y0', 'x1', 'y1', 'length'], `walls[${k}]`)
-      const [nx, ny] = [forms.sub(y0, y1), forms.sub(x1, x0)]
-      const off = forms.sub(forms.add(forms.mul(nx, nx), forms.mul(ny, ny)), forms.mul(length, length))
-      if (!isNone(off)) throw new NoCertificate(`walls[${k}] has another length`)
-      return { x: x0, y: y0, nx, ny, length }
-    })
-    this.n = circles.length
-    this.capture = data.scene.capture ?? false
-    this.limits = new Map()
-    if (data.scene.reverse_at !== undefined) this.limits.set('reverse', this.number(data.scene.reverse_at, 'reverse_at'))
-    if (data.end.reason === 'horizon') this.limits.set('until', this.number(data.end.until, 'until'))
-    this.#check()
-    this.#meets()
-  }
-
-  number(text, where) {
-    return exactNumber(text, this.forms, where)
-  }
-
-  #check() {
-    this.circles.forEach(({ r, w, vx, vy }, k) => {
-      if (isNone(w) && !(isNone(vx) && isNone(vy))) throw new NoCertificate(`circles[${k}] is fixed and moves`)
-      if (!isNone(r)) above(this.balls.of(r), `circles[${k}].r`)
-      if (!isNone(w)) above(this.balls.of(w), `circles[${k}].w`)
-    })
-    for (const [name, things, key] of [['walls', this.walls, 'length'], ['pockets', this.pockets, 'r']]) {
-      things.forEach((thing, k) => above(this.balls.of(thing[key]), `${name}[${k}].${key}`))
-    }
-    for (const [name, time] of this.limits) above(this.balls.of(time), name)
-  }
-
-  #meets() {
-    const { n, forms } = this
-    this.sides = new Map()
-    this.byCircle = this.circles.map(() => [])
-    const add = (contact, ...circles) => circles.forEach((i) => this.byCircle[i].push(contact))
-    for (let i = 0; i < n; i++) {
-      for (let j = i + 1; j < n; j++) {
-        const sized = !isNone(this.circles[i].r) || !isNone(this.circles[j].r)
-        if (sized && (this.movable(i) || this.movable(j))) add([i, j], i, j)
+  constructor(certificate, bits, work) {
+    const { exact, scene } = certificate;
+    this.exact = exact;
+    this.seen = new WeakMap();
+    this.full = new IntervalWorld(bits, work);
+    this.low = bits > 192 ? new IntervalWorld(96, work) : this.full;
+    this.worlds = [this.low, this.full, exact];
+    this.sameLow = this.low === this.full;
+    for (const world of new Set([this.low, this.full])) {
+      for (const [k, root] of exact.roots.entries()) {
+        const square = world.of(root);
+        if (square.hi <= 0n) malformed(`root r${k + 1} is not the root of a positive number`);
+        if (square.lo <= 0n) undecided(`whether root r${k + 1} is that of a positive number`);
+        world.roots.push(world.sqrt(square));
       }
-      if (!this.movable(i)) continue
-      this.walls.forEach(({ x, y, nx, ny }, k) => {
-        const { x: u, y: v } = this.circles[i]
-        const side = forms.add(forms.mul(nx, forms.sub(u, x)), forms.mul(ny, forms.sub(v, y)))
-        const found = sign(this.balls.of(side))
-        if (found === undefined) throw new Undecided(`on which side of walls[${k}] circles[${i}] is`)
-        if (found === 0) throw new Refuted(`the centre of circles[${i}] is on walls[${k}]`)
-        this.sides.set(keyOf([i, n + k]), found)
-        add([i, n + k], i)
-      })
-      this.pockets.forEach((_, k) => add([i, -1 - k], i))
+    }
+    const all = o => Object.fromEntries(Object.entries(o).map(([k, v]) => [k, k === 'id' ? v : this.number(v)]));
+    this.circles = scene.circles.map(all);
+    this.walls = scene.walls.map(all);
+    this.pockets = scene.pockets.map(all);
+    this.n = this.circles.length;
+    this.size = this.n + this.walls.length;
+    this.reverseAt = scene.reverse_at && this.number(scene.reverse_at);
+    this.check();
+  }
+
+  /** An exact number in all worlds. */
+  number(e) {
+    if (!this.seen.has(e)) this.seen.set(e, this.worlds.map(world => world.of(e)));
+    return this.seen.get(e);
+  }
+
+  /** A number known in the full world, and perhaps in the exact one. */
+  widen(full, exact = null) {
+    return [this.sameLow ? full : this.low.from(full, this.full.bits), full, exact === null ? null : this.exact.reduced(exact)];
+  }
+
+  /** The sign of what `law` computes in a world: told by the first world that knows it. */
+  sign(law) {
+    for (let w = this.sameLow ? 1 : 0; w < 3; w++) {
+      const s = this.worlds[w].sign(law(this.worlds[w], w));
+      if (s !== undefined) return s;
+    }
+    return undefined;
+  }
+  signOf(number) { return this.sign((_, w) => number[w]); }
+
+  /** All that makes a scene one; else it is no certificate. */
+  check() {
+    const demand = (number, signs, what) => {
+      const s = typeof number === 'function' ? this.sign(number) : this.signOf(number);
+      if (s === undefined) undecided(`the scene: whether ${what}`);
+      if (!signs.includes(s)) malformed(`no scene: it is not so that ${what}`);
+      return s;
+    };
+    if (this.reverseAt) demand(this.reverseAt, [1], 'reverse_at is positive');
+    for (const [k, c] of this.circles.entries()) {
+      c.point = demand(c.r, [0, 1], `the radius of circle ${k} is not negative`) === 0;
+      c.fixed = demand(c.w, [0, 1], `w of circle ${k} is not negative`) === 0;
+      if (c.fixed) for (const v of [c.vx, c.vy]) demand(v, [0], `the fixed circle ${k} has no velocity`);
+    }
+    for (const [k, p] of this.pockets.entries()) demand(p.r, [1], `the radius of pocket ${k} is positive`);
+    for (const [k, wall] of this.walls.entries()) {
+      demand(wall.length, [1], `the length of wall ${k} is positive`);
+      wall.n = [this.worlds.map((A, w) => A.sub(wall.y0[w], wall.y1[w])), this.worlds.map((A, w) => A.sub(wall.x1[w], wall.x0[w]))];
+      demand((A, w) => A.sub(A.add(A.square(wall.n[0][w]), A.square(wall.n[1][w])), A.square(wall.length[w])), [0],
+        `the length of wall ${k} is the distance of its points`);
+      wall.side = this.circles.map((c, i) => demand((A, w) => A.add(A.mul(wall.n[0][w], A.sub(c.x[w], wall.x0[w])),
+        A.mul(wall.n[1][w], A.sub(c.y[w], wall.y0[w]))), [1, -1], `the centre of circle ${i} is not on wall ${k}`));
     }
   }
 
-  movable(i) {
-    return i >= 0 && i < this.n && !isNone(this.circles[i].w)
+  /** The contact [i, j], or null if the scene has none such. @returns {Contact | null} */
+  contact(i, j) {
+    const { circles, n } = this;
+    if (!(i >= 0 && i < n && j < this.size && j >= -this.pockets.length)) return null;
+    const kind = j < 0 ? 'pocket' : j < n ? 'circle' : 'wall';
+    if (kind === 'circle') {
+      const a = circles[i], b = circles[j];
+      if (i >= j || (a.fixed && b.fixed) || (a.point && b.point)) return null;
+    } else if (circles[i].fixed) return null;
+    return { i, j, kind, key: i * 2 ** 24 + j + 2 ** 23, name: `[${i},${j}]` };
   }
 
-  side(contact) {
-    return this.sides.get(keyOf(contact))
-  }
-
-  /** Whether two can meet at all. */
-  has([i, j]) {
-    return i >= 0 && i < this.n && this.byCircle[i].some((other) => other[0] === i && other[1] === j)
-  }
-
-  /** The circles of a contact. */
-  circlesOf([i, j]) {
-    return j >= 0 && j < this.n ? [i, j] : [i]
-  }
-
-  // Isometries
-
-  /** One of the list: {matrix, images, kept}; `kept` are the circles whose flights it maps. */
-  isometry(told, where) {
-    const { forms, n } = this
-    const [a, b, c, d] = told.matrix.map((text) => this.number(text, where))
-    const [p, q] = told.shift.map((text) => this.number(text, where))
-    const two = (s, x, t, y) => forms.add(forms.mul(s, x), forms.mul(t, y))
-    const turned = (x, y) => [two(a, x, b, y), two(c, x, d, y)]
-    const moved = (x, y) => turned(x, y).map((z, k) => forms.add(z, [p, q][k]))
-    const zeros = [forms.sub(two(a, a, c, c), ONE), forms.sub(two(b, b, d, d), ONE), two(a, b, c, d)]
-    const images = new Map(told.map)
-    const same = (one, other) => one.forEach((x, k) => zeros.push(forms.sub(x, other[k])))
-    for (const [i, j] of images) {
-      if (i >= n && j >= n) {
-        const [wall, image] = [this.walls[i - n], this.walls[j - n]]
-        const [nx, ny] = turned(wall.nx, wall.ny)
-        const [x, y] = moved(wall.x, wall.y)
-        zeros.push(forms.sub(forms.mul(nx, image.ny), forms.mul(ny, image.nx)))
-        zeros.push(two(forms.sub(x, image.x), image.nx, forms.sub(y, image.y), image.ny))
-      } else if (i < 0 && j < 0) {
-        const [pocket, image] = [this.pockets[-1 - i], this.pockets[-1 - j]]
-        same([...moved(pocket.x, pocket.y), pocket.r], [image.x, image.y, image.r])
-      } else if (i >= 0 && j >= 0 && i < n && j < n) {
-        const [one, image] = [this.circles[i], this.circles[j]]
-        same(
-          [...moved(one.x, one.y), ...turned(one.vx, one.vy), one.r, one.w],
-          [image.x, image.y, image.vx, image.vy, image.r, image.w],
-        )
-      } else throw new Refuted(`${where} maps one kind to another`)
+  /** All contacts of circle i. */
+  * contactsOf(i) {
+    for (let j = -this.pockets.length; j < this.size; j++) {
+      const c = j >= 0 && j < i ? this.contact(j, i) : this.contact(i, j);
+      if (c) yield c;
     }
-    if (new Set(images.values()).size < told.map.length || !zeros.every(isNone)) {
-      throw new Refuted(`${where} does not map what it says`)
+  }
+
+  /** n of a wall, turned to the side on which circle i starts, in the world w */
+  normal(c, A, w) {
+    const { n, side } = this.walls[c.j - this.n];
+    return n.map(x => side[c.i] > 0 ? x[w] : A.neg(x[w]));
+  }
+
+  /**
+   * The laws for a contact whose first circle is at p with velocity u, the second (if it is one) at q with v.
+   * @param {Contact} c
+   */
+  laws(c, A, w, p, u, q, v) {
+    const minus = (a, b) => [A.sub(a[0], b[0]), A.sub(a[1], b[1])];
+    const dot = (a, b) => A.add(A.mul(a[0], b[0]), A.mul(a[1], b[1]));
+    const radius = this.circles[c.i].r[w];
+    if (c.kind === 'wall') {
+      const wall = this.walls[c.j - this.n], n = this.normal(c, A, w);
+      const closing = () => dot(n, u);
+      return {
+        direction: () => n,
+        gap: () => A.twice(A.sub(dot(n, minus(p, [wall.x0[w], wall.y0[w]])), A.mul(radius, wall.length[w]))),
+        closing,
+        speed: () => A.zero ?? ZERO,
+        disc: () => A.square(closing()),
+      };
     }
-    return { matrix: [a, b, c, d], images, kept: new Set([...images.keys()].filter((i) => i >= 0 && i < n)) }
+    const pocket = c.kind === 'pocket' && this.pockets[-1 - c.j];
+    const d = pocket ? minus([pocket.x[w], pocket.y[w]], p) : minus(q, p);
+    const speeds = pocket ? [A.neg(u[0]), A.neg(u[1])] : minus(v, u);
+    const reach = () => A.square(pocket ? pocket.r[w] : A.add(radius, this.circles[c.j].r[w]));
+    const speed = () => A.add(A.square(speeds[0]), A.square(speeds[1]));
+    return {
+      direction: () => d,
+      gap: () => A.sub(A.add(A.square(d[0]), A.square(d[1])), reach()),
+      closing: () => dot(d, speeds),
+      speed,
+      disc: () => A.sub(A.mul(speed(), reach()), A.square(A.sub(A.mul(d[0], speeds[1]), A.mul(d[1], speeds[0])))),
+    };
   }
 }

@@ -1,0 +1,29 @@
+// The end of a run, and its final state.
+import { refute } from './base.mjs';
+
+/** @param {import('./run.mjs').Run} run */
+export function theEnd(run) {
+  const { end, scene, final } = run.certificate, { reverseAt } = run.scene;
+  Object.assign(run, { met: [], rows: null, witnesses: end.zeros ?? [] });
+  const last = end.reason === 'events';
+  if (last && run.events !== end.limit) refute(`there are ${run.events} events`);
+  if (run.due && !last) refute('the reversal is due and not told');
+  if (end.reason === 'quiet' && reverseAt && !run.turnTime) refute('the reversal is to come');
+  if (end.reason === 'return' && !run.turnTime) refute('there was no reversal');
+  const until = run.until();
+  if (end.reason === 'horizon' && reverseAt && !run.turnTime
+    && run.known((A, w) => A.sub(reverseAt[w], until[w]), 'whether the reversal comes before the end') <= 0) refute('the reversal is not told');
+  if (until) { run.now = until; run.cache = []; run.k++; }
+  for (const i of run.flights.keys()) for (const c of run.contactsOf(i)) {
+    if (c.i === i) run.apart(c, end.reason === 'quiet' ? 'ever' : 'end');
+  }
+  run.place = 'the final state';
+  run.decimal(run.now, final.time, 'the time');
+  for (const [i, row] of final.circles.entries()) {
+    for (const a of [0, 1]) {
+      const p = run.scene.worlds.map((_, w) => run.here(i, w)[a]);
+      run.decimal(p, row[a], `${'xy'[a]} of circle ${i}`);
+      run.decimal(run.flights[i].v[a], row[2 + a], `v${'xy'[a]} of circle ${i}`);
+    }
+  }
+}

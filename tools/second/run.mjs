@@ -1,0 +1,353 @@
+// The checker of a run: flights, instants, the end. The numbers of the steps are those of the format's page.
+import { malformed, refute, undecided, Verdict, TooMuch } from './base.mjs';
+import { Scene } from './scene.mjs';
+import { Isometry } from './isometry.mjs';
+import { WayBack } from './back.mjs';
+import { Random } from './random.mjs';
+import { Rounds } from './rounds.mjs';
+import { witness } from './witness.mjs';
+import { theEnd } from './end.mjs';
+
+/** @typedef {import('./scene.mjs').Contact} Contact */
+/** @typedef {{c: Contact, sign: number, lasted: boolean}} Known a contact at gap zero, and the sign of its closing speed */
+
+export class Run {
+  constructor(certificate, bits, work) {
+    this.certificate = certificate;
+    this.work = work;
+    this.place = 'the scene';
+    this.bits = bits;
+  }
+
+  /** @returns {string} what is verified; or throws a Verdict */
+  check() {
+    const { certificate: c } = this;
+    try {
+      const scene = this.scene = new Scene(c, this.bits, this.work);
+      this.place = 'the isometries';
+      this.isometries = c.isometries.map((g, k) => new Isometry(g, scene, this.work, `isometry ${k}`));
+      this.fixed = scene.circles.map(x => x.fixed);
+      this.random = c.scene.tie_policy.seed === null ? null : new Random(c.scene.tie_policy.seed);
+      this.back = new WayBack();
+      this.zero = scene.number({ den: 1n, terms: new Map() });
+      this.now = this.zero;
+      /** flights: p and v are pairs of numbers, t a number, start the instant at which it began */
+      this.flights = scene.circles.map(x => ({ p: [x.x, x.y], v: [x.vx, x.vy], t: this.zero, start: 0 }));
+      this.turnedAt = scene.circles.map(() => 0); // the instant at which the velocity changed last
+      this.captured = scene.circles.map(() => false);
+      /** @type {Map<number, number>} the instant at which a contact was known last */ this.knownAt = new Map();
+      /** @type {Map<number, Known>} known at the last instant, as left */ this.left = new Map();
+      this.events = 0;
+      this.turnTime = null;
+      this.due = false;
+      c.instants.forEach((e, k) => { this.place = `instant ${k}`; this.instant(e, k); });
+      this.place = 'the end';
+      theEnd(this);
+    } catch (e) {
+      if (e instanceof Verdict && !(e instanceof TooMuch)) e.message = `${this.place}: ${e.message}`;
+      throw e;
+    }
+    return `${this.events} event${this.events === 1 ? '' : 's'}, to the end: ${c.end.reason}`;
+  }
+
+  // Numbers of the flights
+
+  /** Where circle i is now. It is computed once for each instant and world. */
+  here(i, w) {
+    const f = this.flights[i], A = this.scene.worlds[w];
+    if (f.start === this.k) return f.p.map(x => x[w]);
+    const cache = this.cache[i] ??= [];
+    return cache[w] ??= this.moved(f, A, w, A.sub(this.now[w], f.t[w]));
+  }
+  moved(f, A, w, time) { return f.p.map((x, k) => A.add(x[w], A.mul(f.v[k][w], time))); }
+
+  /** The laws for a contact, now or at the later start of its flights. */
+  laws(c, A, w, atStart = false) {
+    const { flights } = this, f = flights[c.i], g = c.kind === 'circle' ? flights[c.j] : null;
+    const velocity = h => h && h.v.map(x => x[w]);
+    const place = (h, other, i) => {
+      if (!h) return null;
+      if (!atStart) return this.here(i, w);
+      return other && other.start > h.start ? this.moved(h, A, w, A.sub(other.t[w], h.t[w])) : h.p.map(x => x[w]);
+    };
+    return this.scene.laws(c, A, w, place(f, g, c.i), velocity(f), place(g, f, c.j), velocity(g));
+  }
+  /** The later start of the flights of a contact. */
+  startOf(c) {
+    const f = this.flights[c.i], g = c.kind === 'circle' ? this.flights[c.j] : f;
+    return (g.start > f.start ? g : f).t;
+  }
+  sign(law) { return this.scene.sign(law); }
+  /** The sign of a number that no witness can show to be zero. */
+  known(law, what) { return this.sign(law) ?? undecided(what); }
+
+  movers(c) { return (c.kind === 'circle' ? [c.i, c.j] : [c.i]).filter(i => !this.fixed[i]); }
+  /** Has it been known at an instant since which neither circle turned? Then it was at gap zero, parted or lasts. */
+  parted(c) {
+    const k = this.knownAt.get(c.key);
+    return k !== undefined && this.movers(c).every(i => this.turnedAt[i] <= k);
+  }
+  * contactsOf(i) {
+    if (this.captured[i]) return;
+    for (const c of this.scene.contactsOf(i)) {
+      if (c.kind !== 'circle' || !this.captured[c.i === i ? c.j : c.i]) yield c;
+    }
+  }
+
+  // Witnesses
+
+  /** The sign of a number, where witnesses may show that it is zero. */
+  signed(law, question, c, what, first = false) {
+    const s = this.sign(law);
+    if (s === undefined) witness(this, question, c, what, first);
+    return s ?? 0;
+  }
+
+  /**
+   * Proves that the two of a contact did not meet from the later start of their flights until now (or for ever).
+   * @param {'flight' | 'end' | 'ever'} mode
+   */
+  apart(c, mode) {
+    if (this.parted(c)) return;
+    const start = name => (A, w) => this.laws(c, A, w, true)[name]();
+    const now = name => (A, w) => this.laws(c, A, w)[name]();
+    const what = `whether ${c.name} kept apart`;
+    const gap = this.known(start('gap'), what);
+    if (gap < 0 && c.kind === 'pocket') return; // the centre is inside, and does not enter again
+    if (gap <= 0) refute(`${c.name} is at gap zero or overlaps where its flight starts`);
+    const closing = this.sign(start('closing'));
+    if (closing >= 0) return;
+    const disc = this.sign(start('disc'));
+    if (disc < 0 || (disc === 0 && mode !== 'flight')) return;
+    let gapNow, closingNow;
+    if (mode !== 'ever') {
+      const rise = (A, w, laws) => A.twice(A.mul(laws.closing(), A.sub(this.now[w], this.startOf(c)[w])));
+      const atStart = (A, w, laws = this.laws(c, A, w, true)) => A.add(laws.gap(), rise(A, w, laws));
+      const atEnd = (A, w, laws = this.laws(c, A, w)) => A.sub(laws.gap(), rise(A, w, laws));
+      if (this.sign((A, w) => atStart(A, w)) > 0) return;
+      gapNow = this.sign(now('gap'));
+      closingNow = this.sign(now('closing'));
+      if (gapNow > 0) {
+        if (disc === 0 || closingNow < 0) return; // closingNow < 0: the tangent at the end rises backwards
+        if (this.sign((A, w) => atEnd(A, w)) > 0) return;
+      }
+    }
+    // What is left: they met; or it is not known; or a witness says more.
+    if (closing < 0 && ((disc > 0 && (mode === 'ever' || gapNow <= 0 || closingNow >= 0)) || (disc === 0 && gapNow <= 0))) {
+      refute(`${c.name} meet, which is not told`);
+    }
+    const asked = [[closing, 'closing'], [disc, 'disc']].filter(([s]) => s === undefined).map(([, question]) => question);
+    const failed = [];
+    for (const question of mode !== 'flight' || gapNow > 0 ? asked : []) {
+      try { return witness(this, question, c, what); } catch (e) {
+        if (!(e instanceof Verdict) || e.code === 2 || e instanceof TooMuch) throw e;
+        if (e.code === 1) failed.push(e);
+      }
+    }
+    if (failed.length) throw failed[0];
+    undecided(what);
+  }
+
+  /** Ends the flights of these circles now: all that is not known did not meet. Then they fly on from here. */
+  endFlights(circles, known) {
+    const ending = new Set(circles);
+    for (const i of ending) for (const c of this.contactsOf(i)) {
+      if (known.has(c.key)) continue;
+      const other = c.kind === 'circle' ? (c.i === i ? c.j : c.i) : -1;
+      if (other < i && ending.has(other)) continue; // done
+      if (other >= 0 && !ending.has(other) && this.flights[other].start === this.k && this.k) continue; // done when that ended
+      this.apart(c, 'flight');
+    }
+    for (const i of ending) this.fresh(i);
+  }
+  fresh(i) {
+    const f = this.flights[i], p = [1, 2].map(w => this.here(i, w));
+    this.flights[i] = { ...f, p: [0, 1].map(k => this.scene.widen(p[0][k], p[1][k])), t: this.now, start: this.k };
+  }
+
+  // An instant
+
+  instant(e, k) {
+    const { scene } = this, { end } = this.certificate;
+    Object.assign(this, { k, cache: [], met: [], rows: null, witnesses: e.zeros ?? [] });
+    const turn = Boolean(e.turn), before = this.now;
+    if (k && this.due !== turn) refute(turn ? 'no reversal is due' : 'a reversal is due');
+    if (k === 0 && turn) refute('the first instant is a reversal');
+    if (turn && e.met) refute('a reversal with contacts that meet');
+    if (end.reason === 'events' && this.events >= end.limit) refute('an instant after the last event');
+
+    // 1, 2: the time
+    const met = (e.met ?? []).map(([i, j]) => this.meeting(scene.contact(i, j), i, j));
+    if (new Set(met.map(c => c.key)).size !== met.length) refute('a contact meets twice');
+    let told = false; // by the clock
+    if (e.exact) this.now = scene.number(scene.exact.reduced(e.exact));
+    if (k === 0 || turn) {
+      if (e.exact) refute('it has a time already');
+      this.now = before;
+    } else if (!e.exact) {
+      if (!met.length) malformed('an instant with neither `met` nor `exact` nor `turn`');
+      this.now = this.clock(met[0]);
+      told = true;
+    }
+    if (k && !turn) {
+      const s = this.known((A, w) => A.sub(this.now[w], before[w]), 'whether it comes after the instant before');
+      if (s <= 0) refute('it does not come after the instant before');
+    }
+    this.decimal(this.now, e.time, 'the time');
+
+    // 3: what meets
+    for (const c of met) this.meet(c, told && c === met[0]);
+
+    // 4: what is known; the time and the ends
+    /** @type {Map<number, Known>} */ const known = new Map(this.met.map(x => [x.c.key, x]));
+    for (const x of this.left.values()) if (turn || x.lasted) known.set(x.c.key, { ...x, sign: turn ? -x.sign : x.sign });
+    if (k === 0) this.nothingElseTouches(known);
+    if (turn) {
+      this.endFlights(this.flights.keys(), known);
+      this.turnTime = this.now;
+      for (const i of this.moving()) {
+        this.flights[i].v = this.flights[i].v.map(x => x.map((y, w) => scene.worlds[w].neg(y)));
+        this.turnedAt[i] = k;
+      }
+    }
+    this.due = this.ahead(e);
+
+    // 5: groups and rounds
+    const rounds = new Rounds(this, known, e.rounds ?? []);
+    rounds.all();
+    if (e.rounds?.length) this.events++;
+    if (!this.turnTime && this.events === this.certificate.scene.reverse_after) this.due = true;
+
+    // 6: entries
+    const pairs = e.enter ?? [], entering = [...known.values()].filter(x => x.c.kind === 'pocket' && x.sign < 0);
+    const entered = new Set(pairs.map(([i, j]) => this.meeting(scene.contact(i, j), i, j).key));
+    if (entered.size !== pairs.length || entered.size !== entering.length || entering.some(x => !entered.has(x.c.key))) {
+      refute('not these circles enter pockets');
+    }
+    const caught = this.certificate.scene.capture ? new Set(entering.map(x => x.c.i)) : new Set();
+    this.capture(caught, known, rounds.pushed);
+
+    // 7: what lasts
+    for (const x of known.values()) {
+      this.knownAt.set(x.c.key, k);
+      if (this.movers(x.c).some(i => this.captured[i])) { known.delete(x.c.key); continue; }
+      if (x.lasted && !this.movers(x.c).some(i => rounds.pushed.has(i))) continue;
+      x.lasted = x.sign === 0 && (x.c.kind === 'wall' || this.signed((A, w) => this.laws(x.c, A, w).speed(), 'speed', x.c,
+        `whether the two of ${x.c.name} move as one`) === 0);
+    }
+    this.left = known;
+
+    // the pasts
+    if (rounds.rows.size || caught.size) for (const g of this.isometries) g.struck = g.struckBy(rounds.rows, caught);
+    if (e.rounds?.length || k === 0) { // time 0 is never on the way back
+      const pushes = WayBack.pushes(rounds.pushes, this.fixed);
+      if (!this.turnTime) this.back.keep(pushes, rounds.keys);
+      else if (this.back.retraced) this.back.undo(pushes);
+    }
+  }
+
+  moving() { return this.flights.map((_, i) => i).filter(i => !this.fixed[i] && !this.captured[i]); }
+
+  /** @returns {Contact} */
+  meeting(c, i, j) {
+    if (!c || this.movers(c).some(x => this.captured[x])) refute(`the scene has no contact [${i},${j}] here`);
+    return c;
+  }
+
+
+  /** The time at which the gap of a contact falls through zero. */
+  clock(c) {
+    const { full } = this.scene, name = `the clock ${c.name}`;
+    if (this.left.get(c.key)?.lasted) refute(`${name} lasts`);
+    const law = f => (A, w) => f(this.laws(c, A, w, true), A);
+    const disc = this.known(law(l => l.disc()), `whether ${name} hits`);
+    if (disc <= 0 || (c.kind === 'wall' && this.known(law(l => l.closing()), `whether ${name} hits`) > 0)) refute(`${name} does not hit`);
+    const laws = this.laws(c, full, 1, true);
+    if (laws.disc().lo <= 0n) undecided(`when ${name} hits`); // known in exact numbers only
+    const root = c.kind === 'wall' ? full.neg(laws.closing()) : full.sqrt(laws.disc());
+    const time = full.div(laws.gap(), full.sub(root, laws.closing())) ?? undecided(`when ${name} hits`);
+    return this.scene.widen(full.add(this.startOf(c)[1], time));
+  }
+
+  /** A number lies as a decimal says. */
+  decimal(number, { value, unit }, what) {
+    for (const n of [1n, -1n]) {
+      const s = this.known((A, w) => A.sub(number[w], A.of(this.scene.exact.plus(value, unit, n))), `whether ${what} is as its decimal says`);
+      if (s * Number(n) >= 0) refute(`${what} is not as its decimal says`);
+    }
+  }
+
+  /** Step 3 for one contact. */
+  meet(c, tellsTime) {
+    const law = name => (A, w) => this.laws(c, A, w)[name]();
+    if (this.left.get(c.key)?.lasted) refute(`${c.name} lasts, and is not met`);
+    if (tellsTime) { this.met.push({ c, sign: -1, lasted: false }); return; } // the gap falls
+    if (this.signed(law('gap'), 'gap', c, `whether ${c.name} is at gap zero`)) refute(`${c.name} is not at gap zero`);
+    const sign = this.signed(law('closing'), 'closing', c, `whether ${c.name} approaches`, true);
+    if (this.k && sign > 0) {
+      if (c.kind !== 'pocket') refute(`${c.name} is at gap zero and parts`);
+      if (!this.parted(c) && this.known((A, w) => this.laws(c, A, w, true).gap(), `whether ${c.name} was inside`) >= 0) {
+        refute(`${c.name} leaves without having entered`);
+      }
+    }
+    this.met.push({ c, sign, lasted: false });
+  }
+
+  /** At time 0 nothing else is at gap zero. */
+  nothingElseTouches(known) {
+    for (const i of this.flights.keys()) for (const c of this.contactsOf(i)) {
+      if (c.i !== i || known.has(c.key)) continue;
+      const s = this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} touch`);
+      if (s === 0) refute(`${c.name} is at gap zero and not told`);
+      if (s < 0 && c.kind !== 'pocket') refute(`${c.name} overlap`);
+    }
+  }
+
+  /** Step 4: the instant is not after the end, nor after the reversal. Is the reversal due? */
+  ahead(e) {
+    const { reverseAt } = this.scene, until = this.until();
+    const less = (number, question, what) => {
+      const s = this.signed((A, w) => A.sub(number[w], this.now[w]), question, null, what);
+      if (s < 0) refute(`it is not so that ${what.replace('whether ', '')}`);
+      return s;
+    };
+    if (until) less(until, 'until', 'whether it comes before the end');
+    const due = Boolean(reverseAt && !this.turnTime && less(reverseAt, 'reverse', 'whether it comes before the reversal') === 0);
+    if (this.k && !e.turn && !e.met && !due) refute('nothing meets');
+    return due;
+  }
+  /** The end, if it is a time and known by now. */
+  until() {
+    const { end } = this.certificate;
+    if (end.reason === 'horizon' && !this.horizon) {
+      this.horizon = this.scene.number(end.until);
+      if (this.scene.signOf(this.horizon) !== 1) malformed('the end is not positive, or may not be');
+    }
+    if (end.reason === 'horizon') return this.horizon;
+    if (end.reason !== 'return') return null;
+    const half = this.turnTime ?? this.scene.reverseAt;
+    return half ? half.map((x, w) => this.scene.worlds[w].twice(x)) : null;
+  }
+
+  /** Step 6: circles that are captured rest. */
+  capture(caught, known, pushed) {
+    for (const i of caught) {
+      if (this.flights[i].start === this.k) continue;
+      const { rows } = this; // what is proved is of the time before the rounds
+      this.rows = null;
+      this.endFlights([i], known);
+      this.rows = rows;
+    }
+    for (const i of caught) {
+      for (const c of pushed.has(i) ? this.contactsOf(i) : []) { // pushed on a rim that it was to leave, it might enter there
+        if (c.kind === 'pocket' && !known.has(c.key) && this.known((A, w) => this.laws(c, A, w).gap(), `whether ${c.name} enters`) === 0) {
+          refute(`${c.name} is on the rim and not told`);
+        }
+      }
+    }
+    for (const i of caught) {
+      this.captured[i] = true;
+      this.flights[i].v = [this.zero, this.zero];
+    }
+  }
+}

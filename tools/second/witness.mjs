@@ -1,0 +1,32 @@
+// Witnesses: what shows that a number is zero where exact numbers do not tell.
+import { refute, malformed, undecided } from './base.mjs';
+
+/**
+ * A number is zero or cannot be told from it: do the witnesses of this entry show that it is zero? One has to, if there are any.
+ * @param {import('./run.mjs').Run} run @param {import('./run.mjs').Contact | null} c null: any
+ * @param {boolean} first whether the question is asked in step 3, before the first round
+ */
+export function witness(run, question, c, what, first = false) {
+  run.work.charge(run.witnesses.length);
+  const answers = run.witnesses.filter(z => z.question === question
+    && (c === null || (z.contact[0] === c.i && z.contact[1] === c.j)));
+  if (!answers.length) undecided(what);
+  for (const z of answers) {
+    run.work.charge(run.met.length);
+    const other = z.other === null ? run.met[0] : run.met.find(x => x.c.i === z.other[0] && x.c.j === z.other[1]);
+    if (z.how === 'back') {
+      const asked = c ?? run.scene.contact(...z.contact);
+      if (question !== 'gap' && (question !== 'until' || run.certificate.end.reason !== 'return')) continue;
+      if (asked && other?.sign < 0 && run.turnTime && run.back.knew(asked.key, other.c.key, question === 'until')) return;
+      continue;
+    }
+    const g = run.isometries[z.how] ?? malformed(`a witness names isometry ${z.how}, which is not there`);
+    if (c === null) continue;
+    const struck = run.rows?.size ? g.struckBy(run.rows) : g.struck;
+    const image = other && g.maps(c, struck) && g.contact(c)?.key === other.c.key;
+    if (question === 'gap' && image) return;
+    if (question === 'closing' && first && image && other.sign === 0) return;
+    if ((question === 'closing' || question === 'speed') && g.showsRest(question, c, struck)) return;
+  }
+  refute(`no witness shows it: ${what}`);
+}
