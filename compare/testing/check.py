@@ -321,7 +321,8 @@ class _Case:
         if broken is not None:
             shown = [] if comparison is None else [f"  reproduce: {self._reproduced(comparison)}"]
             raise CheckFailed("\n".join([f"{self.name} on {self.where}: {broken}", *shown]), comparison)
-        return ["energy, momentum, straight flight, no overlap, permitted impulses"]
+        left = f" (to {local.iterated:.2g}, which the solver's iterations leave)" if local.iterated else ""
+        return [f"energy{left}, momentum, straight flight, no overlap, permitted impulses"]
 
     def _amiss(self, comparison: Comparison, reach: Reach | None, local: LocalError) -> list[str]:
         """The first number that is off before the histories part, and the first broken invariant: what a bug is."""

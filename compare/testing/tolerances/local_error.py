@@ -38,6 +38,9 @@ FIRST_EVENTS = 24
 """Events of the true run among which each circle's first meeting is looked for: before it, nothing has grown."""
 
 
+LEFT = 1e-6
+"""The largest share of energy that iterations may leave: of more a user of the engine should hear."""
+
 PAST = 9 / 8
 """Invariants are asked for up to this many times the true run's end: what is missing at the end shows after it."""
 
@@ -82,7 +85,7 @@ def local_error(engine: Engine, reference: Trajectory, bits: int | None) -> Loca
     c is at most `UNSEEN`.
 
     What iterations leave of energy falls as there are more of them. So where twice as many leave half of it or less,
-    twice what is seen is granted; a loss that stays is no matter of the iterations.
+    twice what is seen is granted, up to `LEFT`; a loss that stays is no matter of the iterations.
     """
     unit = 0.0 if bits is None else 2.0**-bits
     rounding = LocalError(ROUNDINGS * unit, unit if engine.rounds_input else 0.0)
@@ -128,7 +131,7 @@ def _iterated(engine: Engine, reference: Trajectory) -> float:
             return 0.0
         found = [energy(masses, run.at(time).array()[:, 2:]) for time in (0, *(event.time for event in run.events))]
         left.append(max(abs(one - found[0]) for one in found) / found[0] if found[0] else 0.0)
-    return 2 * left[0] if left[1] <= left[0] / 2 else 0.0
+    return 2 * left[0] if left[1] <= left[0] / 2 and left[0] <= LEFT else 0.0
 
 
 def _series(engine: Engine, reference: Trajectory) -> list[tuple[Engine, float]]:
