@@ -543,8 +543,8 @@ SYMMETRY = (
     ),
     Mutant(
         "along_by_wrong_mirror", LOG,
-        "matrix = (1 - 2 * nx * nx / square, -across, -across, 1 - 2 * ny * ny / square)",
-        "matrix = (2 * nx * nx / square - 1, across, across, 2 * ny * ny / square - 1)",
+        "return self._fixes((xx, xy, xy, yy), i, i)",
+        "return self._fixes((-xx, -xy, -xy, -yy), i, i)",
         "who flies at right angles to a wall is taken to fly along it",
     ),
     Mutant(
@@ -735,14 +735,14 @@ FILTERS = (
     ),
     Mutant(
         "filter_wall_approach", FILTER,
-        "off = 16 * UNIT * norm * self.fastest",
-        f"off = 16 * UNIT * norm * self.fastest{TOO_SMALL}",
+        "off = norm * flat",
+        f"off = norm * flat{TOO_SMALL}",
         "the bound on the approach to a wall is too small by 2**20",
     ),
     Mutant(
         "filter_wall_gap", FILTER,
-        "off_gap = 32 * UNIT * (size + norm * self.largest)",
-        f"off_gap = 32 * UNIT * (size + norm * self.largest){TOO_SMALL}",
+        "off_gap = 32 * UNIT * size + norm * far",
+        f"off_gap = (32 * UNIT * size + norm * far){TOO_SMALL}",
         "the bound on the gap to a wall is too small by 2**20",
     ),
     Mutant(

@@ -11,7 +11,7 @@ OLD: tuple[Mutant, ...] = (
     Mutant(
         "w01_entry_ahead",
         GATHERING,
-        "        front = []\n",
+        "        front: list[Arrival[N]] = []\n",
         """        entry = next((a for a in timed if a.link[1] < 0), None)
         if entry is not None and not any(a.link[1] >= 0 and entry.link[0] in a.link for a in timed):
             for rival in timed:

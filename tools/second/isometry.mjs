@@ -14,6 +14,7 @@ export class Isometry {
     this.shift = given.shift.map(x => scene.number(x));
     /** @type {Map<number, number>} */ this.map = new Map(given.map);
     /** @type {Map<number, number>} */ this.inverse = new Map(given.map.map(([i, j]) => [j, i]));
+    for (const i of given.map.flat()) if (!this.sort(i)) malformed(`${name}: the scene has no thing ${i}`);
     if (this.map.size !== given.map.length) refute(`${name} maps one thing twice`);
     if (this.inverse.size !== given.map.length) refute(`${name} takes two things to one`);
     /** @type {Set<number>} circles whose past is not mapped any more */ this.struck = new Set();
@@ -25,6 +26,12 @@ export class Isometry {
     const [a, b, c, d] = this.matrix.map(m => m[w]);
     const out = [A.add(A.mul(a, x), A.mul(b, y)), A.add(A.mul(c, x), A.mul(d, y))];
     return shift ? out.map((z, k) => A.add(z, shift[k][w])) : out;
+  }
+
+  /** What an index stands for; '' for nothing. */
+  sort(i) {
+    const { n, size, pockets } = this.scene;
+    return i >= 0 ? (i < n ? 'circle' : i < size ? 'wall' : '') : (-1 - i < pockets.length ? 'pocket' : '');
   }
 
   /** All that is said of it holds exactly. */
@@ -39,13 +46,11 @@ export class Isometry {
     zero((A, w) => A.sub(A.add(A.square(a[w]), A.square(c[w])), one[w]), 'a² + c² = 1');
     zero((A, w) => A.sub(A.add(A.square(b[w]), A.square(d[w])), one[w]), 'b² + d² = 1');
     zero((A, w) => A.add(A.mul(a[w], b[w]), A.mul(c[w], d[w])), 'a b + c d = 0');
-    const { circles, walls, pockets, n, size } = scene;
-    const sort = i => i >= 0 ? (i < n ? 'circle' : i < size ? 'wall' : '') : (-1 - i < pockets.length ? 'pocket' : '');
+    const { circles, walls, pockets, n } = scene;
     const same = (x, y, what) => zero((A, w) => A.sub(x(A, w), y[w]), what);
     for (const [i, j] of this.map) {
-      const kind = sort(i), what = `${i} is mapped to ${j}`;
-      if (!kind || !sort(j)) malformed(`${name}: ${what}, and the scene has no such thing`);
-      if (kind !== sort(j)) refute(`${name}: ${what}, which is another kind`);
+      const kind = this.sort(i), what = `${i} is mapped to ${j}`;
+      if (kind !== this.sort(j)) refute(`${name}: ${what}, which is another kind`);
       if (kind === 'wall') {
         const p = walls[i - n], q = walls[j - n];
         const across = (A, w, [x, y]) => A.add(A.mul(q.n[0][w], x), A.mul(q.n[1][w], y));

@@ -64,11 +64,7 @@ export function readCertificate(json, work) {
     if (list(v, where).length !== 3) return { contact: contact(v, where), impulse: null };
     return { contact: contact(v.slice(0, 2), where), impulse: number(v[2], where) };
   };
-  const round = (v, where) => {
-    const pushes = listOf(push, 1)(v, where);
-    if (new Set(pushes.map(p => p.impulse === null)).size > 1) malformed(`${where} tells some impulses, not all`);
-    return pushes;
-  };
+  const round = listOf(push, 1);
   const of = fields => (v, where) => record(v, where, fields);
   const numbers = names => Object.fromEntries(names.split(' ').map(name => [name, number]));
   const reason = v => ['quiet', 'horizon', 'return', 'events', 'stopped'].includes(v) ? v : malformed('no such end');
