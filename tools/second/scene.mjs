@@ -1,5 +1,5 @@
 // The scene in several worlds, its contacts, and the laws: gap, closing, speed, discriminant.
-import { malformed, undecided } from './base.mjs';
+import { malformed, refute, undecided } from './base.mjs';
 import { IntervalWorld } from './interval.mjs';
 import { ZERO } from './exact.mjs';
 
@@ -80,8 +80,12 @@ export class Scene {
       wall.n = [this.worlds.map((A, w) => A.sub(wall.y0[w], wall.y1[w])), this.worlds.map((A, w) => A.sub(wall.x1[w], wall.x0[w]))];
       demand((A, w) => A.sub(A.add(A.square(wall.n[0][w]), A.square(wall.n[1][w])), A.square(wall.length[w])), [0],
         `the length of wall ${k} is the distance of its points`);
-      wall.side = this.circles.map((c, i) => demand((A, w) => A.add(A.mul(wall.n[0][w], A.sub(c.x[w], wall.x0[w])),
-        A.mul(wall.n[1][w], A.sub(c.y[w], wall.y0[w]))), [1, -1], `the centre of circle ${i} is not on wall ${k}`));
+      wall.side = this.circles.map((c, i) => {
+        if (c.fixed) return 0;
+        const side = this.sign((A, w) => A.add(A.mul(wall.n[0][w], A.sub(c.x[w], wall.x0[w])),
+          A.mul(wall.n[1][w], A.sub(c.y[w], wall.y0[w]))));
+        return (side ?? undecided(`whether circle ${i} is on wall ${k}`)) || refute(`the centre of circle ${i} is on wall ${k}`);
+      });
     }
   }
 
