@@ -142,7 +142,8 @@ class DoubleFilter:
         self._clock, self._beside = t, beside
         ft = float(t)
         late = 0.0 if beside is None else float(beside.abs_upper()) * ROUND_UP
-        told = t.rel_accuracy_bits() > ACCURATE_BITS and not 0.0 < ft < TINY and late < BIG
+        plain = not 0.0 < ft < TINY and (ft != 0.0 or t.is_zero()) and late < BIG
+        told = t.rel_accuracy_bits() > ACCURATE_BITS and plain
         self._at, self._late = ft if told else nan, late
 
     def _widen(self, place: float, speed: float, time: float) -> None:
