@@ -5,7 +5,8 @@ docs/certificates.md defines the format. There is no search and no queue: what i
 *Numbers.* The laws are written once, in `World`, and there are two worlds. In one, numbers are intervals (`Ball`): what
 they say of a sign is true, or they say nothing. In the other they are exact (`Form`): sums of fractions times square
 roots, which are only added and multiplied; times and impulses, which take more, are known there if the certificate
-tells them, and then put in. A form without terms is zero, whatever the roots are.
+tells them, and then put in. A form without terms is zero, whatever the roots are. Intervals are read with few bits
+first, in `clear`, and later on with no more than flights still know, and some: `Ball.at` rounds outward, too.
 
 *Flights.* Between instants circles fly straight, and a gap, |d|^2 - R^2 of two circles or twice the distance from a
 wall, is convex in time. When a flight ends, `clear` proves for all else that the gap has stayed positive while both
@@ -26,11 +27,9 @@ hit. "back": on the way back of a reversed run the impulses so far undo those of
 at the last instant not undone falls through gap zero at its mirror image only. docs/symmetry-and-ties.md proves both.
 """
 
-import json
-import random
-import re
-import sys
+import json, random, re, sys
 from collections import defaultdict, namedtuple
+from copy import copy
 from fractions import Fraction
 from functools import reduce
 from itertools import product
@@ -39,7 +38,7 @@ from operator import mul, sub
 from pathlib import Path
 
 FORMAT, BYTES, CIRCLES, BITS, PAIRS, SIZE = "truebreak/certificate-2", 1 << 24, 1000, 1 << 20, 1 << 22, 1 << 30
-DIGITS, ROOTS, WORK = 100_000, 99, 1 << 36
+DIGITS, ROOTS, WORK, FEW, KEEP = 100_000, 99, 1 << 40, 128, 256
 TERM, COUNT, CONTACT = r"\d+(?:/0*[1-9]\d*)?(?:\*r[1-9]\d?)*", r"[1-9]\d{0,14}", r"\[\d{1,15},-?\d{1,15}\]"
 NUMBER, DECIMAL, ANY = f'"[+-]?{TERM}([+-]{TERM})*"', r'"-?\d+(\.\d+)?"', '".*"'
 POLICY, REASON = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"', '"(events|stopped|horizon|return|quiet)"'
@@ -59,14 +58,12 @@ SHAPE = {  # of each part what there has to be, and how it is spelt; then what t
         **{kind: ({"id": ANY, **dict.fromkeys(keys.split(), NUMBER)}, {}) for kind, keys in THINGS.items()}})}, {}
 Flight = namedtuple("Flight", "x y vx vy age")  # at (x, y) at the instant `age`
 Meeting = namedtuple("Meeting", "gap closing speed disc arms")  # the gap at s later is gap + 2 closing s + speed s^2
-
 class Malformed(Exception): """This is no certificate."""
 class Refuted(Exception): code, word = 1, "refuted"
 class Undecided(Exception): code, word = 4, "not decided"  # the intervals are too wide, or a witness is missing
 BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, MemoryError
 def positive(sign, text, fault=Refuted):  # goes on if a sign is 1
     if sign != 1: raise (Undecided if sign is None else fault)(text)
-
 class Form(dict):
     """An exact number: a sum of terms {roots: factor}, a fraction times the square roots of these numbers. What takes a
     division or a root, and is not told, is `UNTOLD`: a term that is not a number, and stays so."""
@@ -78,74 +75,80 @@ class Form(dict):
         parts = defaultdict(lambda: defaultdict(int))  # by the roots that both have, whose squares are told
         for (j, x), (k, y) in product(self.items(), o.items()):
             if j is None or k is None: return UNTOLD
-            Form.work += 10_000 + (size(x) * size(y) >> 8)  # about a nanosecond a unit
-            if Form.work > WORK: raise Undecided("the exact values take too much work")
+            Form.work += 160_000 + (size(x) * size(y) >> 4)  # dearer than those of intervals
+            if Form.work > WORK: raise Undecided("it takes too much work")
             parts[j & k][j ^ k] += x * y
         return sum((reduce(mul, (Form.squares[n] for n in ks), Form((k, x) for k, x in part.items() if x))
                     for ks, part in parts.items()), NONE)
     def sqrt(self, _=None): return UNTOLD
+    def at(self, _): return self
     __truediv__ = sqrt
-
 class Ball:
-    """The reals within r of m, in units of 2**-bits."""
-    bits, roots = 0, []
-    def __init__(self, m, r): self.m, self.r = m, r
-    def __neg__(self): return Ball(-self.m, self.r)
-    def __add__(self, o): return Ball(self.m + o.m, self.r + o.r)
-    def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r)
+    """The reals within r of m, in units of 2**-bits. What is computed of two has the same bits."""
+    bits, roots = 0, []  # those of the certificate
+    def __init__(self, m, r, bits): self.m, self.r, self.bits = m, r, bits
+    def __neg__(self): return Ball(-self.m, self.r, self.bits)
+    def __add__(self, o): return Ball(self.m + o.m, self.r + o.r, self.bits)
+    def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r, self.bits)
     def __mul__(self, o):
+        Form.work += 1_000 + (self.bits * self.bits >> 12)  # about a nanosecond a unit
+        if Form.work > WORK: raise Undecided("it takes too much work")
         m, wide = self.m * o.m, abs(self.m) * o.r + abs(o.m) * self.r + self.r * o.r
-        return Ball(m >> Ball.bits, (wide >> Ball.bits) + 2 if m or wide else 0)
+        return Ball(m >> self.bits, (wide >> self.bits) + 2 if m or wide else 0, self.bits)
     def __truediv__(self, o):
         if (least := abs(o.m) - o.r) <= 0: raise Undecided("a number that may be zero divides")
-        m = (self.m << Ball.bits) // o.m
-        return Ball(m, ((self.r << Ball.bits) + (abs(m) + 1) * o.r) // least + 2)
+        m = (self.m << self.bits) // o.m
+        return Ball(m, ((self.r << self.bits) + (abs(m) + 1) * o.r) // least + 2, self.bits)
     def sqrt(self):
         if self.m <= self.r: raise Undecided("a number that may not be positive has a root")
-        low, high = (isqrt(self.m + r << Ball.bits) for r in (-self.r, self.r))
-        return Ball(low + high >> 1, (high - low >> 1) + 2)
+        low, high = (isqrt(self.m + r << self.bits) for r in (-self.r, self.r))
+        return Ball(low + high >> 1, (high - low >> 1) + 2, self.bits)
+    def at(self, bits):  # with fewer bits
+        if (drop := self.bits - bits) <= 0: return self
+        return Ball(self.m >> drop, (self.r >> drop) + 2 if self.m or self.r else 0, bits)
     def sign(self): return 1 if self.m > self.r else -1 if self.m < -self.r else None if self.r else 0
 def enclosed(form):  # as a ball
-    parts = ((reduce(mul, (Ball.roots[n] for n in ks), Ball(1 << Ball.bits, 0)), x) for ks, x in form.items())
-    return sum((Ball(b.m * x.numerator // x.denominator, b.r * abs(x.numerator) // x.denominator + 2)
-                for b, x in parts), Ball(0, 0))
-
+    parts = ((reduce(mul, (Ball.roots[n] for n in k), Ball(1 << Ball.bits, 0, Ball.bits)), x) for k, x in form.items())
+    return sum((Ball(b.m * x.numerator // x.denominator, b.r * abs(x.numerator) // x.denominator + 2, b.bits)
+                for b, x in parts), Ball(0, 0, Ball.bits))
 NONE, ONE, UNTOLD = Form(), Form({frozenset(): Fraction(1)}), Form({None: float("nan")})
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def number(text):  # reads a sum of terms such as 3/4*r1*r2
     terms = (found.split("*r") for found in re.findall(f"[+-]?{TERM}", text))
     def root(k): return Form({frozenset({int(k) - 1} if Form.squares[int(k) - 1] else {}): Fraction(1)})
     return sum((reduce(mul, map(root, ks), Form({frozenset(): Fraction(x)})) for x, *ks in terms), NONE)
-
 class World:
     """The laws of flight, meeting and impulse, in numbers of one kind. Circles fly, and pockets, which rest: pocket k
     is number -1 - k. A contact (i, j) is of two circles if 0 <= j < n, of wall j - n, or of the rim of a pocket."""
     def __init__(self, n, things, sides, limits, of):
-        self.n, self.sides, self.of, self.none = n, sides, of, of(NONE)
+        self.n, self.sides, self.read, self.none, self.bits = n, sides, of, of(NONE), Ball.bits
         self.things = {k: [*map(of, row)] for k, row in things.items()}
         self.flights = {k: Flight(*row[:4], 0) for k, row in self.things.items() if k < n}
         self.times, self.limits = [self.none], {key: of(x) for key, x in limits.items()}
     def put(self, i, age):  # a flight, told from where it is at an instant
-        x, y, vx, vy, start = flight = self.flights[i]
-        wait = self.times[age] - self.times[start]
-        return flight if age == start else Flight(x + vx * wait, y + vy * wait, vx, vy, age)
+        (x, y, vx, vy), start = self.at(*self.flights[i][:4]), self.flights[i].age
+        if age != start: x, y = (q + v * self.wait(start, age) for q, v in ((x, vx), (y, vy)))
+        return Flight(x, y, vx, vy, age)
+    def at(self, *numbers): return [x.at(self.bits) for x in numbers]  # as the world has them now
+    def of(self, form): return self.read(form).at(self.bits)
+    def wait(self, start, age): return sub(*self.at(self.times[age], self.times[start]))
     def start(self, c): return max(self.flights[k].age for k in c if k < self.n)
     def meeting(self, c, age):  # of two at an instant; `arms` are the directions in which they are pushed
         (i, j), (x, y, vx, vy, _) = c, self.put(c[0], age)
         if j >= self.n:
-            u, v, p, q, length = self.things[j]
+            u, v, p, q, length, r, none = self.at(*self.things[j], self.things[i][4], self.none)
             nx, ny = (p, q) if self.sides[c] > 0 else (-p, -q)
-            gap, closing = nx * (x - u) + ny * (y - v) - self.things[i][4] * length, nx * vx + ny * vy
-            return Meeting(gap + gap, closing, self.none, closing * closing, {i: (nx, ny)})
+            gap, closing = nx * (x - u) + ny * (y - v) - r * length, nx * vx + ny * vy
+            return Meeting(gap + gap, closing, none, closing * closing, {i: (nx, ny)})
         u, v, p, q, _ = self.put(j, age)
         x, y, vx, vy = u - x, v - y, p - vx, q - vy
-        reach = self.things[j][4] if j < 0 else self.things[i][4] + self.things[j][4]
+        reach, = self.at(self.things[j][4] if j < 0 else self.things[i][4] + self.things[j][4])
         square, speed, cross = reach * reach, vx * vx + vy * vy, x * vy - y * vx  # disc without cancellation: Lagrange
-        disc = speed * square - cross * cross
-        return Meeting(x * x + y * y - square, x * vx + y * vy, speed, disc, {i: (-x, -y), j: (x, y)})
+        gap, disc = x * x + y * y - square, speed * square - cross * cross
+        return Meeting(gap, x * vx + y * vy, speed, disc, {i: (-x, -y), j: (x, y)})
     def hit(self, c):  # when the gap of two falls through zero
         m = self.meeting(c, start := self.start(c))
-        return self.times[start] + m.gap / (m.disc.sqrt() - m.closing)
+        return self.times[start].at(self.bits) + m.gap / (m.disc.sqrt() - m.closing)
     def solve(self, rows):  # the x with G x = y, by elimination; each row is one of G, and then of y
         if not rows: return []
         (pivot, *top), *rest = rows
@@ -157,17 +160,16 @@ class World:
         twice = {c: m.closing + m.closing for c, m in met.items()}
         def effect(c, o):  # an entry of G
             both = [(self.things[i][5], *met[c].arms[i], *met[o].arms[i]) for i in met[c].arms if i in met[o].arms]
-            return sum(((x * p + y * q) * w for w, x, y, p, q in both), self.none)
+            return sum(((x * p + y * q) * w.at(self.bits) for w, x, y, p, q in both), self.none.at(self.bits))
         s = [*map(self.of, s)] or self.solve([[*(effect(c, o) for o in push), -twice[c]] for c in push])
         self.rest = {c: sum((effect(c, o) * j for o, j in zip(push, s, strict=True)), twice[c]) for c in met}
         for c, j in zip(push, s, strict=True):
             for i, (x, y) in met[c].arms.items():
-                (u, v, vx, vy, _), w = self.put(i, age), self.things[i][5]
+                (u, v, vx, vy, _), w = self.put(i, age), self.things[i][5].at(self.bits)
                 self.flights[i] = Flight(u, v, vx + w * j * x, vy + w * j * y, age)
         return s
     def redirect(self, circles, age, factor):  # their velocities times a factor
-        for i in circles:
-            x, y, vx, vy, _ = self.put(i, age)
+        for i, (x, y, vx, vy, _) in [(i, self.put(i, age)) for i in circles]:
             self.flights[i] = Flight(x, y, vx * self.of(factor), vy * self.of(factor), age)
 
 class Checker:
@@ -209,6 +211,7 @@ class Checker:
         for c, sign in sides.items(): positive(sign and sign * sign, f"the centre of {c} is on the wall, or may be")
         self.draw = random.Random(int(self.policy[16:])) if ":seed=" in self.policy else None
         self.worlds = self.ball, self.form = [World(n, self.things, sides, limits, of) for of in (enclosed, Form)]
+        self.few, self.few.bits = copy(self.ball), FEW  # the same numbers, read with few bits
         self.isometries = [self.isometry(g) for g in told["isometries"]]
         self.age, self.count, self.out, self.known, self.parted, self.lasting = -1, 0, [], {}, set(), {}
     def isometry(self, told):  # its linear part, what it maps to what, by the data, and whose flights it maps
@@ -255,12 +258,13 @@ class Checker:
         raise (Refuted if self.witnesses[question, c] else Undecided)(f"{c}: no witness proves {question!r} zero")
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights up to an instant, or ever
         if c in self.parted: return
-        m, times = self.ball.meeting(c, start := self.ball.start(c)), self.ball.times
-        gap, closing, disc = m.gap.sign(), m.closing.sign(), m.disc.sign()
-        if (gap == -1 and c[1] < 0) or (gap == 1 and (closing in (0, 1) or disc == -1)): return
-        if gap == -1 or (age is None and (closing, disc) == (-1, 1)): raise Refuted(f"{c} overlap, or meet")
-        if age is not None:
-            end, wait = self.ball.meeting(c, age), times[age] - times[start]
+        for w in self.few, self.ball:
+            gap, closing, _, disc = map(Ball.sign, (m := w.meeting(c, start := w.start(c)))[:4])
+            if gap is None and c[1] < 0: continue  # the centre of a circle may be in the pocket from the start
+            if (gap == -1 and c[1] < 0) or (gap == 1 and (closing in (0, 1) or disc == -1)): return
+            if gap == -1 or (age is None and (closing, disc) == (-1, 1)): raise Refuted(f"{c} overlap, or meet")
+            if age is None: continue
+            end, wait = w.meeting(c, age), w.wait(start, age)
             after = end.gap.sign()
             there, back = (x.gap + x.closing * s + x.closing * s for x, s in ((m, wait), (end, -wait)))
             if (gap, there.sign()) == (1, 1) or (gap, after, back.sign()) == (1, 1, 1): return
@@ -281,7 +285,7 @@ class Checker:
         for w in self.worlds if age else ():
             w.times.append(w.times[-1] if turn else w.of(number(entry["exact"])) if told else w.hit(met[0]))
         self.said(times[age], entry["time"])
-        if age and not turn: positive((times[age] - times[age - 1]).sign(), "it does not come later, or may not")
+        if age and not turn: positive(self.ball.wait(age - 1, age).sign(), "it does not come later, or may not")
         for c in met:
             self.clock = self.clock or c
             if (self.met or told or not age) and self.sign("gap", c): raise Refuted(f"{c} do not meet at it")
@@ -295,18 +299,19 @@ class Checker:
             w.limits.pop("reverse", None)
             if self.end["reason"] == "return": w.limits["until"] = w.times[age] + w.times[age]
         for name in self.ball.limits:
-            sign = self.sign(name, self.clock, lambda w, name=name: w.limits[name] - w.times[age])
+            sign = self.sign(name, self.clock, lambda w, name=name: sub(*w.at(w.limits[name], w.times[age])))
             if sign < 0: raise Refuted("the end, or the reversal, comes before it")
             self.due |= name == "reverse" and sign == 0
         if not (met or turn or self.due or age == 0): raise Refuted("nothing falls on it")
         self.resolve([*entry.get("rounds", ())], entry, {*self.movable} if turn else set())
         self.due |= not self.way and 0 < self.count == self.told["scene"].get("reverse_after")
+        known = (x.bits - x.r.bit_length() for i in self.movable for x in self.ball.flights[i][:4])
+        self.ball.bits = min(self.ball.bits, max(known, default=0) + KEEP + Ball.bits // 32)
     def settle(self, circles):  # proves that circles have met nothing but what is known, as their flights end
         for c in self.meets:
             if c not in self.known and not circles.isdisjoint(c): self.clear(c, self.age)
     def resolve(self, rounds, entry, moved):
-        known, pushes = self.known, {}  # all at gap zero: rounds of impulses; then entries; then what lasts
-        self.count += bool(rounds)
+        known, pushes, self.count = self.known, {}, self.count + bool(rounds)  # rounds; then entries; then what lasts
         while approaching := sorted(c for c in known if known[c] < 0 <= c[1]):  # the next group
             group, circles = set(), {*approaching[0]} & {*range(self.n)}
             while more := {c for c in known if not circles.isdisjoint(c)} - group:
@@ -345,7 +350,7 @@ class Checker:
         if self.way and hits: self.out = self.out[:-1] if self.out and self.out[-1][0] == pushes else []
     def said(self, value, text):  # that a number is as the decimal text says, to within one unit of its last digit
         unit, at = Fraction(1, 10 ** len(text.partition(".")[2])), Fraction(text)
-        low, high = (enclosed(Form({frozenset(): at + d})) for d in (-unit, unit))
+        value, low, high = self.ball.at(value, *(enclosed(Form({frozenset(): at + d})) for d in (-unit, unit)))
         for x in (value - low, high - value): positive(x.sign(), f"a number is not {text[:40]}")
     def check(self):  # instant by instant; then what ended the run, and the final state
         for entry in self.told["instants"]: self.instant(entry)
@@ -355,15 +360,13 @@ class Checker:
         if (self.last is None and self.due) or (reason == "return" and not self.way): raise Refuted("no reversal")
         if reason not in ("events", "stopped") and "reverse" in limits:
             positive((limits["reverse"] - limits["until"]).sign() if "until" in limits else 0, "the reversal is first")
-        if "until" in limits:
-            self.age += 1
-            for w in self.worlds: w.times.append(w.limits["until"])
+        for w in self.worlds if "until" in limits else (): w.times.append(w.limits["until"])
+        self.age += "until" in limits
         for c in self.meets: self.clear(c, None if reason == "quiet" else self.age, last=True)
         self.said(self.ball.times[self.age], self.told["final"]["time"])
         for i, row in zip(range(self.n), self.told["final"]["circles"], strict=True):
             for value, text in zip(self.ball.put(i, self.age)[:4], row, strict=True): self.said(value, text)
         return f"{self.count} events, to the end: {reason}"
-
 def judged(told, factor):  # the exit code for a certificate with so many times its bits, and a sentence
     Checker.where, Form.work = "in the scene", 0
     try: return 0, f"verified: {Checker(told, factor).check()}"
@@ -378,7 +381,6 @@ def fits(value, shape):  # refuses a part, or a list of parts, of another shape
 def once(pairs):  # an object of JSON whose keys differ
     if len(found := dict(pairs)) < len(pairs): raise Malformed("a key comes twice")
     return found
-
 def verdict(path):  # the exit code for a file, and a sentence
     sys.set_int_max_str_digits(DIGITS)
     try:
@@ -392,9 +394,7 @@ def verdict(path):  # the exit code for a file, and a sentence
             if more != 4: return 4, f"{sentence}; with {factor * told['bits']} bits it is {what}"
         return code, sentence + "; nor do 4 times the bits decide" * (code == 4)
     except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
-    except BROKEN as error:
-        return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
-
+    except BROKEN as error: return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
 if __name__ == "__main__":
     code, said = verdict(sys.argv[1]) if len(sys.argv) == 2 else (2, "usage: verify.py FILE")
     sys.exit(print(said.encode("ascii", "backslashreplace").decode()) or code)

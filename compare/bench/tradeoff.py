@@ -235,7 +235,7 @@ def _checked(blank: Tradeoff, study: Study, engine: Engine) -> Tradeoff:
         agreed=found.alignment.agreed,
         error=found.separation.maximum,
         digits=None if error is None else error.digits,
-        changed=None if found.verdict in ("undecided", "unsettled") else found.changed,
+        changed=found.changed if found.whole else None,
     )
 
 

@@ -48,6 +48,9 @@ class Lazy:
     def sqrt(self) -> Lazy:
         return Lazy(None, Exact.sqrt, self)
 
+    def at(self, _: int) -> Lazy:
+        return self
+
     def tell(self) -> None:
         """Marks it, and all that it comes about from, as what is to be told."""
         todo = [self]
@@ -148,12 +151,18 @@ class Prover(Checker):
         Raises:
             Undecided: if it is not known so sharply.
         """
-        scale = 10**self.digits
-        if value.r * scale * 8 > 1 << Ball.bits:
+        scale, bits = 10**self.digits, value.bits
+        if value.r * scale * 8 > 1 << bits:
             raise Undecided("a number is not known to as many digits")
-        nearest = (2 * value.m * scale + (1 << Ball.bits)) >> (Ball.bits + 1)
+        nearest = (2 * value.m * scale + (1 << bits)) >> (bits + 1)
         whole, part = divmod(abs(nearest), scale)
         return f"{'-' if nearest < 0 else ''}{whole}.{part:0{self.digits}d}"
+
+    @property
+    def lost(self) -> int:
+        """The bits that the least known number of a flight has lost so far."""
+        numbers = (x for flight in self.ball.flights.values() for x in flight[:4])
+        return max(self.told["bits"] - x.bits + x.r.bit_length() for x in numbers)
 
     def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
@@ -232,9 +241,10 @@ class Prover(Checker):
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
         if c in self.lasting or c in self.met or c not in self.meets or (c in self.parted and not leaving):
             return False
-        m = self.ball.meeting(c, self.age)
-        if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
-            return False
+        for world in (self.few, self.ball):
+            m = world.meeting(c, self.age)
+            if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
+                return False
         if not self.zero("gap", c, gap_of(c, self.age)):
             return False
         self._list(entry, c)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from math import isqrt
 from random import Random
@@ -12,6 +12,7 @@ import pytest
 from truebreak.compare.certificate.scene_text import text_of
 from truebreak.compare.certificate.tower import WORK, Exact
 from truebreak.tools.verify import UNTOLD, Ball, Form, Undecided, enclosed, number
+from truebreak.tools.verify import WORK as MOST_WORK
 
 
 @pytest.fixture(autouse=True)
@@ -64,14 +65,14 @@ def test_square_roots_enclose() -> None:
     draw = Random(2)
     for _ in range(300):
         x = of(Fraction(draw.randrange(1, 9999), draw.randrange(1, 99)))
-        x = x + Ball(0, draw.randrange(3) * draw.randrange(1 << 20))
+        x = x + Ball(0, draw.randrange(3) * draw.randrange(1 << 20), Ball.bits)
         if x.sign() == 1:
             root, scale = x.sqrt(), 2**Ball.bits
             assert max(0, root.m - root.r) ** 2 <= (x.m - x.r) * scale and (x.m + x.r) * scale <= (root.m + root.r) ** 2
     with pytest.raises(Undecided):
         (of(1) - of(1)).sqrt()
     with pytest.raises(Undecided):
-        of(1) / Ball(1, 1)
+        of(1) / Ball(1, 1, Ball.bits)
 
 
 def test_nothing_times_anything_is_nothing() -> None:
@@ -100,10 +101,11 @@ def test_what_is_not_told_is_never_zero() -> None:
     assert UNTOLD * Form() == Form() == Form() * UNTOLD
 
 
-def test_forms_are_bounded_in_work() -> None:
-    Form.work = 1 << 36
+@pytest.mark.parametrize("product", [lambda: number("2") * number("3"), lambda: Ball(2, 0, 64) * Ball(3, 1, 64)])
+def test_products_are_bounded_in_work(product: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Form, "work", MOST_WORK)
     with pytest.raises(Undecided, match="too much work"):
-        number("2") * number("3")
+        product()
 
 
 def test_numbers_as_they_are_written() -> None:
@@ -117,3 +119,17 @@ def test_signs_of_nested_roots_are_told_however_near_they_are_to_zero() -> None:
     two, three = exact(2).sqrt(), exact(3).sqrt()
     near = Exact(Fraction(isqrt(6 * 10**400), 10**200)) - two * three
     assert (near.sign(), (-near).sign(), (near - near).sign()) == (-1, 1, 0)
+
+
+def test_a_ball_with_fewer_bits_encloses_what_it_did_before() -> None:
+    draw = Random(4)
+    for _ in range(300):
+        ball = Ball(draw.randrange(-(1 << 60), 1 << 60), draw.randrange(1 << draw.randrange(1, 60)), 40)
+        bits = draw.randrange(1, 50)
+        less = ball.at(bits)
+        assert less.bits == min(bits, 40)
+        drop = 40 - less.bits
+        assert less.m - less.r <= Fraction(ball.m - ball.r, 1 << drop)
+        assert Fraction(ball.m + ball.r, 1 << drop) <= less.m + less.r
+    assert Ball(0, 0, 40).at(3).sign() == 0
+    assert Ball(1, 0, 40).at(3).sign() is None

@@ -271,3 +271,17 @@ def test_what_is_beyond_all_doubles_is_verified(tmp_path: Path) -> None:
         "a graze far off": Scene([Circle(0, far, vx=1), Circle(9, Quantity.of("10**400+2")), Circle(40, far)]),
     }
     both_verify([(name, told(scene)) for name, scene in scenes.items()], tmp_path)
+
+
+@pytest.mark.parametrize("depth", ["10**-30", "10**-45", "10**-98", "10**-700"])
+@pytest.mark.parametrize("capture", [False, True])
+def test_a_centre_that_is_hardly_in_a_pocket_is_verified(depth: str, capture: bool, tmp_path: Path) -> None:
+    """Few bits do not tell it from one outside, which would have to be seen to enter; it flies in deeper, and is hit or
+    flies on for ever."""
+    pocket = Pocket(3 - Quantity.of(depth), 0, 3)
+    scenes = {
+        "hit": Scene([Circle(0, 0, vx=1), Circle(5, 0)], pockets=[pocket], capture=capture),
+        "alone": Scene([Circle(0, 0, vx=1), Circle(50, 9, vy=1)], pockets=[pocket], capture=capture),
+        "turned": Scene([Circle(0, 0, vx=1), Circle(50, 0)], pockets=[pocket], reverse_at=2),
+    }
+    both_verify([(name, told(scene)) for name, scene in scenes.items()], tmp_path)
