@@ -24,8 +24,8 @@ class Candidate:
         trajectory: its run, which goes on a little past the span compared.
         alignment: the causal comparison.
         separation: how far its circles are from the reference's, over time.
-        outcomes: its outcomes over the span compared.
-        changed: names of the outcomes that differ from the reference's; of a run that stopped early, up to there.
+        outcomes: its outcomes over the span compared, or up to `until`.
+        changed: names of the outcomes that differ from those expected.
         diagnosis: why it diverged, or could not decide; None if it agrees, or if causes were not asked for.
         margin: how close the competing events were, at a divergence.
         return_miss: after a reversal, the largest distance from the start at the return.
@@ -33,8 +33,10 @@ class Candidate:
         processor: processor time of the run alone, in seconds.
         unable: whether the engine cannot take the scene at all.
         stepped: whether it declares a time step.
-        pattern: whom each circle met, and on a table where it ended.
+        pattern: whom each circle met, and on a table where it ended; None where its run ends before the span does.
         error: the model of its error and log2 of its unit, by what it declares; None if its numbers are exact.
+        expected: the reference's outcomes over the same time as `outcomes`.
+        until: where its run ends before the span does; what lies beyond is not settled. None: it tells all of the span.
     """
 
     engine: str
@@ -52,8 +54,15 @@ class Candidate:
     stepped: bool = False
     pattern: Mapping[str, Any] | None = field(repr=False, default=None)
     error: tuple[ErrorModel, float] | None = None
+    expected: Mapping[str, Any] = field(repr=False, default_factory=dict[str, Any])
+    until: float | None = None
 
     @property
     def verdict(self) -> Verdict:
         """Whether this engine tells the reference's history."""
         return self.alignment.verdict
+
+    @property
+    def whole(self) -> bool:
+        """Whether its outcomes are those of all of the span: only then are they right, or wrong."""
+        return self.until is None and self.verdict in ("agree", "diverged")

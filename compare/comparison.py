@@ -6,6 +6,7 @@ import math
 import time as clock
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
@@ -22,9 +23,9 @@ from .engines import engine as engine_named
 from .foreign.guard import run_guarded
 from .foreign.loading import label_of
 from .outcomes.break_pattern import pattern as pattern_of
-from .outcomes.matched import decided_part, matched_history
+from .outcomes.matched import held
 from .outcomes.permitted import PermittedPatterns, permitted_patterns
-from .outcomes.table import changed_outcomes, outcomes_of
+from .outcomes.table import outcomes_of
 from .study import Study, run_or_unable
 from .validation import check_engine, check_trajectory, check_until
 
@@ -188,7 +189,7 @@ def compare(
         others = [
             (c, e.step is not None)
             for c, (_, e) in zip(results, chosen, strict=True)
-            if c.verdict == "diverged" and c.pattern != own
+            if c.verdict == "diverged" and c.pattern not in (None, own)
         ]
         if others and not watch.over:
             permitted = permitted_patterns(
@@ -251,11 +252,10 @@ def candidate_of(
     run, alignment, unable = run_or_unable(study, engine, progress)
     seconds = clock.perf_counter() - began
     reference = study.longest or study.reference
-    matched = matched_history(run, reference, alignment, study.span)
-    values = outcomes_of(matched, outcomes)
-    settled = alignment.verdict in ("agree", "diverged")
-    if not settled:
-        expected = outcomes_of(decided_part(reference, alignment, float(matched.final_time)), outcomes)
+    tell = partial(outcomes_of, more=outcomes)
+    only_error = partial(_only_error, engine, run, alignment, study)
+    patience = study.patience(engine.step)
+    found = held(run, reference, alignment, study.span, patience, tell, expected, only_error)
     end = min(study.span.time, float(study.reference.final_time)) or float(run.final_time)
     try:
         with time_to_read(study.watch):
@@ -267,16 +267,16 @@ def candidate_of(
         trajectory=run,
         alignment=alignment,
         separation=apart,
-        outcomes=values,
-        changed=tuple(
-            changed_outcomes(expected, values, agrees=not settled or _only_error(engine, run, alignment, study))
-        ),
+        outcomes=found.values,
+        expected=found.expected,
+        changed=found.changed,
+        until=found.until,
         return_miss=return_miss(run, study.reference),
         seconds=seconds,
         processor=study.took,
         unable=unable,
         stepped=engine.step is not None,
-        pattern=pattern_of(matched),
+        pattern=pattern_of(found.history) if found.until is None else None,
         error=model_of(engine),
     )
 

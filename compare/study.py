@@ -18,6 +18,7 @@ from .alignment.instants import Finer, SharedInstant, instants, velocity_differe
 from .alignment.patience import Patience, patience_for
 from .deadline import Clock, OutOfTime, time_limit, uninterrupted
 from .foreign.guard import finer_of, run_guarded
+from .outcomes.matched import told_until
 from .validation import EngineError, check_trajectory, unsupported
 
 if TYPE_CHECKING:
@@ -35,6 +36,11 @@ EVENTS_FACTOR, EVENTS_MORE = 4, 1_000
 """A run with this many times the reference's events, and this many more, has left it long before; and the reference
 itself is never run on for longer than that."""
 
+
+QUIET_BY = 16
+"""A run that has left a history which comes to its end is asked to go on until it comes to its own, at most to this
+many times the time at which it is asked to end at first, and to `FARTHER` times that if it takes steps, which cost as
+much where nothing happens: only then are its outcomes told."""
 
 RUN_SHARE = 7 / 8
 """Share of the seconds left that a run may take: what it has by then is still to be read."""
@@ -154,7 +160,7 @@ class Study:
         if not math.isfinite(end):
             end = patience.latest(float(self.reference.final_time))
         asked = self.past(end)
-        past = asked - end
+        past, last = asked - end, asked * (QUIET_BY if step is None else FARTHER)
         mine, run = self.reference, self._timed(engine, asked, progress)
         finer = self._series(engine)
         while True:
@@ -166,6 +172,8 @@ class Study:
             over = run.stop.reason in UNKNOWING or len(run.events) >= self.cap or self.watch.over
             if wanted.candidate is not None and not over and asked < wanted.candidate:
                 goal = wanted.candidate if math.isinf(wanted.candidate) else min(wanted.candidate, end + past)
+            if goal is None and not over and alignment.divergence is not None and told_until(run, mine, self.span):
+                goal = self._later(run, asked, last)
             if goal is None and (longer is None or (longer is mine and end + past >= (wanted.reference or 0.0))):
                 return run, alignment
             mine = longer or mine
@@ -174,6 +182,12 @@ class Study:
                     run, asked = self._timed(engine, max(goal, end), progress), max(goal, end)
                 except OutOfTime:
                     return run, alignment
+
+    def _later(self, run: Trajectory, asked: float, last: float) -> float | None:
+        """When to ask for the end of a run that has left a history which comes to its end; None: no further."""
+        later = FARTHER * asked
+        went = run.stop.reason is StopReason.HORIZON and float(run.final_time) >= asked
+        return later if went and math.isinf(self.span.time) and later <= last else None
 
     def _timed(self, engine: Engine, until: float, progress: OnProgress | None) -> Trajectory:
         """A run that is to be settled, and what it took."""

@@ -126,7 +126,7 @@ class OutcomeGoal:
         agreed, verdict = found.alignment.agreed, found.verdict
         if found.unable:
             return Judged(False, found.trajectory.stop.message)
-        if verdict not in ("agree", "diverged"):
+        if not found.whole:
             return Judged(False, _unknown(found.trajectory, verdict), agreed)
         if self.name in found.changed:
             told = difference(expected[self.name], found.outcomes.get(self.name))

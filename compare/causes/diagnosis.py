@@ -52,12 +52,12 @@ class Diagnosis:
     Attributes:
         name: the cause: of those that suffice, the one with the largest share.
         experiments: all of them, those not tried too.
-        evidence: what the experiment behind `name` showed.
+        finding: what the experiment behind `name` showed.
     """
 
     name: CauseName
     experiments: tuple[Experiment, ...]
-    evidence: str
+    finding: str
 
     def __str__(self) -> str:
         return self.name.value

@@ -81,6 +81,8 @@ def candidate_json(candidate: Candidate, permitted: PermittedPatterns | None = N
         "outcomes": plain(candidate.outcomes),
         "pattern": _relation_json(candidate, permitted),
         "changed_outcomes": list(candidate.changed),
+        "outcomes_until": candidate.until,
+        "outcomes_expected": None if candidate.whole else plain(candidate.expected),
         "return_miss": candidate.return_miss,
         "stop": stop_json(run.stop),
         "seconds": candidate.seconds,
@@ -156,7 +158,7 @@ def _causes_json(candidate: Candidate) -> dict[str, Any] | None:
         return None
     return {
         "name": found.name.value,
-        "evidence": found.evidence,
+        "evidence": found.finding,
         "sufficient": [cause.value for cause in found.sufficient],
         "experiments": [
             {

@@ -1,21 +1,28 @@
-"""The part of a candidate's history that outcomes are taken over: what is matched in the span, and what is extra."""
+"""Which part of a run outcomes are taken over, and what of the reference they are held against."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from ...scenarios.trajectory import StopReason
+from ..alignment.align import Span
 from ..alignment.instants import instants
+from ..foreign.runs.impulses import Impacts
+from .table import changed_outcomes
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Event
+    from ...scenarios.event import Contact, Event
     from ...scenarios.trajectory import Trajectory
-    from ..alignment.align import Alignment, Span
+    from ..alignment.align import Alignment
+    from ..alignment.patience import Patience
+
+Impulses: TypeAlias = "tuple[Contact, ...]"
 
 
 def matched_history(candidate: Trajectory, reference: Trajectory, alignment: Alignment, span: Span) -> Trajectory:
@@ -51,12 +58,138 @@ def matched_history(candidate: Trajectory, reference: Trajectory, alignment: Ali
     return replace(candidate, events=events, final_time=end, motion=Left(candidate, events))
 
 
-def decided_part(reference: Trajectory, alignment: Alignment, end: float) -> Trajectory:
-    """What of the reference a run that stopped early has told too: the meetings that are matched, up to its end."""
-    known = sorted({m for walked in alignment.walks.values() for m, _ in walked.pairs})
-    events = tuple(replace(reference.events[m], index=place) for place, m in enumerate(known))
+@dataclass(frozen=True)
+class Held:
+    """A run's outcomes beside the reference's, over as much of the span as the run tells.
+
+    Attributes:
+        history: the part of the run that they are taken over.
+        values: its outcomes.
+        expected: the reference's, over the same time.
+        changed: names of those that differ, and would if what the run may still come to were left out.
+        until: where the run ends before the span does: nothing is claimed beyond that. None: it tells all of the span.
+    """
+
+    history: Trajectory
+    values: Mapping[str, Any]
+    expected: Mapping[str, Any]
+    changed: tuple[str, ...]
+    until: float | None
+
+
+def held(
+    run: Trajectory,
+    reference: Trajectory,
+    alignment: Alignment,
+    span: Span,
+    patience: Patience,
+    tell: Callable[[Trajectory], Mapping[str, Any]],
+    whole: Mapping[str, Any],
+    agrees: Callable[[], bool] | None = None,
+) -> Held:
+    """The one place that decides over which time outcomes are compared, and with what.
+
+    A run that tells all of the span is held against `whole`. One that ends before is held against the reference up to
+    there: what lies beyond is not settled, whatever the two have parted over before. A meeting of the reference that
+    it may only be late for, by the rule of the comparison itself, changes nothing by being absent.
+
+    Args:
+        reference: as far as it is known; it may go on past the span.
+        patience: how late the run may be for a meeting.
+        tell: gives the outcomes.
+        whole: the reference's outcomes over the span.
+        agrees: whether numbers that are not whole may differ by error alone; None: if there is no divergence.
+    """
+    until, settled = told_until(run, reference, span), alignment.verdict in ("agree", "diverged")
+    loose = not settled or (alignment.divergence is None if agrees is None else agrees())
+    if until is None and settled:
+        history = matched_history(run, reference, alignment, span)
+        values = tell(history)
+        return Held(history, values, whole, tuple(changed_outcomes(whole, values, agrees=loose)), None)
+    if until is not None:
+        until = _before_a_part(run, reference, alignment, until)
+        span = Span(sum(float(event.time) <= until for event in reference.events[: span.events]), until)
+    history = matched_history(run, reference, alignment, span)
+    values, end = tell(history), float(history.final_time)
+    if until is not None and settled:
+        end = max(until, *(float(event.time) for event in reference.events[: span.events]), 0.0)
+    known = {m: reference.events[m].impulses for m in range(span.events)}
+    certain = _certain(reference, alignment, known, patience, end)
+    if not settled:
+        matched = {m for walked in alignment.walks.values() for m, _ in walked.pairs}
+        known = certain = {m: pairs for m, pairs in known.items() if m in matched}
+    expected = tell(_part(reference, known, end))
+    changed = changed_outcomes(expected, values, agrees=loose)
+    if changed and certain != known:
+        kept = changed_outcomes(tell(_part(reference, certain, end)), values, agrees=loose)
+        changed = [name for name in changed if name in kept]
+    return Held(history, values, expected, tuple(changed), until)
+
+
+def told_until(run: Trajectory, reference: Trajectory, span: Span) -> float | None:
+    """Where a run ends before the span does; None where it tells all of it.
+
+    A span without end is told by a run that says that nothing more happens, and by one that goes past the reference's
+    last event and has, in doubles, nothing left that comes nearer to anything.
+    """
+    end = float(run.final_time)
+    if run.stop.reason is StopReason.QUIET:
+        return None
+    if math.isfinite(span.time):
+        return end if end < span.time else None
+    over = run.stop.reason is StopReason.HORIZON and end >= float(reference.final_time)
+    return None if over and _parted(run) else end
+
+
+def _parted(run: Trajectory) -> bool:
+    """Whether no two circles, and no circle and wall, come nearer to each other at a run's end."""
+    turns = run.scene.reverse_at is not None or run.scene.reverse_after is not None
+    if turns and run.reversal is None:
+        return False
+    rows = [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in run.final.circles]
+    return Impacts(run.scene).quiet(rows)
+
+
+def _before_a_part(run: Trajectory, reference: Trajectory, alignment: Alignment, end: float) -> float:
+    """The end of a run, or just before its last instant where it has a part of the reference's contacts there.
+
+    A record that ends with one of several contacts of a tie does not say that the others do not follow.
+    """
+    last, before = {e.index for e in run.events if float(e.time) >= end}, end
+    for walked in alignment.walks.values():
+        lost = walked.mismatch
+        if lost is None or lost.mine is None or lost.theirs is not None:
+            continue
+        if any(m == lost.mine and c in last for m, c in walked.pairs):
+            before = min(before, math.nextafter(min(end, float(reference.events[lost.mine].time)), -math.inf))
+    return before
+
+
+def _certain(
+    reference: Trajectory, alignment: Alignment, known: Mapping[int, Impulses], patience: Patience, end: float
+) -> dict[int, Impulses]:
+    """The impulses without those that a run which ends at `end` may only be late for: its circles still await them."""
+    awaited: dict[str, int] = {}
+    for body, walked in alignment.walks.items():
+        lost = walked.mismatch
+        if lost is None or lost.final or lost.mine is None or lost.theirs is not None:
+            continue
+        if patience.latest(float(reference.events[lost.mine].time)) > end:
+            awaited[body] = lost.mine
+    never = len(reference.events)
+
+    def waits(event: int, pair: Contact) -> bool:
+        return all(event >= awaited.get(name, never) for name in pair if name in alignment.walks)
+
+    return {m: left for m, pairs in known.items() if (left := tuple(pair for pair in pairs if not waits(m, pair)))}
+
+
+def _part(reference: Trajectory, known: Mapping[int, Impulses], end: float) -> Trajectory:
+    """The reference with certain impulses of certain events alone, up to a time."""
+    events = tuple(replace(reference.events[m], index=k, impulses=known[m]) for k, m in enumerate(sorted(known)))
     entries = tuple(entry for entry in reference.pocketings if float(entry.time) <= end)
-    cut = replace(reference, events=events, final_time=end, pocketings=entries)
+    turned = reference.reversal if reference.reversal and float(reference.reversal.time) <= end else None
+    cut = replace(reference, events=events, final_time=end, pocketings=entries, reversal=turned)
     if reference.scene.capture or reference.reversal is not None:
         return cut
     return replace(cut, motion=Left(reference, events))

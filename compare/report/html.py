@@ -9,7 +9,7 @@ from markupsafe import Markup
 from ...scenarios.pictures.picture import PICTURED_CIRCLES, scene_picture
 from ..chaos.foreseen import foreseen
 from .foreseen import foreseen_phrase, not_foreseen_phrase
-from .page.outcome_tables import changed, kept, settled
+from .page.outcome_tables import changed, kept
 from .page.patterns import gallery
 from .page.provenance import minimise_command, provenance
 from .page.recording import recording
@@ -74,7 +74,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         gallery=gallery(comparison),
         changed=changed(comparison),
         kept=kept(comparison),
-        went_to_the_end=any(settled(c) for c in comparison.candidates),
+        went_to_the_end=any(c.whole for c in comparison.candidates),
         provenance=provenance(comparison, command),
         player=COMPARED,
         footnote="Solid and blue: the reference.",
@@ -119,7 +119,7 @@ def _row(number: int, candidate: Candidate) -> dict[str, Any]:
         "event": f"{divergence.event:,}" if divergence else "",
         "differs": f"event {divergence.event:,}, t = {divergence.time:.9g}" if divergence else "",
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
-        "evidence": candidate.diagnosis.evidence if candidate.diagnosis else "",
+        "finding": candidate.diagnosis.finding if candidate.diagnosis else "",
         "swaps": candidate.alignment.harmless_swaps,
         "error": short(candidate.separation.maximum),
         "miss": short(candidate.return_miss),
@@ -134,7 +134,7 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "phrase": divergence_phrase(comparison, candidate),
         "body": candidate.alignment.divergence.body if candidate.alignment.divergence else "",
         "cause": str(candidate.diagnosis) if candidate.diagnosis else "",
-        "evidence": sentence_case(candidate.diagnosis.evidence) if candidate.diagnosis else "",
+        "finding": sentence_case(candidate.diagnosis.finding) if candidate.diagnosis else "",
         "pattern": pattern_phrase(comparison, candidate),
         "consequence": sentence_case(consequence_phrase(comparison, candidate) or ""),
         "margin": sentence_case(margin_phrase(candidate) or ""),

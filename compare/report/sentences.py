@@ -9,6 +9,7 @@ from ...scenarios.trajectory import StopReason
 from ..alignment.align import VERDICTS
 from ..alignment.divergence import Kind
 from ..causes.table import NO_CAUSE
+from ..foreign.runs.recording import RECORD_ENDS
 from ..outcomes.permitted import Relation
 from .counting import counted
 
@@ -189,16 +190,29 @@ def pattern_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
 
 
 def consequence_phrase(comparison: Comparison, candidate: Candidate) -> str | None:
-    """What the divergence comes to: the collisions, and the circle that ends with the velocity farthest off."""
-    mine, theirs, parts = comparison.outcomes, candidate.outcomes, []
+    """What the divergence comes to: the collisions, and the circle that ends with the velocity farthest off.
+
+    Of a run that ends before the span does, up to its end: what lies beyond is not settled.
+    """
+    mine, theirs, parts = candidate.expected, candidate.outcomes, []
     if "collisions" in candidate.changed:
         parts.append(f"{counted(theirs['collisions'], 'collision')} instead of {mine['collisions']:,}")
     if "final_velocities" in candidate.changed:
         expected, got = mine["final_velocities"], theirs["final_velocities"]
         name = max(expected, key=lambda circle: math.dist(expected[circle], got[circle]))
         pairs = [f"({vx:.6g}, {vy:.6g})" for vx, vy in (got[name], expected[name])]
-        parts.append(f"{named(comparison.scene, name)} ends with velocity {pairs[0]} instead of {pairs[1]}")
-    return "; ".join(parts) or None
+        verb = "ends with" if candidate.until is None else "then has"
+        parts.append(f"{named(comparison.scene, name)} {verb} velocity {pairs[0]} instead of {pairs[1]}")
+    told, until = "; ".join(parts), until_phrase(candidate)
+    return f"{until}: {told}" if told and until else told or None
+
+
+def until_phrase(candidate: Candidate) -> str | None:
+    """How far a run tells outcomes that ends before the span does; None if it tells all of the span."""
+    if candidate.until is None:
+        return None
+    recorded = candidate.trajectory.stop.message.startswith(RECORD_ENDS)
+    return f"up to t = {candidate.until:.9g}, where its {'record' if recorded else 'run'} ends"
 
 
 def checked(enough: BitsEnough) -> str:

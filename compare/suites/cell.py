@@ -27,11 +27,12 @@ class Cell:
         agreed, events: events before the first divergence, of so many of the reference's.
         divergence: event, time, body, expected, got, kind; None if there is none.
         cause: why it diverged or stopped; None if it agrees, or causes were not looked for.
-        changed: names of the outcomes that differ from the reference's.
+        changed: names of the outcomes that differ from the reference's, over the same time.
         drift: the energy that the engine gained by the end of its run, as a share; None where it has none.
         stop: how its run ended.
         unable: whether it cannot take the scene.
         seconds: wall time of its run, and of those that helped to settle the verdict.
+        until: where its run ends before the span does: outcomes are told up to there; None: over all of the span.
         times: processor time of its run alone over that of the certified run made beside it; None where there is none.
     """
 
@@ -50,6 +51,7 @@ class Cell:
     unable: bool
     seconds: float
     times: float | None = None
+    until: float | None = None
 
     @property
     def key(self) -> tuple[str, str]:
@@ -90,6 +92,7 @@ def cell_of(study: Study, candidate: Candidate, scene: str) -> Cell:
         unable=candidate.unable,
         seconds=candidate.seconds,
         times=candidate.processor / study.processor if candidate.processor else None,
+        until=candidate.until,
     )
 
 

@@ -79,8 +79,8 @@ def columns(cell: Cell) -> list[str]:
 
 
 def outcome(cell: Cell) -> str:
-    """Whether what the history comes to is right, as far as it was compared."""
-    if cell.verdict in ("unsettled", "undecided"):
+    """Whether what the history comes to is right; not told of a run that ends before the span does."""
+    if cell.verdict in ("unsettled", "undecided") or cell.until is not None:
         return "not told"
     return "wrong" if cell.changed else "right"
 

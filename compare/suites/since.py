@@ -103,7 +103,7 @@ def _change(earlier: dict[str, Any] | None, cell: Cell) -> Since | None:
         return Since(*cell.key, "verdict", f"{label}: {told(earlier)} before, {told(now)} now")
     if _place(earlier) != _place(now):
         return Since(*cell.key, "divergence", f"{label}: {told(earlier)} before, {told(now)} now")
-    if sorted(earlier["changed"]) != sorted(now["changed"]):
+    if earlier.get("until") == now["until"] and sorted(earlier["changed"]) != sorted(now["changed"]):
         names = ", ".join(sorted(set(earlier["changed"]) ^ set(now["changed"])))
         return Since(*cell.key, "outcomes", f"{label}: same verdict, but other outcomes are wrong: {names}")
     return None

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import isfinite, log10
 from typing import TYPE_CHECKING
 
-from ..report.sentences import divergence_phrase, listed, margin_phrase, middle, short
+from ..report.sentences import divergence_phrase, listed, margin_phrase, middle, short, until_phrase
 from ..report.sentences import off as off_by
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ def failure(
         left = digits_left(error, _size(comparison), expected)
         lines.append(f"  digits:   {expected} expected of {bits} bits, {left} left of places by then")
     if candidate.diagnosis is not None:
-        lines.append(f"  cause:    {candidate.diagnosis}: {candidate.diagnosis.evidence}")
+        lines.append(f"  cause:    {candidate.diagnosis}: {candidate.diagnosis.finding}")
         also = [cause.value for cause in candidate.diagnosis.sufficient if cause is not candidate.diagnosis.name]
         lines += [f"            suffices by itself too: {listed(also)}"] if also else []
     total = len(comparison.reference.events)
@@ -66,6 +66,8 @@ def failure(
         f"{total} events" if reach is None or reach.limit is None else f"{reach.events} events, up to {reach.limit}"
     )
     lines.append(f"  required: {required}; {candidate.alignment.agreed} agree")
+    until = until_phrase(candidate)
+    lines += [] if until is None else [f"  known:    {until}; what lies beyond is not settled"]
     lines.append(f"  reproduce: {reproduce}")
     return "\n".join(lines)
 

@@ -225,7 +225,7 @@ def test_a_width_that_suffices_is_found() -> None:
     found = one(scene, "interval", causes=True)
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.WIDTH
-    told = found.diagnosis.evidence
+    told = found.diagnosis.finding
     assert "with 136 bits it goes on past event 0, with 135 it does not" in told
     assert "with 139 it comes to the end, with 138 it does not" in told
     runs = {bits: engine(f"interval:bits={bits}").run(scene) for bits in (135, 136, 138, 139, 163)}

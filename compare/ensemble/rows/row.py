@@ -21,8 +21,8 @@ from ...comparison import explained
 from ...deadline import uninterrupted
 from ...documents.values.amounts import plain
 from ...engines import engine as engine_named
-from ...outcomes.matched import matched_history
-from ...outcomes.table import changed_outcomes, outcome
+from ...outcomes.matched import held
+from ...outcomes.table import outcome
 from ...scene_argument import scene_from
 from ...tangent.impacts import NoTangentMap, impacts
 from .perturbed import Perturbed
@@ -134,7 +134,7 @@ def _row(
         row |= {"event": divergence.event, "at": divergence.time, "body": divergence.body,
                 "expected": divergence.expected, "got": divergence.got, "kind": divergence.kind.value}  # fmt: skip
     if job.outcomes and told.alignment.verdict in ("agree", "diverged"):
-        row["changed"] = _changed(job, told, reference)
+        row["changed"] = _changed(job, told, reference, engine.step)
     if job.causes:
         row |= {"cause": DISPLACED} if divergence and label.startswith(PERTURBED) else _why(told, label, engine)
     return row
@@ -144,13 +144,16 @@ def _blank(shared: SweepRow, label: str) -> SweepRow:
     return {**dict.fromkeys(COLUMNS), **shared, "engine": label}
 
 
-def _changed(job: SweepJob, told: Followed, reference: Trajectory) -> list[str]:
-    """The outcomes that differ, of those asked for."""
-    mine = told.study.longest or reference
-    matched = matched_history(told.run, mine, told.alignment, told.study.span)
+def _changed(job: SweepJob, told: Followed, reference: Trajectory, step: float | None) -> list[str] | None:
+    """The outcomes that differ, of those asked for; None where the run ends before the span does."""
     chosen = {name: outcome(name) for name in job.outcomes}
-    values = [{name: tell(run) for name, tell in chosen.items()} for run in (reference, matched)]
-    return list(changed_outcomes(*values, agrees=told.alignment.divergence is None))
+
+    def tell(run: Trajectory) -> dict[str, Any]:
+        return {name: value(run) for name, value in chosen.items()}
+
+    mine, study = told.study.longest or reference, told.study
+    found = held(told.run, mine, told.alignment, study.span, study.patience(step), tell, tell(reference))
+    return list(found.changed) if found.until is None else None
 
 
 def _why(told: Followed, label: str, engine: Engine) -> SweepRow:

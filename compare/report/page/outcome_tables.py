@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...outcomes.table import room_of, same_outcome
+from ..sentences import until_phrase
 
 if TYPE_CHECKING:
     from ...candidate import Candidate
@@ -73,37 +74,44 @@ def kept(comparison: Comparison) -> list[tuple[str, str]]:
 
 
 def settled(candidate: Candidate) -> bool:
-    """Whether an engine's outcomes can be held against the reference's: it went as far."""
+    """Whether an engine's outcomes are told: of one that diverged and stopped early, up to there."""
     return candidate.verdict not in ("undecided", "unsettled")
 
 
 def _changed(comparison: Comparison, name: str) -> ChangedOutcome:
-    expected = comparison.outcomes.get(name)
-    values = [c.outcomes.get(name) for c in comparison.candidates]
-    parts = [_parts(value) for value in (expected, *values)]
-    keys = list(dict.fromkeys(key for part in parts for key in part))
+    whole = _parts(comparison.outcomes.get(name))
+    parts = [(_parts(c.expected.get(name)), _parts(c.outcomes.get(name))) for c in comparison.candidates]
+    keys = list(dict.fromkeys(key for part in (whole, *(p for pair in parts for p in pair)) for key in part))
     rows: list[OutcomeRow] = []
-    counts, room = [0] * len(values), room_of(expected)
+    counts = [0] * len(parts)
     for key in keys:
         cells = []
-        for number, candidate in enumerate(comparison.candidates):
-            mine, theirs = parts[0].get(key), parts[number + 1].get(key)
-            if not settled(candidate):
-                cells.append(UNTOLD)
-            elif name not in candidate.changed or same_outcome(mine, theirs, room) or _alike(mine, theirs):
-                cells.append(SAME)
-            else:
-                counts[number] += 1
-                cells.append(_against(mine, theirs))
+        for number, (candidate, (mine, theirs)) in enumerate(zip(comparison.candidates, parts, strict=True)):
+            cell = _cell(candidate, name, mine.get(key), theirs.get(key))
+            counts[number] += cell not in (SAME, UNTOLD)
+            cells.append(cell)
         if any(cell not in (SAME, UNTOLD) for cell in cells):
-            rows.append(OutcomeRow(words(key), value_text(parts[0].get(key)), tuple(cells)))
+            rows.append(OutcomeRow(words(key), value_text(whole.get(key)), tuple(cells)))
     told = [
-        f"{candidate.engine} changed {count:,} of {len(keys):,}"
+        f"{', '.join([candidate.engine, *filter(None, [until_phrase(candidate)])])}: changed {count:,} of {len(keys):,}"
+        if candidate.until is not None
+        else f"{candidate.engine} changed {count:,} of {len(keys):,}"
         for candidate, count in zip(comparison.candidates, counts, strict=True)
         if count
     ]
     summary = "; ".join(told) if len(keys) > 1 else ""
     return ChangedOutcome(words(name), tuple(rows[:SHOWN_ROWS]), len(keys), summary)
+
+
+def _cell(candidate: Candidate, name: str, mine: Any, theirs: Any) -> str:
+    """One engine's value beside the reference's over the same time."""
+    same = same_outcome(mine, theirs, room_of(candidate.expected.get(name))) or _alike(mine, theirs)
+    if not settled(candidate) or ((same or name not in candidate.changed) and not candidate.whole):
+        return UNTOLD
+    if same or name not in candidate.changed:
+        return SAME
+    told = _against(mine, theirs)
+    return told if candidate.until is None else f"{told}, not {value_text(mine)}, up to t = {candidate.until:.9g}"
 
 
 def _alike(mine: Any, theirs: Any) -> bool:

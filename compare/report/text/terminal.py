@@ -16,6 +16,7 @@ from ..sentences import (
     proof_phrase,
     short,
     span_phrase,
+    until_phrase,
     verdict_sentence,
 )
 from .output import TextTable, Tinted, console, grid, say
@@ -58,7 +59,7 @@ def print_comparison(comparison: Comparison) -> None:
         elif candidate.verdict == "undecided":
             say(out, f"{candidate.engine}: {candidate.trajectory.stop.message}")
             if candidate.diagnosis is not None:
-                say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.evidence}")
+                say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.finding}")
 
 
 def engines_table(comparison: Comparison) -> TextTable:
@@ -95,10 +96,14 @@ def engines_table(comparison: Comparison) -> TextTable:
 
 
 def changed_text(candidate: Candidate) -> str:
-    """The outcomes that an engine changed, in a sentence; nothing of a run that stopped early."""
-    if candidate.verdict in ("undecided", "unsettled") or not candidate.changed:
+    """The outcomes that an engine changed, in a sentence; of one that diverged and stopped early, up to there."""
+    if candidate.verdict in ("undecided", "unsettled") or not (candidate.changed or candidate.until is not None):
         return ""
-    return f"{candidate.engine} changed: {listed([name.replace('_', ' ') for name in candidate.changed])}"
+    names, until = listed([name.replace("_", " ") for name in candidate.changed]), until_phrase(candidate)
+    if until is None:
+        return f"{candidate.engine} changed: {names}"
+    told = f"changed: {names}" if candidate.changed else "no outcome is seen to be changed"
+    return f"{candidate.engine}, {until}: {told}; what lies beyond is not settled"
 
 
 def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
@@ -107,7 +112,7 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
     assert divergence is not None
     say(out, divergence_phrase(comparison, candidate), "bold")
     if candidate.diagnosis is not None:
-        say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.evidence}")
+        say(out, f"  cause: {candidate.diagnosis}: {candidate.diagnosis.finding}")
         also = [cause.value for cause in candidate.diagnosis.sufficient if cause is not candidate.diagnosis.name]
         if also:
             say(out, f"  suffices by itself too: {listed(also)}")

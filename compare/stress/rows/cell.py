@@ -10,8 +10,8 @@ from ...alignment.align import UNKNOWING
 from ...chaos.following import Followed, follow
 from ...deadline import uninterrupted
 from ...engines import engine as engine_named
-from ...outcomes.matched import matched_history
-from ...outcomes.table import changed_outcomes, outcomes_of
+from ...outcomes.matched import held
+from ...outcomes.table import outcomes_of
 from ...validation import EngineError
 from ..family import MapPlace
 from ..table import family
@@ -74,16 +74,17 @@ def _held(run: Trajectory, label: str, outcomes: Mapping[str, Any]) -> StressRow
     one of truebreak's own too, is the end of its answer, and not of the map.
     """
     try:
-        told = follow(run, engine_named(label), len(run.events))
+        engine = engine_named(label)
+        told = follow(run, engine, len(run.events))
     except EngineError as error:
         if error.__cause__ is not None:  # somebody else's engine raised it
             return {"mark": MapMark.FAILED.value, "told": str(error)}
         return {"mark": MapMark.WRONG.value, "event": None, "changed": [], "told": str(error)}
     except Exception as error:
         return {"mark": MapMark.FAILED.value, "told": f"{type(error).__name__}: {' '.join(str(error).split())}"}
-    matched = matched_history(told.run, told.study.longest or run, told.alignment, told.study.span)
-    divergence = told.alignment.divergence
-    changed = changed_outcomes(outcomes, outcomes_of(matched), agrees=divergence is None)
+    study, divergence = told.study, told.alignment.divergence
+    patience, mine = study.patience(engine.step), study.longest or run
+    changed = list(held(told.run, mine, told.alignment, study.span, patience, outcomes_of, outcomes).changed)
     mark = mark_of(told, changed=bool(changed))
     row: StressRow = {"mark": mark.value}
     if mark is MapMark.WRONG:
@@ -97,8 +98,8 @@ def mark_of(told: Followed, *, changed: bool) -> MapMark:
     """Right or wrong, or why neither is known.
 
     Where the certified run itself stopped not knowing, a divergence before that stands, and all else is undecided.
-    The outcomes of an engine that stopped early, or whose end is not settled, are those of another span, and no
-    evidence.
+    The outcomes of an engine that stopped early, or whose end is not settled, are those of another span, and
+    tell nothing.
     """
     if told.unable:
         return MapMark.REFUSED

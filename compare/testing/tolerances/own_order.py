@@ -193,6 +193,8 @@ def permission(comparison: Comparison, engine: Engine, local: LocalError | None)
     relation, found = Relation.OWN, comparison.permitted
     if found is not None and candidate.pattern is not None:
         relation = found.relation(candidate.pattern)
+    elif candidate.pattern is None:  # the run ends before the span does
+        relation = Relation.NOT_FOUND
     own = in_its_own_order(comparison.scene, candidate, engine, comparison.span, local)
     told = None if own is None else own.told
     if relation in (Relation.OWN, Relation.REALISABLE, Relation.SOME_ORDER):

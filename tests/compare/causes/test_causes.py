@@ -19,7 +19,7 @@ from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
 def cause(comparison: Comparison, engine: str) -> CauseName:
     found = comparison[engine].diagnosis
     assert found is not None
-    assert found.evidence
+    assert found.finding
     return found.name
 
 
