@@ -19,7 +19,7 @@ class Change:
         before, after: the names of the two.
         verdict: whether the verdict is another.
         divergence: whether the first divergence is another: its event, its circle, or whom that meets.
-        outcomes: the outcomes that differ between the two.
+        outcomes: the outcomes that differ between the two; none where the two are told over different times.
         sentence: all of that in words.
     """
 
@@ -56,7 +56,7 @@ def change(before: Candidate, after: Candidate) -> Change:
     names = sorted(
         name
         for name in before.outcomes.keys() | after.outcomes.keys()
-        if not agrees and before.outcomes.get(name) != after.outcomes.get(name)
+        if not agrees and before.until == after.until and before.outcomes.get(name) != after.outcomes.get(name)
     )
     if verdict:
         told = f"The change changed the verdict: {_told(before)}, {_told(after)}."

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from ...exact.policies.complementarity import Ask
+from ...exact.policies.policy import Policy
 from ...exact.replay.contact import Touch, touch_of
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Trajectory
@@ -30,7 +31,7 @@ class _Course:
                 self.place += 1
 
 
-class Guided:
+class Guided(Policy):
     """Among the contacts that approach, takes one that comes next for both its bodies in another history.
 
     Where none does, the first in scene order is taken: the other history is not one that the physics permits from
@@ -74,6 +75,3 @@ class Guided:
         """A contact has been kicked."""
         for i in link.circles:
             self._courses[i].meets(link)
-
-    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
-        """Nothing to note."""

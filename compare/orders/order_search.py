@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from ...scenarios.errors import TimeIsUp
 from ...scenarios.trajectory import Stop, StopReason
 from ..deadline import Clock, time_limit, uninterrupted
 from .all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, OrderTree, all_orders
@@ -67,8 +68,11 @@ class Attended:
         if not self._watch.over and self._left != 0:
             self._left = None if self._left is None else self._left - 1
             watched = self._watch.watched(progress)
-            run = uninterrupted(self._engine.run_with(scene, policy, until=until, events=events, progress=watched))
-            if not (run.stop.reason is StopReason.BUDGET and self._watch.over):
+            try:
+                run = uninterrupted(self._engine.run_with(scene, policy, until=until, events=events, progress=watched))
+            except TimeIsUp:  # before the run has begun, say; what was found before stays
+                run = None
+            if run is not None and not (run.stop.reason is StopReason.BUDGET and self._watch.over):
                 self._last = run
                 self.drawn += not isinstance(policy, Scripted)
                 return run

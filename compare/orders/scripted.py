@@ -6,6 +6,7 @@ from collections.abc import Callable, Hashable, Sequence
 from typing import NamedTuple
 
 from ...exact.policies.complementarity import Ask
+from ...exact.policies.policy import Policy
 from ...exact.replay.contact import Touch
 
 
@@ -25,7 +26,7 @@ class BranchDone(Exception):
     """This branch repeats one that has been followed: nothing new comes of it."""
 
 
-class Scripted:
+class Scripted(Policy):
     """Follows `script`, then takes the first contact that is not asleep; remembers what it could have chosen.
 
     Two contacts without a common circle of finite mass may be swapped without any difference. So of all orders
@@ -88,9 +89,6 @@ class Scripted:
         self.choices.append(Choice(self.instant, tuple(approaching), awake[0], self.asleep))
         self.asleep = self._still_asleep(awake[0])
         return (awake[0],)
-
-    def note(self, link: Touch) -> None:
-        """Nothing to note: no choice, no branch."""
 
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
         """Merges the branch into another of the same state; no sleep outlasts its instant.

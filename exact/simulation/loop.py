@@ -79,6 +79,15 @@ class Loop(Generic[N, K]):
         taken_up = bool(self.history.knots)
         if not taken_up:
             self._first_knots()
+        ended = self._run(taken_up)
+        if isinstance(ended, Stop):
+            return ended
+        self.history.drop_unfinished()
+        reason, told = ended
+        return stopped(reason, len(self.history.records), told)
+
+    def _run(self, taken_up: bool) -> Stop | tuple[StopReason, str]:
+        """Runs to the end; where it is cut short, gives why. Alarms rise only below this."""
         try:
             if not taken_up:
                 self._predict(list(self.decider.bodies.values()), self._open())
@@ -98,11 +107,11 @@ class Loop(Generic[N, K]):
                         self._predict([self.decider.bodies[i] for i in sorted(done.moved)], self._standing(done))
                 self._report()
         except Undecided as outcome:
-            return self._stopped(StopReason.UNDECIDED, str(outcome))
+            return StopReason.UNDECIDED, str(outcome)
         except (BudgetSpent, TimeIsUp) as outcome:
-            return self._stopped(StopReason.BUDGET, str(outcome))
+            return StopReason.BUDGET, str(outcome)
         except KeyboardInterrupt:
-            return self._stopped(StopReason.INTERRUPTED, "")
+            return StopReason.INTERRUPTED, ""
 
     def _stride(self) -> None:
         """Instants of one contact that nothing comes near, as far as the decider carries them out by itself."""
@@ -175,11 +184,6 @@ class Loop(Generic[N, K]):
             later = {i for i, other in begun.items() if other > number}
             moved = [body for body in self.decider.bodies.values() if begun[body.index] == number]
             self._predict(moved, {*standing[number], *(k for k, at in spent.items() if at > number)}, later)
-
-    def _stopped(self, reason: StopReason, told: str) -> Stop:
-        """Ends at the last whole instant: what was begun of the next is dropped."""
-        self.history.drop_unfinished()
-        return stopped(reason, len(self.history.records), told)
 
     # -- the instants
 

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from ....scenarios.trajectory import OnProgress
     from .reports import States
 
+RECORD_ENDS = "the record ends at time"
+"""What the stop of a run says of which no more is known, before the time."""
+
 MOST_EVENTS = 1_000_000
 """Events of one recording: a few hundred megabytes."""
 
@@ -257,7 +260,7 @@ class Recording:
             return Stop(StopReason.QUIET, StopReason.QUIET.value)
         if self._budget is not None:
             return Stop(StopReason.BUDGET, f"{StopReason.BUDGET.value}: {self._budget}")
-        return Stop(StopReason.HORIZON, f"the record ends at time {end!r}")
+        return Stop(StopReason.HORIZON, f"{RECORD_ENDS} {end!r}")
 
     def _event(self, index: int) -> Event:
         ids, links = self.scene.ids, self._links[index]
