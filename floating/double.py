@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from math import nan, sqrt
-from typing import ClassVar
 
-from ..exact.numbers.system import NumberSystem
+from ..exact.numbers.system import Nearest, NumberSystem
 from ..exact.policies import Policy
 from ..scenarios.lazy.late import Late
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
@@ -22,10 +20,8 @@ from .plain.run import Passed, run_plain
 from .plain.state import PlainState
 
 
-class Doubles:
+class Doubles(Nearest):
     """The system of doubles: every sign is an answer, perhaps a wrong one."""
-
-    name: ClassVar[str] = "double"
 
     def constant(self, q: Quantity) -> float:
         """The nearest double."""
@@ -34,18 +30,6 @@ class Doubles:
     def root(self, value: float) -> float:
         """The square root; nan below zero."""
         return sqrt(value) if value >= 0.0 else nan
-
-    def sign(self, value: float) -> int:
-        """The sign of the double."""
-        return (value > 0.0) - (value < 0.0)
-
-    def bounds(self, value: float) -> tuple[float, float]:
-        """A double is its own bound."""
-        return value, value
-
-    def at(self, bits: int) -> AbstractContextManager[None]:
-        """Doubles have 53 bits, whatever is asked."""
-        return nullcontext()
 
 
 DOUBLES = Doubles()

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf, nextafter
-from typing import Any, ClassVar
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -147,8 +147,6 @@ def enclosure(q: Quantity) -> Any:
 
 class Intervals:
     """The system of `mpmath.iv` intervals, at its working precision."""
-
-    name: ClassVar[str] = "interval"
 
     def constant(self, q: Quantity) -> Any:
         """See `enclosure`."""

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
 from math import inf, nan, nextafter
-from typing import ClassVar, SupportsFloat
+from typing import SupportsFloat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +27,6 @@ ZERO = DoubleDouble(0.0)
 
 class Quads:
     """The system of double-double numbers: every sign is an answer, perhaps a wrong one."""
-
-    name: ClassVar[str] = "quad"
 
     def constant(self, q: Quantity) -> DoubleDouble:
         """The nearest double, and the double nearest to what it leaves.
@@ -51,10 +48,6 @@ class Quads:
     def bounds(self, value: DoubleDouble) -> tuple[float, float]:
         """The doubles around the number."""
         return nextafter(value.hi, -inf), nextafter(value.hi, inf)
-
-    def at(self, bits: int) -> AbstractContextManager[None]:
-        """These have 106 bits, whatever is asked."""
-        return nullcontext()
 
 
 QUADS = Quads()

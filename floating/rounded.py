@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from math import frexp, isfinite, ldexp, nan, sqrt
 from operator import add, mul, sub, truediv
-from typing import Any, ClassVar
+from typing import Any
 
-from ..exact.numbers.system import NumberSystem
+from ..exact.numbers.system import Nearest, NumberSystem
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import Quantity
 from .plain.event_engine import EventEngine
@@ -83,14 +82,12 @@ def number(bits: int) -> type[float]:
     return kind
 
 
-class Rounding:
+class Rounding(Nearest):
     """The system of numbers of so many bits: every sign is an answer, perhaps a wrong one.
 
     Args:
         bits: of the significand, `MIN_BITS` to `MAX_BITS`.
     """
-
-    name: ClassVar[str] = "rounded"
 
     def __init__(self, bits: int = MAX_BITS) -> None:
         self.bits = bits
@@ -116,18 +113,6 @@ class Rounding:
             return (exact > 0) - (exact < 0)
 
         return self._kind(rounded(double, self.bits, beyond))
-
-    def sign(self, value: float) -> int:
-        """The sign of the number."""
-        return (value > 0.0) - (value < 0.0)
-
-    def bounds(self, value: float) -> tuple[float, float]:
-        """A number is its own bound."""
-        return float(value), float(value)
-
-    def at(self, bits: int) -> AbstractContextManager[None]:
-        """These have the bits that they have, whatever is asked."""
-        return nullcontext()
 
 
 @dataclass(frozen=True)

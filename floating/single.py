@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 from math import isfinite
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -20,8 +20,6 @@ from .plain.event_engine import EventEngine
 
 class Singles(Nearest):
     """The system of IEEE 754 binary32: every sign is an answer, perhaps a wrong one."""
-
-    name: ClassVar[str] = "single"
 
     def constant(self, q: Quantity) -> np.float32:
         """The nearest single, ties to even.

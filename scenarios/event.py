@@ -40,7 +40,7 @@ class Tie:
 
     Attributes:
         contacts: the contacts shown to be simultaneous.
-        proof: the kind of evidence.
+        proof: on what that rests.
         bound: for ASSUMED, the bits of agreement.
     """
 
@@ -56,7 +56,7 @@ class Assumption:
     Attributes:
         event: index of the first event that follows from it.
         question: what was decided, in words.
-        proof: the kind of evidence.
+        proof: on what that rests.
         bound: as in `Tie`.
     """
 

@@ -53,16 +53,16 @@ class Cascade:
         Raises:
             Undecided: naming the question, what was tried and the bits.
         """
-        for rung in self._rungs:
-            decision = rung(question)
-            if decision is not None:
-                self._plan[decision.rung] += 1
-                return decision
-        raise AssertionError("the last rung decides or raises")
+        decision = self._climb(question, self._rungs)
+        assert decision is not None  # the last rung decides or raises
+        return decision
 
     def decide_quickly(self, question: Question) -> Decision | None:
         """The sign if balls at hand or the field tell it, else None."""
-        for rung in self._rungs[:QUICK]:
+        return self._climb(question, self._rungs[:QUICK])
+
+    def _climb(self, question: Question, rungs: list[Rung]) -> Decision | None:
+        for rung in rungs:
             decision = rung(question)
             if decision is not None:
                 self._plan[decision.rung] += 1

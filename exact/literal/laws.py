@@ -7,7 +7,7 @@ radicand and the denominator of each solution are looked at first, and their sig
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -137,13 +137,15 @@ def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
     >>> touch_times(Disc(I(0), I(0), I(2), I(0), I(1), I(1)), Disc(I(4), I(0), I(0), I(0), I(1), I(1)))
     [1, 3]
     """
-    found = [solution.value(_at(a, b)) for solution in _touch_solutions(isinstance(b, Line))]
+    found = [
+        solution.value(_at(a, b)) for solution in _solutions("wall touched" if isinstance(b, Line) else "pair touched")
+    ]
     return [time for time in found if time is not None]
 
 
 def approach_sign(a: Disc, b: Disc | Line) -> int:
     """The sign of the instant speed at which two things come nearer; 0 where that is nan."""
-    solution = _wall_speed() if isinstance(b, Line) else _pair_speed()
+    (solution,) = _solutions("wall speed" if isinstance(b, Line) else "pair speed")
     return solution.sign(_at(a, b)) or 0
 
 
@@ -153,7 +155,7 @@ def velocities_after(a: Disc, b: Disc | Line) -> tuple[Expr, ...]:
     Raises:
         ValueError: where the law has no value, as for two points at one place.
     """
-    solutions = _hit_solutions("wall" if isinstance(b, Line) else "fixed" if b.m is None else "pair")
+    solutions = _solutions("wall" if isinstance(b, Line) else "fixed" if b.m is None else "pair")
     values = [solution.value(_at(a, b)) for solution in solutions]
     found = tuple(value for value in values if value is not None)
     if len(found) != len(values):
@@ -162,28 +164,17 @@ def velocities_after(a: Disc, b: Disc | Line) -> tuple[Expr, ...]:
 
 
 @cache
-def _touch_solutions(wall: bool) -> Sequence[Solution]:
-    return tuple(map(Solution.of, wall_times() if wall else pair_times()))
-
-
-@cache
-def _pair_speed() -> Solution:
-    return Solution.of(pair_instant_speed())
-
-
-@cache
-def _wall_speed() -> Solution:
-    return Solution.of(wall_instant_speed())
-
-
-@cache
-def _hit_solutions(kind: str) -> Sequence[Solution]:
-    hits = {
+def _solutions(law: str) -> Sequence[Solution]:
+    laws: dict[str, Callable[[], tuple[Any, ...]]] = {
+        "pair touched": pair_times,
+        "wall touched": wall_times,
+        "pair speed": lambda: (pair_instant_speed(),),
+        "wall speed": lambda: (wall_instant_speed(),),
         "pair": lambda: pair_velocities()[1],
         "fixed": fixed_circle_velocities,
         "wall": wall_velocities,
     }
-    return tuple(map(Solution.of, hits[kind]()))
+    return tuple(map(Solution.of, laws[law]()))
 
 
 def _at(a: Disc, b: Disc | Line) -> dict[Any, Any]:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager
 from math import inf, nextafter
-from typing import ClassVar
 
 from flint import arb
 
@@ -80,17 +78,11 @@ def root(value: arb) -> arb:
 
 
 class Balls:
-    """The system of balls."""
+    """The system of balls: the functions above, as others ask for them."""
 
-    name: ClassVar[str] = "ball"
-
-    def constant(self, q: Quantity) -> arb:
-        """An exact number at the working precision."""
-        return constant(q)
-
-    def root(self, value: arb) -> arb:
-        """See `root`."""
-        return root(value)
+    constant = staticmethod(constant)
+    root = staticmethod(root)
+    bounds = staticmethod(double_bounds)
 
     def sign(self, value: arb) -> int:
         """The sign of every number in the ball.
@@ -102,14 +94,6 @@ class Balls:
         if sign is None:
             raise Undecided("a ball on both sides of zero")
         return sign
-
-    def bounds(self, value: arb) -> tuple[float, float]:
-        """See `double_bounds`."""
-        return double_bounds(value)
-
-    def at(self, bits: int) -> AbstractContextManager[None]:
-        """See `precision`."""
-        return precision(bits)
 
 
 BALLS = Balls()

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import contextmanager
-from typing import ClassVar, TypeAlias
+from typing import TypeAlias
 
 from flint import arb, fmpq
 
@@ -24,7 +22,6 @@ Known: TypeAlias = arb | FieldNumber
 MAX_ROOTS = 4
 """Nested levels that a scene's constants may need for its runs to be kept in their field."""
 
-
 BOUND_BITS = 64
 """Bits to which a number is enclosed for its bounds as doubles."""
 
@@ -35,8 +32,6 @@ class LeavesField(Exception):
 
 class Field:
     """Constants and roots within the smallest field that holds a scene's numbers."""
-
-    name: ClassVar[str] = "field"
 
     def __init__(self) -> None:
         self.tower = Tower(max_depth=MAX_ROOTS)
@@ -89,11 +84,6 @@ class Field:
         """See `NumberSystem.bounds`."""
         with ball.precision(BOUND_BITS):
             return ball.double_bounds(field_ball(value, BOUND_BITS))
-
-    @contextmanager
-    def at(self, bits: int) -> Generator[None]:
-        """Exact at any."""
-        yield
 
     def element(self, value: FieldNumber) -> Element:
         """The number as an element of the tower."""

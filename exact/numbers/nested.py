@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from contextlib import contextmanager
-from typing import ClassVar
-
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.tower import Tower
 from ...scenarios.work import Work
 from . import ball
-
-BOUND_BITS = 64
-"""Bits to which a number is enclosed for its bounds as doubles."""
+from .field import BOUND_BITS
 
 
 class Nested:
@@ -23,8 +17,6 @@ class Nested:
         max_depth: nested levels that it may have.
         work: what it may cost; both raise `TowerLimit` beyond.
     """
-
-    name: ClassVar[str] = "nested"
 
     def __init__(self, max_depth: int, work: Work) -> None:
         self.tower = Tower(max_depth=max_depth, work=work)
@@ -44,8 +36,3 @@ class Nested:
     def bounds(self, value: Element) -> tuple[float, float]:
         """See `NumberSystem.bounds`."""
         return ball.double_bounds(value.ball(BOUND_BITS))
-
-    @contextmanager
-    def at(self, bits: int) -> Generator[None]:
-        """Exact at any."""
-        yield

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
-from typing import Any, ClassVar, Protocol, Self, TypeVar
+from typing import Any, Protocol, Self, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
 from ..laws.formulas import N, Number
@@ -34,13 +33,7 @@ class Arithmetic(Protocol[N]):
 
 
 class NumberSystem(Arithmetic[N], Protocol[N]):
-    """A system whose numbers can be decided on.
-
-    Attributes:
-        name: what the table calls it.
-    """
-
-    name: ClassVar[str]
+    """A system whose numbers can be decided on."""
 
     def sign(self, value: N) -> int:
         """-1, 0 or +1.
@@ -54,10 +47,6 @@ class NumberSystem(Arithmetic[N], Protocol[N]):
         """Doubles at or below, and at or above, the number; for a system without bounds, twice the nearest double."""
         ...
 
-    def at(self, bits: int) -> AbstractContextManager[None]:
-        """The system at a working precision; nothing changes in one that has none to choose."""
-        ...
-
 
 class HeldToZero(Protocol):
     """A number that is compared with 0, and has a nearest double."""
@@ -68,7 +57,7 @@ class HeldToZero(Protocol):
 
 
 class Nearest:
-    """What systems share whose numbers are taken at their word: of one precision, every sign an answer, perhaps wrong.
+    """What systems share whose numbers are taken at their word: every sign is an answer, perhaps a wrong one.
 
     >>> Nearest().sign(-0.5), Nearest().bounds(0.5)
     (-1, (0.5, 0.5))
@@ -82,10 +71,6 @@ class Nearest:
         """The nearest double, twice."""
         double = float(value)
         return double, double
-
-    def at(self, bits: int) -> AbstractContextManager[None]:
-        """The one precision that there is, whatever is asked."""
-        return nullcontext()
 
 
 SYSTEMS: dict[str, str] = {

@@ -10,12 +10,13 @@ from .complementarity import Ask
 
 
 class Policy(Protocol):
-    """Chooses, round by round, which approaching contacts are kicked together."""
+    """Chooses, round by round, which approaching contacts are kicked together.
 
-    @property
-    def chooses_order(self) -> bool:
-        """Whether it picks some contacts before others, so that symmetric scenes need not stay symmetric."""
-        ...
+    Attributes:
+        chooses_order: whether it picks some contacts before others, so that symmetric scenes need not stay symmetric.
+    """
+
+    chooses_order: bool
 
     def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """The contacts, at least one, that get their impulses now.
@@ -28,7 +29,7 @@ class Policy(Protocol):
 
     def note(self, link: Touch) -> None:
         """Called when a contact was alone at its instant, so that nothing was to be chosen."""
-        ...
+        return
 
     def instant_done(self, state: Callable[[], Hashable | None]) -> None:
         """Called when an instant of several impulses is done.
@@ -36,4 +37,4 @@ class Policy(Protocol):
         Args:
             state: gives the exact state of the circles that took part, or None where it is not at hand.
         """
-        ...
+        return

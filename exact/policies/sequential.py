@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Sequence
 
 from ..replay.contact import Touch
 from .complementarity import Ask
+from .policy import Policy
 
 
-class Sequential:
+class Sequential(Policy):
     """Kicks one approaching contact, then looks at all touching contacts again.
 
     Args:
@@ -27,9 +28,3 @@ class Sequential:
         if self._random is None or len(approaching) == 1:
             return (approaching[0],)
         return (approaching[self._random.randrange(len(approaching))],)
-
-    def note(self, link: Touch) -> None:
-        """Nothing to note."""
-
-    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
-        """Nothing to note."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Sequence
 
 from ..replay.contact import Touch
 from .complementarity import Ask, pushing_contacts
+from .policy import Policy
 
 
-class Simultaneous:
+class Simultaneous(Policy):
     """In each round all contacts that approach get their impulses together.
 
     The impulses are the least that make every one of them separate at least as fast as it approached
@@ -20,9 +21,3 @@ class Simultaneous:
     def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
         """Those of the approaching contacts that push."""
         return pushing_contacts(approaching, ask)
-
-    def note(self, link: Touch) -> None:
-        """Nothing to note."""
-
-    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
-        """Nothing to note."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Generic, TypeVar
+from typing import ClassVar, Generic, TypeVar
 
 from ...scenarios.lazy.frozen import frozen
 from ...scenarios.numbers.quantity import Quantity
@@ -17,23 +17,26 @@ L = TypeVar("L", Link, Round, Entry)
 
 @frozen
 class OfOne(RootFree, Generic[L]):
-    """A root-free question about one contact: its circles are those that it depends on."""
+    """A root-free question about one contact, in words with a place for it; its circles are those it depends on."""
 
     link: L
+    words: ClassVar[str]
 
     @property
     def bodies(self) -> tuple[int, ...]:
         return self.link.circles
 
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return self.words.format(name(self.link))
+
 
 class Approach(OfOne[Link]):
     """Do the two of a contact come nearer (negative) or part (positive)?"""
 
+    words = "whether {} come nearer or part"
+
     def value(self, state: State[N]) -> N:
         return self.link.approach(state)
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} come nearer or part"
 
     def is_zero_by(self, form: Form) -> bool:
         return form.alike(self.link)
@@ -42,11 +45,10 @@ class Approach(OfOne[Link]):
 class Closing(OfOne[Link]):
     """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
 
+    words = "whether {} come nearer or part as they touch"
+
     def value(self, state: State[N]) -> N:
         return self.link.closing(state)
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} come nearer or part as they touch"
 
     def is_zero_by(self, form: Form) -> bool:
         return form.alike(self.link)
@@ -55,32 +57,29 @@ class Closing(OfOne[Link]):
 class Gap(OfOne[Link]):
     """Are the two of a contact apart (positive) or touching (zero)?"""
 
+    words = "whether {} touch"
+
     def value(self, state: State[N]) -> N:
         return self.link.gap(state)
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} touch"
 
 
 class Discriminant(OfOne[Round]):
     """Do the paths of two circles hit (positive), graze (zero) or miss (negative)?"""
 
+    words = "whether {} hit, graze or miss"
+
     def value(self, state: State[N]) -> N:
         return state.discriminant(self.link)
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} hit, graze or miss"
 
 
 class RelativeSpeed(OfOne[Round]):
     """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
 
+    words = "whether {} move together"
+
     def value(self, state: State[N]) -> N:
         pair = state.relation(self.link)
         return pair.vx * pair.vx + pair.vy * pair.vy
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} move together"
 
     def is_zero_by(self, form: Form) -> bool:
         return form.alike(self.link)
@@ -89,11 +88,10 @@ class RelativeSpeed(OfOne[Round]):
 class Rim(OfOne[Entry]):
     """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
 
+    words = "whether the centre of {} stands on the rim"
+
     def value(self, state: State[N]) -> N:
         return state.rim(self.link)
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether the centre of {name(self.link)} stands on the rim"
 
 
 @frozen

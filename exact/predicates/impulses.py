@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import ClassVar
 
 from ...scenarios.lazy.frozen import frozen
 from ..numbers.linear import solve_positive
@@ -18,6 +19,7 @@ class Strength(RootFree):
 
     basis: tuple[Touch, ...]
     link: Touch
+    words: ClassVar[str] = "whether {} push each other at all"
 
     @property
     def bodies(self) -> tuple[int, ...]:
@@ -31,11 +33,13 @@ class Strength(RootFree):
         return self._strengths(state)[self.basis.index(self.link)]
 
     def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} push each other at all"
+        return self.words.format(name(self.link))
 
 
 class Slack(Strength):
     """Kicking `basis` together, by how much more than needed does a contact outside of it separate?"""
+
+    words = "whether {} separate fast enough"
 
     def value(self, state: State[N]) -> N:
         matrix, speeds = state.contact_system((*self.basis, self.link))
@@ -46,12 +50,11 @@ class Slack(Strength):
             slack = slack + entry * strength
         return slack
 
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether {name(self.link)} separate fast enough"
-
 
 class Pivot(Strength):
     """Is a contact's push independent of those in `basis` (positive) or already made of them (zero)?"""
+
+    words = "whether the contact of {} depends on its neighbours"
 
     def value(self, state: State[N]) -> N:
         matrix, _ = state.contact_system((*self.basis, self.link))
@@ -61,9 +64,6 @@ class Pivot(Strength):
         for entry, part in zip(column, solve_positive(inner, column), strict=True):
             pivot = pivot - entry * part
         return pivot
-
-    def describe(self, name: Callable[[Link], str]) -> str:
-        return f"whether the contact of {name(self.link)} depends on its neighbours"
 
 
 @frozen

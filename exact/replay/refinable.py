@@ -142,7 +142,8 @@ class RefinableState:
                 for i in taking_part:
                     if self.exact[i]:
                         self._leave(i)
-            self._do_balls(step, taking_part)
+            self.balls.steps_done = len(self.steps)
+            self.lowest = min(self.lowest, self._step_in_balls(self.balls, step, taking_part, self.bits))
         self.steps.append(step)
         self._in_field.append(in_field)
         if self.held is not None and not in_field and isinstance(step, Kick):
@@ -218,12 +219,6 @@ class RefinableState:
                 self._leave(i)
             self.steps.pop()
         return True
-
-    def _do_balls(self, step: Step, taking_part: tuple[int, ...]) -> None:
-        state = self.balls
-        state.steps_done = len(self.steps)
-        accuracy = self._step_in_balls(state, step, taking_part, self.bits)
-        self.lowest = min(self.lowest, accuracy)
 
     def _step_in_balls(self, state: CentredState, step: Step, taking_part: tuple[int, ...], bits: int) -> int:
         """One step, with no more bits than the bodies' accuracy deserves; gives the accuracy after it."""

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from flint import arb
-
 from ...scenarios.scene import Scene
 from ..numbers import ball
 from .motion import ExactMotion
@@ -37,7 +35,7 @@ def return_note(scene: Scene, home: bool, exact: Sequence[bool], motion: ExactMo
     for i, (circle, row) in enumerate(zip(scene.circles, rows, strict=True)):
         wanted = (circle.x, circle.y, -circle.vx, -circle.vy)
         for k, (value, first) in enumerate(zip(row, wanted, strict=True)):
-            if _differs(value.ball(HOME_BITS), ball.constant(first)):
+            if ball.sign_of(value.ball(HOME_BITS) - ball.constant(first)):
                 apart += [str(circle.id)] if k < 2 else []
                 velocities = velocities and k < 2
             else:
@@ -57,8 +55,3 @@ def return_note(scene: Scene, home: bool, exact: Sequence[bool], motion: ExactMo
         "whether it came back to the start is not proved: an order chosen within one instant, or an instant of "
         "several contacts, is not always undone by its own reversal"
     )
-
-
-def _differs(value: arb, first: arb) -> bool:
-    gap = value - first
-    return bool(gap > ball.ZERO) or bool(gap < ball.ZERO)

@@ -125,17 +125,16 @@ class ExactMotion:
             ValueError: before 0 or after the end.
         """
         if self.returned and time is self.end:
-            return self._start_reversed()
+            log = self.log
+            return [
+                (_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in log.scene.circles
+            ]
         at = time if isinstance(time, ExactValue) else Quantity.of(time)
         if isinstance(at, Quantity) and at.sign() < 0:
             raise ValueError(f"time {at} is before the start; ask for 0 or later")
         if at is not self.end and self._own(at) is None and self._after(at, self.end):
             raise ValueError(f"time {_shown(at)} is after the end of the run; run it for longer")
         return [self._of_circle(i, at) for i in range(len(self.knots))]
-
-    def _start_reversed(self) -> list[ExactRow]:
-        log = self.log
-        return [(_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in log.scene.circles]
 
     def _own(self, time: RunTime) -> int | None:
         """The number of the instant of this run that a time is; None for any other time."""
@@ -246,10 +245,6 @@ def _exact_near(time: RunTime) -> fmpq | None:
     return time.near if isinstance(time.near, fmpq) else None
 
 
-def _exact_kind(*numbers: Known) -> bool:
-    return not any(isinstance(number, arb) for number in numbers)
-
-
 def _near(x: Known, v: Known, time: Known, t: Known) -> Known:
     """x + v (time - t) in the numbers at hand: exact if they all are and share a field, else a ball."""
     numbers = (x, v, time, t)
@@ -257,7 +252,7 @@ def _near(x: Known, v: Known, time: Known, t: Known) -> Known:
     if len(rational) == len(numbers):
         return _advanced(*rational)
     towers = {id(number.tower): number.tower for number in numbers if isinstance(number, Element)}
-    if len(towers) == 1 and _exact_kind(*numbers):
+    if len(towers) == 1 and not any(isinstance(number, arb) for number in numbers):
         (tower,) = towers.values()
         return _advanced(*(tower.rational(n) if isinstance(n, fmpq) else n for n in numbers if not isinstance(n, arb)))
     with ball.precision(READ_BITS):

@@ -56,12 +56,7 @@ def time_of(log: RunLog, mark: Mark[Known]) -> ExactValue:
 
 def time_of_return(log: RunLog, reversal: Mark[Known], instant: int) -> ExactValue:
     """Twice the time of the reversal; `instant` is the last at which anything happens."""
-    return time_of(log, Mark(instant, twice(reversal.time), reversal.step, RETURN))
-
-
-def twice(number: Known) -> Known:
-    """Two times a number."""
-    return number * 2
+    return time_of(log, Mark(instant, reversal.time * 2, reversal.step, RETURN))
 
 
 def time_zero(log: RunLog, zero: Known) -> ExactValue:

@@ -44,6 +44,7 @@ class Symmetry:
     mirror: bool
 
 
+@lru_cache(maxsize=8)
 def symmetries(scene: Scene) -> tuple[Symmetry, ...]:
     """All mirrors and rotations of a scene, without the identity; none if its numbers are too deep to tell.
 
@@ -51,11 +52,6 @@ def symmetries(scene: Scene) -> tuple[Symmetry, ...]:
     >>> [s.circles for s in symmetries(Scene([Circle(0, 3, vx=1), Circle(0, -3, vx=1), Circle(9, 0, vx=-1)]))]
     [(1, 0, 2)]
     """
-    return _symmetries(scene)
-
-
-@lru_cache(maxsize=8)
-def _symmetries(scene: Scene) -> tuple[Symmetry, ...]:
     if len(scene.circles) < 2 and not scene.walls:
         return ()
     rough = _Rough(scene)
@@ -87,9 +83,6 @@ class _Rough:
         self.speed = max(abs(value) for row in self.rows for value in row[2:4]) or 1.0
         self.usable = True
 
-    def _alike(self, a: tuple[float, ...], b: tuple[float, ...]) -> bool:
-        return a[4:] == b[4:]
-
     def candidates(self) -> Iterator[Likely]:
         """Isometries that nearly fit."""
         rows = self.rows
@@ -105,7 +98,7 @@ class _Rough:
         if not 0.0 < square < inf:
             return
         for j, row in enumerate(rows):
-            if not self._alike(row, rows[reference]):
+            if row[4:] != rows[reference][4:]:
                 continue
             wx, wy = row[at : at + 2]
             if abs(wx * wx + wy * wy - square) > NEAR * square:

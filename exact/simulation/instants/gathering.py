@@ -77,7 +77,9 @@ class Gatherer(Generic[N, K]):
             for arrival in (*chosen, *grazes):
                 self.queue.put_back(arrival)
             if not limit[1]:
-                return self._horizon_stop()
+                if self.limits.to_return:
+                    return Stop(StopReason.HORIZON, "back at twice the time of the reversal")
+                return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {self.limits.until}")
             known = [g for g in (*self._passed, *self.queue.grazes()) if g.low <= high and g.high >= low]
             at_it = [g for g in known if self.queue.fresh(g) and self._place(g, limit[0]) == 0]
             return self._instant([], at_it, ties, self._set_time(limit[0]))
@@ -267,11 +269,6 @@ class Gatherer(Generic[N, K]):
         if arrival.high < low:
             return -1
         return self.decider.ask(BeforeTime(Moment(arrival.link, arrival.graze), time))
-
-    def _horizon_stop(self) -> Stop:
-        if self.limits.to_return:
-            return Stop(StopReason.HORIZON, "back at twice the time of the reversal")
-        return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {self.limits.until}")
 
 
 def _touches(arrivals: list[Arrival[N]]) -> list[Touch]:

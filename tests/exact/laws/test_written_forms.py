@@ -10,6 +10,7 @@ from __future__ import annotations
 from itertools import count
 from math import inf
 
+import numpy as np
 import pytest
 from contact_worlds import (
     FACE,
@@ -308,3 +309,16 @@ def test_flights_between_knots_are_those_of_the_law():
     told = DoubleMotion([[(w.t, w.x, w.y, w.vx, w.vy)]]).state(3.0)
     lag = 3 - w.t
     assert told == [(formulas.advance(w.x, w.vx, lag), formulas.advance(w.y, w.vy, lag), w.vx, w.vy)]
+
+
+def test_flights_sampled_all_at_once_are_those_of_the_law(monkeypatch):
+    """Of the knot that holds at each time, which is the last up to it."""
+    w = World(t=1.0, x=2.0, y=3.0, vx=0.5, vy=0.25, s=2.0, p=4.0, q=5.0, wx=-0.5, wy=0.75)
+    empty = np.empty
+    monkeypatch.setattr(np, "float64", object)
+    monkeypatch.setattr(np, "empty", lambda shape: empty(shape, dtype=object))
+    motion = DoubleMotion([[(w.t, w.x, w.y, w.vx, w.vy), (w.s, w.p, w.q, w.wx, w.wy)]])
+    for time, (t, x, y, vx, vy) in ((1.5, motion.knots[0][0]), (2.0, motion.knots[0][1]), (3.0, motion.knots[0][1])):
+        lag = time - t
+        expected = [formulas.advance(x, vx, lag), formulas.advance(y, vy, lag), vx, vy]
+        assert motion.sample([time])[0, 0].tolist() == expected

@@ -15,38 +15,9 @@ from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred.centred_state import CentredState
 from truebreak.exact.replay.centred.error_set import ErrorSet
 from truebreak.exact.replay.centred.errors import Collision, Mirror, Spent
-from truebreak.exact.replay.lone.centred import LoneCentred
-from truebreak.exact.replay.steps import Go, Kick
-from truebreak.scenarios import Circle, Scene, Wall, catalogue
+from truebreak.scenarios import catalogue
 
 FEW, MANY = 500, 4096
-
-
-def oblique(seed: int) -> Scene:
-    """Unequal circles, a fixed one and a point, between walls of which none is parallel to an axis."""
-    draw = random.Random(seed)
-
-    def speed() -> str:
-        return f"{draw.choice([-1, 1]) * draw.randrange(20, 90)}/97"
-
-    circles = [
-        Circle(0, 0, vx=speed(), vy=speed(), m="3/7"),
-        Circle(4, "1/3", r="1/2", vx=speed(), vy=speed(), m=2),
-        Circle("-7/2", 2, r="sqrt(2)/2", vx=speed(), vy=speed()),
-        Circle(0, 4, r="3/4", m="oo"),
-        Circle(1, "-7/2", r=0, vx=speed(), vy=speed(), m="1/5", point=True),
-    ]
-    walls = [Wall(-8, -9, 9, -7), Wall(9, -7, 7, 9), Wall(7, 9, -9, 8), Wall(-9, 8, -8, -9)]
-    return Scene(circles, walls)
-
-
-SCENES = {
-    **{name: (lambda name=name: catalogue.build(name)) for name in ("gas:n=3,seed=2", "gas:n=7,seed=5,mixed=yes")},
-    "a reversal": lambda: catalogue.build("gas:n=4,seed=3").with_changes(reverse_after=40),
-    "a rack": lambda: catalogue.build("rack:rows=3,gap=1/9,jitter=1/1000,seed=4"),
-    "pinball": lambda: catalogue.build("pinball"),
-    **{f"oblique {seed}": (lambda seed=seed: oblique(seed)) for seed in range(3)},
-}
 
 
 def deviations(scene, events):
@@ -70,72 +41,11 @@ def deviations(scene, events):
                 yield -1e9 if off.is_zero() else float((off / radius).log()) / log(2) if radius > 0 else 0.0
 
 
-@pytest.mark.parametrize("name", SCENES)
-def test_every_number_lies_in_its_ball(name):
+def test_every_number_lies_in_its_ball(scene):
     """Against balls of eight times the bits; and the bound is no mere upper bound: it comes within 40 bits."""
-    found = list(deviations(SCENES[name](), 120))
+    found = list(deviations(scene, 120))
     assert max(found) <= 0.0
     assert max(found[len(found) // 2 :]) > -60.0
-
-
-@pytest.mark.parametrize("name", SCENES)
-def test_a_contact_in_one_go_is_in_its_balls_too(name):
-    """Contacts that stand alone, of circles that move, are carried out in one go where there is a set: every number and
-    every instant holds the truth, and is known to nearly as many bits as by the two steps."""
-    scene = SCENES[name]()
-    steps = ExactEngine().run(scene, events=150).motion.log.steps
-    with ball.precision(MANY):
-        true = BallState(scene)
-    with ball.precision(FEW):
-        ours, plain = CentredState(scene), CentredState(scene)
-    lone, struck, k = LoneCentred(ours), 0, 0
-    for body in ours.bodies.values():
-        body.acc = FEW
-    while k < len(steps):
-        step, after = steps[k], steps[k + 1] if k + 1 < len(steps) else None
-        count = 2 if isinstance(step, Go) and isinstance(after, Kick) and after.links == (step.source,) else 1
-        for state, bits in ((plain, FEW), (true, MANY)):
-            ball.use_bits(bits)
-            for each in steps[k : k + count]:
-                state.do(each)
-        accuracy = lone.strike(after.links[0], FEW, k) if count == 2 else None
-        if accuracy is None:
-            ball.use_bits(FEW)
-            ours.steps_done = k
-            for each in steps[k : k + count]:
-                ours.do(each)
-        else:
-            struck += 1
-            assert accuracy >= min(FEW, plain.instant.rel_accuracy_bits()) - 60
-        k += count
-        ball.use_bits(MANY)
-        assert ours.instant.overlaps(true.instant)
-        for mine, exact in zip(ours.bodies.values(), true.bodies.values(), strict=True):
-            one, other = mine.flight, exact.flight
-            lag = one.t - other.t
-            assert (other.x + other.vx * lag - one.x).contains(0)
-            assert (other.y + other.vy * lag - one.y).contains(0)
-            assert (other.vx - one.vx).contains(0)
-            assert (other.vy - one.vy).contains(0)
-            if one.late is not None:
-                assert (one.t + one.late).overlaps(true.bodies[mine.index].flight.instant)
-    assert struck > len(steps) // 10 or name == "pinball"
-
-
-def test_a_velocity_that_is_zero_in_its_midpoints_alone_is_no_rest():
-    with ball.precision(FEW):
-        state = CentredState(catalogue.build("gas:n=3,seed=2"))
-        body, held = state.bodies[0], state._begin()
-        state._deviations = held
-        moved = ((body, body.flight.x, body.flight.y, ball.ZERO, ball.ZERO),)
-        _, doubles = held.recentre(moved, body.flight.t, 1)
-        lone = LoneCentred(state)
-        lone._land(held, moved, doubles, (ball.ZERO, ball.ZERO, ball.ZERO, 0.0, 1.0), 1, FEW)
-    assert not body.flight.rest
-    assert not body.flight.vx.is_zero()
-    assert body.flight.vy.contains(0)
-    assert lone.landed is not None
-    assert lone.landed[0][2] is None
 
 
 @pytest.mark.parametrize(("n", "events"), [(3, 600), (10, 1200)])
