@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from ...floating.pymunk.pockets import time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import Span
 from ..alignment.instants import instants
 from ..foreign.runs.impulses import Impacts
+from .pockets import Entries
 from .table import changed_outcomes
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact, Event
+    from ...scenarios.event import Contact, Event, Pocketing
     from ...scenarios.trajectory import Trajectory
     from ..alignment.align import Alignment
     from ..alignment.patience import Patience
@@ -25,7 +27,9 @@ if TYPE_CHECKING:
 Impulses: TypeAlias = "tuple[Contact, ...]"
 
 
-def matched_history(candidate: Trajectory, reference: Trajectory, alignment: Alignment, span: Span) -> Trajectory:
+def matched_history(
+    candidate: Trajectory, reference: Trajectory, alignment: Alignment, span: Span, entries: Entries
+) -> Trajectory:
     """The candidate's history over the span.
 
     A meeting that is matched across the end counts in both runs or in neither, by where the reference has it. An
@@ -53,9 +57,10 @@ def matched_history(candidate: Trajectory, reference: Trajectory, alignment: Ali
             inside[group.theirs[0]] = replace(first, contacts=contacts, impulses=impulses)
     events = tuple(replace(inside[c], index=place) for place, c in enumerate(sorted(inside)))
     end = min(float(candidate.final_time), max(_end(reference, span), *(float(e.time) for e in events), 0.0))
+    cut = replace(candidate, events=events, final_time=end, pocketings=entries.inside(span))
     if reference.scene.capture or reference.reversal is not None:
-        return replace(candidate, events=events, final_time=end)
-    return replace(candidate, events=events, final_time=end, motion=Left(candidate, events))
+        return cut
+    return replace(cut, motion=Left(candidate, events))
 
 
 @dataclass(frozen=True)
@@ -102,26 +107,26 @@ def held(
     """
     until, settled = told_until(run, reference, span), alignment.verdict in ("agree", "diverged")
     loose = not settled or (alignment.divergence is None if agrees is None else agrees())
-    if until is None and settled:
-        history = matched_history(run, reference, alignment, span)
-        values = tell(history)
-        return Held(history, values, whole, tuple(changed_outcomes(whole, values, agrees=loose)), None)
     if until is not None:
         until = _before_a_part(run, reference, alignment, until)
         span = Span(sum(float(event.time) <= until for event in reference.events[: span.events]), until)
-    history = matched_history(run, reference, alignment, span)
+    entries = Entries(run, reference, alignment, patience)
+    history = matched_history(run, reference, alignment, span, entries)
     values, end = tell(history), float(history.final_time)
-    if until is not None and settled:
-        end = max(until, *(float(event.time) for event in reference.events[: span.events]), 0.0)
+    if settled:
+        told = _end(reference, span) if until is None else until
+        end = max(told, *(float(event.time) for event in reference.events[: span.events]), 0.0)
     known = {m: reference.events[m].impulses for m in range(span.events)}
-    certain = _certain(reference, alignment, known, patience, end)
+    certain = known if until is None else _certain(reference, alignment, known, patience, end)
+    entered, sure = entries.expected(span), entries.certain(span)
     if not settled:
         matched = {m for walked in alignment.walks.values() for m, _ in walked.pairs}
         known = certain = {m: pairs for m, pairs in known.items() if m in matched}
-    expected = tell(_part(reference, known, end))
+        entered = sure = entries.shared(span)
+    expected = whole if until is None and settled else tell(_part(reference, known, entered.values(), end))
     changed = changed_outcomes(expected, values, agrees=loose)
-    if changed and certain != known:
-        kept = changed_outcomes(tell(_part(reference, certain, end)), values, agrees=loose)
+    if changed and (certain, sure) != (known, entered):
+        kept = changed_outcomes(tell(_part(reference, certain, sure.values(), end)), values, agrees=loose)
         changed = [name for name in changed if name in kept]
     return Held(history, values, expected, tuple(changed), until)
 
@@ -142,12 +147,18 @@ def told_until(run: Trajectory, reference: Trajectory, span: Span) -> float | No
 
 
 def _parted(run: Trajectory) -> bool:
-    """Whether no two circles, and no circle and wall, come nearer to each other at a run's end."""
+    """Whether no two circles, and no circle and wall, come nearer to each other at a run's end, nor a centre to a
+    pocket that it enters."""
     turns = run.scene.reverse_at is not None or run.scene.reverse_after is not None
     if turns and run.reversal is None:
         return False
     rows = [(float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in run.final.circles]
-    return Impacts(run.scene).quiet(rows)
+    enters = (
+        time_to_enter(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))
+        for pocket in run.scene.pockets
+        for x, y, vx, vy in rows
+    )
+    return Impacts(run.scene).quiet(rows) and not any(enters)
 
 
 def _before_a_part(run: Trajectory, reference: Trajectory, alignment: Alignment, end: float) -> float:
@@ -184,12 +195,11 @@ def _certain(
     return {m: left for m, pairs in known.items() if (left := tuple(pair for pair in pairs if not waits(m, pair)))}
 
 
-def _part(reference: Trajectory, known: Mapping[int, Impulses], end: float) -> Trajectory:
-    """The reference with certain impulses of certain events alone, up to a time."""
+def _part(reference: Trajectory, known: Mapping[int, Impulses], entries: Iterable[Pocketing], end: float) -> Trajectory:
+    """The reference with certain impulses of certain events and certain entries alone, up to a time."""
     events = tuple(replace(reference.events[m], index=k, impulses=known[m]) for k, m in enumerate(sorted(known)))
-    entries = tuple(entry for entry in reference.pocketings if float(entry.time) <= end)
     turned = reference.reversal if reference.reversal and float(reference.reversal.time) <= end else None
-    cut = replace(reference, events=events, final_time=end, pocketings=entries, reversal=turned)
+    cut = replace(reference, events=events, final_time=end, pocketings=tuple(entries), reversal=turned)
     if reference.scene.capture or reference.reversal is not None:
         return cut
     return replace(cut, motion=Left(reference, events))

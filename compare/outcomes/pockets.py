@@ -1,11 +1,20 @@
-"""Which balls enter a pocket, and when."""
+"""Which balls enter a pocket, and when; which of these entries two runs share, and which one of them only has later."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
+from ...floating.pymunk.pockets import time_to_enter
+from ...scenarios.trajectory import StopReason
+
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ...scenarios.event import Event, Pocketing
     from ...scenarios.trajectory import Trajectory
+    from ..alignment.align import Alignment, Span
+    from ..alignment.patience import Patience
 
 
 def pocketed(trajectory: Trajectory) -> dict[str, Any] | None:
@@ -16,7 +25,79 @@ def pocketed(trajectory: Trajectory) -> dict[str, Any] | None:
     scene = trajectory.scene
     if not scene.pockets:
         return None
-    end = float(trajectory.final_time)
-    entered = [(p.circle, p.pocket, float(p.time)) for p in trajectory.pocketings]
-    first = {circle: {"pocket": p, "time": t} for circle, p, t in reversed(entered) if t <= end}
+    first = {p.circle: {"pocket": p.pocket, "time": float(p.time)} for p in reversed(trajectory.pocketings)}
     return {str(c.id): first[str(c.id)] for c in scene.circles if str(c.id) in first}
+
+
+class Entries:
+    """The entries of a run beside those of the reference.
+
+    Two entries are the same where one circle enters one pocket in a flight that both runs have: after the same meeting
+    of it, on the same side of the reversal.
+    """
+
+    def __init__(self, run: Trajectory, reference: Trajectory, alignment: Alignment, patience: Patience) -> None:
+        self.run, self.reference, self.patience = run, reference, patience
+        self.walks = alignment.walks
+        known = {self._flight(reference, entry): m for m, entry in enumerate(reference.pocketings)}
+        flights = {k: self._flight(run, entry) for k, entry in enumerate(run.pocketings)}
+        self.same = {k: known[flight] for k, flight in flights.items() if flight in known}
+
+    def inside(self, span: Span) -> tuple[Pocketing, ...]:
+        """The run's over the span. One that both have counts by where the reference has it, and so does one that the
+        reference, where it ends, has yet to come to."""
+        return tuple(entry for k, entry in enumerate(self.run.pocketings) if self._holds(span, k, entry))
+
+    def expected(self, span: Span) -> dict[int, Pocketing]:
+        """The reference's over the span, by their number."""
+        return {m: entry for m, entry in enumerate(self.reference.pocketings) if span.holds(entry.time)}
+
+    def shared(self, span: Span) -> dict[int, Pocketing]:
+        """Those of `expected` that the run has too."""
+        both = set(self.same.values())
+        return {m: entry for m, entry in self.expected(span).items() if m in both}
+
+    def certain(self, span: Span) -> dict[int, Pocketing]:
+        """Those of `expected` that the run has too, or will not come to: for the others it may only be late."""
+        both = set(self.same.values())
+        return {
+            m: entry
+            for m, entry in self.expected(span).items()
+            if m in both or not self._awaited(self.run, entry, self.reference)
+        }
+
+    def _holds(self, span: Span, k: int, entry: Pocketing) -> bool:
+        if k in self.same:
+            return span.holds(self.reference.pocketings[self.same[k]].time)
+        return span.holds(entry.time) and not self._awaited(self.reference, entry, self.run)
+
+    def _awaited(self, run: Trajectory, entry: Pocketing, other: Trajectory) -> bool:
+        """Whether a run ends in the very flight of an entry of the other, and that flight comes to it, if late."""
+        if run.stop.reason is StopReason.QUIET:
+            return False
+        state = run.final[entry.circle]
+        x, y, vx, vy = (float(value) for value in (state.x, state.y, state.vx, state.vy))
+        pocket = next(pocket for pocket in run.scene.pockets if pocket.id == entry.pocket)
+        wait = time_to_enter(x - float(pocket.x), y - float(pocket.y), vx, vy, float(pocket.r))
+        if wait is None or float(run.final_time) + wait > self.patience.latest(float(entry.time)):
+            return False
+        here, there = self._flight(run, entry, math.inf), self._flight(other, entry)
+        return here == there
+
+    def _flight(
+        self, run: Trajectory, entry: Pocketing, time: float | None = None
+    ) -> tuple[str, str, int | None, bool]:
+        """Who enters what, the reference's number of the last meeting of it before, and whether velocities had been
+        reversed; -1 for a meeting that the reference does not have."""
+        now = float(entry.time) if time is None else time
+        last = next((e.index for e in self._meetings(run, entry.circle) if float(e.time) <= now), None)
+        if last is not None and run is self.run:
+            pairs = self.walks[entry.circle].pairs
+            last = max((m for m, c in pairs if c == last), default=-1)
+        turned = run.reversal is not None and float(run.reversal.time) <= now
+        return entry.circle, entry.pocket, last, turned
+
+    @staticmethod
+    def _meetings(run: Trajectory, circle: str) -> Iterator[Event]:
+        """A circle's events, the last first."""
+        return (e for e in reversed(run.events) if any(circle in pair for pair in e.impulses))

@@ -28,9 +28,15 @@ def entries(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> 
     return tuple(sorted(found, key=lambda entry: float(entry.time)))
 
 
+def last_entry(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> float:
+    """When a run that has no contact left has no entry left either: never before `end`."""
+    return max([end, *(float(entry.time) for entry in entries(scene, knots, math.inf))])
+
+
 def _times(row: Sequence[DoubleKnot], x0: float, y0: float, r: float, end: float) -> Iterator[float]:
     """When one circle enters one pocket."""
-    inside = False
+    _, x, y, _, _ = row[0]
+    inside = _gap(x - x0, y - y0, r) < 0
     for (t, x, y, vx, vy), after in pairwise([*row, (end, 0.0, 0.0, 0.0, 0.0)]):
         wait = time_to_enter(x - x0, y - y0, vx, vy, r)
         if wait is not None and t + wait <= after[0] and not (inside and wait == 0):
@@ -40,16 +46,21 @@ def _times(row: Sequence[DoubleKnot], x0: float, y0: float, r: float, end: float
 
 
 def time_to_enter(dx: float, dy: float, vx: float, vy: float, r: float) -> float | None:
-    """Time until a point comes within r of the origin; 0 if it is there already, None if it never does.
+    """Time until a point comes within r of the origin; 0 if it is there already, None if it never does, or grazes.
 
-    >>> time_to_enter(-3.0, 0.0, 1.0, 0.0, 1.0), time_to_enter(-3.0, 2.0, 1.0, 0.0, 1.0)
+    >>> time_to_enter(-3.0, 0.0, 1.0, 0.0, 1.0), time_to_enter(-3.0, 1.0, 1.0, 0.0, 1.0)
     (2.0, None)
     """
-    gap = dx * dx + dy * dy - r * r
-    if gap <= 0:
+    gap = _gap(dx, dy, r)
+    if gap < 0:
         return 0.0
     approach, speed2 = dx * vx + dy * vy, vx * vx + vy * vy
     discriminant = speed2 * r * r - (dx * vy - dy * vx) ** 2
-    if approach >= 0 or discriminant < 0:
+    if approach >= 0 or discriminant <= 0:
         return None
     return gap / (-approach + math.sqrt(discriminant))
+
+
+def _gap(dx: float, dy: float, r: float) -> float:
+    """The square of a centre's distance less that of the rim's: below zero inside."""
+    return dx * dx + dy * dy - r * r

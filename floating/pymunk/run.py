@@ -20,7 +20,7 @@ from ...scenarios.numbers.quantity import QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
 from ..knots import DoubleMotion
-from .pockets import entries
+from .pockets import entries, last_entry
 from .record import Recorder
 from .space import PymunkSpace
 
@@ -134,6 +134,8 @@ class Run:
         """Runs to the end."""
         with self.interrupts.kept():
             stop, final = self.play()
+        if stop.reason is StopReason.QUIET:
+            final = last_entry(self.scene, self.record.knots, final)
         self.glide(final)
         self.record.tie_knots(final)
         return Trajectory(

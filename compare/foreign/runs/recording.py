@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ....floating.knots import DoubleKnot, DoubleMotion
-from ....floating.pymunk.pockets import entries
+from ....floating.pymunk.pockets import entries, last_entry
 from ....scenarios.checks.limits import positive_count, positive_time
 from ....scenarios.event import Contact, Event, Reversal, Tie, TieProof
 from ....scenarios.numbers.doubles import Double
@@ -226,6 +226,8 @@ class Recording:
         end: Any = Double(self._end)
         if stop.reason is StopReason.EVENTS:
             end = Double(self._times[told[-1]])
+        elif stop.reason is StopReason.QUIET:
+            end = Double(last_entry(self.scene, self._knots, self._end))
         elif stop.reason is StopReason.HORIZON and limit is not None and (self._quiet or float(limit) <= self._end):
             end = limit
         turned = self.reversal if self.reversal and float(self.reversal.time) <= float(end) else None
