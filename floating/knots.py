@@ -75,5 +75,27 @@ class DoubleMotion:
             raise ValueError(f"time {time!r} is outside of the run: it lasts from {start!r} to {self.end!r}")
 
 
+@dataclass(frozen=True)
+class EventMotion(DoubleMotion):
+    """The same for a run that can have several events at one time.
+
+    Attributes:
+        left: for each event its time, and how many knots each circle has once it is over.
+    """
+
+    left: Sequence[tuple[float, Sequence[int]]] = ()
+
+    def after(self, event: int) -> list[tuple[float, float, float, float]]:
+        """(x, y, vx, vy) of every circle as an event leaves it, by its index, before what follows at the same time.
+
+        >>> knots = [(0.0, 0.0, 0.0, 1.0, 0.0), (2.0, 2.0, 0.0, -1.0, 0.0), (2.0, 2.0, 0.0, 3.0, 0.0)]
+        >>> EventMotion([knots], left=[(2.0, [2]), (2.0, [3])]).after(0)
+        [(2.0, 0.0, -1.0, 0.0)]
+        """
+        time, counts = self.left[event]
+        last = (knots[count - 1] for knots, count in zip(self.knots, counts, strict=True))
+        return [(x + vx * (time - t), y + vy * (time - t), vx, vy) for t, x, y, vx, vy in last]
+
+
 def _time(knot: DoubleKnot) -> float:
     return knot[0]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field
 from enum import Enum
 from functools import cached_property
@@ -70,7 +70,11 @@ class Stop:
 
 
 class Motion(Protocol):
-    """The motion between the events, as an engine keeps it."""
+    """The motion between the events, as an engine keeps it.
+
+    One with a method `after(event)`, which gives the rows as an event leaves them, by its index, can have several
+    events at one time.
+    """
 
     def state(self, time: Any) -> Sequence[tuple[SupportsFloat, SupportsFloat, SupportsFloat, SupportsFloat]]:
         """(x, y, vx, vy) of every circle at a time; at an event, as it leaves it. Plain floats are doubles."""
@@ -136,16 +140,21 @@ class Trajectory:
         """
         if isinstance(time, str):
             time = Quantity.of(time)
-        rows = self.motion.state(time)
-        return State(
-            real(time),
-            tuple(CircleState(str(c.id), *map(real, row)) for c, row in zip(self.scene.circles, rows, strict=True)),
-        )
+        return self._state(time, self.motion.state(time))
+
+    def after(self, event: int) -> State:
+        """The state as an event leaves it, by its index; without what follows at the same time, if the motion tells."""
+        time, told = self.events[event].time, getattr(self.motion, "after", None)
+        return self._state(time, self.motion.state(time) if told is None else told(event))
 
     @cached_property
     def final(self) -> State:
         """The state at the end."""
         return self.at(self.final_time)
+
+    def _state(self, time: SupportsFloat, rows: Iterable[Sequence[SupportsFloat]]) -> State:
+        circles = zip(self.scene.circles, rows, strict=True)
+        return State(real(time), tuple(CircleState(str(c.id), *map(real, row)) for c, row in circles))
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): x, y, vx, vy as doubles, at ascending times within the run."""

@@ -56,8 +56,7 @@ def order_reproduces(
         groups: the pairs as the other run took them: a group for each of its instants.
         same: see `same_velocity`.
     """
-    event = trajectory.events[index]
-    before, after = _velocities_before(trajectory, index), trajectory.at(event.time)
+    before, after = _velocities_before(trajectory, index), trajectory.after(index)
     impact = _Impact(trajectory, {c.id: (float(c.x), float(c.y)) for c in after.circles}, before)
     scale = max((math.hypot(*v) for v in before.values()), default=0.0)
     room = same * scale
@@ -84,8 +83,8 @@ def merging_changes(
         same: see `same_velocity`.
     """
     before = _velocities_before(trajectory, indices[0])
-    first, last = trajectory.events[indices[0]].time, trajectory.events[indices[-1]].time
-    places = {c.id: (float(c.x), float(c.y)) for c in trajectory.at(first).circles}
+    first, last = (float(trajectory.events[index].time) for index in (indices[0], indices[-1]))
+    places = {c.id: (float(c.x), float(c.y)) for c in trajectory.after(indices[0]).circles}
     one, other = _Impact(trajectory, places, before), _Impact(trajectory, places, before)
     everything = [*dict.fromkeys(pair for group in groups for pair in group)]
     in_turn = all(one.take([pair], False) for group in groups for pair in group)
@@ -94,7 +93,7 @@ def merging_changes(
     if not (in_turn and at_once):
         return scale
     apart = max(math.dist(one.velocities[name], other.velocities[name]) for name in before)
-    way = scale * (float(last) - float(first))
+    way = scale * (last - first)
     return apart if apart > same * scale + 4 * len(everything) * scale * way / one.least_reach else 0.0
 
 
@@ -108,7 +107,7 @@ def follows_the_law(trajectory: Trajectory, index: int, bits: int | None) -> boo
     if len(event.impulses) != 1:
         return True
     pair = event.impulses[0]
-    before, after = _velocities_before(trajectory, index), trajectory.at(event.time)
+    before, after = _velocities_before(trajectory, index), trajectory.after(index)
     places = {c.id: (float(c.x), float(c.y)) for c in after.circles}
     impact = _Impact(trajectory, places, before)
     speed = max((math.hypot(*v) for v in before.values()), default=0.0)
@@ -134,13 +133,12 @@ def impulses_among(events: Iterable[Sequence[Contact]], pairs: Sequence[Contact]
 
 def _velocities_before(trajectory: Trajectory, index: int) -> Velocities:
     """Velocities as an event comes: those that the event before it left."""
-    reversal = trajectory.reversal
-    if reversal is not None and reversal.after == index:
-        middle = (float(reversal.time) + float(trajectory.events[index].time)) / 2
-        return _velocities(trajectory.at(middle))
     if index == 0:
-        return {str(c.id): (float(c.vx), float(c.vy)) for c in trajectory.scene.circles}
-    return _velocities(trajectory.at(trajectory.events[index - 1].time))
+        left = {str(c.id): (float(c.vx), float(c.vy)) for c in trajectory.scene.circles}
+    else:
+        left = _velocities(trajectory.after(index - 1))
+    turned = trajectory.reversal is not None and trajectory.reversal.after == index
+    return {name: (-vx, -vy) for name, (vx, vy) in left.items()} if turned else left
 
 
 def _velocities(state: State) -> Velocities:

@@ -156,8 +156,8 @@ def _grouped(walks: dict[str, Walk], part: Callable[[int, int, str], str]) -> li
 
 def velocity_difference(reference: Trajectory, candidate: Trajectory, instant: SharedInstant) -> float:
     """The largest difference between the velocities with which the two runs leave an instant."""
-    mine = {m: reference.at(reference.events[m].time) for m in {last for _, last, _ in instant.bodies}}
-    theirs = {c: candidate.at(candidate.events[c].time) for c in {last for _, _, last in instant.bodies}}
+    mine = {m: reference.after(m) for m in {last for _, last, _ in instant.bodies}}
+    theirs = {c: candidate.after(c) for c in {last for _, _, last in instant.bodies}}
     return max(
         math.hypot(
             float(mine[m][name].vx) - float(theirs[c][name].vx), float(mine[m][name].vy) - float(theirs[c][name].vy)
@@ -276,7 +276,7 @@ def _blurred(
 ) -> bool:
     """Whether the velocities differ by no more than the time step blurs them."""
     apart = velocity_difference(reference, candidate, instant)
-    fastest = float(abs(candidate.at(candidate.events[instant.theirs[-1]].time).array()[:, 2:]).max())
+    fastest = float(abs(candidate.after(instant.theirs[-1]).array()[:, 2:]).max())
     if apart <= same * fastest:
         return True
     if finer is None:
@@ -299,7 +299,7 @@ def _explained(reference: Trajectory, candidate: Trajectory, instant: SharedInst
     share of the speed; one of velocity counts twice. Each is passed on by every impulse, to two bodies.
     """
     m, c = instant.mine[0], instant.theirs[0]
-    here, there = reference.at(reference.events[m].time), candidate.at(candidate.events[c].time)
+    here, there = reference.after(m), candidate.after(c)
     mine, theirs = here.array(), there.array()
     lag = abs(float(reference.events[m].time) - float(candidate.events[c].time))
     speed = float(abs(mine[:, 2:]).max()) + float(abs(theirs[:, 2:]).max())

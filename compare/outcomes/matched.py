@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -20,11 +20,13 @@ from .table import changed_outcomes
 
 if TYPE_CHECKING:
     from ...scenarios.event import Contact, Event, Pocketing
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Motion, Trajectory
     from ..alignment.align import Alignment
     from ..alignment.patience import Patience
 
 Impulses: TypeAlias = "tuple[Contact, ...]"
+
+Row: TypeAlias = "tuple[Any, Any, Any, Any]"
 
 
 def matched_history(
@@ -33,8 +35,8 @@ def matched_history(
     """The candidate's history over the span.
 
     A meeting that is matched across the end counts in both runs or in neither, by where the reference has it. An
-    instant that is matched wholly has the reference's impulses: an engine that takes its rounds in one step, or in
-    several, reports another number of them for the same thing.
+    instant that is matched wholly has the reference's impulses, in one event: an engine that takes its rounds in one
+    step, or in several, reports another number of them for the same thing.
     """
     inside: dict[int, Event] = {}
     matched = {c: m for walked in reversed(alignment.walks.values()) for m, c in reversed(walked.pairs)}
@@ -44,23 +46,53 @@ def matched_history(
                 inside[index] = event
         elif span.holds(event.time):
             inside[index] = event
+    outside = [event for index, event in enumerate(candidate.events) if index not in inside]
     for group in instants(alignment.walks):
-        if not alignment.whole.issuperset(group.mine):
+        if not alignment.whole.issuperset(group.mine) or max(group.mine) >= span.events:
             continue
         told = [reference.events[m] for m in group.mine]
         impulses = tuple(pair for event in told for pair in event.impulses)
-        if Counter(impulses) != Counter(p for c in group.theirs for p in candidate.events[c].impulses):
+        others = Counter(p for c in group.theirs for p in candidate.events[c].impulses)
+        if Counter(impulses) != others or len(group.mine) == 1 < len(group.theirs):
             contacts = tuple(dict.fromkeys(pair for event in told for pair in event.contacts))
             for c in group.theirs:
                 inside.pop(c, None)
-            first = candidate.events[group.theirs[0]]
-            inside[group.theirs[0]] = replace(first, contacts=contacts, impulses=impulses)
-    events = tuple(replace(inside[c], index=place) for place, c in enumerate(sorted(inside)))
+            last = max(group.theirs)
+            inside[last] = replace(candidate.events[last], contacts=contacts, impulses=impulses)
+    inside = dict(sorted(inside.items()))
+    events = tuple(replace(event, index=place) for place, event in enumerate(inside.values()))
     end = min(float(candidate.final_time), max(_end(reference, span), *(float(e.time) for e in events), 0.0))
     cut = replace(candidate, events=events, final_time=end, pocketings=entries.inside(span))
-    if reference.scene.capture or reference.reversal is not None:
-        return cut
-    return replace(cut, motion=Left(candidate, events))
+    if not (reference.scene.capture or reference.reversal is not None):
+        cut = replace(cut, motion=Left(candidate, inside))
+    untold = _untold(cut, reference, span, outside)
+    return replace(cut, motion=Known(cut, untold, reference, _left_by(reference, span))) if untold else cut
+
+
+def _untold(cut: Trajectory, reference: Trajectory, span: Span, outside: Sequence[Event]) -> set[str]:
+    """The circles whose velocity at the end of the span a run does not tell apart from a later one: what lies beyond
+    the end in the reference comes at the same double as what lies within."""
+    end, ids = float(cut.final_time), {str(circle.id) for circle in cut.scene.circles}
+    if cut.reversal is not None and float(cut.reversal.time) <= end and not _turned(reference, span):
+        return ids
+    last = dict.fromkeys(ids, 0.0)
+    last.update((name, float(event.time)) for event in cut.events for pair in event.impulses for name in pair)
+    latest = last if isinstance(cut.motion, Left) else dict.fromkeys(ids, end)
+    names = ((name, float(event.time)) for event in outside for pair in event.impulses for name in pair)
+    return {name for name, time in names if name in ids and time <= latest[name]}
+
+
+def _turned(reference: Trajectory, span: Span) -> bool:
+    """Whether velocities are reversed within the span, before its end."""
+    turn = reference.reversal
+    return turn is not None and (turn.after < span.events or float(turn.time) < span.time)
+
+
+def _left_by(reference: Trajectory, span: Span) -> Left | Motion:
+    """The reference's motion to the end of the span, where that and what follows come at the same double."""
+    if reference.scene.capture or _turned(reference, span):
+        return reference.motion
+    return Left(reference, dict(enumerate(reference.events[: span.events])))
 
 
 @dataclass(frozen=True)
@@ -199,10 +231,11 @@ def _part(reference: Trajectory, known: Mapping[int, Impulses], entries: Iterabl
     """The reference with certain impulses of certain events and certain entries alone, up to a time."""
     events = tuple(replace(reference.events[m], index=k, impulses=known[m]) for k, m in enumerate(sorted(known)))
     turned = reference.reversal if reference.reversal and float(reference.reversal.time) <= end else None
-    cut = replace(reference, events=events, final_time=end, pocketings=tuple(entries), reversal=turned)
+    final = reference.final_time if float(reference.final_time) <= end else end  # which a double may be beyond
+    cut = replace(reference, events=events, final_time=final, pocketings=tuple(entries), reversal=turned)
     if reference.scene.capture or reference.reversal is not None:
         return cut
-    return replace(cut, motion=Left(reference, events))
+    return replace(cut, motion=Left(reference, {m: reference.events[m] for m in sorted(known)}))
 
 
 def _end(reference: Trajectory, span: Span) -> float:
@@ -215,28 +248,56 @@ class Left:
 
     Attributes:
         candidate: the whole run.
-        events: those inside the span.
+        events: those inside the span, by their index in the run.
     """
 
     candidate: Trajectory
-    events: Sequence[Event]
+    events: Mapping[int, Event]
 
-    def state(self, time: Any) -> list[tuple[Any, Any, Any, Any]]:
+    def state(self, time: Any) -> list[Row]:
         """(x, y, vx, vy) of every circle."""
-        last: dict[str, Any] = {}
-        for event in self.events:
+        last: dict[str, int] = {}
+        for index, event in self.events.items():
             if float(event.time) <= float(time):
-                last.update((name, event.time) for pair in event.impulses for name in pair)
-        states = {id(t): self.candidate.at(t) for t in last.values()}
+                last.update((name, index) for pair in event.impulses for name in pair)
+        states = {index: self.candidate.after(index) for index in {*last.values()}}
         start = self.candidate.at(0)
         rows = []
         for circle in start.circles:
-            since = last.get(circle.id, 0)
-            told = states[id(since)][circle.id] if circle.id in last else circle
-            lag = float(time) - float(since)
+            index = last.get(circle.id)
+            told = circle if index is None else states[index][circle.id]
+            lag = float(time) - (0.0 if index is None else float(self.events[index].time))
             vx, vy = float(told.vx), float(told.vy)
             rows.append((float(told.x) + vx * lag, float(told.y) + vy * lag, vx, vy))
         return rows
+
+    def sample(self, times: Sequence[float]) -> Any:
+        """Shape (times, circles, 4)."""
+        return np.array([self.state(time) for time in times])
+
+
+@dataclass(frozen=True)
+class Known:
+    """A run's motion; of circles of which it says nothing, the reference's, so that nothing is claimed of them.
+
+    Attributes:
+        run: the run.
+        untold: those circles.
+        reference: the reference.
+        motion: how it goes to the end of the span.
+    """
+
+    run: Trajectory
+    untold: Collection[str]
+    reference: Trajectory
+    motion: Left | Motion
+
+    def state(self, time: Any) -> list[Row]:
+        """(x, y, vx, vy) of every circle."""
+        last = self.reference.final_time
+        known = self.motion.state(last if float(last) <= float(time) else time)
+        rows = zip(self.run.scene.circles, self.run.motion.state(time), known, strict=True)
+        return [known if str(circle.id) in self.untold else row for circle, row, known in rows]
 
     def sample(self, times: Sequence[float]) -> Any:
         """Shape (times, circles, 4)."""

@@ -69,12 +69,17 @@ class Entries:
     def _holds(self, span: Span, k: int, entry: Pocketing) -> bool:
         if k in self.same:
             return span.holds(self.reference.pocketings[self.same[k]].time)
-        return span.holds(entry.time) and not self._awaited(self.reference, entry, self.run)
+        if not span.holds(entry.time) or self._awaited(self.reference, entry, self.run):
+            return False
+        return self.run.stop.reason is StopReason.QUIET or float(entry.time) < float(self.run.final_time)
 
     def _awaited(self, run: Trajectory, entry: Pocketing, other: Trajectory) -> bool:
-        """Whether a run ends in the very flight of an entry of the other, and that flight comes to it, if late."""
+        """Whether a run ends in the very flight of an entry of the other, and that flight comes to it, if late; or at
+        the entry's own time, of which it may not have told all."""
         if run.stop.reason is StopReason.QUIET:
             return False
+        if float(entry.time) == float(run.final_time):
+            return True
         state = run.final[entry.circle]
         x, y, vx, vy = (float(value) for value in (state.x, state.y, state.vx, state.vy))
         pocket = next(pocket for pocket in run.scene.pockets if pocket.id == entry.pocket)

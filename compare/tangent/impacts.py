@@ -289,7 +289,7 @@ def _read(trajectory: Trajectory, events: int) -> Iterator[list[Impact]]:
     radii, weights = [float(c.r) for c in scene.circles], [float(c.inverse_mass) for c in scene.circles]
     speeds = [(float(c.vx), float(c.vy)) for c in scene.circles]
     for event in trajectory.events[:events]:
-        time, after = float(event.time), trajectory.at(event.time).array()
+        time, after = float(event.time), trajectory.after(event.index).array()
         mine: list[Impact] = []
         for first, second in event.contacts:
             i = place[first]

@@ -34,15 +34,21 @@ def last_entry(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) 
 
 
 def _times(row: Sequence[DoubleKnot], x0: float, y0: float, r: float, end: float) -> Iterator[float]:
-    """When one circle enters one pocket."""
+    """When one circle enters one pocket.
+
+    At the time of a knot the velocity from then on decides: who is turned away at the rim does not enter.
+    """
     _, x, y, _, _ = row[0]
     inside = _gap(x - x0, y - y0, r) < 0
-    for (t, x, y, vx, vy), after in pairwise([*row, (end, 0.0, 0.0, 0.0, 0.0)]):
+    for (t, x, y, vx, vy), (after, *_) in pairwise([*row, (math.inf, 0.0, 0.0, 0.0, 0.0)]):
+        if t > end or t == after:
+            continue
         wait = time_to_enter(x - x0, y - y0, vx, vy, r)
-        if wait is not None and t + wait <= after[0] and not (inside and wait == 0):
-            yield t + wait
-        lag = after[0] - t
-        inside = math.hypot(x + vx * lag - x0, y + vy * lag - y0) <= r
+        enters = wait is not None and t + wait < after and t + wait <= end
+        if enters and not (inside and wait == 0):
+            yield t + (wait or 0.0)
+        lag = after - t
+        inside = (inside or enters) and _gap(x + vx * lag - x0, y + vy * lag - y0, r) < 0
 
 
 def time_to_enter(dx: float, dy: float, vx: float, vy: float, r: float) -> float | None:

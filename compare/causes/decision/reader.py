@@ -70,7 +70,7 @@ class RunReader:
         else:
             time, key = (Quantity.of(0), -1) if index is None else (self.run.events[index].time, index)
         if key not in self._states:
-            self._states[key] = self.run.at(time)
+            self._states[key] = self.run.at(time) if index is None or key == -2 else self.run.after(index)
         state = self._states[key][name]
         return OwnFlight(time, state.x, state.y, state.vx, state.vy)
 

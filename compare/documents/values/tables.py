@@ -127,7 +127,7 @@ def _pairs(contacts: Iterable[Contact]) -> str:
 
 def _states(run: Trajectory) -> Table:
     """The state after each event, a row a circle; of a run without events its final one."""
-    states = [(event.index, run.at(event.time)) for event in run.events] or [(0, run.final)]
+    states = [(event.index, run.after(event.index)) for event in run.events] or [(0, run.final)]
     rows = [(index, float(state.time), circle) for index, state in states for circle in state.circles]
     columns: dict[str, list[Any]] = {
         "event": [index for index, _, _ in rows],

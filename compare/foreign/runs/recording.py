@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ....floating.knots import DoubleKnot, DoubleMotion
+from ....floating.knots import DoubleKnot, EventMotion
 from ....floating.pymunk.pockets import entries, last_entry
 from ....scenarios.checks.limits import positive_count, positive_time
 from ....scenarios.event import Contact, Event, Reversal, Tie, TieProof
@@ -97,6 +97,7 @@ class Recording:
         self._times: list[float] = []
         self._links: list[list[Indices]] = []
         self._coupled: list[bool] = []
+        self._left: list[tuple[float, tuple[int, ...]]] = []
         self._now, self._end, self._steps = 0.0, 0.0, 0
         self._budget: str | None = None
         self._quiet = self._reported = self._closed = False
@@ -146,6 +147,9 @@ class Recording:
             raise EngineError(f"{self.where}: {contacts[0]} cannot collide: neither ever moves; leave it out")
         self._turn_before(now)
         rows = self._rows(now)
+        if self._part_at_the_turn(now, links, rows):
+            self._reverse(now)
+            rows = self._rows(now)
         given = None if states is None else self._reports.states(states)
         if given is not None:
             self._reports.check_all({k for link in links for k in link if self._impacts.moves(k)}, given)
@@ -154,6 +158,7 @@ class Recording:
             self._bounce(now, links, rows)
         else:
             self._tie(now, given)
+        self._leave(now)
         self._reported = True
         self._turn_after()
         self._tell()
@@ -183,6 +188,7 @@ class Recording:
             if max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > FLIGHT * self._scale
         ]
         self._tie(now, {k: rows[k] for k in {*changed, *off}})
+        self._leave(now)
         self._steps += 1
         happened = bool(changed) or self._reported or self._steps == 1
         self._reported = False
@@ -209,6 +215,10 @@ class Recording:
             now = self._reports.time(time, self._now, self.bits)
             self._turn_before(now)
             self._end = max(self._end, now)
+        at = self.scene.reverse_at
+        if quiet and at is not None and self.reversal is None:  # after which nothing is left to happen either
+            self._reverse(float(at))
+            self._end = max(self._end, float(at))
         self._quiet, self._closed = quiet, True
 
     def spent(self, budget: str) -> None:
@@ -224,13 +234,16 @@ class Recording:
         assert stop is not None
         told = [k for k, time in enumerate(self._times) if limit is None or time <= float(limit)][:count]
         end: Any = Double(self._end)
+        knots, turned = self._knots, self.reversal
         if stop.reason is StopReason.EVENTS:
             end = Double(self._times[told[-1]])
+            knots = [row[:number] for row, number in zip(knots, self._left[told[-1]][1], strict=True)]
+            turned = turned if turned and turned.after < len(told) else None
         elif stop.reason is StopReason.QUIET:
             end = Double(last_entry(self.scene, self._knots, self._end))
         elif stop.reason is StopReason.HORIZON and limit is not None and (self._quiet or float(limit) <= self._end):
             end = limit
-        turned = self.reversal if self.reversal and float(self.reversal.time) <= float(end) else None
+        turned = turned if turned and float(turned.time) <= float(end) else None
         return Trajectory(
             scene=self.scene,
             engine=self.name,
@@ -238,9 +251,9 @@ class Recording:
             events=tuple(self._event(k) for k in told),
             stop=stop,
             final_time=end,
-            motion=DoubleMotion(self._knots, float(end)),
+            motion=EventMotion(knots, float(end), self._left),
             reversal=turned,
-            pocketings=entries(self.scene, self._knots, float(end)) if self.scene.pockets else (),
+            pocketings=entries(self.scene, knots, float(end)) if self.scene.pockets else (),
             notes=tuple(self.notes),
         )
 
@@ -317,6 +330,13 @@ class Recording:
             self._reverse(float(at))
         self._now = self._end = max(self._now, now)
 
+    def _part_at_the_turn(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> bool:
+        """Whether a hit at the very time of the reversal, to a double, comes after it: those that collide parted."""
+        at = self.scene.reverse_at
+        if at is None or self.reversal is not None or float(at) != now:
+            return False
+        return all(self._impacts.opening(link, rows, self._impacts.normal(link, rows)) > 0.0 for link in links)
+
     def _turn_after(self) -> None:
         """The scene's reversal after a number of events, if it is due."""
         if self.scene.reverse_after == len(self._times) and self.reversal is None:
@@ -337,6 +357,11 @@ class Recording:
         return [
             (x + vx * (now - t), y + vy * (now - t), vx, vy) for t, x, y, vx, vy in (row[-1] for row in self._knots)
         ]
+
+    def _leave(self, now: float) -> None:
+        """Notes how the last event, if it is of this time, leaves the circles."""
+        if self._times and self._times[-1] == now:
+            self._left[len(self._times) - 1 :] = [(now, tuple(map(len, self._knots)))]
 
     def _tie(self, now: float, rows: Mapping[int, Row]) -> None:
         for k, row in rows.items():

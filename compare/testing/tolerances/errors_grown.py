@@ -58,7 +58,7 @@ class GrownErrors:
     def come_to(self, index: int) -> None:
         """Adds what flying to an event and predicting it may cost; positions are those at the event from then on."""
         event = self.run.events[index]
-        state, time = self.run.at(event.time).array(), float(event.time)
+        state, time = self.run.after(index).array(), float(event.time)
         self.position = state[:, :2]
         for contact in event.contacts:
             size = self.local.unit * self._size(contact, time)
@@ -74,7 +74,7 @@ class GrownErrors:
         if index >= len(self._rounds):
             raise NoTangentMap(f"event {index} has no tangent map", index)
         event, struck = self.run.events[index], self._rounds[index]
-        after = self.run.at(event.time).array()[:, 2:]
+        after = self.run.after(index).array()[:, 2:]
         meeting = [math.hypot(float(hit.vx), float(hit.vy)) for together in struck for hit in together]
         speeds = np.maximum(np.hypot(*self.velocity.T), np.hypot(*after.T))
         speeds = np.maximum(speeds, max(meeting, default=0.0)) if self.in_rounds else speeds

@@ -129,7 +129,10 @@ def _iterated(engine: Engine, reference: Trajectory) -> float:
             run = run_guarded(each, reference.scene, until=until, events=most)
         except SceneError:
             return 0.0
-        found = [energy(masses, run.at(time).array()[:, 2:]) for time in (0, *(event.time for event in run.events))]
+        found = [
+            energy(masses, state.array()[:, 2:])
+            for state in (run.at(0), *(run.after(event.index) for event in run.events))
+        ]
         left.append(max(abs(one - found[0]) for one in found) / found[0] if found[0] else 0.0)
     return 2 * left[0] if left[1] <= left[0] / 2 and left[0] <= LEFT else 0.0
 
@@ -178,7 +181,7 @@ def _late(reference: Trajectory, run: Trajectory, name: str) -> float | None:
     if theirs is None or set(theirs.contacts) != set(mine.contacts):
         return None
     start = next(c for c in reference.scene.circles if c.id == name)
-    after, got = reference.at(mine.time)[name], run.at(theirs.time)[name]
+    after, got = reference.after(mine.index)[name], run.after(theirs.index)[name]
     kick = math.hypot(float(after.vx) - float(start.vx), float(after.vy) - float(start.vy))
     lag = float(theirs.time) - float(mine.time)
     off = math.hypot(

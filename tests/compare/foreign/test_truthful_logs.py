@@ -1,0 +1,87 @@
+"""Logs that tell, in doubles, what the exact run has: none is said to differ, wherever it ends, whatever is asked."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Any
+
+import pytest
+from fuzz.generators import PLAIN, case_of
+
+from truebreak.compare import compare
+from truebreak.compare.foreign import LogEngine, Recording
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Scene, StopReason, Trajectory
+
+WORK = 100_000
+
+BELOW_DOUBLES = ("raft", "pocket_rafts", "on_rim", "pressed", "entry_ties", "holes", "rim_instant", "neighbours")
+"""Kinds with pockets and contacts that differ by less than doubles tell, where a log of doubles does say otherwise."""
+
+PLAYED = tuple(kind for kind in PLAIN if kind not in (*BELOW_DOUBLES, "wedged"))
+"""The others, but for one in which a circle may strike two walls without end before the double of a time is over."""
+
+FOUND = (
+    *(("instant", 4), ("onto_pair", 4), ("wedged", 9), ("graze_blow", 11), ("near_ties", 13), ("corner", 20)),
+    *(("raft", 24), ("slide", 28), ("wedged", 28), ("corner", 28), ("neighbours", 29), ("pressed", 33)),
+    *(("raft", 36), ("wedged", 37), ("mirrored", 49), ("on_rim", 3), ("pressed", 6)),
+)
+"""Cases that were said to differ: events at one double, a reversal at that of an event, an end between them."""
+
+
+def told(scene: Scene, run: Trajectory, events: int) -> Recording:
+    """A log of a run's first events. Impulses one after the other, as by a sequential policy, are so many lines."""
+    recording = Recording(scene, "log")
+    for event in run.events[:events]:
+        state = run.after(event.index)
+        moving = {c.id: c for c in state.circles if not scene.circles[scene.ids.index(c.id)].fixed}
+        states = {name: (float(c.x), float(c.y), float(c.vx), float(c.vy)) for name, c in moving.items()}
+        pairs = [(pair.first, pair.second) for pair in event.impulses]
+        if scene.tie_policy.name == "sequential":
+            for pair in pairs[:-1]:
+                recording.hit(float(event.time), *pair)
+            pairs = pairs[-1:]
+        recording.hits(float(event.time), pairs, states)
+    return recording
+
+
+def holds(kind: str, seed: int) -> None:
+    draw, scene = Random(f"{kind}-{seed}"), case_of(kind, seed).scene
+    engine = ExactEngine(work=WORK)
+    run = engine.run(scene, events=draw.choice([6, 15, 25]))
+    if scene.capture or not run.events or run.stop.reason in (StopReason.UNDECIDED, StopReason.BUDGET):
+        return
+    times = [float(event.time) for event in run.events]
+    for events in sorted({0, 1, len(times) // 2, len(times)} | {draw.randint(0, len(times))}):
+        ends = [float(run.final_time) if events == len(times) else times[events]]
+        before = times[events - 1] if events else 0.0
+        ends += [before, before + (ends[0] - before) * draw.random()]
+        limits: list[dict[str, Any]] = [{"events": max(events, 1)}, {"events": len(times)}]
+        limits += [{"until": end} for end in ends if end > 0.0]
+        if run.stop.reason is StopReason.QUIET:
+            limits.append({})
+        recording = told(scene, run, events)
+        over = events == len(times) and run.stop.reason is StopReason.QUIET
+        recording.end(max(before, ends[0]) if over else draw.choice(ends[1:]), quiet=over)
+        for asked in limits:
+            (log,) = compare(scene, [LogEngine(recording)], reference=engine, causes=False, **asked).candidates
+            assert log.verdict in ("agree", "unsettled"), (events, asked)
+            assert log.changed == (), (events, asked)
+
+
+@pytest.mark.parametrize(("kind", "seed"), FOUND)
+def test_a_log_that_was_said_to_differ(kind: str, seed: int) -> None:
+    holds(kind, seed)
+
+
+@pytest.mark.parametrize("kind", PLAYED)
+def test_a_log_of_the_exact_run_differs_in_nothing(kind: str) -> None:
+    for seed in range(1, 4):
+        holds(kind, seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", PLAYED)
+def test_many_logs_of_exact_runs_differ_in_nothing(kind: str) -> None:
+    for seed in range(4, 40):
+        holds(kind, seed)
