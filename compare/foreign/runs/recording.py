@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ....floating.knots import DoubleKnot, EventMotion
+from ....floating.knots import EventMotion
 from ....floating.pymunk.pockets import entries, last_entry
 from ....scenarios.checks.limits import positive_count, positive_time
-from ....scenarios.event import Contact, Event, Reversal, Tie, TieProof
+from ....scenarios.event import Event, Reversal
 from ....scenarios.numbers.doubles import Double
 from ....scenarios.trajectory import Progress, Stop, StopReason, Trajectory
 from ...validation import EngineError, checked_event
+from .course import Course
 from .impulses import Impacts, Indices, Row
 from .reports import Reports, rounded_to
 
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
 
 RECORD_ENDS = "the record ends at time"
 """What the stop of a run says of which no more is known, before the time."""
-
-MOST_EVENTS = 1_000_000
-"""Events of one recording: a few hundred megabytes."""
 
 MOST_STEPS = 10_000_000
 """States of one recording, as many as pymunk's default budget of steps."""
@@ -92,12 +90,8 @@ class Recording:
         self._places = {name: place for place, name in enumerate(scene.ids)}
         self._impacts, self._reports = Impacts(scene), Reports(scene, f"engine {name!r}")
         numbers = [[rounded_to(float(v), bits) for v in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]
-        self._knots: list[list[DoubleKnot]] = [[(0.0, x, y, vx, vy)] for x, y, vx, vy in numbers]
+        self._course = Course(scene, self._impacts, [(x, y, vx, vy) for x, y, vx, vy in numbers])
         self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
-        self._times: list[float] = []
-        self._links: list[list[Indices]] = []
-        self._coupled: list[bool] = []
-        self._left: list[tuple[float, tuple[int, ...]]] = []
         self._now, self._end, self._steps = 0.0, 0.0, 0
         self._budget: str | None = None
         self._quiet = self._reported = self._closed = False
@@ -121,7 +115,7 @@ class Recording:
     @property
     def rows(self) -> list[Row]:
         """x, y, vx, vy of every circle at the last time reported; at first the scene's, in the engine's bits."""
-        return self._rows(self._now)
+        return self._course.rows(self._now)
 
     def hit(self, time: float, a: str, b: str, states: States | None = None) -> None:
         """Two circles, or a circle and a wall, collide.
@@ -139,25 +133,25 @@ class Recording:
         """Several contacts collide at one instant, together; otherwise as `hit`."""
         now = self._reports.time(time, self._now, self.bits)
         contacts = [self._reports.contact(pair) for pair in pairs]
-        index = len(self._times)
+        index = len(self._course)
         event = Event(index, Double(now), tuple(dict.fromkeys(contacts)), tuple(contacts))
         checked_event(self.where, event, index, self.scene)
         links = [(self._places[a], self._places[b]) for a, b in contacts]
         if all(not self._impacts.moves(k) for link in links for k in link):
             raise EngineError(f"{self.where}: {contacts[0]} cannot collide: neither ever moves; leave it out")
         self._turn_before(now)
-        rows = self._rows(now)
+        rows = self._course.rows(now)
         if self._part_at_the_turn(now, links, rows):
             self._reverse(now)
-            rows = self._rows(now)
+            rows = self._course.rows(now)
         given = None if states is None else self._reports.states(states)
         if given is not None:
             self._reports.check_all({k for link in links for k in link if self._impacts.moves(k)}, given)
-        self._add(now, links, rows)
+        self._course.add(self.where, now, links, rows, self.step is not None)
         if given is None:
             self._bounce(now, links, rows)
         else:
-            self._tie(now, given)
+            self._course.fly(now, given)
         self._leave(now)
         self._reported = True
         self._turn_after()
@@ -176,18 +170,18 @@ class Recording:
         given = self._reports.states(states)
         way = self.step if self.step is not None else now - self._now
         self._turn_before(now)
-        before = self._rows(now)
+        before = self._course.rows(now)
         rows = [given.get(k, row) for k, row in enumerate(before)]
         changed = [k for k in range(len(rows)) if rows[k][2:] != before[k][2:]]
         if changed and not self._reported:
             links = self._inferred(now, way, rows, before)
-            self._add(now, links, rows)
+            self._course.add(self.where, now, links, rows, self.step is not None)
         off = [
             k
             for k in range(len(rows))
             if max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > FLIGHT * self._scale
         ]
-        self._tie(now, {k: rows[k] for k in {*changed, *off}})
+        self._course.fly(now, {k: rows[k] for k in {*changed, *off}})
         self._leave(now)
         self._steps += 1
         happened = bool(changed) or self._reported or self._steps == 1
@@ -232,15 +226,15 @@ class Recording:
             limit, count = self.until, self.events
         stop = self._stop_within(self._end, limit, count)
         assert stop is not None
-        told = [k for k, time in enumerate(self._times) if limit is None or time <= float(limit)][:count]
+        told = [k for k, time in enumerate(self._course.times) if limit is None or time <= float(limit)][:count]
         end: Any = Double(self._end)
-        knots, turned = self._knots, self.reversal
+        knots, turned = self._course.knots, self.reversal
         if stop.reason is StopReason.EVENTS:
-            end = Double(self._times[told[-1]])
-            knots = [row[:number] for row, number in zip(knots, self._left[told[-1]][1], strict=True)]
+            end = Double(self._course.times[told[-1]])
+            knots = [row[:number] for row, number in zip(knots, self._course.left[told[-1]][1], strict=True)]
             turned = turned if turned and turned.after < len(told) else None
         elif stop.reason is StopReason.QUIET:
-            end = Double(last_entry(self.scene, self._knots, self._end))
+            end = Double(last_entry(self.scene, self._course.knots, self._end))
         elif stop.reason is StopReason.HORIZON and limit is not None and (self._quiet or float(limit) <= self._end):
             end = limit
         turned = turned if turned and float(turned.time) <= float(end) else None
@@ -248,10 +242,10 @@ class Recording:
             scene=self.scene,
             engine=self.name,
             parameters=self.parameters,
-            events=tuple(self._event(k) for k in told),
+            events=tuple(self._course.event(k) for k in told),
             stop=stop,
             final_time=end,
-            motion=EventMotion(knots, float(end), self._left),
+            motion=EventMotion(knots, float(end), self._course.left),
             reversal=turned,
             pocketings=entries(self.scene, knots, float(end)) if self.scene.pockets else (),
             notes=tuple(self.notes),
@@ -261,9 +255,9 @@ class Recording:
 
     def _stop_within(self, end: float | None, limit: Quantity | None, count: int | None) -> Stop | None:
         """Why a run with such limits ends; with `end` None, None while it does not."""
-        done = len(self._times)
+        done = len(self._course)
         if limit is not None and end is not None:
-            done = sum(time <= float(limit) for time in self._times)
+            done = sum(time <= float(limit) for time in self._course.times)
         if count is not None and done >= count:
             return Stop(StopReason.EVENTS, f"{StopReason.EVENTS.value}: {count}")
         reached = self._now if end is None else end
@@ -277,25 +271,6 @@ class Recording:
             return Stop(StopReason.BUDGET, f"{StopReason.BUDGET.value}: {self._budget}")
         return Stop(StopReason.HORIZON, f"{RECORD_ENDS} {end!r}")
 
-    def _event(self, index: int) -> Event:
-        ids, links = self.scene.ids, self._links[index]
-        impulses = tuple(Contact(ids[i], ids[j]) for i, j in links)
-        contacts = tuple(Contact(ids[i], ids[j]) for i, j in sorted(set(links)))
-        ties = (Tie(contacts, TieProof.FLOAT),) if len(contacts) > 1 else ()
-        return Event(index, Double(self._times[index]), contacts, impulses, ties, self._coupled[index])
-
-    def _add(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> None:
-        """Notes an event; with a time step, what comes at one time is one."""
-        if self.step is not None and self._times and self._times[-1] == now:
-            links = [*self._links[-1], *links]
-            for told in (self._times, self._links, self._coupled):
-                told.pop()
-        if len(self._times) >= MOST_EVENTS:
-            raise EngineError(f"{self.where}: more than {MOST_EVENTS:,} events; end the run before that")
-        self._times.append(now)
-        self._links.append(list(links))
-        self._coupled.append(len(set(links)) > 1 and self._impacts.coupled(sorted(set(links)), rows))
-
     def _bounce(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> None:
         """Has the laws say how a hit without states leaves the circles."""
         self.reckoned = True
@@ -303,12 +278,12 @@ class Recording:
         if after is None:
             if not self.notes:
                 self.notes.append(
-                    f"event {len(self._times) - 1}: with the times reported, the laws do not have "
+                    f"event {len(self._course) - 1}: with the times reported, the laws do not have "
                     f"{self.scene.ids[links[0][0]]} and {self.scene.ids[links[0][1]]} approach there: from then on "
                     "where circles are is not known; report states"
                 )
             return
-        self._tie(now, {k: row for k, row in enumerate(after) if row[2:] != rows[k][2:]})
+        self._course.fly(now, {k: row for k, row in enumerate(after) if row[2:] != rows[k][2:]})
 
     def _inferred(self, now: float, way: float, rows: Sequence[Row], before: Sequence[Row]) -> list[Indices]:
         """The contacts of the last `way` of time."""
@@ -339,31 +314,20 @@ class Recording:
 
     def _turn_after(self) -> None:
         """The scene's reversal after a number of events, if it is due."""
-        if self.scene.reverse_after == len(self._times) and self.reversal is None:
-            self._reverse(self._times[-1])
+        if self.scene.reverse_after == len(self._course) and self.reversal is None:
+            self._reverse(self._course.times[-1])
 
     def _reverse(self, time: float) -> None:
-        self.reversal = Reversal(len(self._times), Double(time))
-        self._tie(time, {k: (x, y, -vx, -vy) for k, (x, y, vx, vy) in enumerate(self._rows(time))})
+        self.reversal = Reversal(len(self._course), Double(time))
+        self._course.fly(time, {k: (x, y, -vx, -vy) for k, (x, y, vx, vy) in enumerate(self._course.rows(time))})
         if self._returns:
             self.until, self.events = positive_time("until", 2 * time), None
 
     def _tell(self) -> None:
         if self._progress is not None:
-            self._progress(Progress(len(self._times), self._now))
-
-    def _rows(self, now: float) -> list[Row]:
-        """Where every circle is by its last flight."""
-        return [
-            (x + vx * (now - t), y + vy * (now - t), vx, vy) for t, x, y, vx, vy in (row[-1] for row in self._knots)
-        ]
+            self._progress(Progress(len(self._course), self._now))
 
     def _leave(self, now: float) -> None:
-        """Notes how the last event, if it is of this time, leaves the circles."""
-        if self._times and self._times[-1] == now:
-            self._left[len(self._times) - 1 :] = [(now, tuple(map(len, self._knots)))]
-
-    def _tie(self, now: float, rows: Mapping[int, Row]) -> None:
-        for k, row in rows.items():
-            if self._impacts.moves(k):
-                self._knots[k].append((now, *row))
+        """The last event is over, if it is of this time; unless velocities have been reversed since."""
+        if self.reversal is None or self.reversal.after < len(self._course):
+            self._course.leave(now)
