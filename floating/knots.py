@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, SupportsFloat, TypeAlias
 
@@ -81,9 +81,11 @@ class EventMotion(DoubleMotion):
 
     Attributes:
         left: for each event its time, and how many knots each circle has once it is over.
+        reckoned: the events of which the engine told only when they are: how they leave the circles is computed.
     """
 
     left: Sequence[tuple[float, Sequence[int]]] = ()
+    reckoned: Collection[int] = ()
 
     def after(self, event: int) -> list[tuple[float, float, float, float]]:
         """(x, y, vx, vy) of every circle as an event leaves it, by its index, before what follows at the same time.

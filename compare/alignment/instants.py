@@ -204,7 +204,9 @@ def first_changed_instant(
             part = _not_reproduced(reference, candidate, walks, instant, same)
             if part is not None:
                 return _tie(reference, candidate, part)
-        if len(instant.theirs) == 1 == len(instant.mine) and not _explained(reference, candidate, instant, step, same):
+        told = instant.theirs[0] not in getattr(candidate.motion, "reckoned", ())
+        alone = told and len(instant.theirs) == 1 == len(instant.mine)
+        if alone and not _explained(reference, candidate, instant, step, same):
             return _tie(reference, candidate, instant)
     return None
 

@@ -30,21 +30,29 @@ Row: TypeAlias = "tuple[Any, Any, Any, Any]"
 
 
 def matched_history(
-    candidate: Trajectory, reference: Trajectory, alignment: Alignment, span: Span, entries: Entries
+    candidate: Trajectory,
+    reference: Trajectory,
+    alignment: Alignment,
+    span: Span,
+    entries: Entries,
+    only: Collection[int] | None = None,
 ) -> Trajectory:
     """The candidate's history over the span.
 
     A meeting that is matched across the end counts in both runs or in neither, by where the reference has it. An
     instant that is matched wholly has the reference's impulses, in one event: an engine that takes its rounds in one
     step, or in several, reports another number of them for the same thing.
+
+    Args:
+        only: the reference's events that alone count, as far as they are matched.
     """
     inside: dict[int, Event] = {}
     matched = {c: m for walked in reversed(alignment.walks.values()) for m, c in reversed(walked.pairs)}
     for index, event in enumerate(candidate.events):
         if index in matched:
-            if matched[index] < span.events:
+            if matched[index] < span.events and (only is None or matched[index] in only):
                 inside[index] = event
-        elif span.holds(event.time):
+        elif only is None and span.holds(event.time):
             inside[index] = event
     outside = [event for index, event in enumerate(candidate.events) if index not in inside]
     for group in instants(alignment.walks):
@@ -143,7 +151,7 @@ def held(
         until = _before_a_part(run, reference, alignment, until)
         span = Span(sum(float(event.time) <= until for event in reference.events[: span.events]), until)
     entries = Entries(run, reference, alignment, patience)
-    history = matched_history(run, reference, alignment, span, entries)
+    history = matched_history(run, reference, alignment, span, entries, None if settled else alignment.whole)
     values, end = tell(history), float(history.final_time)
     if settled:
         told = _end(reference, span) if until is None else until
@@ -152,8 +160,7 @@ def held(
     certain = known if until is None else _certain(reference, alignment, known, patience, end)
     entered, sure = entries.expected(span), entries.certain(span)
     if not settled:
-        matched = {m for walked in alignment.walks.values() for m, _ in walked.pairs}
-        known = certain = {m: pairs for m, pairs in known.items() if m in matched}
+        known = certain = {m: pairs for m, pairs in known.items() if m in alignment.whole}
         entered = sure = entries.shared(span)
     expected = whole if until is None and settled else tell(_part(reference, known, entered.values(), end))
     changed = changed_outcomes(expected, values, agrees=loose)

@@ -67,6 +67,7 @@ CLASSES = (
     "floating.interval:IntervalMotion",
     "floating.interval:IntervalNumber",
     "floating.knots:DoubleMotion",
+    "floating.knots:EventMotion",
     "floating.quad:QuadMotion",
     "floating.quad:QuadTime",
     "scenarios.event:Assumption",

@@ -30,6 +30,7 @@ class Course:
         times: of the events.
         knots: for each circle, from when on it flies straight, from where and how fast.
         left: for each event its time, and how many knots each circle has once it is over.
+        reckoned: the events that came without states.
     """
 
     def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row]) -> None:
@@ -37,6 +38,7 @@ class Course:
         self.times: list[float] = []
         self.knots: list[list[DoubleKnot]] = [[(0.0, *row)] for row in rows]
         self.left: list[tuple[float, tuple[int, ...]]] = []
+        self.reckoned: set[int] = set()
         self._links: list[list[Indices]] = []
         self._coupled: list[bool] = []
 

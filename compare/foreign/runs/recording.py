@@ -31,7 +31,8 @@ MOST_STEPS = 10_000_000
 
 FLIGHT = 2.0**-40
 """A state that is off the flight from the last one by no more than this share of the scene's measures says nothing
-new: adding up v dt over a thousand steps rounds by less. Others begin a flight of their own."""
+new: adding up v dt over a thousand steps rounds by less. Others begin a flight of their own. A velocity that differs
+from the last by no more than this share of the largest speed does by rounding, and not by a contact."""
 
 UNEXPLAINED = 1 / 8
 """A change of velocities of which contacts leave more than this share is not of their making. Overlaps turn the lines
@@ -172,16 +173,18 @@ class Recording:
         self._turn_before(now)
         before = self._course.rows(now)
         rows = [given.get(k, row) for k, row in enumerate(before)]
-        changed = [k for k in range(len(rows)) if rows[k][2:] != before[k][2:]]
+        small = FLIGHT * max(math.hypot(*row[2:]) for row in [*rows, *before])
+        turned = [max(abs(vx - ux), abs(vy - uy)) for (*_, vx, vy), (*_, ux, uy) in zip(rows, before, strict=True)]
+        changed = [k for k, by in enumerate(turned) if by > small]
         if changed and not self._reported:
             links = self._inferred(now, way, rows, before)
             self._course.add(self.where, now, links, rows, self.step is not None)
         off = [
             k
-            for k in range(len(rows))
-            if max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > FLIGHT * self._scale
+            for k, by in enumerate(turned)
+            if by or max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > FLIGHT * self._scale
         ]
-        self._course.fly(now, {k: rows[k] for k in {*changed, *off}})
+        self._course.fly(now, {k: rows[k] for k in off})
         self._leave(now)
         self._steps += 1
         happened = bool(changed) or self._reported or self._steps == 1
@@ -245,7 +248,7 @@ class Recording:
             events=tuple(self._course.event(k) for k in told),
             stop=stop,
             final_time=end,
-            motion=EventMotion(knots, float(end), self._course.left),
+            motion=EventMotion(knots, float(end), self._course.left, tuple(sorted(self._course.reckoned))),
             reversal=turned,
             pocketings=entries(self.scene, knots, float(end)) if self.scene.pockets else (),
             notes=tuple(self.notes),
@@ -274,6 +277,7 @@ class Recording:
     def _bounce(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> None:
         """Has the laws say how a hit without states leaves the circles."""
         self.reckoned = True
+        self._course.reckoned.add(len(self._course) - 1)
         after = self._impacts.bounce(links, rows)
         if after is None:
             if not self.notes:
@@ -291,7 +295,7 @@ class Recording:
         room = 2 * fastest * way + FLIGHT * self._scale
         links, left = self._impacts.inferred(rows, before, room, None if self.step else way)
         if not links or left > UNEXPLAINED:
-            changed = next(k for k in range(len(rows)) if rows[k][2:] != before[k][2:])
+            changed = max(range(len(rows)), key=lambda k: math.dist(rows[k][2:], before[k][2:]))
             raise EngineError(
                 f"{self.where}: at time {now!r} the velocity of {self.scene.ids[changed]!r} has changed, and no "
                 "contact near it explains how; report the contacts by hit(time, a, b)"

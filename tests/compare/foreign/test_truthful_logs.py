@@ -11,7 +11,7 @@ from fuzz.generators import PLAIN, case_of
 from truebreak.compare import compare
 from truebreak.compare.foreign import LogEngine, Recording
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Scene, StopReason, Trajectory
+from truebreak.scenarios import Circle, Scene, StopReason, Trajectory, Wall
 
 WORK = 100_000
 
@@ -85,3 +85,33 @@ def test_a_log_of_the_exact_run_differs_in_nothing(kind: str) -> None:
 def test_many_logs_of_exact_runs_differ_in_nothing(kind: str) -> None:
     for seed in range(4, 40):
         holds(kind, seed)
+
+
+def test_a_velocity_that_is_rounded_otherwise_is_no_contact() -> None:
+    """An engine of steps whose numbers are those of the scene but for the last bits: at first, or from step to step."""
+    scene = Scene([Circle("1/3", 0, vx="1/10", id="a"), Circle(9, 0, id="b")], [Wall(20, 0, 20, 1, id="w")])
+    recording, speed = Recording(scene, "steps", step=0.125), 0.1
+    for number in range(1, 200):
+        speed *= 1 + 2.0**-44
+        recording.state(
+            0.125 * number, {"a": (1 / 3 + 0.1 * 0.125 * number, 0.0, speed, 0.0), "b": (9.0, 0.0, 0.0, 0.0)}
+        )
+    recording.end()
+    run = recording.trajectory()
+    assert run.events == ()
+    assert float(run.final["a"].vx) == speed
+    (found,) = compare(scene, [LogEngine(recording, step=0.125)], until=20, causes=False).candidates
+    assert (found.verdict, found.changed) == ("agree", ())
+
+
+def test_ties_told_by_time_alone_are_not_judged_by_velocities_that_are_reckoned() -> None:
+    for kind, seed in (("graze_blow", 9), ("corner", 31), ("instant", 32), ("slide", 7)):
+        scene = case_of(kind, seed).scene
+        run = ExactEngine(work=WORK).run(scene, events=3)
+        recording = Recording(scene, "log")
+        for event in run.events:
+            recording.hits(float(event.time), [(pair.first, pair.second) for pair in event.contacts])
+        recording.end()
+        (log,) = compare(scene, [LogEngine(recording)], events=len(run.events), causes=False).candidates
+        assert log.verdict in ("agree", "unsettled")
+        assert log.changed == ()
