@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import inf, isfinite
 
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from sympy import Rational, symbols
 
@@ -34,6 +34,19 @@ def test_circles_whose_cells_are_no_neighbours_do_not_touch() -> None:
     grid = grid_for(flights, [1.3] * len(flights))
     assert grid is not None
     assert grid.width * (1 - 2 * MARGIN) >= 2.6 * (1 - 4 * UNIT)
+
+
+@pytest.mark.parametrize("times", [1.0, 3.0, 4.0, 4.0 + 2.0**-50, 5.0])
+def test_whoever_is_in_cells_fits_them_whatever_its_size(times: float) -> None:
+    """Up to four times the usual radius; larger ones are held against all."""
+    flights = [(9.0 * i, 9.0 * j, 1.0, 0.0, 0.0) for i in range(12) for j in range(9)]
+    radii = [1.0] * (len(flights) - 1) + [times]
+    grid, cells = grid_for(flights, radii), cells_for(flights, radii, [])
+    assert grid is not None
+    assert cells is not None
+    held = [r for i, r in enumerate(radii) if i not in cells.large]
+    assert len(held) == len(radii) - (times > 4.0)
+    assert grid.width * (1 - 2 * MARGIN) >= 2.0 * max(held) * (1 - 4 * UNIT)
 
 
 def test_a_circle_leaves_half_a_margin_beyond_its_cell() -> None:
@@ -109,6 +122,8 @@ whole = st.integers(-30, 90)
 
 
 @given(whole, whole, whole, whole, st.integers(0, 6), st.fractions(0, 5, max_denominator=64))
+@example(4, 3, 1, 0, 0, Fraction(1))
+@example(4, 3, 0, -1, 0, Fraction(1))
 def test_a_wall_that_a_circle_in_a_cell_may_touch_is_near_it(
     x0: int, y0: int, dx: int, dy: int, halves: int, radius: Fraction
 ) -> None:
