@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from typing import TYPE_CHECKING, Any
 
 from ...floating.pymunk.pockets import time_to_enter
 from ...scenarios.trajectory import StopReason
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-    from ...scenarios.event import Event, Pocketing
+    from ...scenarios.event import Pocketing
     from ...scenarios.trajectory import Trajectory
     from ..alignment.align import Alignment, Span
     from ..alignment.patience import Patience
@@ -38,7 +37,10 @@ class Entries:
 
     def __init__(self, run: Trajectory, reference: Trajectory, alignment: Alignment, patience: Patience) -> None:
         self.run, self.reference, self.patience = run, reference, patience
-        self.walks = alignment.walks
+        self._met = {id(told): _meetings(told) for told in (run, reference)}
+        self._matched = {
+            name: {c: m for m, c in sorted(walked.pairs)} for name, walked in alignment.walks.items()
+        }  # of several of the reference's, the last
         known = {self._flight(reference, entry): m for m, entry in enumerate(reference.pocketings)}
         flights = {k: self._flight(run, entry) for k, entry in enumerate(run.pocketings)}
         self.same = {k: known[flight] for k, flight in flights.items() if flight in known}
@@ -95,14 +97,21 @@ class Entries:
         """Who enters what, the reference's number of the last meeting of it before, and whether velocities had been
         reversed; -1 for a meeting that the reference does not have."""
         now = float(entry.time) if time is None else time
-        last = next((e.index for e in self._meetings(run, entry.circle) if float(e.time) <= now), None)
+        times, indices = self._met[id(run)].get(entry.circle, ((), ()))
+        place = bisect_right(times, now)
+        last = indices[place - 1] if place else None
         if last is not None and run is self.run:
-            pairs = self.walks[entry.circle].pairs
-            last = max((m for m, c in pairs if c == last), default=-1)
+            last = self._matched[entry.circle].get(last, -1)
         turned = run.reversal is not None and float(run.reversal.time) <= now
         return entry.circle, entry.pocket, last, turned
 
-    @staticmethod
-    def _meetings(run: Trajectory, circle: str) -> Iterator[Event]:
-        """A circle's events, the last first."""
-        return (e for e in reversed(run.events) if any(circle in pair for pair in e.impulses))
+
+def _meetings(run: Trajectory) -> dict[str, tuple[list[float], list[int]]]:
+    """When each circle is struck, and in which events; nothing where there are no pockets."""
+    met: dict[str, tuple[list[float], list[int]]] = {}
+    for event in run.events if run.scene.pockets else ():
+        for name in {name for pair in event.impulses for name in pair}:
+            times, indices = met.setdefault(name, ([], []))
+            times.append(float(event.time))
+            indices.append(event.index)
+    return met

@@ -45,12 +45,13 @@ def told(scene: Scene, run: Trajectory, events: int) -> Recording:
     return recording
 
 
-def holds(kind: str, seed: int) -> None:
+def holds(kind: str, seed: int) -> bool:
+    """Asserts it of one scene; whether that has an exact run to be told."""
     draw, scene = Random(f"{kind}-{seed}"), case_of(kind, seed).scene
     engine = ExactEngine(work=WORK)
     run = engine.run(scene, events=draw.choice([6, 15, 25]))
     if scene.capture or not run.events or run.stop.reason in (StopReason.UNDECIDED, StopReason.BUDGET):
-        return
+        return False
     times = [float(event.time) for event in run.events]
     for events in sorted({0, 1, len(times) // 2, len(times)} | {draw.randint(0, len(times))}):
         ends = [float(run.final_time) if events == len(times) else times[events]]
@@ -67,24 +68,23 @@ def holds(kind: str, seed: int) -> None:
             (log,) = compare(scene, [LogEngine(recording)], reference=engine, causes=False, **asked).candidates
             assert log.verdict in ("agree", "unsettled"), (events, asked)
             assert log.changed == (), (events, asked)
+    return True
 
 
 @pytest.mark.parametrize(("kind", "seed"), FOUND)
 def test_a_log_that_was_said_to_differ(kind: str, seed: int) -> None:
-    holds(kind, seed)
+    assert holds(kind, seed)
 
 
 @pytest.mark.parametrize("kind", PLAYED)
 def test_a_log_of_the_exact_run_differs_in_nothing(kind: str) -> None:
-    for seed in range(1, 4):
-        holds(kind, seed)
+    assert sum(holds(kind, seed) for seed in range(1, 5)) > 0
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", PLAYED)
 def test_many_logs_of_exact_runs_differ_in_nothing(kind: str) -> None:
-    for seed in range(4, 40):
-        holds(kind, seed)
+    assert sum(holds(kind, seed) for seed in range(5, 41)) > 0
 
 
 def test_a_velocity_that_is_rounded_otherwise_is_no_contact() -> None:
