@@ -16,6 +16,7 @@ from test_docs import BLOCK
 
 import truebreak as tb
 import truebreak.exact
+from truebreak.exact.compiled import predictions
 
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("scenarios", "tools", "exact", "floating", "compare")
@@ -33,7 +34,7 @@ def sources() -> set[str]:
         path.relative_to(ROOT).as_posix()
         for folder in FOLDERS
         for path in (ROOT / folder).rglob("*")
-        if path.is_file() and "__pycache__" not in path.parts
+        if path.is_file() and "__pycache__" not in path.parts and path.suffix not in (".so", ".pyd")
     }
 
 
@@ -48,7 +49,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("wheel")
     copy = folder / "sources"
     for name in FOLDERS:
-        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__", "*.so", "*.pyd"))
     for name in ("pyproject.toml", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, copy / name)
     command = [
@@ -86,7 +87,12 @@ def test_every_folder_with_code_is_a_listed_package() -> None:
 def test_wheel_holds_every_file_of_the_folders(wheel: Path) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
-    assert names == set(map(installed, sources()))
+    compiled = {name for name in names if name.endswith((".so", ".pyd"))}
+    assert names - compiled == {installed(name) for name in sources() if not name.endswith((".c", ".h"))}
+    if predictions is not None:  # this installation was compiled, so that one is too
+        assert {name.partition(".")[0] for name in compiled} == {
+            module["name"].replace(".", "/") for module in SETTINGS["tool"]["setuptools"]["ext-modules"]
+        }
     typed = set(FOLDERS) - {"tools"}  # the checker is written to be read, without types
     assert {installed(f"{folder}/py.typed") for folder in typed} <= names
 

@@ -19,8 +19,8 @@ SHORT_RUN = {
     "numbers.rationals numbers.real numbers.forms.sympy_form numbers.tower.element numbers.tower.field "
     "numbers.tower.ring numbers.tower.sums numbers.tower.tower numbers.tower.written catalogue.draw "
     "catalogue.entry catalogue.settings catalogue.table catalogue.scenes.article catalogue.scenes.gas",
-    "exact": "engine cascade certified laws.formulas laws.tangent_formulas numbers policies predicates replay results "
-    "simulation symmetry",
+    "exact": "engine cascade certified compiled laws.formulas laws.tangent_formulas numbers policies predicates replay "
+    "results simulation symmetry",
     "floating": "double flat knots plain",
 }
 """What a short run of the command line may load of each layer: modules, and rooms with all that is in them."""

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import NamedTuple
 
+from ...exact.compiled import predictions
+
 STATUS, CLEAR = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 LOOPS = 20_000
@@ -114,7 +116,7 @@ def computer() -> dict[str, str | int]:
         "processor": _processor(),
         "cores": os.cpu_count() or 1,
         "system": platform.system(),
-        "python": platform.python_version(),
+        "python": platform.python_version() + ("" if predictions else " (nothing compiled)"),
     }
 
 

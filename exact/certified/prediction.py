@@ -17,7 +17,7 @@ from ..replay.contact import Entry, Link
 from ..replay.refinable import RefinableState
 from ..simulation.arrivals.grid import FloatFlight
 from ..simulation.arrivals.prediction import Predictor, link_of
-from ..simulation.arrivals.queue import ArrivalQueue
+from ..simulation.arrivals.queue import ArrivalQueue, Outlook
 
 QUICK_BITS = 128
 """Precision of predictions: two machine words, the most that flint keeps without a call for memory."""
@@ -55,7 +55,7 @@ class FilteredPredictor(Predictor[arb]):
         self._float_reaches = [[float(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
-        self._partners: dict[tuple[int, int], list[list[Body[arb]]]] = {}
+        self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}
 
     def prepare(self) -> None:
         """Short precision."""
@@ -126,30 +126,37 @@ class FilteredPredictor(Predictor[arb]):
         if gone or not self.few or not 0 < len(moved) < 3:
             super().predict(moved, standing, gone)
             return
-        for a in moved:
-            if a.f is None or not (a.f[2] or a.f[3]):
-                super().predict(moved, standing, gone)
-                return
-        plan, lines, walls, push_walls = self.plan, self._float_lines, self.filter.walls, self.queue.push_walls
-        for a in moved:
-            a.until = inf
-            found, unclear = walls(a, lines.get(a.index) or self._as_seen_from(a))
-            push_walls(a, found, standing)
-            if unclear:
-                self._unclear_walls(a, unclear, standing)
-        plan["walls predicted"] += len(moved) * self.wall_count
         key = moved[0].index, moved[-1].index
-        predicted = 0
-        for a, others in zip(moved, self._partners.get(key) or self._partners_of(key), strict=True):
-            self.pairs(a, others, standing)
-            predicted += len(others)
-        plan["pairs predicted"] += predicted
+        outlook, queue, find = self._outlooks.get(key) or self._outlook_of(key), self.queue, self.filter
+        if not queue.push_all(moved, outlook, find.pair_bounds, find.wall_bounds, standing):
+            for a in moved:
+                if a.f is None or not (a.f[2] or a.f[3]):
+                    super().predict(moved, standing, gone)
+                    return
+            for a, lines in zip(moved, outlook.lines, strict=True):
+                a.until = inf
+                found, unclear = find.walls(a, lines)
+                queue.push_walls(a, found, standing)
+                if unclear:
+                    self._unclear_walls(a, unclear, standing)
+            for a, others in zip(moved, outlook.others, strict=True):
+                self.pairs(a, others, standing)
+        plan = self.plan
+        plan["walls predicted"] += len(moved) * self.wall_count
+        plan["pairs predicted"] += outlook.pairs
 
-    def _partners_of(self, key: tuple[int, int]) -> list[list[Body[arb]]]:
-        """With whom two circles, or one, are to be looked at: the second not with the first."""
+    def _outlook_of(self, key: tuple[int, int]) -> Outlook[arb]:
+        """What two circles, or one, may meet: the second not the first."""
         i, j = key
-        of_first, of_second = ([b for b in self.state.bodies.values() if b.index not in out] for out in ((i,), key))
-        found = self._partners[key] = [of_first] if i == j else [of_first, of_second]
+        bodies = self.state.bodies
+        moved = [bodies[i]] if i == j else [bodies[i], bodies[j]]
+        others = [[b for b in bodies.values() if b.index not in out] for out in ((i,), key)[: len(moved)]]
+        found = self._outlooks[key] = Outlook(
+            others,
+            [self._float_lines.get(a.index) or self._as_seen_from(a) for a in moved],
+            [self._float_reaches[a.kind] for a in moved],
+            sum(map(len, others)),
+        )
         return found
 
     def pairs(self, a: Body[arb], others: list[Body[arb]], standing: Collection[Link]) -> None:

@@ -24,16 +24,19 @@ so beyond such bounds of d x v and |v|^2.
 
 All bounds are then taken at least twice as large as they come out, which covers the rounding of the bounds
 themselves.
+
+Where `compiled.predictions` is there, it does what `pairs` and `walls` do here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import inf, isfinite, nan, sqrt
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from flint import arb
 
+from ..compiled import predictions
 from ..replay.body import Body, Doubles
 
 UNIT = 2.0**-53
@@ -75,6 +78,10 @@ def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> Fl
     return FloatLine(wall, fx0, fy0, fnx, fny, fixed, norm, size)
 
 
+PairBounds: TypeAlias = tuple[float, float, float, float, float]
+"""4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: bounds that hold for any pair."""
+
+
 class DoubleFilter:
     """Predictions in doubles.
 
@@ -91,7 +98,7 @@ class DoubleFilter:
         self._clock: arb | None = None
         self._beside: arb | None = None
         self._at = self._late = 0.0
-        self._bounds: tuple[float, float, float, float, float] | None = None
+        self._bounds: PairBounds | None = None
 
     def admit(self, body: Body[arb]) -> None:
         """Sets a body's doubles from its short balls, or None if they are not accurate enough."""
@@ -154,8 +161,17 @@ class DoubleFilter:
             self.latest = time * AHEAD
         self._bounds = None
 
-    def _bound(self) -> tuple[float, float, float, float, float]:
-        """4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: bounds that hold for any pair."""
+    @property
+    def pair_bounds(self) -> PairBounds:
+        """Those for all pairs, as things stand."""
+        return self._bounds or self._bound()
+
+    @property
+    def wall_bounds(self) -> tuple[float, float]:
+        """Bounds of what n.v, and n.x, is off by for a normal of 1."""
+        return 16 * UNIT * self.fastest, 32 * UNIT * self.largest
+
+    def _bound(self) -> PairBounds:
         fastest, latest = self.fastest, self.latest
         near = 4.0 * 64 * UNIT * (self.largest + fastest * latest)
         slack = 8 * UNIT * fastest
@@ -165,7 +181,7 @@ class DoubleFilter:
         return self._bounds
 
     def pairs(
-        self, a: Body[arb], others: Iterable[Body[arb]], reaches: Sequence[float]
+        self, a: Body[arb], others: list[Body[arb]], reaches: list[float]
     ) -> tuple[list[tuple[float, float, Body[arb]]], list[Body[arb]]]:
         """Which of several bodies a hits, all keeping their velocities: bounds of the time, and the body; those that
         doubles cannot tell. A body that a surely misses is left out.
@@ -182,8 +198,10 @@ class DoubleFilter:
         unclear: list[Body[arb]] = []
         if fa is None:
             return found, list(others)
+        if predictions is not None:
+            return predictions.pairs(fa, others, reaches, self.pair_bounds)
         ax, ay, avx, avy, at, late = fa
-        near, slack, any_off, any_loose, any_early = self._bounds or self._bound()
+        near, slack, any_off, any_loose, any_early = self.pair_bounds
         most = any_off + any_early * late
         close = 4 * UNIT * at
         for b in others:
@@ -263,15 +281,17 @@ class DoubleFilter:
         off = 8.0 * near * (abs(dx) + abs(dy) + near) + 32 * UNIT * r * r
         return abs(dx * dx + dy * dy - r * r) > off
 
-    def walls(self, a: Body[arb], lines: Iterable[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
+    def walls(self, a: Body[arb], lines: Sequence[FloatLine]) -> tuple[list[tuple[float, float, int]], list[int]]:
         """Which of several walls a circle hits, which has just moved: bounds of the time, and the wall; the unclear."""
         fa = a.f
         found: list[tuple[float, float, int]] = []
         unclear: list[int] = []
         if fa is None:
             return found, [line.wall for line in lines]
+        flat, far = self.wall_bounds
+        if predictions is not None:
+            return predictions.walls(fa, lines, flat, far)
         x, y, vx, vy, t, late = fa
-        flat, far = 16 * UNIT * self.fastest, 32 * UNIT * self.largest
         for k, x0, y0, nx, ny, offset, norm, size in lines:
             approach = nx * vx + ny * vy
             off = norm * flat

@@ -5,11 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from heapq import heappop, heappush
 from math import inf
-from typing import Generic, NamedTuple, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Generic, NamedTuple, Protocol, TypeAlias
 
+from ...compiled import Doubles, predictions
 from ...numbers.system import N
 from ...replay.body import Body
 from ...replay.contact import AtWall, Entry, Link, Pair, Touch
+
+if TYPE_CHECKING:
+    from ...predicates.double_filter import FloatLine
 
 
 class Arrival(NamedTuple, Generic[N]):
@@ -34,6 +38,22 @@ class Arrival(NamedTuple, Generic[N]):
     link: Link
     serials: tuple[int, ...]
     graze: bool = False
+
+
+class Outlook(NamedTuple, Generic[N]):
+    """What one or two circles may meet.
+
+    Attributes:
+        others: for each, the circles to be looked at.
+        lines: for each, its walls.
+        reaches: for each, sums of radii by kind of radius.
+        pairs: how many pairs of circles that is.
+    """
+
+    others: list[list[Body[N]]]
+    lines: list[list[FloatLine]]
+    reaches: list[list[float]]
+    pairs: int
 
 
 class Crossings(Protocol):
@@ -119,6 +139,32 @@ class ArrivalQueue(Generic[N]):
                 a.until = min(a.until, high)
                 self._order += 1
                 heappush(self._heap, (low, self._order, high, a.index, ~wall, a.serial, 0))
+
+    def push_all(
+        self,
+        moved: Sequence[Body[N]],
+        outlook: Outlook[N],
+        bounds: Doubles,
+        slopes: tuple[float, float],
+        standing: Collection[Link],
+    ) -> bool:
+        """Predicts all meetings of one or two circles in doubles, and queues them; False, and nothing done, where that
+        is not compiled, or not all is told by doubles.
+
+        Args:
+            moved: circles whose flights are new.
+            outlook: what they may meet.
+            bounds, slopes: see `DoubleFilter`.
+            standing: contacts that are not to be predicted.
+        """
+        if predictions is None:
+            return False
+        others, lines, reaches, _ = outlook
+        order = predictions.predict(moved, others, lines, reaches, bounds, slopes, standing, self._heap, self._order)
+        if order is None:
+            return False
+        self._order = order
+        return True
 
     def push_doubtful(self, low: float, link: Link) -> None:
         """Queues one that may not come, and not before a time."""

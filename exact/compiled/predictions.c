@@ -1,0 +1,557 @@
+/* What `double_filter.py`, `FilteredPredictor.predict` and `ArrivalQueue` do in doubles, compiled: the same operations
+ * in the same order, so that both give the same bits. The bounds are derived in double_filter.py; nothing is decided
+ * here that is not decided there. Built where there is a compiler; without it, the Python runs.
+ *
+ * No operation may be fused or kept wider than a double: see pyproject.toml for the compiler's options.
+ */
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#include <float.h>
+#include <math.h>
+
+#if FLT_EVAL_METHOD != 0
+#error "doubles are kept wider than they are: the Python is used"
+#endif
+
+#define UNIT 0x1p-53
+#define ROUND_UP (1 + 64 * UNIT)
+#define ROUND_DOWN (1 - 64 * UNIT)
+
+enum { NONE, MEETS, UNCLEAR, FAILED };
+enum { X, Y, VX, VY, AT, LATE, FLIGHT };
+
+#define MOST_MOVED 2
+#define MOST_CIRCLES 128
+#define MOST_WALLS 64
+#define MOST_STANDING 8
+
+/* 4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: see `DoubleFilter._bound`. */
+typedef struct { double near, slack, any_off, any_loose, any_early; } Bounds;
+
+/* What changes as one circle is held against others: the larger `late` so far, and what depends on it. */
+typedef struct { double late, most, close; } Against;
+
+typedef struct { double low, high; } Span;
+
+static PyObject *name_f, *name_kind, *name_index, *name_serial, *name_until, *heappush, *infinity;
+
+/* -- the formulas */
+
+static int pair(const double *a, const double *b, double reach, const Bounds *bounds, Against *against, Span *span)
+{
+    double lag = a[AT] - b[AT], now, dx, dy;
+    if (lag > against->close) {
+        now = a[AT];
+        dx = b[X] + b[VX] * lag - a[X];
+        dy = b[Y] + b[VY] * lag - a[Y];
+    } else {
+        now = b[AT];
+        dx = b[X] - (a[X] - a[VX] * lag);
+        dy = b[Y] - (a[Y] - a[VY] * lag);
+        if (b[LATE] > against->late) {
+            against->late = b[LATE];
+            against->most = bounds->any_off + bounds->any_early * against->late;
+        }
+    }
+    double vx = b[VX] - a[VX], vy = b[VY] - a[VY];
+    double approach = dx * vx + dy * vy;
+    if (approach > against->most)
+        return NONE;
+    double cross = fabs(dx * vy - dy * vx);
+    double square = vx * vx + vy * vy;
+    double clear = cross - bounds->any_off;
+    if (clear > 0.0 && clear * clear > (square + bounds->any_loose) * (reach * reach) * ROUND_UP)
+        return NONE;
+    double wide = fabs(vx) + fabs(vy);
+    double off = bounds->near * wide + 10.0 * bounds->slack * (fabs(dx) + fabs(dy));
+    double loose = 6.0 * bounds->slack * wide;
+    double late = against->late;
+    double early = off + 2.0 * (square + loose) * late;
+    if (approach > early)
+        return NONE;
+    if (!(approach < -early && square > 100.0 * loose))
+        return UNCLEAR;
+    if (cross > off && (cross - off) * (cross - off) > (square + loose) * (reach * reach) * ROUND_UP)
+        return NONE;
+    double room = (square - loose) * (reach * reach) * ROUND_DOWN;
+    if ((cross + off) * (cross + off) > room || reach == 0.0)
+        return UNCLEAR;
+    double speed = sqrt(square);
+    double doubt = loose / square + 8 * UNIT;
+    double passing = cross / speed;
+    double depth = sqrt(reach * reach - passing * passing);
+    double ahead = -approach / speed;
+    off /= speed;
+    double off_passing = off + passing * doubt;
+    double off_depth = (2.0 * passing * off_passing + off_passing * off_passing + 8 * UNIT * reach * reach) / depth;
+    double wait = (ahead - depth) / speed;
+    double off_wait = (off + off_depth + (ahead + depth) * (doubt + 4 * UNIT)) / speed + fabs(wait) * doubt;
+    double time = now + wait;
+    double off_time = 2.0 * off_wait + 8 * UNIT * (now + fabs(wait));
+    if (!(wait > off_time + late) || !isfinite(time))
+        return UNCLEAR;
+    span->low = time - off_time;
+    span->high = time + off_time;
+    return MEETS;
+}
+
+/* A line is (x0, y0, nx, ny, offset, norm, size). */
+static int wall(const double *a, const double *line, double flat, double far, Span *span)
+{
+    double x0 = line[0], y0 = line[1], nx = line[2], ny = line[3], offset = line[4], norm = line[5], size = line[6];
+    double approach = nx * a[VX] + ny * a[VY];
+    double off = norm * flat;
+    if (approach > off)
+        return NONE;
+    double gap = nx * (a[X] - x0) + ny * (a[Y] - y0) - offset;
+    double off_gap = 32 * UNIT * size + norm * far;
+    if (!(approach < -8.0 * off && gap > off_gap))
+        return UNCLEAR;
+    double wait = -gap / approach;
+    double off_wait = (off_gap + wait * off) / -approach + 8 * UNIT * wait;
+    double time = a[AT] + wait;
+    double off_time = 2.0 * off_wait + 8 * UNIT * (a[AT] + wait);
+    if (!(wait > off_time + a[LATE]) || !isfinite(time))
+        return UNCLEAR;
+    span->low = time - off_time;
+    span->high = time + off_time;
+    return MEETS;
+}
+
+/* -- reading Python's objects */
+
+/* The last numbers of a tuple. */
+static int read_doubles(PyObject *tuple, Py_ssize_t count, double *out)
+{
+    Py_ssize_t from = PyTuple_Check(tuple) ? PyTuple_GET_SIZE(tuple) - count : -1;
+    if (from < 0) {
+        PyErr_SetString(PyExc_TypeError, "a tuple of doubles is expected");
+        return -1;
+    }
+    for (Py_ssize_t k = 0; k < count; k++) {
+        PyObject *item = PyTuple_GET_ITEM(tuple, from + k);
+        out[k] = PyFloat_AsDouble(item);
+        if (out[k] == -1.0 && PyErr_Occurred())
+            return -1;
+    }
+    return 0;
+}
+
+/* The doubles of a body; 0 if it has none, -1 with an error set. */
+static int read_flight(PyObject *body, double *out)
+{
+    PyObject *f = PyObject_GetAttr(body, name_f);
+    if (f == NULL)
+        return -1;
+    int found = f == Py_None ? 0 : read_doubles(f, FLIGHT, out) < 0 ? -1 : 1;
+    Py_DECREF(f);
+    return found;
+}
+
+static int read_long(PyObject *body, PyObject *name, Py_ssize_t *out)
+{
+    PyObject *value = PyObject_GetAttr(body, name);
+    if (value == NULL)
+        return -1;
+    *out = PyLong_AsSsize_t(value);
+    Py_DECREF(value);
+    return *out == -1 && PyErr_Occurred() ? -1 : 0;
+}
+
+static int read_reach(PyObject *reaches, PyObject *body, double *out)
+{
+    Py_ssize_t kind;
+    if (read_long(body, name_kind, &kind) < 0)
+        return -1;
+    if (!PyList_Check(reaches) || kind < 0 || kind >= PyList_GET_SIZE(reaches)) {
+        PyErr_SetString(PyExc_IndexError, "a kind of radius that has no reach");
+        return -1;
+    }
+    *out = PyFloat_AsDouble(PyList_GET_ITEM(reaches, kind));
+    return *out == -1.0 && PyErr_Occurred() ? -1 : 0;
+}
+
+static int read_bounds(PyObject *tuple, Bounds *bounds)
+{
+    double five[5];
+    if (read_doubles(tuple, 5, five) < 0)
+        return -1;
+    *bounds = (Bounds){five[0], five[1], five[2], five[3], five[4]};
+    return 0;
+}
+
+static Against against(const double *a, const Bounds *bounds)
+{
+    return (Against){a[LATE], bounds->any_off + bounds->any_early * a[LATE], 4 * UNIT * a[AT]};
+}
+
+/* Holds a circle in doubles against one other: which of the above, FAILED with an error set. */
+static int hold(const double *a, PyObject *other, PyObject *reaches, const Bounds *bounds, Against *held, Span *span)
+{
+    double b[FLIGHT], reach;
+    int known = read_flight(other, b);
+    if (known <= 0)
+        return known < 0 ? FAILED : UNCLEAR;
+    if (read_reach(reaches, other, &reach) < 0)
+        return FAILED;
+    return pair(a, b, reach, bounds, held, span);
+}
+
+/* -- one circle: `DoubleFilter.pairs` and `DoubleFilter.walls` */
+
+static int append(PyObject *list, PyObject *made)
+{
+    int failed = made == NULL || PyList_Append(list, made) < 0;
+    Py_XDECREF(made);
+    return failed ? -1 : 0;
+}
+
+static PyObject *both_lists(PyObject *found, PyObject *unclear)
+{
+    return Py_BuildValue("(NN)", found, unclear);
+}
+
+PyDoc_STRVAR(pairs_doc, "pairs(f, others, reaches, bounds): as `DoubleFilter.pairs`, of a flight in doubles.");
+
+static PyObject *pairs(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    double a[FLIGHT];
+    Bounds bounds;
+    if (count != 4) {
+        PyErr_SetString(PyExc_TypeError, "pairs: four arguments");
+        return NULL;
+    }
+    PyObject *others = PySequence_Fast(args[1], "pairs: others");
+    if (others == NULL || read_doubles(args[0], FLIGHT, a) < 0 || read_bounds(args[3], &bounds) < 0) {
+        Py_XDECREF(others);
+        return NULL;
+    }
+    PyObject *found = PyList_New(0), *unclear = PyList_New(0);
+    if (found == NULL || unclear == NULL)
+        goto failed;
+    Against held = against(a, &bounds);
+    for (Py_ssize_t k = 0; k < PySequence_Fast_GET_SIZE(others); k++) {
+        PyObject *b = PySequence_Fast_GET_ITEM(others, k);
+        Span span;
+        switch (hold(a, b, args[2], &bounds, &held, &span)) {
+        case MEETS:
+            if (append(found, Py_BuildValue("(ddO)", span.low, span.high, b)) < 0)
+                goto failed;
+            break;
+        case UNCLEAR:
+            if (PyList_Append(unclear, b) < 0)
+                goto failed;
+            break;
+        case FAILED:
+            goto failed;
+        default:
+            break;
+        }
+    }
+    Py_DECREF(others);
+    return both_lists(found, unclear);
+failed:
+    Py_DECREF(others);
+    Py_XDECREF(found);
+    Py_XDECREF(unclear);
+    return NULL;
+}
+
+static int read_line(PyObject *line, long *number, double *out)
+{
+    if (!PyTuple_Check(line) || PyTuple_GET_SIZE(line) != 8) {
+        PyErr_SetString(PyExc_TypeError, "a line is a tuple of eight");
+        return -1;
+    }
+    *number = PyLong_AsLong(PyTuple_GET_ITEM(line, 0));
+    return (*number == -1 && PyErr_Occurred()) || read_doubles(line, 7, out) < 0 ? -1 : 0;
+}
+
+PyDoc_STRVAR(walls_doc, "walls(f, lines, flat, far): as `DoubleFilter.walls`, of a flight in doubles.");
+
+static PyObject *walls(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    double a[FLIGHT], flat, far;
+    if (count != 4) {
+        PyErr_SetString(PyExc_TypeError, "walls: four arguments");
+        return NULL;
+    }
+    flat = PyFloat_AsDouble(args[2]);
+    far = PyFloat_AsDouble(args[3]);
+    PyObject *lines = PySequence_Fast(args[1], "walls: lines");
+    if (PyErr_Occurred() || read_doubles(args[0], FLIGHT, a) < 0) {
+        Py_XDECREF(lines);
+        return NULL;
+    }
+    PyObject *found = PyList_New(0), *unclear = PyList_New(0);
+    if (found == NULL || unclear == NULL)
+        goto failed;
+    for (Py_ssize_t k = 0; k < PySequence_Fast_GET_SIZE(lines); k++) {
+        double line[7];
+        long number;
+        Span span;
+        if (read_line(PySequence_Fast_GET_ITEM(lines, k), &number, line) < 0)
+            goto failed;
+        int told = wall(a, line, flat, far, &span);
+        if (told == MEETS && append(found, Py_BuildValue("(ddl)", span.low, span.high, number)) < 0)
+            goto failed;
+        if (told == UNCLEAR && append(unclear, PyLong_FromLong(number)) < 0)
+            goto failed;
+    }
+    Py_DECREF(lines);
+    return both_lists(found, unclear);
+failed:
+    Py_DECREF(lines);
+    Py_XDECREF(found);
+    Py_XDECREF(unclear);
+    return NULL;
+}
+
+/* -- all meetings of one or two circles, queued: `FilteredPredictor.predict` where doubles tell all */
+
+typedef struct { Py_ssize_t a, b; int is_wall; } Standing;
+
+/* A circle whose flight is new. */
+typedef struct {
+    PyObject *body;
+    double f[FLIGHT], until;
+    Py_ssize_t index, serial;
+} Moved;
+
+/* An arrival: at a wall (~k), or another circle. */
+typedef struct {
+    Span span;
+    Py_ssize_t i, j, si, sj;
+} Entry;
+
+/* 1 if told, 0 if this is left to Python, -1 with an error set. */
+static int read_standing(PyObject *tuple, Standing *out, int *count)
+{
+    if (!PyTuple_Check(tuple) || PyTuple_GET_SIZE(tuple) > MOST_STANDING)
+        return 0;
+    *count = (int)PyTuple_GET_SIZE(tuple);
+    for (int k = 0; k < *count; k++) {
+        PyObject *link = PyTuple_GET_ITEM(tuple, k);
+        if (!PyTuple_Check(link))
+            return 0;
+        Py_ssize_t size = PyTuple_GET_SIZE(link);
+        int is_wall = size == 3 && PyUnicode_Check(PyTuple_GET_ITEM(link, 2))
+            && PyUnicode_CompareWithASCIIString(PyTuple_GET_ITEM(link, 2), "wall") == 0;
+        if (size != 2 && !is_wall)
+            return 0;
+        out[k].is_wall = is_wall;
+        out[k].a = PyLong_AsSsize_t(PyTuple_GET_ITEM(link, 0));
+        out[k].b = PyLong_AsSsize_t(PyTuple_GET_ITEM(link, 1));
+        if (PyErr_Occurred())
+            return -1;
+    }
+    return 1;
+}
+
+static int stands(const Standing *standing, int count, Py_ssize_t a, Py_ssize_t b, int is_wall)
+{
+    for (int k = 0; k < count; k++)
+        if (standing[k].is_wall == is_wall
+            && ((standing[k].a == a && standing[k].b == b) || (!is_wall && standing[k].a == b && standing[k].b == a)))
+            return 1;
+    return 0;
+}
+
+static int push(PyObject *heap, const Entry *entry, Py_ssize_t order)
+{
+    PyObject *made = Py_BuildValue(
+        "(dndnnnn)", entry->span.low, order, entry->span.high, entry->i, entry->j, entry->si, entry->sj);
+    if (made == NULL)
+        return -1;
+    PyObject *both[] = {heap, made}, *done = PyObject_Vectorcall(heappush, both, 2, NULL);
+    Py_DECREF(made);
+    Py_XDECREF(done);
+    return done == NULL ? -1 : 0;
+}
+
+/* By low, then high, then wall, as Python sorts tuples. */
+static int is_later(const Entry *one, const Entry *other)
+{
+    if (one->span.low != other->span.low)
+        return one->span.low > other->span.low;
+    if (one->span.high != other->span.high)
+        return one->span.high > other->span.high;
+    return ~one->j > ~other->j;
+}
+
+/* Appends the walls that end a flight, and when they do, to the entries; as `read_standing`. */
+static int meet_walls(Moved *a, PyObject *lines, double flat, double far, const Standing *standing, int standing_count,
+                      Entry *entries, int *count)
+{
+    Entry found[MOST_WALLS];
+    int many = 0;
+    if (!PyList_Check(lines) || PyList_GET_SIZE(lines) > MOST_WALLS)
+        return 0;
+    for (Py_ssize_t k = 0; k < PyList_GET_SIZE(lines); k++) {
+        double line[7];
+        long number;
+        Entry entry = {{0.0, 0.0}, a->index, 0, a->serial, 0};
+        if (read_line(PyList_GET_ITEM(lines, k), &number, line) < 0)
+            return -1;
+        int told = wall(a->f, line, flat, far, &entry.span);
+        if (told == UNCLEAR)
+            return 0;
+        if (told == NONE)
+            continue;
+        entry.j = ~(Py_ssize_t)number;
+        int at = many++;
+        for (; at > 0 && is_later(&found[at - 1], &entry); at--)
+            found[at] = found[at - 1];
+        found[at] = entry;
+    }
+    for (int k = 0; k < many && found[k].span.low <= a->until; k++) {
+        if (stands(standing, standing_count, a->index, ~found[k].j, 1))
+            continue;
+        if (found[k].span.high < a->until)
+            a->until = found[k].span.high;
+        entries[(*count)++] = found[k];
+    }
+    return 1;
+}
+
+/* Appends the circles that one may meet before a wall ends a flight; as `read_standing`. */
+static int meet_circles(const Moved *a, const Moved *moved, Py_ssize_t moved_count, PyObject *others,
+                        PyObject *reaches, const Bounds *bounds, const Standing *standing, int standing_count,
+                        Entry *entries, int *count)
+{
+    if (!PyList_Check(others) || PyList_GET_SIZE(others) > MOST_CIRCLES)
+        return 0;
+    Against held = against(a->f, bounds);
+    for (Py_ssize_t k = 0; k < PyList_GET_SIZE(others); k++) {
+        PyObject *b = PyList_GET_ITEM(others, k);
+        Entry entry;
+        int told = hold(a->f, b, reaches, bounds, &held, &entry.span);
+        if (told == FAILED)
+            return -1;
+        if (told == UNCLEAR)
+            return 0;
+        if (told == NONE || entry.span.low > a->until)
+            continue;
+        double until = 0.0;
+        int is_new = 0;
+        for (Py_ssize_t m = 0; m < moved_count; m++)
+            if (moved[m].body == b) {
+                is_new = 1;
+                until = moved[m].until;
+            }
+        if (!is_new) {
+            PyObject *value = PyObject_GetAttr(b, name_until);
+            if (value == NULL)
+                return -1;
+            until = PyFloat_AsDouble(value);
+            Py_DECREF(value);
+            if (until == -1.0 && PyErr_Occurred())
+                return -1;
+        }
+        if (entry.span.low > until)
+            continue;
+        Py_ssize_t index, serial;
+        if (read_long(b, name_index, &index) < 0 || read_long(b, name_serial, &serial) < 0)
+            return -1;
+        if (stands(standing, standing_count, a->index, index, 0))
+            continue;
+        int first = a->index < index;
+        entry.i = first ? a->index : index;
+        entry.j = first ? index : a->index;
+        entry.si = first ? a->serial : serial;
+        entry.sj = first ? serial : a->serial;
+        entries[(*count)++] = entry;
+    }
+    return 1;
+}
+
+PyDoc_STRVAR(predict_doc,
+"predict(moved, others, lines, reaches, bounds, slopes, standing, heap, order): queues the next meetings of one or two\n"
+"circles, each with its others and its walls, and sets when walls end their flights. Gives the last order used; None,\n"
+"with nothing changed, where doubles leave something open or this is not the ordinary case.");
+
+static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    if (count != 9) {
+        PyErr_SetString(PyExc_TypeError, "predict: nine arguments");
+        return NULL;
+    }
+    PyObject *bodies = args[0], *others = args[1], *lines = args[2], *reaches = args[3], *heap = args[7];
+    Bounds bounds;
+    double slopes[2];
+    Standing standing[MOST_STANDING];
+    Moved moved[MOST_MOVED];
+    Entry entries[MOST_MOVED * (MOST_CIRCLES + MOST_WALLS)];
+    int standing_count = 0, entry_count = 0;
+    Py_ssize_t order = PyLong_AsSsize_t(args[8]);
+    if ((order == -1 && PyErr_Occurred()) || read_bounds(args[4], &bounds) < 0 || read_doubles(args[5], 2, slopes) < 0)
+        return NULL;
+    int told = read_standing(args[6], standing, &standing_count);
+    Py_ssize_t size = PyList_Check(bodies) || PyTuple_Check(bodies) ? PySequence_Fast_GET_SIZE(bodies) : 0;
+    if (told > 0 && (size < 1 || size > MOST_MOVED || !PyList_Check(others) || PyList_GET_SIZE(others) != size
+                     || !PyList_Check(lines) || PyList_GET_SIZE(lines) != size || !PyList_Check(reaches)
+                     || PyList_GET_SIZE(reaches) != size || !PyList_Check(heap)))
+        told = 0;
+    for (Py_ssize_t k = 0; told > 0 && k < size; k++) {
+        Moved *a = &moved[k];
+        a->body = PySequence_Fast_GET_ITEM(bodies, k);
+        a->until = INFINITY;
+        told = read_flight(a->body, a->f);
+        if (told > 0 && a->f[VX] == 0.0 && a->f[VY] == 0.0)
+            told = 0;
+        if (told > 0 && (read_long(a->body, name_index, &a->index) < 0 || read_long(a->body, name_serial, &a->serial) < 0))
+            told = -1;
+    }
+    for (Py_ssize_t k = 0; told > 0 && k < size; k++)
+        told = meet_walls(
+            &moved[k], PyList_GET_ITEM(lines, k), slopes[0], slopes[1], standing, standing_count, entries, &entry_count);
+    for (Py_ssize_t k = 0; told > 0 && k < size; k++)
+        told = meet_circles(&moved[k], moved, size, PyList_GET_ITEM(others, k), PyList_GET_ITEM(reaches, k), &bounds,
+                            standing, standing_count, entries, &entry_count);
+    if (told < 0)
+        return NULL;
+    if (told == 0)
+        Py_RETURN_NONE;
+    for (Py_ssize_t k = 0; k < size; k++) {
+        PyObject *until = moved[k].until == INFINITY ? Py_NewRef(infinity) : PyFloat_FromDouble(moved[k].until);
+        int failed = until == NULL || PyObject_SetAttr(moved[k].body, name_until, until) < 0;
+        Py_XDECREF(until);
+        if (failed)
+            return NULL;
+    }
+    for (int k = 0; k < entry_count; k++)
+        if (push(heap, &entries[k], ++order) < 0)
+            return NULL;
+    return PyLong_FromSsize_t(order);
+}
+
+static PyMethodDef methods[] = {
+    {"pairs", (PyCFunction)(void (*)(void))pairs, METH_FASTCALL, pairs_doc},
+    {"walls", (PyCFunction)(void (*)(void))walls, METH_FASTCALL, walls_doc},
+    {"predict", (PyCFunction)(void (*)(void))predict, METH_FASTCALL, predict_doc},
+    {NULL, NULL, 0, NULL},
+};
+
+static struct PyModuleDef module = {
+    PyModuleDef_HEAD_INIT, "_predictions", "Predictions in doubles, compiled: see double_filter.py.", -1, methods,
+    NULL, NULL, NULL, NULL,
+};
+
+PyMODINIT_FUNC PyInit__predictions(void)
+{
+    PyObject *heapq = PyImport_ImportModule("heapq");
+    if (heapq == NULL)
+        return NULL;
+    heappush = PyObject_GetAttrString(heapq, "heappush");
+    Py_DECREF(heapq);
+    name_f = PyUnicode_InternFromString("f");
+    name_kind = PyUnicode_InternFromString("kind");
+    name_index = PyUnicode_InternFromString("index");
+    name_serial = PyUnicode_InternFromString("serial");
+    name_until = PyUnicode_InternFromString("until");
+    infinity = PyFloat_FromDouble(INFINITY);
+    if (heappush == NULL || name_f == NULL || name_kind == NULL || name_index == NULL || name_serial == NULL
+        || name_until == NULL || infinity == NULL)
+        return NULL;
+    return PyModule_Create(&module);
+}
