@@ -54,6 +54,58 @@ class Predictions(Protocol):
         ...
 
 
+class Steps(Protocol):
+    """See steps.c; sets are `ErrorSet`, and what is told of a contact is `Carried`."""
+
+    def bounce(
+        self,
+        errors: Any,
+        i: int,
+        j: int,
+        met: tuple[Any, ...],
+        since_i: Any,
+        since_j: Any,
+        strength: float,
+        weights: tuple[float, float],
+        late: Any,
+        near: float,
+        one: tuple[Any, ...],
+        other: tuple[Any, ...],
+        clock: Any,
+        last: int,
+        least: int,
+        /,
+    ) -> Any:
+        """`carry_pair`, where the circles stand at i and j in the set; False where that raises `Spent`."""
+        ...
+
+    def rebound(
+        self,
+        errors: Any,
+        i: int,
+        since: Any,
+        velocity: tuple[Any, Any],
+        face: Any,
+        late: Any,
+        near: float,
+        one: tuple[Any, ...],
+        clock: Any,
+        last: int,
+        least: int,
+        /,
+    ) -> Any:
+        """`carry_wall`, likewise."""
+        ...
+
+    def carry(self, rows: Any, pairs: list[int], maps: Any, /) -> None:
+        """`ErrorSet`'s collisions at the end of a block: rows of fours, in place, by a matrix for each two bodies."""
+        ...
+
+    def constants(self) -> dict[str, float]:
+        """The numbers of the Python that are written in C again, by name."""
+        ...
+
+
 def _loaded(name: str) -> object:
     """A compiled module; None where there is none, or Python is wished for."""
     if environ.get(PURE):
@@ -65,4 +117,5 @@ def _loaded(name: str) -> object:
 
 
 predictions = cast("Predictions | None", _loaded("_predictions"))
-"""None where Python runs."""
+steps = cast("Steps | None", _loaded("_steps"))
+"""None where Python runs, as `predictions`."""

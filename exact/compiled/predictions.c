@@ -4,16 +4,8 @@
  *
  * No operation may be fused or kept wider than a double: see pyproject.toml for the compiler's options.
  */
-#define PY_SSIZE_T_CLEAN
-#include <Python.h>
-#include <float.h>
-#include <math.h>
+#include "reading.h"
 
-#if FLT_EVAL_METHOD != 0
-#error "doubles are kept wider than they are: the Python is used"
-#endif
-
-#define UNIT 0x1p-53
 #define ROUND_UP (1 + 64 * UNIT)
 #define ROUND_DOWN (1 - 64 * UNIT)
 
@@ -120,23 +112,6 @@ static int wall(const double *a, const double *line, double flat, double far, Sp
 
 /* -- reading Python's objects */
 
-/* The last numbers of a tuple. */
-static int read_doubles(PyObject *tuple, Py_ssize_t count, double *out)
-{
-    Py_ssize_t from = PyTuple_Check(tuple) ? PyTuple_GET_SIZE(tuple) - count : -1;
-    if (from < 0) {
-        PyErr_SetString(PyExc_TypeError, "a tuple of doubles is expected");
-        return -1;
-    }
-    for (Py_ssize_t k = 0; k < count; k++) {
-        PyObject *item = PyTuple_GET_ITEM(tuple, from + k);
-        out[k] = PyFloat_AsDouble(item);
-        if (out[k] == -1.0 && PyErr_Occurred())
-            return -1;
-    }
-    return 0;
-}
-
 /* The doubles of a body; 0 if it has none, -1 with an error set. */
 static int read_flight(PyObject *body, double *out)
 {
@@ -148,27 +123,16 @@ static int read_flight(PyObject *body, double *out)
     return found;
 }
 
-static int read_long(PyObject *body, PyObject *name, Py_ssize_t *out)
-{
-    PyObject *value = PyObject_GetAttr(body, name);
-    if (value == NULL)
-        return -1;
-    *out = PyLong_AsSsize_t(value);
-    Py_DECREF(value);
-    return *out == -1 && PyErr_Occurred() ? -1 : 0;
-}
-
 static int read_reach(PyObject *reaches, PyObject *body, double *out)
 {
     Py_ssize_t kind;
-    if (read_long(body, name_kind, &kind) < 0)
+    if (get_size(body, name_kind, &kind) < 0)
         return -1;
     if (!PyList_Check(reaches) || kind < 0 || kind >= PyList_GET_SIZE(reaches)) {
         PyErr_SetString(PyExc_IndexError, "a kind of radius that has no reach");
         return -1;
     }
-    *out = PyFloat_AsDouble(PyList_GET_ITEM(reaches, kind));
-    return *out == -1.0 && PyErr_Occurred() ? -1 : 0;
+    return read_double(PyList_GET_ITEM(reaches, kind), out);
 }
 
 static int read_bounds(PyObject *tuple, Bounds *bounds)
@@ -198,13 +162,6 @@ static int hold(const double *a, PyObject *other, PyObject *reaches, const Bound
 }
 
 /* -- one circle: `DoubleFilter.pairs` and `DoubleFilter.walls` */
-
-static int append(PyObject *list, PyObject *made)
-{
-    int failed = made == NULL || PyList_Append(list, made) < 0;
-    Py_XDECREF(made);
-    return failed ? -1 : 0;
-}
 
 static PyObject *both_lists(PyObject *found, PyObject *unclear)
 {
@@ -439,19 +396,12 @@ static int meet_circles(const Moved *a, const Moved *moved, Py_ssize_t moved_cou
                 is_new = 1;
                 until = moved[m].until;
             }
-        if (!is_new) {
-            PyObject *value = PyObject_GetAttr(b, name_until);
-            if (value == NULL)
-                return -1;
-            until = PyFloat_AsDouble(value);
-            Py_DECREF(value);
-            if (until == -1.0 && PyErr_Occurred())
-                return -1;
-        }
+        if (!is_new && get_double(b, name_until, &until) < 0)
+            return -1;
         if (entry.span.low > until)
             continue;
         Py_ssize_t index, serial;
-        if (read_long(b, name_index, &index) < 0 || read_long(b, name_serial, &serial) < 0)
+        if (get_size(b, name_index, &index) < 0 || get_size(b, name_serial, &serial) < 0)
             return -1;
         if (stands(standing, standing_count, a->index, index, 0))
             continue;
@@ -499,7 +449,7 @@ static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count
         told = read_flight(a->body, a->f);
         if (told > 0 && a->f[VX] == 0.0 && a->f[VY] == 0.0)
             told = 0;
-        if (told > 0 && (read_long(a->body, name_index, &a->index) < 0 || read_long(a->body, name_serial, &a->serial) < 0))
+        if (told > 0 && (get_size(a->body, name_index, &a->index) < 0 || get_size(a->body, name_serial, &a->serial) < 0))
             told = -1;
     }
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
@@ -544,14 +494,10 @@ PyMODINIT_FUNC PyInit__predictions(void)
         return NULL;
     heappush = PyObject_GetAttrString(heapq, "heappush");
     Py_DECREF(heapq);
-    name_f = PyUnicode_InternFromString("f");
-    name_kind = PyUnicode_InternFromString("kind");
-    name_index = PyUnicode_InternFromString("index");
-    name_serial = PyUnicode_InternFromString("serial");
-    name_until = PyUnicode_InternFromString("until");
+    const Name names[] = {{&name_f, "f"}, {&name_kind, "kind"}, {&name_index, "index"}, {&name_serial, "serial"},
+                          {&name_until, "until"}, {NULL, NULL}};
     infinity = PyFloat_FromDouble(INFINITY);
-    if (heappush == NULL || name_f == NULL || name_kind == NULL || name_index == NULL || name_serial == NULL
-        || name_until == NULL || infinity == NULL)
+    if (heappush == NULL || infinity == NULL || intern(names) < 0)
         return NULL;
     return PyModule_Create(&module);
 }

@@ -18,6 +18,7 @@ from truebreak.exact.replay.centred.derivatives import pair_derivative, wall_ste
 from truebreak.exact.replay.centred.deviations import Deviations
 from truebreak.exact.replay.centred.error_set import ErrorSet
 from truebreak.exact.replay.centred.errors import CLOSE, Bounds
+from truebreak.exact.replay.lone import carrying
 from truebreak.scenarios import Circle, Scene, Wall
 
 OF_THE_CATALOGUE = ("gas:n=3,seed=2", "gas:n=5,seed=1,mixed=yes", "rack:rows=3,gap=0", "lorentz")
@@ -44,6 +45,18 @@ def test_100_000_numbers_lie_in_their_bounds() -> None:
     assert not total.faults
     assert total.in_set >= 100_000 and total.at_once > 3_000 and total.blocks > 300
     assert sum(total.more) / len(total.more) < 2.0
+
+
+def in_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing that is compiled."""
+    monkeypatch.setattr(carrying, "steps", None)
+    monkeypatch.setattr(error_set, "steps", None)
+
+
+@pytest.mark.parametrize("name", ["gas:n=3,seed=2", "oblique 0"])
+def test_every_number_lies_in_its_bound_in_python_too(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    in_python(monkeypatch)
+    assert not bounds_of(name, 40).faults
 
 
 def halved_norm(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,6 +108,7 @@ def other_turn(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_bound_that_is_too_small_is_seen(
     spoil: Callable[[pytest.MonkeyPatch], None], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    in_python(monkeypatch)  # whose parts can be spoilt one by one
     spoil(monkeypatch)
     assert any(bounds_of(name, 120).faults for name in ("gas:n=3,seed=2", "oblique 0", "level 0"))
 

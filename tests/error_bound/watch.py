@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field, fields
 from math import log2
@@ -22,6 +22,8 @@ from truebreak.exact.replay.body import Body
 from truebreak.exact.replay.centred.centred_state import CentredState
 from truebreak.exact.replay.centred.deviations import Deviations, Moved
 from truebreak.exact.replay.contact import Touch
+from truebreak.exact.replay.lone import carrying as lone_carrying
+from truebreak.exact.replay.lone import centred as lone_centred
 from truebreak.exact.replay.lone.centred import LoneCentred, lone_contacts
 from truebreak.exact.replay.refinable import RefinableState
 from truebreak.exact.replay.steps import Flip, Go, Step, circles_of
@@ -130,6 +132,18 @@ class Watch:
             watch.step(held, moved, clock)
             return centre(held, moved, clock, last)
 
+        def carried(carry: Callable[..., Any], at: int) -> Callable[..., Any]:
+            """What is compiled calls nothing of the above; its bodies and their clock are those from `at` on."""
+
+            def carrying(held: Deviations, *given: Any) -> Any:
+                told = carry(held, *given)
+                if told is not None and lone_carrying.steps is not None:
+                    moved, clock = given[at : at + 2]
+                    watch.step(held, moved if isinstance(moved[0], tuple) else (moved,), clock)
+                return told
+
+            return carrying
+
         def kicked(state: CentredState, links: tuple[Touch, ...]) -> None:
             watch._link = links[0] if len(links) == 1 else None
             kick(state, links)
@@ -157,6 +171,8 @@ class Watch:
                 (Deviations, "__init__", began), (Deviations, "recentre", centred), (Deviations, "close", closed),
                 (CentredState, "kick", kicked), (CentredState, "_land", landed),
                 (RefinableState, "_step_in_balls", stepped), (refinable, "lone_contacts", Lone),
+                (lone_centred, "carry_pair", carried(lone_centred.carry_pair, 5)),
+                (lone_centred, "carry_wall", carried(lone_centred.carry_wall, 5)),
             ):  # fmt: skip
                 stack.enter_context(patch.object(place, name, new))
             yield

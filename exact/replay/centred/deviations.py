@@ -59,6 +59,7 @@ class Deviations:
         carried: those that have been carried through a step.
         place: where each body stands in it, by index.
         unit: of time, in which the set counts velocities; 2**time_power.
+        near_time: the most that a clock may be off its instant.
         weights: the inverse mass of every circle, by index.
     """
 
@@ -67,7 +68,7 @@ class Deviations:
 
         self.time_power = _unit_of_time(members)
         self.unit = 2.0**self.time_power
-        self._near_time = SMALL_WAIT / 2 * self.unit
+        self.near_time = SMALL_WAIT / 2 * self.unit
         self.weights = [float(body.w) for body in circles]
         self.mid = {body.index: _midpoints(body.flight) for body in members}
         self.carried: set[int] = set()
@@ -139,7 +140,7 @@ class Deviations:
             link: the contact.
             told, root: d at the hit of two circles and -d.v, as `BallState` has them.
         """
-        if not waited(state.late) < self._near_time:
+        if not waited(state.late) < self.near_time:
             return None
         try:
             for i, lag in lags:
@@ -170,7 +171,7 @@ class Deviations:
         bounds = self.errors.bounds
         spread = (bounds.place[i] + (abs(lag) + SMALL_WAIT) * bounds.pace[i]) * UP
         spread *= wall_steepness(face.nx, face.ny, vx, vy) * UP
-        return spread if spread < self.errors.near * self.unit and late < self._near_time else None
+        return spread if spread < self.errors.near * self.unit and late < self.near_time else None
 
     def _to_pair(self, state: BallState, link: Round, dx: arb, dy: arb, root: arb) -> tuple[arb, arb, Collision] | None:
         i, j = (self.place.get(body.index, -1) for body in link.ends(state))
@@ -207,7 +208,7 @@ class Deviations:
             late: a bound of the time from the clock to the hit, from midpoints.
         """
         dx, dy, vx, vy, speed = met
-        near, strength = self.errors.near, self._strengths.get(link) or self._strength(state, link)
+        near, strength = self.errors.near, self.strength(state, link)
         places, paces, unit = self.errors.bounds.place, self.errors.bounds.pace, self.unit
         pace_i, pace_j = paces[i], paces[j]
         pace = (pace_i + pace_j) * UP
@@ -217,21 +218,20 @@ class Deviations:
         )
         if found is None:
             return None
-        spread, turn = found.steep * place * UP, found.turn
+        spread, turn = found.steep * place * UP, max(found.turn, LEAST_TURN)
         # the hit, wherever it may truly be, is so near the clock that nothing turns until then
-        turn = max(turn, LEAST_TURN)
-        far = LEAST_TURN * self._near_time
+        far = LEAST_TURN * self.near_time
         return (found, spread) if spread * turn < near * LEAST_TURN * 2.0 * unit and late * turn < far else None
 
-    def _strength(self, state: BallState, link: Round) -> float:
+    def strength(self, state: BallState, link: Round) -> float:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
-        if link not in self._strengths:
+        if (found := self._strengths.get(link)) is None:
             a, b = link.ends(state)
             reach = float(state.reach(a, b))
             weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
             known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
-            self._strengths[link] = -2.0 / weight if known else 0.0
-        return self._strengths[link]
+            found = self._strengths[link] = -2.0 / weight if known else 0.0
+        return found
 
     def face(self, state: BallState, link: AtWall) -> Face:
         """A wall in doubles, as a circle comes to it."""

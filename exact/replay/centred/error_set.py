@@ -31,6 +31,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from ...compiled import steps
 from ...laws.tangent_formulas import pair_tangent_blocks
 from .errors import CLOSE, MOST, NO_MIRROR, UP, Bounds, Collision, Mirror, Spent
 
@@ -174,7 +175,9 @@ class ErrorSet:
         """
         rows = np.zeros((self._count + 1, 4, 4 * self._count))
         rows[:-1] = self._basis.reshape(self._count, 4, -1)
-        if self._hits:
+        if self._hits and steps is not None:
+            steps.carry(rows, self._pairs, self._maps())
+        elif self._hits:
             layers = np.array(self._layers, dtype=np.intp)
             order = np.argsort(layers, kind="stable")
             pairs, maps = np.array(self._pairs, dtype=np.intp).reshape(-1, 2)[order], self._maps()[order]

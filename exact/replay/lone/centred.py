@@ -9,23 +9,19 @@ steps, with nothing changed.
 from __future__ import annotations
 
 from functools import partial
-from math import frexp, ldexp
 
 from flint import arb
 
 from ...laws.formulas import wall_approach, wall_gap, wall_hit_time
 from ...numbers import ball
-from ..body import FAINT, Flight, Landed, Midpoints, new_flight
+from ..body import Flight, Landed, Midpoints, new_flight
 from ..centred.centred_state import CentredState
 from ..centred.deviations import Deviations, Moved
-from ..centred.errors import MOST, UP, Spent
+from ..centred.errors import Spent
 from ..contact import AtWall, Pair, Touch
+from .carrying import Carried, carry_pair, carry_wall
 from .contacts import SPARE_BITS, LoneContacts
 from .unchanging import Oblique, Unchanging
-
-PLAIN = 2.0**-100
-"""Numbers beyond this, with a radius of at most 2**FAINT, less than 2**-140 of them, are told by the doubles of their
-midpoints, and by short balls around these."""
 
 
 def lone_contacts(state: CentredState) -> LoneContacts | LoneCentred:
@@ -99,13 +95,6 @@ class LoneCentred:
         clock = instant.mid()
         lag = clock - base
         late = wait - lag
-        beside, unit = float(late.abs_upper()) * UP, held.unit
-        lags = float(clock - at) / unit, float(clock - bt) / unit
-        i, j = held.place[one], held.place[other]
-        found = held.collision(state, link, (ex, ey, vx, vy, root), i, j, lags, beside)
-        if found is None:
-            return None
-        hit, spread = found
         if of_a:
             ax, ay = ax + avx * lag, ay + avy * lag
             bx, by = ax + ex - vx * late, ay + ey - vy * late
@@ -120,9 +109,9 @@ class LoneCentred:
             jx, jy = strength * ex, strength * ey
         bx, by, bvx, bvy = bx - jx * late, by - jy * late, bvx + jx, bvy + jy
         moved = (a, ax, ay, avx, avy), (b, bx, by, bvx, bvy)
-        rounding, doubles = held.recentre(moved, clock, step)
-        held.errors.meet(i, j, lags, (held.weights[one], held.weights[other]), hit, rounding)
-        return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
+        met, since = (ex, ey, vx, vy, root), (clock - at, clock - bt)
+        found = carry_pair(held, state, link, met, since, late, moved, clock, step)
+        return None if found is None else self._land(held, moved, found, (instant, late), step, bits)
 
     def _rebound(self, held: Deviations, link: AtWall, bits: int, step: int) -> int | None:
         """A circle and a wall.
@@ -146,11 +135,7 @@ class LoneCentred:
         clock = instant.mid()
         lag = clock - base
         late = wait - lag
-        face = held.face(state, link)
-        i, time_lag, beside = held.place[index], float(lag) / held.unit, float(late.abs_upper()) * UP
-        spread = held.wall_time(face, i, time_lag, float(vx), float(vy), beside)
-        if spread is None:
-            return None
+        velocity = vx, vy
         if isinstance(wall, Oblique):
             *_, xx, xy, yy, shift_x, shift_y = wall
             x, y = x + vx * lag, y + vy * lag
@@ -160,17 +145,16 @@ class LoneCentred:
             x, y, vy = x + vx * lag, wall.touch + vy * late, -vy
         else:
             x, y, vx = wall.touch + vx * late, y + vy * lag, -vx
-        moved = ((body, x, y, vx, vy),)
-        rounding, doubles = held.recentre(moved, clock, step)
-        held.errors.fly(i, time_lag, face.mirror, rounding)
-        return self._land(held, moved, doubles, (instant, clock, late, beside, spread), step, bits)
+        moved = body, x, y, vx, vy
+        found = carry_wall(held, link, held.face(state, link), lag, velocity, late, moved, clock, step)
+        return None if found is None else self._land(held, (moved,), found, (instant, late), step, bits)
 
     def _land(
         self,
         held: Deviations,
         moved: tuple[Moved, ...],
-        doubles: list[tuple[float, float, float, float]],
-        when: tuple[arb, arb, arb, float, float],
+        carried: Carried,
+        when: tuple[arb, arb],
         step: int,
         bits: int,
     ) -> int:
@@ -178,48 +162,29 @@ class LoneCentred:
 
         Args:
             held: their deviations.
-            moved: the bodies, with numbers around their midpoints.
-            doubles: their midpoints.
-            when: the instant of the midpoints, its clock, the time between the two, a bound of that, and a bound of all
-                errors of the instant, as the set counts it.
+            moved: the bodies.
+            carried: what becomes of them.
+            when: the instant of the midpoints, and the time to it from its clock.
             step: the number of the step to the contact.
             bits: the precision of the state.
-
-        Raises:
-            Spent: if the deviations are too large.
         """
-        instant, clock, late, beside, spread = when
-        errors, place, mids = held.errors, held.place, held.mid
-        bounds, shift, least = errors.bounds, errors.shift, held.time_power
-        if not spread + bounds.both(place[moved[0][0].index]) + bounds.both(place[moved[-1][0].index]) < MOST:
-            raise Spent
-        power = frexp(spread)[1] + shift
-        time, now = held.ball(power), float(clock)
-        beside = (beside + ldexp(1.0, power if power > -1000 else -1000)) * UP
+        instant, late = when
+        power, _, landings = carried
+        time = held.ball(power)
         instant, late = instant + time, late + time
         accuracy = instant.rel_accuracy_bits()
         if not 0 < accuracy < bits:
             accuracy = max(0, min(bits, accuracy))
-        used = ball.bits_in_use()
+        used, mids = ball.bits_in_use(), held.mid
         landed: list[Landed[arb]] = []
-        for (body, *_), (fx, fy, fvx, fvy) in zip(moved, doubles, strict=True):
-            index = body.index
-            i = place[index]
-            far, fast = frexp(bounds.place[i])[1] + shift, frexp(bounds.pace[i])[1] + shift - least
-            mid = mids[index]
+        for (body, *_), (mid, far, fast, doubles) in zip(moved, landings, strict=True):
+            mids[body.index] = mid
+            held.carried.add(body.index)
             body.acc = accuracy
             body.await_flight(partial(_flight, held, mid, far, fast, used, instant, late))
-            told = (
-                far < FAINT
-                and fast < FAINT
-                and (fx > PLAIN or fx < -PLAIN)
-                and (fy > PLAIN or fy < -PLAIN)
-                and (fvx > PLAIN or fvx < -PLAIN)
-                and (fvy > PLAIN or fvy < -PLAIN)
-            )
-            landed.append((body, mid, (fx, fy, fvx, fvy, now, beside) if told else None))
+            landed.append((body, mid, doubles))
         self._state.stand(instant, late, step + 1)
-        if errors.full:
+        if held.errors.full:
             self._state.renew()
         self.landed = landed
         return accuracy

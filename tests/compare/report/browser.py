@@ -172,11 +172,14 @@ class Browser:
         self.send("Input.dispatchKeyEvent", type="keyUp", **key)
 
     def click(self, selector: str) -> None:
-        """Clicks with the mouse in the middle of an element, scrolled to first."""
+        """Clicks with the mouse in the middle of an element, scrolled to first, once the scrolled page is drawn: until
+        then the mouse meets what stood there before."""
         x, y = self.ask(
-            f"(() => {{ const e = document.querySelector({json.dumps(selector)}); "
-            "e.scrollIntoView({block: 'center'}); const b = e.getBoundingClientRect(); "
-            "return [b.x + b.width / 2, b.y + b.height / 2]; })()"
+            f"new Promise((done) => {{ const e = document.querySelector({json.dumps(selector)}); "
+            "e.scrollIntoView({block: 'center'}); "
+            "const told = () => { const b = e.getBoundingClientRect(); "
+            "done([b.x + b.width / 2, b.y + b.height / 2]); }; "
+            "requestAnimationFrame(() => requestAnimationFrame(told)); })"
         )
         for kind in ("mousePressed", "mouseReleased"):
             self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)

@@ -34,6 +34,7 @@ from truebreak.exact.laws import derivation as law
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.body import Flight
 from truebreak.exact.replay.contact import Pair
+from truebreak.exact.replay.lone import carrying
 from truebreak.exact.replay.lone.centred import LoneCentred
 from truebreak.exact.replay.lone.contacts import LoneContacts
 from truebreak.exact.replay.state import State
@@ -231,12 +232,14 @@ class Landing:
         return 0.0, []
 
 
-def centred(state: BallState, world: World, link) -> Landing:
+def centred(state: BallState, world: World, link, monkeypatch) -> Landing:
     """Carries a contact out on midpoints: the state has their flights then."""
+    monkeypatch.setattr(carrying, "steps", None)
+    monkeypatch.setattr(carrying, "_landed", lambda held, moved, doubles, spread, beside, clock: clock)
     lone, held = LoneCentred(state), Landing(world)
 
-    def land(held, moved, doubles, when, step, bits):
-        instant, clock, late, *_ = when
+    def land(held, moved, clock, when, step, bits):
+        instant, late = when
         for body, x, y, vx, vy in moved:
             body.flight = Flight(x, y, vx, vy, clock, instant, late, step, False)
         state.stand(instant, late, step + 1)
@@ -253,7 +256,7 @@ def test_the_contact_of_two_on_midpoints(younger, masses, monkeypatch):
     world = two(younger, masses)
     balls_are(world, monkeypatch)
     state = in_balls(world)
-    held = centred(state, world, PAIR)
+    held = centred(state, world, PAIR, monkeypatch)
     same(state, steps_of(plain(world), PAIR, (0, 1)))
     (ax, ay, *_), (bx, by, *_) = (there(flight, state.instant) for flight in world.flights)
     dx, dy = bx - ax, by - ay
@@ -266,5 +269,5 @@ def test_the_contact_with_a_wall_on_midpoints(kind, monkeypatch):
     world = wall_world(kind)
     balls_are(world, monkeypatch)
     state = at_wall(BallState(scene_with_wall()), world)
-    centred(state, world, FACE)
+    centred(state, world, FACE, monkeypatch)
     same(state, steps_of(at_wall(State(scene_with_wall(), world), world), FACE, (0,)))

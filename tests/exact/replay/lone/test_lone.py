@@ -6,6 +6,7 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred.centred_state import CentredState
+from truebreak.exact.replay.lone.carrying import _landed
 from truebreak.exact.replay.lone.centred import LoneCentred
 from truebreak.exact.replay.steps import Go, Kick
 from truebreak.scenarios import catalogue
@@ -62,8 +63,9 @@ def test_a_velocity_that_is_zero_in_its_midpoints_alone_is_no_rest():
         state._deviations = held
         moved = ((body, body.flight.x, body.flight.y, ball.ZERO, ball.ZERO),)
         _, doubles = held.recentre(moved, body.flight.t, 1)
+        carried = _landed(held, moved, doubles, 1.0, 0.0, ball.ZERO)
         lone = LoneCentred(state)
-        lone._land(held, moved, doubles, (ball.ZERO, ball.ZERO, ball.ZERO, 0.0, 1.0), 1, FEW)
+        lone._land(held, moved, carried, (ball.ZERO, ball.ZERO), 1, FEW)
     assert not body.flight.rest
     assert not body.flight.vx.is_zero()
     assert body.flight.vy.contains(0)

@@ -1,0 +1,79 @@
+/* Python's numbers and attributes, read as C's; shared by the modules of this folder. */
+#ifndef TRUEBREAK_READING_H
+#define TRUEBREAK_READING_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#include <float.h>
+#include <math.h>
+
+#if FLT_EVAL_METHOD != 0
+#error "doubles are kept wider than they are: the Python is used"
+#endif
+
+#define UNIT 0x1p-53
+
+/* Each gives 0, or -1 with an error set. */
+
+static inline int read_double(PyObject *number, double *out)
+{
+    *out = PyFloat_AsDouble(number);
+    return *out == -1.0 && PyErr_Occurred() ? -1 : 0;
+}
+
+/* All numbers of a tuple, or of its end. */
+static inline int read_doubles(PyObject *tuple, Py_ssize_t count, double *out)
+{
+    Py_ssize_t from = PyTuple_Check(tuple) ? PyTuple_GET_SIZE(tuple) - count : -1;
+    if (from < 0) {
+        PyErr_SetString(PyExc_TypeError, "a tuple of numbers is expected");
+        return -1;
+    }
+    for (Py_ssize_t k = 0; k < count; k++)
+        if (read_double(PyTuple_GET_ITEM(tuple, from + k), &out[k]) < 0)
+            return -1;
+    return 0;
+}
+
+static inline int read_size(PyObject *number, Py_ssize_t *out)
+{
+    *out = PyLong_AsSsize_t(number);
+    return *out == -1 && PyErr_Occurred() ? -1 : 0;
+}
+
+static inline int get_double(PyObject *of, PyObject *name, double *out)
+{
+    PyObject *value = PyObject_GetAttr(of, name);
+    int failed = value == NULL || read_double(value, out) < 0;
+    Py_XDECREF(value);
+    return failed ? -1 : 0;
+}
+
+static inline int get_size(PyObject *of, PyObject *name, Py_ssize_t *out)
+{
+    PyObject *value = PyObject_GetAttr(of, name);
+    int failed = value == NULL || read_size(value, out) < 0;
+    Py_XDECREF(value);
+    return failed ? -1 : 0;
+}
+
+/* Puts an object that is made for it, or NULL with an error set, at the end of a list. */
+static inline int append(PyObject *list, PyObject *made)
+{
+    int failed = made == NULL || PyList_Append(list, made) < 0;
+    Py_XDECREF(made);
+    return failed ? -1 : 0;
+}
+
+/* The interned names of a module: given as pairs of where and what, ended by NULL. */
+typedef struct { PyObject **where; const char *what; } Name;
+
+static inline int intern(const Name *names)
+{
+    for (; names->where != NULL; names++)
+        if ((*names->where = PyUnicode_InternFromString(names->what)) == NULL)
+            return -1;
+    return 0;
+}
+
+#endif

@@ -1,0 +1,557 @@
+/* What `exact/replay/lone/carrying.py` does, compiled: the deviations of midpoints, carried through one contact. The same
+ * operations in the same order, on the same lists of an `ErrorSet`, so that both leave the same bits. The bounds are
+ * derived in docs/error-bound.md.
+ */
+#include "reading.h"
+
+/* As in exact/replay/centred/errors.py, derivatives.py and deviations.py, and exact/replay/body.py and lone/: a test
+ * holds these against those. */
+#define UP (1.0 + 0x1p-40)
+#define WIDER (1.0 + 0x1p-39)
+#define CARRIED 0x1p-39
+#define SMALL_WAIT 0x1p-48
+#define MOST 0x1p900
+#define MOST_TURN 0x1p100
+#define LEAST 1e-280
+#define FLAT 0x1p-30
+#define STEEPER (1.0 + 0x1p-20)
+#define LEAST_TURN 16.0
+#define PLAIN 0x1p-100
+#define FAINT (-240)
+#define ENOUGH (1LL << 40)
+
+enum { X, Y, VX, VY, COORDINATES };
+
+static PyObject *name_bounds, *name_place, *name_pace, *name_beside, *name_unit, *name_near, *name_shift, *name_limit,
+    *name_grown, *name_hits, *name_pairs, *name_layers, *name_layer, *name_pending, *name_steps, *name_mid,
+    *name_accuracy, *name_upper, *none_yet;
+
+/* What a contact needs of an `ErrorSet`; all owned. */
+typedef struct {
+    PyObject *errors, *bounds, *place, *pace;
+    double unit, near;
+    Py_ssize_t shift, count;
+} Set;
+
+static int open_set(PyObject *errors, Set *set)
+{
+    *set = (Set){errors, PyObject_GetAttr(errors, name_bounds), NULL, NULL, 0.0, 0.0, 0, 0};
+    if (set->bounds == NULL)
+        return -1;
+    set->place = PyObject_GetAttr(set->bounds, name_place);
+    set->pace = PyObject_GetAttr(set->bounds, name_pace);
+    if (set->place == NULL || set->pace == NULL || get_double(errors, name_unit, &set->unit) < 0
+        || get_double(errors, name_near, &set->near) < 0 || get_size(errors, name_shift, &set->shift) < 0)
+        return -1;
+    if (!PyList_Check(set->place) || !PyList_Check(set->pace)
+        || PyList_GET_SIZE(set->place) != PyList_GET_SIZE(set->pace)) {
+        PyErr_SetString(PyExc_TypeError, "bounds are two lists of one length");
+        return -1;
+    }
+    set->count = PyList_GET_SIZE(set->place) - 1; /* the last is what is fixed */
+    return 0;
+}
+
+static void close_set(Set *set)
+{
+    Py_XDECREF(set->bounds);
+    Py_XDECREF(set->place);
+    Py_XDECREF(set->pace);
+}
+
+static int read_bound(const Set *set, Py_ssize_t i, double *place, double *pace)
+{
+    if (i < 0 || i >= set->count) {
+        PyErr_SetString(PyExc_IndexError, "no such body in the set");
+        return -1;
+    }
+    return read_double(PyList_GET_ITEM(set->place, i), place) < 0 || read_double(PyList_GET_ITEM(set->pace, i), pace) < 0
+        ? -1 : 0;
+}
+
+static int put(PyObject *list, Py_ssize_t i, double value)
+{
+    PyObject *made = PyFloat_FromDouble(value);
+    return made == NULL ? -1 : PyList_SetItem(list, i, made);
+}
+
+/* A list of the set, borrowed from it: it outlives the call. */
+static PyObject *list_of(const Set *set, PyObject *name)
+{
+    PyObject *list = PyObject_GetAttr(set->errors, name);
+    if (list == NULL)
+        return NULL;
+    Py_DECREF(list);
+    if (PyList_Check(list))
+        return list;
+    PyErr_SetString(PyExc_TypeError, "the set keeps lists");
+    return NULL;
+}
+
+/* -- balls */
+
+static int upper(PyObject *ball, double *out)
+{
+    PyObject *bound = PyObject_CallMethodNoArgs(ball, name_upper);
+    int failed = bound == NULL || read_double(bound, out) < 0;
+    Py_XDECREF(bound);
+    return failed ? -1 : 0;
+}
+
+static int accuracy(PyObject *ball, long long *least)
+{
+    PyObject *bits = PyObject_CallMethodNoArgs(ball, name_accuracy);
+    if (bits == NULL)
+        return -1;
+    int overflow;
+    long long known = PyLong_AsLongLongAndOverflow(bits, &overflow);
+    Py_DECREF(bits);
+    if (known == -1 && PyErr_Occurred())
+        return -1;
+    if (overflow < 0)
+        known = LLONG_MIN / 2;
+    if (overflow <= 0 && known < *least)
+        *least = known;
+    return 0;
+}
+
+/* A body after a contact: its numbers, their middles, and these in doubles. */
+typedef struct {
+    PyObject *numbers, *mid;
+    double in_doubles[COORDINATES];
+} Body;
+
+/* `Deviations.recentre`, of one body: adds to the size, lowers the bits, makes the midpoints with `clock` and `last`. */
+static int centre(Body *body, PyObject *clock, PyObject *last, double unit, double *size, long long *bits)
+{
+    if (!PyTuple_Check(body->numbers) || PyTuple_GET_SIZE(body->numbers) != COORDINATES) {
+        PyErr_SetString(PyExc_TypeError, "a body has four numbers");
+        return -1;
+    }
+    if (read_doubles(body->numbers, COORDINATES, body->in_doubles) < 0
+        || (body->mid = PyTuple_New(COORDINATES + 2)) == NULL)
+        return -1;
+    for (int k = 0; k < COORDINATES; k++) {
+        PyObject *number = PyTuple_GET_ITEM(body->numbers, k);
+        PyObject *middle = PyObject_CallMethodNoArgs(number, name_mid);
+        if (middle == NULL || accuracy(number, bits) < 0) {
+            Py_XDECREF(middle);
+            return -1;
+        }
+        PyTuple_SET_ITEM(body->mid, k, middle);
+    }
+    PyTuple_SET_ITEM(body->mid, COORDINATES, Py_NewRef(clock));
+    PyTuple_SET_ITEM(body->mid, COORDINATES + 1, Py_NewRef(last));
+    const double *f = body->in_doubles;
+    *size += fabs(f[X]) + fabs(f[Y]) + unit * (fabs(f[VX]) + fabs(f[VY]));
+    return 0;
+}
+
+static double rounding_of(double size, long long bits, Py_ssize_t shift)
+{
+    long long power = 2 - bits - (long long)shift;
+    if (!(power < 500 && size < 0x1p500))
+        return INFINITY;
+    return ldexp(size * UP, power > -900 ? (int)power : -900);
+}
+
+static long long exponent(double number)
+{
+    int power;
+    frexp(number, &power);
+    return power;
+}
+
+/* What becomes of one body: `Landing`. */
+static PyObject *landing(const Body *body, const Set *set, Py_ssize_t i, double now, double beside, Py_ssize_t least)
+{
+    double place, pace;
+    if (read_bound(set, i, &place, &pace) < 0)
+        return NULL;
+    long long far = exponent(place) + set->shift, fast = exponent(pace) + set->shift - least;
+    const double *f = body->in_doubles;
+    int told = far < FAINT && fast < FAINT;
+    for (int k = 0; k < COORDINATES; k++)
+        told = told && (f[k] > PLAIN || f[k] < -PLAIN);
+    PyObject *doubles = told ? Py_BuildValue("(dddddd)", f[X], f[Y], f[VX], f[VY], now, beside) : Py_NewRef(Py_None);
+    return doubles == NULL ? NULL : Py_BuildValue("(OLLN)", body->mid, far, fast, doubles);
+}
+
+/* What becomes of a contact: `Carried`; False where the deviations are too large. */
+static PyObject *land(const Set *set, const Body *bodies, const Py_ssize_t *places, int count, double spread, double late,
+                      PyObject *clock, Py_ssize_t least)
+{
+    double place, pace, last_place, last_pace, now;
+    if (read_bound(set, places[0], &place, &pace) < 0 || read_bound(set, places[count - 1], &last_place, &last_pace) < 0
+        || read_double(clock, &now) < 0)
+        return NULL;
+    if (!(spread + (place + pace) + (last_place + last_pace) < MOST))
+        Py_RETURN_FALSE;
+    long long power = exponent(spread) + set->shift;
+    if (power > DBL_MAX_EXP - 1)
+        Py_RETURN_FALSE;
+    double beside = (late + ldexp(1.0, power > -1000 ? (int)power : -1000)) * UP;
+    PyObject *landings = PyTuple_New(count);
+    for (int k = 0; landings != NULL && k < count; k++) {
+        PyObject *made = landing(&bodies[k], set, places[k], now, beside, least);
+        if (made == NULL)
+            Py_CLEAR(landings);
+        else
+            PyTuple_SET_ITEM(landings, k, made);
+    }
+    return landings == NULL ? NULL : Py_BuildValue("(LdN)", power, beside, landings);
+}
+
+/* -- `Bounds` and what a set keeps for the end of a block */
+
+static int add_beside(const Set *set, double one, double other)
+{
+    double beside;
+    if (get_double(set->bounds, name_beside, &beside) < 0)
+        return -1;
+    PyObject *made = PyFloat_FromDouble(beside + one + other);
+    int failed = made == NULL || PyObject_SetAttr(set->bounds, name_beside, made) < 0;
+    Py_XDECREF(made);
+    return failed ? -1 : 0;
+}
+
+static int count_step(const Set *set, int grown)
+{
+    Py_ssize_t steps;
+    if (get_size(set->errors, name_steps, &steps) < 0)
+        return -1;
+    PyObject *more = PyLong_FromSsize_t(steps + 1);
+    int failed = more == NULL || PyObject_SetAttr(set->errors, name_steps, more) < 0
+        || (grown && PyObject_SetAttr(set->errors, name_grown, Py_True) < 0);
+    Py_XDECREF(more);
+    return failed ? -1 : 0;
+}
+
+/* The derivative of a collision: what `Collision` has. */
+typedef struct { double steep, turn, dx, dy, vx, vy, speed, strength; } Collision;
+
+/* `pair_derivative`; 0 where it is not to be had. */
+static int derivative(Collision *hit, double unit, double place, double pace, double near)
+{
+    double square = hit->vx * hit->vx + hit->vy * hit->vy, reach = sqrt(hit->dx * hit->dx + hit->dy * hit->dy);
+    double speed = hit->speed;
+    if (!(hit->strength < 0.0 && LEAST < speed && speed < INFINITY && LEAST < square && square < INFINITY && reach > 0.0))
+        return 0;
+    double slow = sqrt(square);
+    hit->steep = reach / speed * UP;
+    double slant = slow * hit->steep;
+    double apart = (1.0 + slant) * place * UP;
+    hit->turn = unit * square / speed * UP;
+    return slant * (apart / reach + pace / (unit * slow)) * UP < near && hit->turn < MOST_TURN;
+}
+
+/* `ErrorSet.meet`, with `Bounds.meet`, of two that move. */
+static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const double *weights, const Collision *hit,
+                double rounding)
+{
+    double place[2], pace[2], limit, whole = weights[0] + weights[1];
+    PyObject *hits = list_of(set, name_hits), *pairs = list_of(set, name_pairs), *layers = list_of(set, name_layers),
+             *layer = list_of(set, name_layer), *pending = list_of(set, name_pending);
+    if (hits == NULL || pairs == NULL || layers == NULL || layer == NULL || pending == NULL
+        || read_bound(set, at[0], &place[0], &pace[0]) < 0 || read_bound(set, at[1], &place[1], &pace[1]) < 0
+        || get_double(set->errors, name_limit, &limit) < 0)
+        return -1;
+    if (PyList_GET_SIZE(layer) != set->count + 1 || PyList_GET_SIZE(pending) != set->count + 1) {
+        PyErr_SetString(PyExc_IndexError, "the set's lists differ in length");
+        return -1;
+    }
+    double shares[2] = {2.0 * weights[0] / whole, 2.0 * weights[1] / whole};
+    double far[2] = {place[0] + fabs(lags[0]) * pace[0], place[1] + fabs(lags[1]) * pace[1]};
+    double both = hit->turn * (far[0] + far[1]), waited = SMALL_WAIT * (pace[0] + pace[1]);
+    double least = 0.0, one, two;
+    int grown = 0;
+    for (int k = 0; k < 2; k++) {
+        one = (far[k] + shares[k] * far[1 - k] + waited) * WIDER + rounding;
+        two = (pace[k] + shares[k] * (pace[1 - k] + both)) * WIDER + rounding;
+        if (k == 0)
+            least = one < two ? one : two;
+        else {
+            least = one < least ? one : least;
+            least = two < least ? two : least;
+        }
+        grown = grown || one > limit || two > limit;
+        if (put(set->place, at[k], one) < 0 || put(set->pace, at[k], two) < 0)
+            return -1;
+    }
+    if (add_beside(set, 0.0, CARRIED + rounding / least) < 0 || count_step(set, grown) < 0)
+        return -1;
+    for (int k = 0; k < 2; k++) {
+        double legs[5];
+        if (read_doubles(PyList_GET_ITEM(pending, at[k]), 5, legs) < 0)
+            return -1;
+        legs[4] = legs[4] + lags[k];
+        for (int m = 0; m < 5; m++)
+            if (append(hits, PyFloat_FromDouble(legs[m])) < 0)
+                return -1;
+    }
+    const double rest[] = {weights[0], weights[1], hit->dx, hit->dy, hit->vx, hit->vy, hit->speed, hit->strength};
+    for (int m = 0; m < 8; m++)
+        if (append(hits, PyFloat_FromDouble(rest[m])) < 0)
+            return -1;
+    Py_ssize_t waits[2], later;
+    for (int k = 0; k < 2; k++)
+        if (append(pairs, PyLong_FromSsize_t(at[k])) < 0 || PyList_SetItem(pending, at[k], Py_NewRef(none_yet)) < 0
+            || read_size(PyList_GET_ITEM(layer, at[k]), &waits[k]) < 0)
+            return -1;
+    later = waits[0] > waits[1] ? waits[0] : waits[1];
+    if (append(layers, PyLong_FromSsize_t(later)) < 0)
+        return -1;
+    for (int k = 0; k < 2; k++) {
+        PyObject *next = PyLong_FromSsize_t(later + 1);
+        if (next == NULL || PyList_SetItem(layer, at[k], next) < 0)
+            return -1;
+    }
+    return 0;
+}
+
+/* `ErrorSet.fly`, with `Bounds.fly` and `_then`. A mirror is (xx, xy, yy, off). */
+static int fly(const Set *set, Py_ssize_t i, double lag, const double *mirror, double rounding)
+{
+    double place, pace, limit, legs[5], up = (1.0 + mirror[3]) * UP;
+    PyObject *pending = list_of(set, name_pending);
+    if (pending == NULL || read_bound(set, i, &place, &pace) < 0 || get_double(set->errors, name_limit, &limit) < 0)
+        return -1;
+    if (i >= PyList_GET_SIZE(pending)) {
+        PyErr_SetString(PyExc_IndexError, "no such body in the set");
+        return -1;
+    }
+    place = (place + fabs(lag) * pace) * up + rounding;
+    pace = pace * up + rounding;
+    if (put(set->place, i, place) < 0 || put(set->pace, i, pace) < 0
+        || add_beside(set, CARRIED + 2.0 * mirror[3], rounding != 0.0 ? rounding / (pace < place ? pace : place) : 0.0) < 0
+        || count_step(set, place > limit) < 0 || read_doubles(PyList_GET_ITEM(pending, i), 5, legs) < 0)
+        return -1;
+    double a = mirror[0], b = mirror[1], d = mirror[2];
+    PyObject *then = Py_BuildValue("(ddddd)", a * legs[0] + b * legs[2], a * legs[1] + b * legs[3],
+                                   b * legs[0] + d * legs[2], b * legs[1] + d * legs[3], legs[4] + lag);
+    return then == NULL ? -1 : PyList_SetItem(pending, i, then);
+}
+
+/* -- contacts */
+
+static int given(Py_ssize_t count, Py_ssize_t expected)
+{
+    if (count == expected)
+        return 1;
+    PyErr_Format(PyExc_TypeError, "%zd arguments are expected", expected);
+    return 0;
+}
+
+PyDoc_STRVAR(bounce_doc,
+"bounce(errors, i, j, met, since_i, since_j, strength, weights, late, near, one, other, clock, last, least):\n"
+"as `carry_pair`; None where the truth may be too far from the midpoints, with nothing changed.");
+
+static PyObject *bounce(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    if (!given(count, 15))
+        return NULL;
+    Set set;
+    PyObject *told = NULL, *clock = args[12], *last = args[13];
+    Py_ssize_t at[2], least;
+    double met[5], since[2], weights[2], late, near_time, place[2], pace[2];
+    Collision hit;
+    Body bodies[2] = {{args[10], NULL, {0.0}}, {args[11], NULL, {0.0}}};
+    if (open_set(args[0], &set) < 0 || read_size(args[1], &at[0]) < 0 || read_size(args[2], &at[1]) < 0
+        || read_doubles(args[3], 5, met) < 0 || read_double(args[4], &since[0]) < 0 || read_double(args[5], &since[1]) < 0
+        || read_double(args[6], &hit.strength) < 0 || read_doubles(args[7], 2, weights) < 0 || upper(args[8], &late) < 0
+        || read_double(args[9], &near_time) < 0 || read_size(args[14], &least) < 0
+        || read_bound(&set, at[0], &place[0], &pace[0]) < 0 || read_bound(&set, at[1], &place[1], &pace[1]) < 0)
+        goto done;
+    late = late * UP;
+    double unit = set.unit, near = set.near, lags[2] = {since[0] / unit, since[1] / unit};
+    hit.dx = met[0];
+    hit.dy = met[1];
+    hit.vx = met[2];
+    hit.vy = met[3];
+    hit.speed = met[4];
+    double wide_pace = (pace[0] + pace[1]) * UP;
+    double wide = (place[0] + fabs(lags[0]) * pace[0] + place[1] + fabs(lags[1]) * pace[1] + SMALL_WAIT * wide_pace) * UP;
+    int known = derivative(&hit, unit, wide, wide_pace, near);
+    double spread = 0.0;
+    if (known) {
+        spread = hit.steep * wide * UP;
+        double turn = hit.turn > LEAST_TURN ? hit.turn : LEAST_TURN;
+        known = spread * turn < near * LEAST_TURN * 2.0 * unit && late * turn < LEAST_TURN * near_time;
+    }
+    if (!known) {
+        told = Py_NewRef(Py_None);
+        goto done;
+    }
+    double size = 0.0;
+    long long bits = ENOUGH;
+    for (int k = 0; k < 2; k++)
+        if (centre(&bodies[k], clock, last, unit, &size, &bits) < 0)
+            goto done;
+    if (meet(&set, at, lags, weights, &hit, rounding_of(size, bits, set.shift)) < 0)
+        goto done;
+    told = land(&set, bodies, at, 2, spread, late, clock, least);
+done:
+    Py_XDECREF(bodies[0].mid);
+    Py_XDECREF(bodies[1].mid);
+    close_set(&set);
+    return told;
+}
+
+PyDoc_STRVAR(rebound_doc,
+"rebound(errors, i, since, velocity, face, late, near, one, clock, last, least): as `carry_wall`; None as `bounce`.");
+
+static PyObject *rebound(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    if (!given(count, 11))
+        return NULL;
+    Set set;
+    PyObject *told = NULL, *clock = args[8], *last = args[9];
+    Py_ssize_t i, least;
+    double since, velocity[2], normal[2], mirror[4], late, near_time, place, pace;
+    Body body = {args[7], NULL, {0.0}};
+    if (!PyTuple_Check(args[4]) || PyTuple_GET_SIZE(args[4]) != 3) {
+        PyErr_SetString(PyExc_TypeError, "a face is a tuple of three");
+        return NULL;
+    }
+    if (open_set(args[0], &set) < 0 || read_size(args[1], &i) < 0 || read_double(args[2], &since) < 0
+        || read_doubles(args[3], 2, velocity) < 0 || read_double(PyTuple_GET_ITEM(args[4], 0), &normal[0]) < 0
+        || read_double(PyTuple_GET_ITEM(args[4], 1), &normal[1]) < 0
+        || read_doubles(PyTuple_GET_ITEM(args[4], 2), 4, mirror) < 0 || upper(args[5], &late) < 0
+        || read_double(args[6], &near_time) < 0 || read_size(args[10], &least) < 0
+        || read_bound(&set, i, &place, &pace) < 0)
+        goto done;
+    late = late * UP;
+    double lag = since / set.unit;
+    double speed = -(normal[0] * velocity[0] + normal[1] * velocity[1]), width = fabs(normal[0]) + fabs(normal[1]);
+    int sharp = speed > FLAT * width * (fabs(velocity[0]) + fabs(velocity[1])) && speed > LEAST;
+    double steep = sharp ? width / speed * STEEPER : INFINITY;
+    double spread = (place + (fabs(lag) + SMALL_WAIT) * pace) * UP * (steep * UP);
+    if (!(spread < set.near * set.unit && late < near_time)) {
+        told = Py_NewRef(Py_None);
+        goto done;
+    }
+    double size = 0.0;
+    long long bits = ENOUGH;
+    if (centre(&body, clock, last, set.unit, &size, &bits) < 0
+        || fly(&set, i, lag, mirror, rounding_of(size, bits, set.shift)) < 0)
+        goto done;
+    told = land(&set, &body, &i, 1, spread, late, clock, least);
+done:
+    Py_XDECREF(body.mid);
+    close_set(&set);
+    return told;
+}
+
+/* -- the end of a block */
+
+#define PART 8 /* rows of two bodies */
+
+/* A contiguous array of doubles, of so many at least, writable or not. */
+static int view(PyObject *array, int writable, Py_ssize_t least, Py_buffer *out)
+{
+    if (PyObject_GetBuffer(array, out, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT | (writable ? PyBUF_WRITABLE : 0)) < 0)
+        return -1;
+    if (out->itemsize == sizeof(double) && out->format != NULL && out->format[0] == 'd'
+        && out->len >= least * (Py_ssize_t)sizeof(double))
+        return 0;
+    PyBuffer_Release(out);
+    PyErr_SetString(PyExc_TypeError, "an array of enough doubles is expected");
+    return -1;
+}
+
+PyDoc_STRVAR(carry_doc,
+"carry(rows, pairs, maps): takes rows of fours, a body's after another's, through collisions in order: each a matrix on\n"
+"those of the two bodies that `pairs`, a list, names after one another.");
+
+static PyObject *carry(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    if (!given(count, 3))
+        return NULL;
+    Py_buffer rows, maps;
+    PyObject *pairs = args[1];
+    if (!PyList_Check(pairs)) {
+        PyErr_SetString(PyExc_TypeError, "pairs are a list");
+        return NULL;
+    }
+    Py_ssize_t hits = PyList_GET_SIZE(pairs) / 2;
+    if (view(args[2], 0, hits * PART * PART, &maps) < 0)
+        return NULL;
+    if (view(args[0], 1, 0, &rows) < 0) {
+        PyBuffer_Release(&maps);
+        return NULL;
+    }
+    Py_ssize_t bodies = rows.ndim == 3 ? rows.shape[0] : 0, width = rows.ndim == 3 ? rows.shape[2] : 0;
+    double *scratch = rows.ndim == 3 && rows.shape[1] == COORDINATES ? PyMem_New(double, PART * width) : NULL;
+    PyObject *done = NULL;
+    if (scratch == NULL) {
+        PyErr_SetString(PyExc_TypeError, "rows of fours are expected");
+        goto end;
+    }
+    for (Py_ssize_t hit = 0; hit < hits; hit++) {
+        const double *map = (const double *)maps.buf + hit * PART * PART;
+        double *part[PART];
+        for (int k = 0; k < 2; k++) {
+            Py_ssize_t body;
+            if (read_size(PyList_GET_ITEM(pairs, 2 * hit + k), &body) < 0)
+                goto end;
+            if (body < 0) /* what is fixed comes last */
+                body += bodies;
+            if (body < 0 || body >= bodies) {
+                PyErr_SetString(PyExc_IndexError, "no such body among the rows");
+                goto end;
+            }
+            for (int m = 0; m < COORDINATES; m++)
+                part[COORDINATES * k + m] = (double *)rows.buf + (COORDINATES * body + m) * width;
+        }
+        for (int row = 0; row < PART; row++) {
+            double *out = scratch + row * width;
+            const double *m = map + row * PART;
+            for (Py_ssize_t c = 0; c < width; c++)
+                out[c] = m[0] * part[0][c] + m[1] * part[1][c] + m[2] * part[2][c] + m[3] * part[3][c]
+                    + m[4] * part[4][c] + m[5] * part[5][c] + m[6] * part[6][c] + m[7] * part[7][c];
+        }
+        for (int row = 0; row < PART; row++)
+            for (Py_ssize_t c = 0; c < width; c++)
+                part[row][c] = scratch[row * width + c];
+    }
+    done = Py_NewRef(Py_None);
+end:
+    PyMem_Free(scratch);
+    PyBuffer_Release(&rows);
+    PyBuffer_Release(&maps);
+    return done;
+}
+
+PyDoc_STRVAR(constants_doc, "constants(): the numbers of Python that are written here again, by name.");
+
+static PyObject *constants(PyObject *self, PyObject *nothing)
+{
+    return Py_BuildValue("{sdsdsdsdsdsdsdsdsdsdsdsisL}", "UP", UP, "WIDER", WIDER, "CARRIED", CARRIED, "SMALL_WAIT",
+                         SMALL_WAIT, "MOST", MOST, "MOST_TURN", MOST_TURN, "LEAST", LEAST, "FLAT", FLAT, "STEEPER",
+                         STEEPER, "LEAST_TURN", LEAST_TURN, "PLAIN", PLAIN, "FAINT", FAINT, "ENOUGH", ENOUGH);
+}
+
+static PyMethodDef methods[] = {
+    {"bounce", (PyCFunction)(void (*)(void))bounce, METH_FASTCALL, bounce_doc},
+    {"rebound", (PyCFunction)(void (*)(void))rebound, METH_FASTCALL, rebound_doc},
+    {"carry", (PyCFunction)(void (*)(void))carry, METH_FASTCALL, carry_doc},
+    {"constants", constants, METH_NOARGS, constants_doc},
+    {NULL, NULL, 0, NULL},
+};
+
+static struct PyModuleDef module = {
+    PyModuleDef_HEAD_INIT, "_steps", "Contacts of midpoints with a set of deviations, compiled.", -1, methods,
+    NULL, NULL, NULL, NULL,
+};
+
+PyMODINIT_FUNC PyInit__steps(void)
+{
+    const Name names[] = {
+        {&name_bounds, "bounds"}, {&name_place, "place"}, {&name_pace, "pace"}, {&name_beside, "beside"},
+        {&name_unit, "_unit"}, {&name_near, "near"}, {&name_shift, "shift"}, {&name_limit, "_limit"},
+        {&name_grown, "_grown"}, {&name_hits, "_hits"}, {&name_pairs, "_pairs"}, {&name_layers, "_layers"},
+        {&name_layer, "_layer"}, {&name_pending, "_pending"}, {&name_steps, "_steps"}, {&name_mid, "mid"},
+        {&name_accuracy, "rel_accuracy_bits"}, {&name_upper, "abs_upper"}, {NULL, NULL}};
+    none_yet = Py_BuildValue("(ddddd)", 1.0, 0.0, 0.0, 1.0, 0.0); /* `STILL` */
+    return none_yet == NULL || intern(names) < 0 ? NULL : PyModule_Create(&module);
+}

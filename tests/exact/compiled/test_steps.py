@@ -1,0 +1,233 @@
+"""Deviations that are carried by what is compiled against those carried by Python: the same bits."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb
+
+from truebreak.exact import ExactEngine
+from truebreak.exact.certified import precision
+from truebreak.exact.compiled import steps
+from truebreak.exact.numbers import ball
+from truebreak.exact.replay import body
+from truebreak.exact.replay.centred import derivatives, deviations, error_set, errors
+from truebreak.exact.replay.centred.centred_state import CentredState
+from truebreak.exact.replay.centred.error_set import ErrorSet
+from truebreak.exact.replay.centred.errors import NO_MIRROR, Spent
+from truebreak.exact.replay.contact import AtWall, Pair
+from truebreak.exact.replay.lone import carrying
+from truebreak.exact.replay.lone import centred as lone_centred
+from truebreak.scenarios import Circle, Scene, Wall
+from truebreak.scenarios.catalogue import build
+
+pytestmark = pytest.mark.skipif(steps is None, reason="nothing is compiled here")
+
+KEPT = ("_hits", "_pairs", "_layers", "_layer", "_pending", "_steps", "_grown")
+
+
+def test_the_numbers_written_twice_are_the_same() -> None:
+    assert steps is not None
+    where = (errors, derivatives, deviations, body, carrying)
+    for name, value in steps.constants().items():
+        assert {getattr(module, name) for module in where if hasattr(module, name)} == {value}, name
+
+
+def kept(held: ErrorSet) -> str:
+    """All that a contact changes of a set, to the last bit."""
+    bounds = held.bounds
+    return repr([bounds.place, bounds.pace, bounds.beside, *(getattr(held, name) for name in KEPT)])
+
+
+def keep(held: ErrorSet) -> tuple[Any, ...]:
+    return deepcopy((held.bounds, {name: getattr(held, name) for name in KEPT}))
+
+
+def give_back(held: ErrorSet, of: tuple[Any, ...]) -> None:
+    held.bounds = of[0]
+    for name, value in of[1].items():
+        setattr(held, name, value)
+
+
+def seen(told: Any) -> str:
+    """What comes out: balls are equal to none, so they are told by their exact numbers."""
+    if told is None:
+        return "None"
+    power, beside, landings = told
+    rows = [[[number.man_exp() for number in mid[:5]], *rest] for mid, *rest in landings]
+    return repr((power, beside, rows))
+
+
+def in_both(monkeypatch: pytest.MonkeyPatch) -> dict[str, int]:
+    """Has each contact carried twice from now on, and the two compared; counts what came out."""
+    told = dict.fromkeys(("pairs", "walls", "none", "spent", "plain"), 0)
+
+    def both(carry: Any, kind: str) -> Any:
+        def carried(held: Any, *given: Any) -> Any:
+            before, mids = keep(held.errors), dict(held.mid)
+            outcomes = []
+            for python in (True, False):
+                with monkeypatch.context() as patch:
+                    if python:
+                        patch.setattr(carrying, "steps", None)
+                    try:
+                        found = carry(held, *given)
+                    except Spent:
+                        outcomes.append(("spent", ""))
+                        found = Spent
+                    else:
+                        outcomes.append((seen(found), kept(held.errors)))
+                held.mid = dict(mids)
+                if python:
+                    give_back(held.errors, before)
+            assert outcomes[0] == outcomes[1]
+            if found is Spent:
+                told["spent"] += 1
+                raise Spent
+            told["none" if found is None else kind] += 1
+            told["plain"] += found is not None and found[2][0][3] is not None
+            return found
+
+        return carried
+
+    monkeypatch.setattr(lone_centred, "carry_pair", both(lone_centred.carry_pair, "pairs"))
+    monkeypatch.setattr(lone_centred, "carry_wall", both(lone_centred.carry_wall, "walls"))
+    return told
+
+
+FLIGHTS = [(1, 2, 1, "1/9"), (3, 2, -1, "1/7"), (2, 4, "1/5", -1), (4, 4, "1/3", "1/4")]
+MASSES = [1, "1/3", 10**6, "22/7"]
+
+OBLIQUE = Scene(
+    [Circle(x, y, vx=v, vy=w, r="1/3", m=m) for (x, y, v, w), m in zip(FLIGHTS, MASSES, strict=True)],
+    [Wall(0, 0, 6, 1), Wall(6, 1, 5, 7), Wall(5, 7, -1, 6), Wall(-1, 6, 0, 0)],
+)
+
+
+@pytest.mark.parametrize(
+    ("scene", "events"),
+    [
+        (build("gas:n=10,seed=3"), 500),
+        (build("gas:n=3,seed=2"), 700),
+        (build("gas:n=5,seed=1,mixed=yes"), 400),
+        (OBLIQUE, 400),
+        (build("galperin:n=2"), 300),
+        (build("rack:rows=3"), 40),
+    ],
+    ids=["ten", "three", "mixed", "oblique", "galperin", "rack"],
+)
+def test_contacts_of_a_run_are_carried_in_the_same_bits(
+    scene: Scene, events: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(precision, "LONG_BITS", 300)
+    told = in_both(monkeypatch)
+    assert ExactEngine().run(scene, events=events).events
+    if events >= 400:
+        assert min(told["pairs"], told["walls"], told["plain"]) > 80
+
+
+def test_what_cannot_be_carried_is_told_alike(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bounds of every size, and balls of few bits: up to where a derivative is not to be had, and beyond doubles."""
+    told, rng = in_both(monkeypatch), Random(4)
+    scene = build("gas:n=3,seed=2")
+    run = ExactEngine().run(scene, events=60)
+    links = [event.contacts[0] for event in run.events]
+    names = {str(circle.id): i for i, circle in enumerate(scene.circles)}
+    walls = {str(wall.id): k for k, wall in enumerate(scene.walls)}
+    for _ in range(300):
+        bits = rng.choice([60, 120, 300])
+        with ball.precision(bits):
+            state = CentredState(scene)
+            for each in state.bodies.values():
+                each.acc = bits
+            state._deviations = held = state._begin()
+            held.errors.near *= 2.0 ** rng.choice([rng.randrange(-60, 60), 1000])
+            held.near_time *= 2.0 ** rng.randrange(-20, 20)
+            held.errors._limit *= 2.0 ** rng.randrange(-60, 60)
+            for part in (held.errors.bounds.place, held.errors.bounds.pace):
+                part[:] = [
+                    bound * 2.0 ** rng.choice([0, rng.randrange(-40, 40), rng.randrange(920, 960)]) for bound in part
+                ]
+            for step, link in enumerate(links[:6]):
+                known = names[link.first], names.get(link.second)
+                contact = Pair(*sorted(known)) if known[1] is not None else AtWall(known[0], walls[link.second])
+                if lone_centred.LoneCentred(state).strike(contact, bits, 2 * step) is None:
+                    break
+    assert min(told["pairs"], told["walls"], told["none"], told["spent"]) > 20
+
+
+def test_rows_are_carried_by_the_same_matrices() -> None:
+    """To their roundings, which docs/error-bound.md counts: 8 u of the sizes, in whatever order sums are made."""
+    assert steps is not None
+    rng = np.random.default_rng(3)
+    for count, hits in [(1, 0), (2, 5), (10, 60), (24, 200)]:
+        rows = rng.normal(size=(count + 1, 4, 4 * count))
+        rows[-1] = 0.0
+        maps = rng.normal(size=(hits, 8, 8)) / 3.0
+        pairs = [tuple(map(int, rng.choice(count, 2, replace=False))) for _ in range(hits)] if count > 1 else []
+        pairs = [(i, -1) if k % 5 == 0 else (i, j) for k, (i, j) in enumerate(pairs)]
+        maps[[k for k, (_, j) in enumerate(pairs) if j < 0], 4:] = 0.0  # what is fixed stays
+        carried, exact, sizes = rows.copy(), rows.astype(np.longdouble), np.abs(rows)
+        steps.carry(carried, [k for pair in pairs for k in pair], maps)
+        for (i, j), m in zip(pairs, maps, strict=True):
+            both, size = np.concatenate([exact[i], exact[j]]), np.concatenate([sizes[i], sizes[j]])
+            both, size = m.astype(np.longdouble) @ both, np.abs(m) @ size * (1 + 16 * 2.0**-53)
+            exact[i], exact[j], sizes[i], sizes[j] = both[:4], both[4:], size[:4], size[4:]
+        assert np.all(np.abs(carried - exact) <= 9 * (hits + 1) * 2.0**-53 * sizes)
+        assert hits == 0 or not np.array_equal(carried, rows)
+
+
+def test_the_end_of_a_block_is_that_of_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """M to its roundings: far below what a step is said to leave beside it."""
+    rng, sets = Random(7), [ErrorSet([[1.0, 0.5, 2.0, 0.25]] * 5, 0, 0.5) for _ in range(2)]
+    for _ in range(30):
+        i, j = rng.sample(range(5), 2)
+        j = rng.choice([j, j, -1])
+        dx, dy, slow = rng.uniform(0.5, 1), rng.uniform(0.5, 1), rng.uniform(0.1, 1)
+        hit = errors.Collision(0.0, 0.0, 2.0, dx, dy, -slow, -slow, slow * (dx + dy), -1.0 / (dx * dx + dy * dy))
+        for held in sets:
+            held.fly(i, 0.25, NO_MIRROR)
+            held.meet(i, j, (0.5, 0.125), (1.0, 1.0 if j >= 0 else 0.0), hit, 0.0)
+    ours = sets[0]._carried()
+    monkeypatch.setattr(error_set, "steps", None)
+    python = sets[1]._carried()
+    assert np.abs(ours - python).max() < 2.0**-40 * np.abs(python).max()
+    assert np.abs(ours).max() > 1.0
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda c: c.bounce(),
+        lambda c: c.rebound(1, 2, 3),
+        lambda c: c.carry(np.zeros((2, 4, 4)), [0, 1], np.zeros(63)),
+        lambda c: c.carry(np.zeros((2, 3, 4)), [0, 1], np.zeros((1, 8, 8))),
+        lambda c: c.carry(np.zeros((2, 4, 4), dtype=np.float32), [0, 1], np.zeros((1, 8, 8))),
+        lambda c: c.carry(np.zeros((2, 4, 4)), (0, 1), np.zeros((1, 8, 8))),
+        lambda c: c.rebound(ErrorSet([[1.0] * 4], 0), 0, arb(1), (1, 1), (1, 2), arb(0), 1.0, (), arb(1), 1, 0),
+        lambda c: c.rebound(
+            ErrorSet([[1e-30] * 4], 0), 0, arb(1), (1.0, -1.0), (0.0, 1.0, (1.0, 0.0, -1.0, 0.0)), arb(0), 1.0,
+            (arb(1),), arb(1), 1, 0,
+        ),
+    ],
+)  # fmt: skip
+def test_what_makes_no_sense_is_refused(call: Any) -> None:
+    with pytest.raises(TypeError):
+        call(steps)
+
+
+def test_bodies_that_are_not_there_are_refused() -> None:
+    assert steps is not None
+    with pytest.raises(IndexError):
+        steps.carry(np.zeros((2, 4, 4)), [0, 2], np.zeros((1, 8, 8)))
+    held, four = ErrorSet([[1.0] * 4] * 2, 0), (arb(1),) * 4
+    face = (0.0, 1.0, (1.0, 0.0, -1.0, 0.0))
+    for i in (-1, 2):
+        with pytest.raises(IndexError):
+            steps.rebound(held, i, arb(1), (arb(1), arb(-1)), face, arb(0), 1.0, four, arb(1), 1, 0)
+    with pytest.raises(IndexError):
+        steps.bounce(held, 0, 2, (arb(1),) * 5, arb(1), arb(1), -1.0, (1.0, 1.0), arb(0), 1.0, four, four, arb(1), 1, 0)
