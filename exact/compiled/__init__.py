@@ -7,7 +7,7 @@ other (tests/exact/compiled). It also runs where the environment has `TRUEBREAK_
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import import_module
 from os import environ
 from typing import Any, Protocol, TypeAlias, cast
@@ -51,6 +51,10 @@ class Predictions(Protocol):
         Gives the last order that it used; None, with nothing changed, where something is not told by doubles, or not
         ordinary.
         """
+        ...
+
+    def first(self, heap: list[Any], bodies: Mapping[int, Any], before: float, /) -> Any:
+        """`ArrivalQueue.alone`, where nothing but plain arrivals has a part: the arrival; None where that is not so."""
         ...
 
 
@@ -97,8 +101,8 @@ class Steps(Protocol):
         """`carry_wall`, likewise."""
         ...
 
-    def carry(self, rows: Any, pairs: list[int], maps: Any, /) -> None:
-        """`ErrorSet`'s collisions at the end of a block: rows of fours, in place, by a matrix for each two bodies."""
+    def carry(self, rows: Any, pairs: list[int], hits: Any, blocks: Any, pending: list[Any], /) -> None:
+        """`ErrorSet._carried`: rows of fours, in place, through a block's collisions and the flights after them."""
         ...
 
     def constants(self) -> dict[str, float]:

@@ -25,7 +25,7 @@ typedef struct { double late, most, close; } Against;
 
 typedef struct { double low, high; } Span;
 
-static PyObject *name_f, *name_kind, *name_index, *name_serial, *name_until, *heappush, *infinity;
+static PyObject *name_f, *name_kind, *name_index, *name_serial, *name_until, *heappush, *heappop, *infinity;
 
 /* -- the formulas */
 
@@ -475,7 +475,107 @@ static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count
     return PyLong_FromSsize_t(order);
 }
 
+/* -- the next arrival: `ArrivalQueue.alone` */
+
+#define PLAIN 7 /* low, order, high, two circles, or a circle and ~k for wall k, and their serial numbers */
+
+/* Whether a plain arrival rests on a flight that is over; -1 with an error set. */
+static int is_stale(PyObject *entry, PyObject *bodies)
+{
+    for (int k = 0; k < 2; k++) {
+        PyObject *index = PyTuple_GET_ITEM(entry, 3 + k);
+        Py_ssize_t i, serial, then;
+        if (read_size(index, &i) < 0)
+            return -1;
+        if (k == 1 && i < 0)
+            break;
+        PyObject *body = PyDict_GetItemWithError(bodies, index);
+        if (body == NULL) {
+            if (!PyErr_Occurred())
+                PyErr_SetObject(PyExc_KeyError, index);
+            return -1;
+        }
+        if (get_size(body, name_serial, &serial) < 0 || read_size(PyTuple_GET_ITEM(entry, 5 + k), &then) < 0)
+            return -1;
+        if (serial != then)
+            return 1;
+    }
+    return 0;
+}
+
+static int is_plain(PyObject *entry)
+{
+    return PyTuple_CheckExact(entry) && PyTuple_GET_SIZE(entry) == PLAIN;
+}
+
+/* The first of a heap, borrowed, once plain arrivals that are stale are taken off; NULL if it is empty or not plain, or
+ * with an error set. */
+static PyObject *head(PyObject *heap, PyObject *bodies, double high)
+{
+    while (PyList_GET_SIZE(heap) > 0) {
+        PyObject *entry = PyList_GET_ITEM(heap, 0);
+        double low;
+        if (!is_plain(entry) || read_double(PyTuple_GET_ITEM(entry, 0), &low) < 0)
+            return NULL;
+        if (low > high)
+            return entry;
+        int stale = is_stale(entry, bodies);
+        if (stale <= 0)
+            return stale < 0 ? NULL : entry;
+        PyObject *popped = PyObject_CallOneArg(heappop, heap);
+        if (popped == NULL)
+            return NULL;
+        Py_DECREF(popped);
+    }
+    return NULL;
+}
+
+PyDoc_STRVAR(first_doc,
+"first(heap, bodies, before): takes off the next plain arrival if it comes before a time and nothing else may come with\n"
+"it. None where that is not so, or not seen here: then nothing but stale arrivals is gone.");
+
+static PyObject *first(PyObject *self, PyObject *const *args, Py_ssize_t count)
+{
+    if (count != 3 || !PyList_Check(args[0])) {
+        PyErr_SetString(PyExc_TypeError, "first: a list, bodies, and a time");
+        return NULL;
+    }
+    if (!PyDict_Check(args[1]))
+        Py_RETURN_NONE;
+    PyObject *heap = args[0], *bodies = args[1];
+    double before, high;
+    if (read_double(args[2], &before) < 0)
+        return NULL;
+    PyObject *entry = head(heap, bodies, INFINITY);
+    if (entry == NULL || read_double(PyTuple_GET_ITEM(entry, 2), &high) < 0 || !(high < before))
+        return PyErr_Occurred() ? NULL : Py_NewRef(Py_None);
+    PyObject *found = PyObject_CallOneArg(heappop, heap);
+    if (found == NULL)
+        return NULL;
+    PyObject *next = head(heap, bodies, high);
+    double low = INFINITY;
+    int alone = !PyErr_Occurred();
+    if (alone && PyList_GET_SIZE(heap) > 0)
+        alone = next != NULL && read_double(PyTuple_GET_ITEM(next, 0), &low) == 0 && low > high;
+    if (alone)
+        return found;
+    PyObject *type, *value, *trace;
+    PyErr_Fetch(&type, &value, &trace);
+    PyObject *both[] = {heap, found}, *done = PyObject_Vectorcall(heappush, both, 2, NULL);
+    Py_DECREF(found);
+    if (done == NULL) {
+        Py_XDECREF(type);
+        Py_XDECREF(value);
+        Py_XDECREF(trace);
+        return NULL;
+    }
+    Py_DECREF(done);
+    PyErr_Restore(type, value, trace);
+    return PyErr_Occurred() ? NULL : Py_NewRef(Py_None);
+}
+
 static PyMethodDef methods[] = {
+    {"first", (PyCFunction)(void (*)(void))first, METH_FASTCALL, first_doc},
     {"pairs", (PyCFunction)(void (*)(void))pairs, METH_FASTCALL, pairs_doc},
     {"walls", (PyCFunction)(void (*)(void))walls, METH_FASTCALL, walls_doc},
     {"predict", (PyCFunction)(void (*)(void))predict, METH_FASTCALL, predict_doc},
@@ -493,11 +593,12 @@ PyMODINIT_FUNC PyInit__predictions(void)
     if (heapq == NULL)
         return NULL;
     heappush = PyObject_GetAttrString(heapq, "heappush");
+    heappop = PyObject_GetAttrString(heapq, "heappop");
     Py_DECREF(heapq);
     const Name names[] = {{&name_f, "f"}, {&name_kind, "kind"}, {&name_index, "index"}, {&name_serial, "serial"},
                           {&name_until, "until"}, {NULL, NULL}};
     infinity = PyFloat_FromDouble(INFINITY);
-    if (heappush == NULL || infinity == NULL || intern(names) < 0)
+    if (heappush == NULL || heappop == NULL || infinity == NULL || intern(names) < 0)
         return NULL;
     return PyModule_Create(&module);
 }

@@ -23,7 +23,7 @@
 enum { X, Y, VX, VY, COORDINATES };
 
 static PyObject *name_bounds, *name_place, *name_pace, *name_beside, *name_unit, *name_near, *name_shift, *name_limit,
-    *name_grown, *name_hits, *name_pairs, *name_layers, *name_layer, *name_pending, *name_steps, *name_mid,
+    *name_grown, *name_hits, *name_pairs, *name_pending, *name_steps, *name_mid,
     *name_accuracy, *name_upper, *none_yet;
 
 /* What a contact needs of an `ErrorSet`; all owned. */
@@ -245,18 +245,37 @@ static int derivative(Collision *hit, double unit, double place, double pace, do
     return slant * (apart / reach + pace / (unit * slow)) * UP < near && hit->turn < MOST_TURN;
 }
 
+/* What is kept of a collision: see `PARTS` in error_set.py. */
+enum { LEGS = 10, PARTS = 18 };
+
+static int keep(const Set *set, const double *parts)
+{
+    PyObject *hits = PyObject_GetAttr(set->errors, name_hits);
+    if (hits == NULL)
+        return -1;
+    int failed = -1;
+    if (!PyByteArray_Check(hits))
+        PyErr_SetString(PyExc_TypeError, "the set keeps its hits as bytes");
+    else {
+        Py_ssize_t size = PyByteArray_GET_SIZE(hits);
+        failed = PyByteArray_Resize(hits, size + (Py_ssize_t)sizeof(double) * PARTS);
+        if (failed == 0)
+            memcpy(PyByteArray_AS_STRING(hits) + size, parts, sizeof(double) * PARTS);
+    }
+    Py_DECREF(hits);
+    return failed;
+}
+
 /* `ErrorSet.meet`, with `Bounds.meet`, of two that move. */
 static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const double *weights, const Collision *hit,
                 double rounding)
 {
     double place[2], pace[2], limit, whole = weights[0] + weights[1];
-    PyObject *hits = list_of(set, name_hits), *pairs = list_of(set, name_pairs), *layers = list_of(set, name_layers),
-             *layer = list_of(set, name_layer), *pending = list_of(set, name_pending);
-    if (hits == NULL || pairs == NULL || layers == NULL || layer == NULL || pending == NULL
-        || read_bound(set, at[0], &place[0], &pace[0]) < 0 || read_bound(set, at[1], &place[1], &pace[1]) < 0
-        || get_double(set->errors, name_limit, &limit) < 0)
+    PyObject *pairs = list_of(set, name_pairs), *pending = list_of(set, name_pending);
+    if (pairs == NULL || pending == NULL || read_bound(set, at[0], &place[0], &pace[0]) < 0
+        || read_bound(set, at[1], &place[1], &pace[1]) < 0 || get_double(set->errors, name_limit, &limit) < 0)
         return -1;
-    if (PyList_GET_SIZE(layer) != set->count + 1 || PyList_GET_SIZE(pending) != set->count + 1) {
+    if (PyList_GET_SIZE(pending) != set->count + 1) {
         PyErr_SetString(PyExc_IndexError, "the set's lists differ in length");
         return -1;
     }
@@ -280,33 +299,15 @@ static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const 
     }
     if (add_beside(set, 0.0, CARRIED + rounding / least) < 0 || count_step(set, grown) < 0)
         return -1;
+    double parts[PARTS] = {[LEGS] = weights[0], weights[1], hit->dx, hit->dy, hit->vx, hit->vy, hit->speed, hit->strength};
     for (int k = 0; k < 2; k++) {
-        double legs[5];
-        if (read_doubles(PyList_GET_ITEM(pending, at[k]), 5, legs) < 0)
+        double *legs = parts + k * (LEGS / 2);
+        if (read_doubles(PyList_GET_ITEM(pending, at[k]), LEGS / 2, legs) < 0
+            || append(pairs, PyLong_FromSsize_t(at[k])) < 0 || PyList_SetItem(pending, at[k], Py_NewRef(none_yet)) < 0)
             return -1;
-        legs[4] = legs[4] + lags[k];
-        for (int m = 0; m < 5; m++)
-            if (append(hits, PyFloat_FromDouble(legs[m])) < 0)
-                return -1;
+        legs[LEGS / 2 - 1] = legs[LEGS / 2 - 1] + lags[k];
     }
-    const double rest[] = {weights[0], weights[1], hit->dx, hit->dy, hit->vx, hit->vy, hit->speed, hit->strength};
-    for (int m = 0; m < 8; m++)
-        if (append(hits, PyFloat_FromDouble(rest[m])) < 0)
-            return -1;
-    Py_ssize_t waits[2], later;
-    for (int k = 0; k < 2; k++)
-        if (append(pairs, PyLong_FromSsize_t(at[k])) < 0 || PyList_SetItem(pending, at[k], Py_NewRef(none_yet)) < 0
-            || read_size(PyList_GET_ITEM(layer, at[k]), &waits[k]) < 0)
-            return -1;
-    later = waits[0] > waits[1] ? waits[0] : waits[1];
-    if (append(layers, PyLong_FromSsize_t(later)) < 0)
-        return -1;
-    for (int k = 0; k < 2; k++) {
-        PyObject *next = PyLong_FromSsize_t(later + 1);
-        if (next == NULL || PyList_SetItem(layer, at[k], next) < 0)
-            return -1;
-    }
-    return 0;
+    return keep(set, parts);
 }
 
 /* `ErrorSet.fly`, with `Bounds.fly` and `_then`. A mirror is (xx, xy, yy, off). */
@@ -444,7 +445,55 @@ done:
 
 /* -- the end of a block */
 
-#define PART 8 /* rows of two bodies */
+enum { BLOCKS = 7, BOTH = 2 * COORDINATES };
+
+typedef double Four[COORDINATES][COORDINATES];
+
+/* The matrix of legs: (T, T l; 0, T). */
+static void flown(const double *legs, Four out)
+{
+    memset(out, 0, sizeof(Four));
+    for (int k = 0; k < 2; k++)
+        for (int m = 0; m < 2; m++) {
+            double turned = legs[2 * k + m];
+            out[k][m] = out[2 + k][2 + m] = turned;
+            out[k][2 + m] = turned * legs[4];
+        }
+}
+
+/* One matrix times another, rows at a time: `rows` of them at `from`, as wide as is said. */
+static void times(const double *matrix, int size, const double *const *from, double *out, Py_ssize_t width)
+{
+    for (int row = 0; row < size; row++) {
+        double *sum = out + row * width;
+        for (Py_ssize_t c = 0; c < width; c++)
+            sum[c] = matrix[row * size] * from[0][c];
+        for (int k = 1; k < size; k++)
+            for (Py_ssize_t c = 0; c < width; c++)
+                sum[c] += matrix[row * size + k] * from[k][c];
+    }
+}
+
+/* `_maps`, of one collision, whose blocks stand so many numbers apart. */
+static void map_of(const double *hit, const double *block, Py_ssize_t apart, double out[BOTH][BOTH])
+{
+    double xx = block[0], xy = block[apart], yy = block[2 * apart];
+    const Four c = {{xx, xy, 0.0, 0.0}, {xy, yy, 0.0, 0.0}, {block[3 * apart], block[4 * apart], xx, xy},
+                    {block[5 * apart], block[6 * apart], xy, yy}};
+    Four legs[2], after[2];
+    for (int k = 0; k < 2; k++) {
+        flown(hit + k * (LEGS / 2), legs[k]);
+        const double *from[COORDINATES] = {legs[k][0], legs[k][1], legs[k][2], legs[k][3]};
+        times(&c[0][0], COORDINATES, from, &after[k][0][0], COORDINATES);
+    }
+    for (int k = 0; k < 2; k++)
+        for (int row = 0; row < COORDINATES; row++)
+            for (int m = 0; m < COORDINATES; m++) {
+                double weight = hit[LEGS + k];
+                out[COORDINATES * k + row][COORDINATES * k + m] = legs[k][row][m] + weight * after[k][row][m];
+                out[COORDINATES * k + row][COORDINATES * (1 - k) + m] = -weight * after[1 - k][row][m];
+            }
+}
 
 /* A contiguous array of doubles, of so many at least, writable or not. */
 static int view(PyObject *array, int writable, Py_ssize_t least, Py_buffer *out)
@@ -459,66 +508,86 @@ static int view(PyObject *array, int writable, Py_ssize_t least, Py_buffer *out)
     return -1;
 }
 
+/* Rows of fours, a body's after another's. */
+typedef struct { double *numbers, *scratch; Py_ssize_t bodies, width; } Rows;
+
+/* Takes the rows of some bodies through a matrix; -1 with an error set. */
+static int turn_rows(const Rows *rows, const Py_ssize_t *bodies, int count, const double *matrix)
+{
+    const double *from[BOTH];
+    for (int k = 0; k < count; k++) {
+        Py_ssize_t body = bodies[k] < 0 ? bodies[k] + rows->bodies : bodies[k]; /* what is fixed comes last */
+        if (body < 0 || body >= rows->bodies) {
+            PyErr_SetString(PyExc_IndexError, "no such body among the rows");
+            return -1;
+        }
+        for (int m = 0; m < COORDINATES; m++)
+            from[COORDINATES * k + m] = rows->numbers + (COORDINATES * body + m) * rows->width;
+    }
+    times(matrix, COORDINATES * count, from, rows->scratch, rows->width);
+    for (int k = 0; k < COORDINATES * count; k++)
+        memcpy((double *)from[k], rows->scratch + k * rows->width, sizeof(double) * rows->width);
+    return 0;
+}
+
+static int carry_rows(const Rows *rows, PyObject *pairs, const double *hits, const double *blocks, PyObject *pending)
+{
+    Py_ssize_t count = PyList_GET_SIZE(pairs) / 2;
+    for (Py_ssize_t hit = 0; hit < count; hit++) {
+        Py_ssize_t both[2];
+        double map[BOTH][BOTH];
+        map_of(hits + hit * PARTS, blocks + hit, count, map);
+        if (read_size(PyList_GET_ITEM(pairs, 2 * hit), &both[0]) < 0
+            || read_size(PyList_GET_ITEM(pairs, 2 * hit + 1), &both[1]) < 0 || turn_rows(rows, both, 2, &map[0][0]) < 0)
+            return -1;
+    }
+    for (Py_ssize_t body = 0; body < PyList_GET_SIZE(pending); body++) {
+        double legs[LEGS / 2];
+        Four map;
+        if (read_doubles(PyList_GET_ITEM(pending, body), LEGS / 2, legs) < 0)
+            return -1;
+        flown(legs, map);
+        if (turn_rows(rows, &body, 1, &map[0][0]) < 0)
+            return -1;
+    }
+    return 0;
+}
+
 PyDoc_STRVAR(carry_doc,
-"carry(rows, pairs, maps): takes rows of fours, a body's after another's, through collisions in order: each a matrix on\n"
-"those of the two bodies that `pairs`, a list, names after one another.");
+"carry(rows, pairs, hits, blocks, pending): takes rows of fours, a body's after another's, through collisions in order,\n"
+"of the bodies that `pairs` names after one another, and each body's through what it flew after them.");
 
 static PyObject *carry(PyObject *self, PyObject *const *args, Py_ssize_t count)
 {
-    if (!given(count, 3))
+    if (!given(count, 5))
         return NULL;
-    Py_buffer rows, maps;
-    PyObject *pairs = args[1];
-    if (!PyList_Check(pairs)) {
-        PyErr_SetString(PyExc_TypeError, "pairs are a list");
+    if (!PyList_Check(args[1]) || !PyList_Check(args[4])) {
+        PyErr_SetString(PyExc_TypeError, "pairs and what is pending are lists");
         return NULL;
     }
-    Py_ssize_t hits = PyList_GET_SIZE(pairs) / 2;
-    if (view(args[2], 0, hits * PART * PART, &maps) < 0)
-        return NULL;
-    if (view(args[0], 1, 0, &rows) < 0) {
-        PyBuffer_Release(&maps);
-        return NULL;
-    }
-    Py_ssize_t bodies = rows.ndim == 3 ? rows.shape[0] : 0, width = rows.ndim == 3 ? rows.shape[2] : 0;
-    double *scratch = rows.ndim == 3 && rows.shape[1] == COORDINATES ? PyMem_New(double, PART * width) : NULL;
+    Py_buffer views[3];
+    Py_ssize_t collisions = PyList_GET_SIZE(args[1]) / 2;
+    const Py_ssize_t least[3] = {0, collisions * PARTS, collisions * BLOCKS};
+    PyObject *const arrays[3] = {args[0], args[2], args[3]};
+    int held = 0;
     PyObject *done = NULL;
-    if (scratch == NULL) {
+    for (; held < 3; held++)
+        if (view(arrays[held], held == 0, least[held], &views[held]) < 0)
+            goto end;
+    if (views[0].ndim != 3 || views[0].shape[1] != COORDINATES) {
         PyErr_SetString(PyExc_TypeError, "rows of fours are expected");
         goto end;
     }
-    for (Py_ssize_t hit = 0; hit < hits; hit++) {
-        const double *map = (const double *)maps.buf + hit * PART * PART;
-        double *part[PART];
-        for (int k = 0; k < 2; k++) {
-            Py_ssize_t body;
-            if (read_size(PyList_GET_ITEM(pairs, 2 * hit + k), &body) < 0)
-                goto end;
-            if (body < 0) /* what is fixed comes last */
-                body += bodies;
-            if (body < 0 || body >= bodies) {
-                PyErr_SetString(PyExc_IndexError, "no such body among the rows");
-                goto end;
-            }
-            for (int m = 0; m < COORDINATES; m++)
-                part[COORDINATES * k + m] = (double *)rows.buf + (COORDINATES * body + m) * width;
-        }
-        for (int row = 0; row < PART; row++) {
-            double *out = scratch + row * width;
-            const double *m = map + row * PART;
-            for (Py_ssize_t c = 0; c < width; c++)
-                out[c] = m[0] * part[0][c] + m[1] * part[1][c] + m[2] * part[2][c] + m[3] * part[3][c]
-                    + m[4] * part[4][c] + m[5] * part[5][c] + m[6] * part[6][c] + m[7] * part[7][c];
-        }
-        for (int row = 0; row < PART; row++)
-            for (Py_ssize_t c = 0; c < width; c++)
-                part[row][c] = scratch[row * width + c];
-    }
-    done = Py_NewRef(Py_None);
+    Rows rows = {views[0].buf, NULL, views[0].shape[0], views[0].shape[2]};
+    rows.scratch = PyMem_New(double, BOTH * rows.width);
+    if (rows.scratch == NULL)
+        PyErr_NoMemory();
+    else if (carry_rows(&rows, args[1], views[1].buf, views[2].buf, args[4]) == 0)
+        done = Py_NewRef(Py_None);
+    PyMem_Free(rows.scratch);
 end:
-    PyMem_Free(scratch);
-    PyBuffer_Release(&rows);
-    PyBuffer_Release(&maps);
+    while (held > 0)
+        PyBuffer_Release(&views[--held]);
     return done;
 }
 
@@ -549,8 +618,7 @@ PyMODINIT_FUNC PyInit__steps(void)
     const Name names[] = {
         {&name_bounds, "bounds"}, {&name_place, "place"}, {&name_pace, "pace"}, {&name_beside, "beside"},
         {&name_unit, "_unit"}, {&name_near, "near"}, {&name_shift, "shift"}, {&name_limit, "_limit"},
-        {&name_grown, "_grown"}, {&name_hits, "_hits"}, {&name_pairs, "_pairs"}, {&name_layers, "_layers"},
-        {&name_layer, "_layer"}, {&name_pending, "_pending"}, {&name_steps, "_steps"}, {&name_mid, "mid"},
+        {&name_grown, "_grown"}, {&name_hits, "_hits"}, {&name_pairs, "_pairs"}, {&name_pending, "_pending"}, {&name_steps, "_steps"}, {&name_mid, "mid"},
         {&name_accuracy, "rel_accuracy_bits"}, {&name_upper, "abs_upper"}, {NULL, NULL}};
     none_yet = Py_BuildValue("(ddddd)", 1.0, 0.0, 0.0, 1.0, 0.0); /* `STILL` */
     return none_yet == NULL || intern(names) < 0 ? NULL : PyModule_Create(&module);

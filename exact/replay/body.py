@@ -80,7 +80,8 @@ class Body(Generic[N]):
 
     def await_flight(self, make: Callable[[], Flight[N]]) -> None:
         """Has a new flight made when it is first asked for."""
-        object.__setattr__(self, "__class__", WaitingBody)  # for good
+        if type(self) is not WaitingBody:
+            object.__setattr__(self, "__class__", WaitingBody)  # for good
         self._make = make
         self.flight = NO_FLIGHT
         del self.flight

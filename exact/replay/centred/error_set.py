@@ -26,6 +26,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import frexp, inf, ldexp
+from struct import Struct
 from typing import TypeAlias
 
 import numpy as np
@@ -54,6 +55,11 @@ CONTACTS_A_BODY = 20
 Legs: TypeAlias = tuple[float, float, float, float, float]
 """What a body flies between two collisions, walls among it: (xx, xy; yx, yy), all its mirrors, and how long. Mirrors
 commute with flights, since they turn places and velocities alike."""
+
+PARTS = 18
+"""Numbers that are kept of a collision: the legs before it of both bodies, their weights, and its derivative."""
+
+AS_BYTES = Struct(f"{PARTS}d").pack
 
 STILL: Legs = (1.0, 0.0, 0.0, 1.0, 0.0)
 """Nothing yet."""
@@ -89,10 +95,8 @@ class ErrorSet:
         self._limit = float(lengths.max()) * MOST_GROWTH
         self.near = ldexp(CLOSE, min(max(-self.shift, -900), 900))
         self._grown = False
-        self._hits: list[float] = []
+        self._hits = bytearray()
         self._pairs: list[int] = []
-        self._layers: list[int] = []
-        self._layer = [0] * (self._count + 1)
         self._pending = [STILL] * (self._count + 1)
         self._steps = 0
 
@@ -110,18 +114,15 @@ class ErrorSet:
         self, i: int, j: int, lags: tuple[float, float], weights: tuple[float, float], hit: Collision, rounding: float
     ) -> None:
         """See `Bounds.meet`."""
-        bounds, layers, layer = self.bounds, self._layers, self._layer
+        bounds = self.bounds
         whole = weights[0] + weights[1]
         bounds.meet(i, j, lags, (2.0 * weights[0] / whole, 2.0 * weights[1] / whole), hit.turn, rounding)
         self._steps += 1
         pending, before_i, before_j = self._pending, self._pending[i], self._pending[j]
-        self._hits += (*before_i[:4], before_i[4] + lags[0], *before_j[:4], before_j[4] + lags[1], *weights, *hit[3:])
+        legs = *before_i[:4], before_i[4] + lags[0], *before_j[:4], before_j[4] + lags[1]
+        self._hits += AS_BYTES(*legs, *weights, *hit[3:])
         self._pairs += (i, j)
         pending[i] = pending[j] = STILL
-        layer[-1] = 0  # what is fixed waits for nothing
-        later = layer[i] if layer[i] > layer[j] else layer[j]
-        layers.append(later)
-        layer[i] = layer[j] = later + 1
         limit, place, pace = self._limit, bounds.place, bounds.pace
         if pace[i] > limit or pace[j] > limit or place[i] > limit or place[j] > limit:
             self._grown = True
@@ -168,45 +169,35 @@ class ErrorSet:
         return np.repeat(of_two.reshape(-1), 2)
 
     def _carried(self) -> Floats:
-        """M at the end of the block: rows of fours, each collision a matrix on those of its two bodies.
-
-        Collisions of bodies that share none are carried together; one body more, whose rows are zero, is all that is
-        fixed.
-        """
+        """M at the end of the block: rows of fours, each collision a matrix on those of its two bodies; one body more,
+        whose rows are zero, is all that is fixed."""
         rows = np.zeros((self._count + 1, 4, 4 * self._count))
         rows[:-1] = self._basis.reshape(self._count, 4, -1)
-        if self._hits and steps is not None:
-            steps.carry(rows, self._pairs, self._maps())
-        elif self._hits:
-            layers = np.array(self._layers, dtype=np.intp)
-            order = np.argsort(layers, kind="stable")
-            pairs, maps = np.array(self._pairs, dtype=np.intp).reshape(-1, 2)[order], self._maps()[order]
-            start = 0
-            for end in np.cumsum(np.bincount(layers)).tolist():
-                those = pairs[start:end].reshape(-1)
-                part = maps[start:end] @ rows.take(those, axis=0).reshape(end - start, 8, -1)
-                rows[those] = part.reshape(2 * (end - start), 4, -1)
-                start = end
-        return (_flown(np.array(self._pending)) @ rows)[:-1].reshape(4 * self._count, -1)
+        hits = np.frombuffer(self._hits).reshape(-1, PARTS)
+        blocks = _blocks(hits, self._unit)
+        if steps is not None:
+            steps.carry(rows, self._pairs, hits, blocks, self._pending)
+        else:
+            self._carry(rows, _maps(hits, blocks))
+            rows = _flown(np.array(self._pending)) @ rows
+        return rows[:-1].reshape(4 * self._count, -1)
 
-    def _maps(self) -> Floats:
-        """The matrix of each collision: what its bodies flew before, and then the collision."""
-        hits = np.array(self._hits).reshape(-1, 18)
-        wi, wj, dx, dy, vx, vy, speed, strength = hits[:, 10:].T
-        cross, square = dx * vy - dy * vx, vx * vx + vy * vy
-        xx, xy, yy, *turn = pair_tangent_blocks(dx, dy, -speed, cross, square, strength)
-        c = np.zeros((len(hits), 4, 4))
-        c[:, 0, 0] = c[:, 2, 2] = xx
-        c[:, 0, 1] = c[:, 1, 0] = c[:, 2, 3] = c[:, 3, 2] = xy
-        c[:, 1, 1] = c[:, 3, 3] = yy
-        c[:, 2, 0], c[:, 2, 1], c[:, 3, 0], c[:, 3, 1] = (part * self._unit for part in turn)
-        both = np.empty((len(hits), 8, 8))
-        one, other = _flown(hits[:, :5]), _flown(hits[:, 5:10])
-        mine, its = c @ one, c @ other
-        wi, wj = wi[:, None, None], wj[:, None, None]
-        both[:, :4, :4], both[:, :4, 4:] = one + wi * mine, -wi * its
-        both[:, 4:, :4], both[:, 4:, 4:] = -wj * mine, other + wj * its
-        return both
+    def _carry(self, rows: Floats, maps: Floats) -> None:
+        """Carries rows through the collisions, those of bodies that share none together."""
+        layers: list[int] = []
+        layer = [0] * (self._count + 1)
+        for i, j in zip(self._pairs[::2], self._pairs[1::2], strict=True):
+            layer[-1] = 0  # what is fixed waits for nothing
+            layers.append(max(layer[i], layer[j]))
+            layer[i] = layer[j] = layers[-1] + 1
+        order = np.argsort(layers, kind="stable")
+        pairs, maps = np.array(self._pairs, dtype=np.intp).reshape(-1, 2)[order], maps[order]
+        start = 0
+        for end in np.cumsum(np.bincount(layers)).tolist():
+            those = pairs[start:end].reshape(-1)
+            part = maps[start:end] @ rows.take(those, axis=0).reshape(end - start, 8, -1)
+            rows[those] = part.reshape(2 * (end - start), 4, -1)
+            start = end
 
     def power_of(self, bound: float) -> int:
         """A k with bound * 2**shift at most 2**k.
@@ -224,6 +215,31 @@ def _then(legs: Legs, lag: float, mirror: Mirror) -> Legs:
     xx, xy, yx, yy, flown = legs
     a, b, d, _ = mirror
     return a * xx + b * yx, a * xy + b * yy, b * xx + d * yx, b * xy + d * yy, flown + lag
+
+
+def _blocks(hits: Floats, unit: float) -> Floats:
+    """Of each collision: (xx, xy, yy) of B and (xx, xy, yx, yy) of A, in the set's unit of time."""
+    dx, dy, vx, vy, speed, strength = hits[:, 12:].T
+    cross, square = dx * vy - dy * vx, vx * vx + vy * vy
+    xx, xy, yy, *turn = pair_tangent_blocks(dx, dy, -speed, cross, square, strength)
+    return np.array([xx, xy, yy, *(part * unit for part in turn)])
+
+
+def _maps(hits: Floats, blocks: Floats) -> Floats:
+    """The matrix of each collision: what its bodies flew before, and then the collision."""
+    xx, xy, yy, *turn = blocks
+    c = np.zeros((len(hits), 4, 4))
+    c[:, 0, 0] = c[:, 2, 2] = xx
+    c[:, 0, 1] = c[:, 1, 0] = c[:, 2, 3] = c[:, 3, 2] = xy
+    c[:, 1, 1] = c[:, 3, 3] = yy
+    c[:, 2, 0], c[:, 2, 1], c[:, 3, 0], c[:, 3, 1] = turn
+    both = np.empty((len(hits), 8, 8))
+    one, other = _flown(hits[:, :5]), _flown(hits[:, 5:10])
+    mine, its = c @ one, c @ other
+    wi, wj = hits[:, 10, None, None], hits[:, 11, None, None]
+    both[:, :4, :4], both[:, :4, 4:] = one + wi * mine, -wi * its
+    both[:, 4:, :4], both[:, 4:, 4:] = -wj * mine, other + wj * its
+    return both
 
 
 def _flown(legs: Floats) -> Floats:

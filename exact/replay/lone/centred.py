@@ -96,21 +96,24 @@ class LoneCentred:
         lag = clock - base
         late = wait - lag
         if of_a:
+            since = lag, clock - bt
             ax, ay = ax + avx * lag, ay + avy * lag
             bx, by = ax + ex - vx * late, ay + ey - vy * late
         else:
+            since = clock - at, lag
             bx, by = bx + bvx * lag, by + bvy * lag
             ax, ay = bx - ex + vx * late, by - ey + vy * late
         strength = share_a * root
         jx, jy = strength * ex, strength * ey
-        ax, ay, avx, avy = ax + jx * late, ay + jy * late, avx - jx, avy - jy
+        px, py = jx * late, jy * late
+        ax, ay, avx, avy = ax + px, ay + py, avx - jx, avy - jy
         if not alike:
             strength = share_b * root
             jx, jy = strength * ex, strength * ey
-        bx, by, bvx, bvy = bx - jx * late, by - jy * late, bvx + jx, bvy + jy
+            px, py = jx * late, jy * late
+        bx, by, bvx, bvy = bx - px, by - py, bvx + jx, bvy + jy
         moved = (a, ax, ay, avx, avy), (b, bx, by, bvx, bvy)
-        met, since = (ex, ey, vx, vy, root), (clock - at, clock - bt)
-        found = carry_pair(held, state, link, met, since, late, moved, clock, step)
+        found = carry_pair(held, state, link, (ex, ey, vx, vy, root), since, late, moved, clock, step)
         return None if found is None else self._land(held, moved, found, (instant, late), step, bits)
 
     def _rebound(self, held: Deviations, link: AtWall, bits: int, step: int) -> int | None:

@@ -212,6 +212,11 @@ class ArrivalQueue(Generic[N]):
         None where that is not plain at a glance: then all is as it was, or nearer to it.
         """
         heap, bodies, crossings = self._heap, self._bodies, self.crossings
+        if predictions is not None:
+            crossing = crossings.next_crossing
+            found = predictions.first(heap, bodies, before if before < crossing else crossing)
+            if found is not None:
+                return _link_of(found)
         while heap:
             first = heap[0]
             if isinstance(first, Arrival):
@@ -294,4 +299,8 @@ class ArrivalQueue(Generic[N]):
 def _link_of(entry: PlainArrival) -> Touch:
     """Whose meeting it is."""
     i, j = entry[3], entry[4]
-    return Pair(i, j) if j >= 0 else AtWall(i, ~j)
+    return _new(Pair, (i, j)) if j >= 0 else _new(AtWall, (i, ~j, "wall"))
+
+
+_new = tuple.__new__
+"""Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""

@@ -202,6 +202,9 @@ def test_what_is_not_ordinary_is_left_to_python() -> None:
         lambda c: c.walls((1.0,) * 6, [(1, 2)], 1.0, 1.0),
         lambda c: c.walls((1.0,) * 6, [], "far", 1.0),
         lambda c: c.predict([], [], [], [], (), (), (), []),
+        lambda c: c.first([], {}),
+        lambda c: c.first((), {}, 1.0),
+        lambda c: c.first([], {}, "late"),
         lambda c: c.predict([], [], [], [], (), (), (), [], 0),
     ],
 )

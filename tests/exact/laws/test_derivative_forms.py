@@ -7,7 +7,7 @@ the bounds of deviations hold besides is the matter of docs/error-bound.md and i
 from __future__ import annotations
 
 import numpy as np
-from indeterminates import Formula, World, root_of, stub
+from indeterminates import Formula, World, root_of
 from sympy import diff, solve, symbols
 
 from truebreak.compare.tangent.growth import Displacements
@@ -56,14 +56,14 @@ class Objects:
 
 
 def test_a_block_s_matrix_is_the_derived_map_of_flights_and_a_collision(monkeypatch):
-    """`ErrorSet._maps`: velocities counted in a unit of time."""
+    """`_blocks` and `_maps`: velocities counted in a unit of time."""
     world = w = contact()
     monkeypatch.setattr(error_set, "np", Objects())
     legs = [error_set._then(error_set.STILL, flown / w.unit, Mirror()) for flown in (w.flown_a, w.flown_b)]
     speed = -(w.dx * w.vx + w.dy * w.vy)
     hit = Collision(0.0, 0.0, 0.0, w.dx, w.dy, w.vx, w.vy, speed, w.strength)
-    held = stub(_hits=[*legs[0], *legs[1], w.wa, w.wb, *hit[3:]], _unit=w.unit)
-    (matrix,) = error_set.ErrorSet._maps(held)
+    hits = np.array([[*legs[0], *legs[1], w.wa, w.wb, *hit[3:]]], dtype=object)
+    (matrix,) = error_set._maps(hits, error_set._blocks(hits, w.unit))
     scaled = [p * k for p, k in zip((*w.a, *w.b), (1, 1, w.unit, w.unit) * 2, strict=True)]
     told = [sum((entry * value for entry, value in zip(line, scaled, strict=True)), world.zero) for line in matrix]
     flown = [[px + qx * lag, py + qy * lag, qx, qy] for (px, py, qx, qy), lag in ((w.a, w.flown_a), (w.b, w.flown_b))]
