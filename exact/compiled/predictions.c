@@ -12,6 +12,8 @@
 enum { NONE, MEETS, UNCLEAR, FAILED };
 enum { X, Y, VX, VY, AT, LATE, FLIGHT };
 
+#define PLAIN 7 /* of an arrival: low, order, high, two circles, or a circle and ~k for wall k, and their serial numbers */
+
 #define MOST_MOVED 2
 #define MOST_CIRCLES 128
 #define MOST_WALLS 64
@@ -29,7 +31,11 @@ static PyObject *name_f, *name_kind, *name_index, *name_serial, *name_until, *he
 
 /* -- the formulas */
 
-static int pair(const double *a, const double *b, double reach, const Bounds *bounds, Against *against, Span *span)
+/* d and v of two, and d.v, at the later of their clocks. */
+typedef struct { double now, dx, dy, vx, vy, approach; } Apart;
+
+/* Whether two may come nearer at all: most do not, whatever their radii. */
+static int near(const double *a, const double *b, const Bounds *bounds, Against *against, Apart *apart)
 {
     double lag = a[AT] - b[AT], now, dx, dy;
     if (lag > against->close) {
@@ -46,9 +52,13 @@ static int pair(const double *a, const double *b, double reach, const Bounds *bo
         }
     }
     double vx = b[VX] - a[VX], vy = b[VY] - a[VY];
-    double approach = dx * vx + dy * vy;
-    if (approach > against->most)
-        return NONE;
+    *apart = (Apart){now, dx, dy, vx, vy, dx * vx + dy * vy};
+    return !(apart->approach > against->most);
+}
+
+static int pair(const Apart *apart, double reach, const Bounds *bounds, double late, Span *span)
+{
+    double dx = apart->dx, dy = apart->dy, vx = apart->vx, vy = apart->vy, approach = apart->approach;
     double cross = fabs(dx * vy - dy * vx);
     double square = vx * vx + vy * vy;
     double clear = cross - bounds->any_off;
@@ -57,7 +67,6 @@ static int pair(const double *a, const double *b, double reach, const Bounds *bo
     double wide = fabs(vx) + fabs(vy);
     double off = bounds->near * wide + 10.0 * bounds->slack * (fabs(dx) + fabs(dy));
     double loose = 6.0 * bounds->slack * wide;
-    double late = against->late;
     double early = off + 2.0 * (square + loose) * late;
     if (approach > early)
         return NONE;
@@ -78,8 +87,8 @@ static int pair(const double *a, const double *b, double reach, const Bounds *bo
     double off_depth = (2.0 * passing * off_passing + off_passing * off_passing + 8 * UNIT * reach * reach) / depth;
     double wait = (ahead - depth) / speed;
     double off_wait = (off + off_depth + (ahead + depth) * (doubt + 4 * UNIT)) / speed + fabs(wait) * doubt;
-    double time = now + wait;
-    double off_time = 2.0 * off_wait + 8 * UNIT * (now + fabs(wait));
+    double time = apart->now + wait;
+    double off_time = 2.0 * off_wait + 8 * UNIT * (apart->now + fabs(wait));
     if (!(wait > off_time + late) || !isfinite(time))
         return UNCLEAR;
     span->low = time - off_time;
@@ -156,9 +165,12 @@ static int hold(const double *a, PyObject *other, PyObject *reaches, const Bound
     int known = read_flight(other, b);
     if (known <= 0)
         return known < 0 ? FAILED : UNCLEAR;
+    Apart apart;
+    if (!near(a, b, bounds, held, &apart))
+        return NONE;
     if (read_reach(reaches, other, &reach) < 0)
         return FAILED;
-    return pair(a, b, reach, bounds, held, span);
+    return pair(&apart, reach, bounds, held->late, span);
 }
 
 /* -- one circle: `DoubleFilter.pairs` and `DoubleFilter.walls` */
@@ -316,8 +328,10 @@ static int stands(const Standing *standing, int count, Py_ssize_t a, Py_ssize_t 
 
 static int push(PyObject *heap, const Entry *entry, Py_ssize_t order)
 {
-    PyObject *made = Py_BuildValue(
-        "(dndnnnn)", entry->span.low, order, entry->span.high, entry->i, entry->j, entry->si, entry->sj);
+    PyObject *items[] = {PyFloat_FromDouble(entry->span.low), PyLong_FromSsize_t(order),
+                         PyFloat_FromDouble(entry->span.high), PyLong_FromSsize_t(entry->i),
+                         PyLong_FromSsize_t(entry->j), PyLong_FromSsize_t(entry->si), PyLong_FromSsize_t(entry->sj)};
+    PyObject *made = filled(PyTuple_New(PLAIN), items, PLAIN);
     if (made == NULL)
         return -1;
     PyObject *both[] = {heap, made}, *done = PyObject_Vectorcall(heappush, both, 2, NULL);
@@ -476,8 +490,6 @@ static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count
 }
 
 /* -- the next arrival: `ArrivalQueue.alone` */
-
-#define PLAIN 7 /* low, order, high, two circles, or a circle and ~k for wall k, and their serial numbers */
 
 /* Whether a plain arrival rests on a flight that is over; -1 with an error set. */
 static int is_stale(PyObject *entry, PyObject *bodies)

@@ -17,6 +17,10 @@
 
 static inline int read_double(PyObject *number, double *out)
 {
+    if (PyFloat_CheckExact(number)) {
+        *out = PyFloat_AS_DOUBLE(number);
+        return 0;
+    }
     *out = PyFloat_AsDouble(number);
     return *out == -1.0 && PyErr_Occurred() ? -1 : 0;
 }
@@ -63,6 +67,23 @@ static inline int append(PyObject *list, PyObject *made)
     int failed = made == NULL || PyList_Append(list, made) < 0;
     Py_XDECREF(made);
     return failed ? -1 : 0;
+}
+
+/* Fills a tuple that has just been made, or is NULL, with objects that are made for it; NULL, and nothing left, where one
+ * of them is. Several times as fast as `Py_BuildValue`. */
+static inline PyObject *filled(PyObject *tuple, PyObject **items, Py_ssize_t count)
+{
+    int failed = tuple == NULL;
+    for (Py_ssize_t k = 0; k < count; k++)
+        failed = failed || items[k] == NULL;
+    for (Py_ssize_t k = 0; k < count; k++)
+        if (failed)
+            Py_XDECREF(items[k]);
+        else
+            PyTuple_SET_ITEM(tuple, k, items[k]);
+    if (failed)
+        Py_CLEAR(tuple);
+    return tuple;
 }
 
 /* The interned names of a module: given as pairs of where and what, ended by NULL. */

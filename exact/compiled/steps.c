@@ -20,7 +20,7 @@
 #define FAINT (-240)
 #define ENOUGH (1LL << 40)
 
-enum { X, Y, VX, VY, COORDINATES };
+enum { X, Y, VX, VY, COORDINATES, FLIGHT = COORDINATES + 2 };
 
 static PyObject *name_bounds, *name_place, *name_pace, *name_beside, *name_unit, *name_near, *name_shift, *name_limit,
     *name_grown, *name_hits, *name_pairs, *name_pending, *name_steps, *name_mid,
@@ -173,8 +173,18 @@ static PyObject *landing(const Body *body, const Set *set, Py_ssize_t i, double 
     int told = far < FAINT && fast < FAINT;
     for (int k = 0; k < COORDINATES; k++)
         told = told && (f[k] > PLAIN || f[k] < -PLAIN);
-    PyObject *doubles = told ? Py_BuildValue("(dddddd)", f[X], f[Y], f[VX], f[VY], now, beside) : Py_NewRef(Py_None);
-    return doubles == NULL ? NULL : Py_BuildValue("(OLLN)", body->mid, far, fast, doubles);
+    PyObject *doubles = NULL;
+    if (told) {
+        PyObject *numbers[FLIGHT];
+        for (int k = 0; k < COORDINATES; k++)
+            numbers[k] = PyFloat_FromDouble(f[k]);
+        numbers[COORDINATES] = PyFloat_FromDouble(now);
+        numbers[COORDINATES + 1] = PyFloat_FromDouble(beside);
+        doubles = filled(PyTuple_New(FLIGHT), numbers, FLIGHT);
+    } else
+        doubles = Py_NewRef(Py_None);
+    PyObject *items[] = {Py_NewRef(body->mid), PyLong_FromLongLong(far), PyLong_FromLongLong(fast), doubles};
+    return filled(PyTuple_New(4), items, 4);
 }
 
 /* What becomes of a contact: `Carried`; False where the deviations are too large. */
@@ -191,15 +201,12 @@ static PyObject *land(const Set *set, const Body *bodies, const Py_ssize_t *plac
     if (power > DBL_MAX_EXP - 1)
         Py_RETURN_FALSE;
     double beside = (late + ldexp(1.0, power > -1000 ? (int)power : -1000)) * UP;
-    PyObject *landings = PyTuple_New(count);
-    for (int k = 0; landings != NULL && k < count; k++) {
-        PyObject *made = landing(&bodies[k], set, places[k], now, beside, least);
-        if (made == NULL)
-            Py_CLEAR(landings);
-        else
-            PyTuple_SET_ITEM(landings, k, made);
-    }
-    return landings == NULL ? NULL : Py_BuildValue("(LdN)", power, beside, landings);
+    PyObject *landings[2];
+    for (int k = 0; k < count; k++)
+        landings[k] = landing(&bodies[k], set, places[k], now, beside, least);
+    PyObject *items[] = {
+        PyLong_FromLongLong(power), PyFloat_FromDouble(beside), filled(PyTuple_New(count), landings, count)};
+    return filled(PyTuple_New(3), items, 3);
 }
 
 /* -- `Bounds` and what a set keeps for the end of a block */

@@ -63,7 +63,7 @@ class Body(Generic[N]):
         kind, acc: for the exact engine: which radius it has, how many bits of it are known.
     """
 
-    __slots__ = ("_make", "acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "until", "w")
+    __slots__ = ("_make", "_of", "acc", "f", "flight", "index", "is_pocket", "kind", "q", "r", "serial", "until", "w")
 
     def __init__(self, index: int, flight: Flight[N], r: N, w: N, is_pocket: bool = False) -> None:
         self.index = index
@@ -78,11 +78,11 @@ class Body(Generic[N]):
         self.kind = 0
         self.acc = 0
 
-    def await_flight(self, make: Callable[[], Flight[N]]) -> None:
-        """Has a new flight made when it is first asked for."""
+    def await_flight(self, make: Callable[..., Flight[N]], *of: object) -> None:
+        """Has a new flight made, of some things, when it is first asked for."""
         if type(self) is not WaitingBody:
             object.__setattr__(self, "__class__", WaitingBody)  # for good
-        self._make = make
+        self._make, self._of = make, of
         self.flight = NO_FLIGHT
         del self.flight
 
@@ -103,7 +103,7 @@ class WaitingBody(Body[N]):
         """The flight, where it was left to be made."""
         if name != "flight":
             raise AttributeError(name, name=name, obj=self)
-        flight = self.flight = self._make()
+        flight = self.flight = self._make(*self._of)
         return flight
 
 

@@ -179,6 +179,16 @@ def long_gas(size: Workload) -> Figure:
     return Figure("gas-long", what, *pair, Target("seconds", "at most", 60))
 
 
+def long_gas_against_billiards(size: Workload) -> Figure:
+    """A long certified run, whose numbers are long, against plain double precision in another project's engine."""
+    scene = scene_of(GAS)
+    pair = interleaved(
+        running("exact", scene, size.long_gas), lambda: run_billiards(scene, size.long_gas), size.repeats
+    )
+    what = f"10 discs, {size.long_gas:,} collisions: exact / billiards (float64)"
+    return Figure("gas-long-billiards", what, *pair, Target("ratio", "at most", 0.8))
+
+
 def galperin_against_perfect_physics(size: Workload) -> Figure:
     """The article's own engine on the scene whose collisions count the digits of pi."""
     scene, collisions = galperin(size.rival_digits)
@@ -274,6 +284,7 @@ BENCHMARKS: dict[str, Benchmark] = {
     "gas-double": gas_against_double,
     "double-billiards": double_against_billiards,
     "gas-long": long_gas,
+    "gas-long-billiards": long_gas_against_billiards,
     "galperin-perfect-physics": galperin_against_perfect_physics,
     "galperin-long": long_galperin,
     "pymunk-overhead": pymunk_overhead,

@@ -213,8 +213,11 @@ class CentredState(BallState):
         held = self._deviations
         if held is None:
             return None
+        carried = held.carried
+        if link[0] in carried and (link[1] in carried or isinstance(link, AtWall)):
+            return held  # nearly always
         for i in link.circles:
-            if i not in held.carried and not (i in held.place and _flies_inexactly(self.bodies[i].flight)):
+            if i not in carried and not (i in held.place and _flies_inexactly(self.bodies[i].flight)):
                 return None
         return held
 

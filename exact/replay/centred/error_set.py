@@ -83,6 +83,7 @@ class ErrorSet:
         self.shift = shift
         self._unit = unit
         self._basis: Floats = np.eye(4 * count)
+        self._one = self._basis
         self._box: Floats = np.array(radii, dtype=np.float64).reshape(-1) * UP + LEAST
         self._count = count
         self._open()
@@ -150,7 +151,7 @@ class ErrorSet:
             gamma = (size + 8) * 4 * UNIT
             rest = np.abs(ordered - q @ r) @ box + gamma * (size_q @ inner + np.abs(ordered) @ box)
             x = (rest + self._beside()) * UP
-            skew = float(np.abs(np.eye(size) - q.T @ q).sum(axis=1).max()) * UP + gamma * size * 2
+            skew = float(np.abs(self._one - q.T @ q).sum(axis=1).max()) * UP + gamma * size * 2
             if not skew < 2.0**-20:
                 raise Spent
             y = size_q.T @ x * UP

@@ -65,7 +65,9 @@ def carry_pair(
         told = steps.bounce(
             held.errors, i, j, met, *since, strength, weights, late, near, tuple(a), tuple(b), clock, last, least
         )
-        return _told(told)
+        if told is False:
+            raise Spent
+        return told
     beside, unit = float(late.abs_upper()) * UP, held.unit
     lags = float(since[0]) / unit, float(since[1]) / unit
     found = held.collision(state, link, met, i, j, lags, beside)
@@ -107,7 +109,10 @@ def carry_wall(
     if steps is not None:
         _, *a = moved
         near, least = held.near_time, held.time_power
-        return _told(steps.rebound(held.errors, i, since, velocity, face, late, near, tuple(a), clock, last, least))
+        told = steps.rebound(held.errors, i, since, velocity, face, late, near, tuple(a), clock, last, least)
+        if told is False:
+            raise Spent
+        return told
     beside, lag = float(late.abs_upper()) * UP, float(since) / held.unit
     spread = held.wall_time(face, i, lag, float(velocity[0]), float(velocity[1]), beside)
     if spread is None:
@@ -115,13 +120,6 @@ def carry_wall(
     rounding, doubles = held.recentre((moved,), clock, last)
     held.errors.fly(i, lag, face.mirror, rounding)
     return _landed(held, (moved,), doubles, spread, beside, clock)
-
-
-def _told(told: Carried | bool | None) -> Carried | None:
-    """What is compiled says that a set is spent by False."""
-    if isinstance(told, bool):
-        raise Spent
-    return told
 
 
 def _landed(

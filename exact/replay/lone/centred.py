@@ -8,8 +8,6 @@ steps, with nothing changed.
 
 from __future__ import annotations
 
-from functools import partial
-
 from flint import arb
 
 from ...laws.formulas import wall_approach, wall_gap, wall_hit_time
@@ -178,13 +176,14 @@ class LoneCentred:
         accuracy = instant.rel_accuracy_bits()
         if not 0 < accuracy < bits:
             accuracy = max(0, min(bits, accuracy))
-        used, mids = ball.bits_in_use(), held.mid
+        used, mids, known = ball.bits_in_use(), held.mid, held.carried
         landed: list[Landed[arb]] = []
         for (body, *_), (mid, far, fast, doubles) in zip(moved, landings, strict=True):
-            mids[body.index] = mid
-            held.carried.add(body.index)
+            index = body.index
+            mids[index] = mid
+            known.add(index)
             body.acc = accuracy
-            body.await_flight(partial(_flight, held, mid, far, fast, used, instant, late))
+            body.await_flight(_flight, held, mid, far, fast, used, instant, late)
             landed.append((body, mid, doubles))
         self._state.stand(instant, late, step + 1)
         if held.errors.full:
