@@ -58,7 +58,7 @@ class Stride:
         self._do = do
         self._refresh = meetings.predictor.refresh
         self._take = meetings.predictor.take
-        self._steps: dict[Touch, tuple[Go, Kick]] = {}
+        self._steps: dict[Touch, tuple[tuple[Go, Kick], list[Body[arb]]]] = {}
 
     def __call__(
         self, last: int, most: float, before: float, look: Callable[[], None], note: Callable[[Touch], None]
@@ -99,7 +99,7 @@ class Stride:
         """Carries out one instant, with the precision looked after if one is given: its circles, and its contact."""
         history, state, reading = self._history, self._state, self._reading
         self._begin(number)
-        both = self._steps.get(link) or self._steps_of(link)
+        both, moved = self._steps.get(link) or self._steps_of(link)
         in_balls = state.strike(link, both)
         if not in_balls:
             for step in both:
@@ -107,8 +107,7 @@ class Stride:
         note(link)
         if precision is not None and state.lowest < SAFE_BITS:
             precision.secure()
-        bodies, circles, alone = state.bodies, both[0].bodies, both[1].links
-        moved = [bodies[i] for i in circles]
+        circles, alone = both[0].bodies, both[1].links
         landed = state.lone.landed if in_balls else None
         if landed is not None:
             self._take(landed, landed[0][1][4])
@@ -129,8 +128,10 @@ class Stride:
         history.last = mark
         return moved, alone
 
-    def _steps_of(self, link: Touch) -> tuple[Go, Kick]:
-        found = self._steps[link] = Go(link, link.circles), Kick((link,), (link,))
+    def _steps_of(self, link: Touch) -> tuple[tuple[Go, Kick], list[Body[arb]]]:
+        """The steps of a contact, and its circles."""
+        steps = Go(link, link.circles), Kick((link,), (link,))
+        found = self._steps[link] = steps, [self._state.bodies[i] for i in link.circles]
         return found
 
 

@@ -44,9 +44,6 @@ FAINT = -240
 Midpoints: TypeAlias = tuple[N, N, N, N, N, int]
 """(x, y, vx, vy, t) of a flight around which it is known, and its `last`."""
 
-NO_FLIGHT: Any = None
-"""Put in the place of one that is to be taken out, whether there is one or not."""
-
 
 class Body(Generic[N]):
     """One circle, or a pocket, which is a body at rest.
@@ -77,14 +74,14 @@ class Body(Generic[N]):
         self.until = inf
         self.kind = 0
         self.acc = 0
+        self._make: Callable[..., Flight[N]]
+        self._of: tuple[object, ...] | None
 
     def await_flight(self, make: Callable[..., Flight[N]], *of: object) -> None:
         """Has a new flight made, of some things, when it is first asked for."""
         if type(self) is not WaitingBody:
             object.__setattr__(self, "__class__", WaitingBody)  # for good
         self._make, self._of = make, of
-        self.flight = NO_FLIGHT
-        del self.flight
 
     def become(self, other: Body[N]) -> None:
         """Takes over the numbers of the same body, computed again."""
@@ -94,17 +91,27 @@ class Body(Generic[N]):
         return f"Body({self.index}, {self.flight})"
 
 
+_FLIGHT: Any = Body.__dict__["flight"]
+"""Where a flight is kept."""
+
+
 class WaitingBody(Body[N]):
-    """A body whose flights are made when they are asked for: a class of its own, as all its attributes take longer."""
+    """A body whose flights are made when they are asked for: a class of its own, as asking takes longer."""
 
     __slots__ = ()
 
-    def __getattr__(self, name: str) -> Flight[N]:
-        """The flight, where it was left to be made."""
-        if name != "flight":
-            raise AttributeError(name, name=name, obj=self)
-        flight = self.flight = self._make(*self._of)
-        return flight
+    @property
+    def flight(self) -> Flight[N]:
+        """The flight; made now, where it was left to be."""
+        if self._of is not None:
+            _FLIGHT.__set__(self, self._make(*self._of))
+            self._of = None
+        return _FLIGHT.__get__(self)
+
+    @flight.setter
+    def flight(self, flight: Flight[N]) -> None:  # pyright: ignore[reportIncompatibleVariableOverride]
+        _FLIGHT.__set__(self, flight)
+        self._of = None
 
 
 Landed: TypeAlias = tuple[Body[N], Midpoints[N], Doubles | None]
