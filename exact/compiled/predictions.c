@@ -4,13 +4,7 @@
  *
  * No operation may be fused or kept wider than a double: see pyproject.toml for the compiler's options.
  */
-#include "reading.h"
-
-#define ROUND_UP (1 + 64 * UNIT)
-#define ROUND_DOWN (1 - 64 * UNIT)
-
-enum { NONE, MEETS, UNCLEAR, FAILED };
-enum { X, Y, VX, VY, AT, LATE, FLIGHT };
+#include "filter.h"
 
 #define PLAIN 7 /* of an arrival: low, order, high, two circles, or a circle and ~k for wall k, and their serial numbers */
 
@@ -19,105 +13,7 @@ enum { X, Y, VX, VY, AT, LATE, FLIGHT };
 #define MOST_WALLS 64
 #define MOST_STANDING 8
 
-/* 4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: see `DoubleFilter._bound`. */
-typedef struct { double near, slack, any_off, any_loose, any_early; } Bounds;
-
-/* What changes as one circle is held against others: the larger `late` so far, and what depends on it. */
-typedef struct { double late, most, close; } Against;
-
-typedef struct { double low, high; } Span;
-
 static PyObject *name_f, *name_kind, *name_index, *name_serial, *name_until, *heappush, *heappop, *infinity;
-
-/* -- the formulas */
-
-/* d and v of two, and d.v, at the later of their clocks. */
-typedef struct { double now, dx, dy, vx, vy, approach; } Apart;
-
-/* Whether two may come nearer at all: most do not, whatever their radii. */
-static int near(const double *a, const double *b, const Bounds *bounds, Against *against, Apart *apart)
-{
-    double lag = a[AT] - b[AT], now, dx, dy;
-    if (lag > against->close) {
-        now = a[AT];
-        dx = b[X] + b[VX] * lag - a[X];
-        dy = b[Y] + b[VY] * lag - a[Y];
-    } else {
-        now = b[AT];
-        dx = b[X] - (a[X] - a[VX] * lag);
-        dy = b[Y] - (a[Y] - a[VY] * lag);
-        if (b[LATE] > against->late) {
-            against->late = b[LATE];
-            against->most = bounds->any_off + bounds->any_early * against->late;
-        }
-    }
-    double vx = b[VX] - a[VX], vy = b[VY] - a[VY];
-    *apart = (Apart){now, dx, dy, vx, vy, dx * vx + dy * vy};
-    return !(apart->approach > against->most);
-}
-
-static int pair(const Apart *apart, double reach, const Bounds *bounds, double late, Span *span)
-{
-    double dx = apart->dx, dy = apart->dy, vx = apart->vx, vy = apart->vy, approach = apart->approach;
-    double cross = fabs(dx * vy - dy * vx);
-    double square = vx * vx + vy * vy;
-    double clear = cross - bounds->any_off;
-    if (clear > 0.0 && clear * clear > (square + bounds->any_loose) * (reach * reach) * ROUND_UP)
-        return NONE;
-    double wide = fabs(vx) + fabs(vy);
-    double off = bounds->near * wide + 10.0 * bounds->slack * (fabs(dx) + fabs(dy));
-    double loose = 6.0 * bounds->slack * wide;
-    double early = off + 2.0 * (square + loose) * late;
-    if (approach > early)
-        return NONE;
-    if (!(approach < -early && square > 100.0 * loose))
-        return UNCLEAR;
-    if (cross > off && (cross - off) * (cross - off) > (square + loose) * (reach * reach) * ROUND_UP)
-        return NONE;
-    double room = (square - loose) * (reach * reach) * ROUND_DOWN;
-    if ((cross + off) * (cross + off) > room || reach == 0.0)
-        return UNCLEAR;
-    double speed = sqrt(square);
-    double doubt = loose / square + 8 * UNIT;
-    double passing = cross / speed;
-    double depth = sqrt(reach * reach - passing * passing);
-    double ahead = -approach / speed;
-    off /= speed;
-    double off_passing = off + passing * doubt;
-    double off_depth = (2.0 * passing * off_passing + off_passing * off_passing + 8 * UNIT * reach * reach) / depth;
-    double wait = (ahead - depth) / speed;
-    double off_wait = (off + off_depth + (ahead + depth) * (doubt + 4 * UNIT)) / speed + fabs(wait) * doubt;
-    double time = apart->now + wait;
-    double off_time = 2.0 * off_wait + 8 * UNIT * (apart->now + fabs(wait));
-    if (!(wait > off_time + late) || !isfinite(time))
-        return UNCLEAR;
-    span->low = time - off_time;
-    span->high = time + off_time;
-    return MEETS;
-}
-
-/* A line is (x0, y0, nx, ny, offset, norm, size). */
-static int wall(const double *a, const double *line, double flat, double far, Span *span)
-{
-    double x0 = line[0], y0 = line[1], nx = line[2], ny = line[3], offset = line[4], norm = line[5], size = line[6];
-    double approach = nx * a[VX] + ny * a[VY];
-    double off = norm * flat;
-    if (approach > off)
-        return NONE;
-    double gap = nx * (a[X] - x0) + ny * (a[Y] - y0) - offset;
-    double off_gap = 32 * UNIT * size + norm * far;
-    if (!(approach < -8.0 * off && gap > off_gap))
-        return UNCLEAR;
-    double wait = -gap / approach;
-    double off_wait = (off_gap + wait * off) / -approach + 8 * UNIT * wait;
-    double time = a[AT] + wait;
-    double off_time = 2.0 * off_wait + 8 * UNIT * (a[AT] + wait);
-    if (!(wait > off_time + a[LATE]) || !isfinite(time))
-        return UNCLEAR;
-    span->low = time - off_time;
-    span->high = time + off_time;
-    return MEETS;
-}
 
 /* -- reading Python's objects */
 
@@ -151,11 +47,6 @@ static int read_bounds(PyObject *tuple, Bounds *bounds)
         return -1;
     *bounds = (Bounds){five[0], five[1], five[2], five[3], five[4]};
     return 0;
-}
-
-static Against against(const double *a, const Bounds *bounds)
-{
-    return (Against){a[LATE], bounds->any_off + bounds->any_early * a[LATE], 4 * UNIT * a[AT]};
 }
 
 /* Holds a circle in doubles against one other: which of the above, FAILED with an error set. */

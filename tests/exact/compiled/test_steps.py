@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from copy import deepcopy
 from random import Random
 from typing import Any
@@ -160,6 +161,43 @@ def test_what_cannot_be_carried_is_told_alike(monkeypatch: pytest.MonkeyPatch) -
                 if lone_centred.LoneCentred(state).strike(contact, bits, 2 * step) is None:
                     break
     assert min(told["pairs"], told["walls"], told["none"], told["spent"]) > 20
+
+
+NUMBERS = [arb(1), arb(2, 1e-20), arb(0, 1e-10), arb(0), arb(1, 1e3), arb(1, float("inf")), arb("nan"), arb(3, 1e-300)]
+
+
+@pytest.mark.parametrize("odd", NUMBERS, ids=str)
+@pytest.mark.parametrize("shift", [-300, 0, 300])
+def test_what_rounding_drops_is_told_alike_of_every_ball(odd: arb, shift: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Balls around 0, of which flint tells no bits, balls without end, and what is none: the set is given up, or what
+    they drop is in its bounds."""
+    told = in_both(monkeypatch)
+    scene = build("gas:n=3,seed=2")
+    with ball.precision(300):
+        state = CentredState(scene)
+        state._deviations = held = state._begin()
+        held.errors.shift = shift
+        held.errors.near = 1e300
+        a, b = (state.bodies[i] for i in (0, 1))
+        met, since = (arb(1), arb(1), arb(-1), arb(-1), arb(2)), (arb(1), arb(1))
+        plain, clock = (arb(1), arb(2), arb(3), arb(4)), arb(1)
+        for k in range(4):
+            numbers = (*plain[:k], odd, *plain[k + 1 :])
+            before, mids = keep(held.errors), dict(held.mid)
+            for carry in (
+                lambda: lone_centred.carry_pair(
+                    held, state, Pair(0, 1), met, since, arb(0), ((a, *plain), (b, *numbers)), clock, 2
+                ),
+                lambda: lone_centred.carry_wall(
+                    held, AtWall(0, 0), held.face(state, AtWall(0, 0)), arb(1), (arb(-1), arb(-1)), arb(0),
+                    (a, *numbers), clock, 2,
+                ),
+            ):  # fmt: skip
+                with suppress(Spent):
+                    carry()
+                give_back(held.errors, before)
+                before, held.mid = keep(held.errors), dict(mids)
+    assert sum(told.values()) >= 8
 
 
 @pytest.mark.parametrize(("count", "hits"), [(1, 0), (2, 5), (10, 60), (24, 200)])
