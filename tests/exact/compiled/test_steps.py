@@ -185,10 +185,10 @@ def test_what_rounding_drops_is_told_alike_of_every_ball(odd: arb, shift: int, m
             numbers = (*plain[:k], odd, *plain[k + 1 :])
             before, mids = keep(held.errors), dict(held.mid)
             for carry in (
-                lambda: lone_centred.carry_pair(
+                lambda numbers=numbers: lone_centred.carry_pair(
                     held, state, Pair(0, 1), met, since, arb(0), ((a, *plain), (b, *numbers)), clock, 2
                 ),
-                lambda: lone_centred.carry_wall(
+                lambda numbers=numbers: lone_centred.carry_wall(
                     held, AtWall(0, 0), held.face(state, AtWall(0, 0)), arb(1), (arb(-1), arb(-1)), arb(0),
                     (a, *numbers), clock, 2,
                 ),
