@@ -7,7 +7,7 @@ other (tests/exact/compiled). It also runs where the environment has `TRUEBREAK_
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from importlib import import_module
 from os import environ
 from typing import Any, Protocol, TypeAlias, cast
@@ -110,6 +110,72 @@ class Steps(Protocol):
         ...
 
 
+class CellLists(Protocol):
+    """The circles of a run in cells: see `Cells`, which has what each does."""
+
+    @property
+    def next_crossing(self) -> float:
+        """When the next slice of time with crossings begins; infinite if there is none."""
+        ...
+
+    @property
+    def early(self) -> float:
+        """How much before a slice begins its crossings may be carried out."""
+        ...
+
+    @property
+    def loose(self) -> set[int]:
+        """The circles that are held against all others, for now."""
+        ...
+
+    def enter(self, i: int, flight: tuple[float, float, float, float, float], /) -> bool:
+        """Takes up a circle's new flight."""
+        ...
+
+    def enter_loose(self, i: int, /) -> None:
+        """Takes up a circle's new flight that doubles do not tell to a rounding."""
+        ...
+
+    def remove(self, i: int, /) -> None:
+        """Drops a circle."""
+        ...
+
+    def around(self, i: int, /) -> list[int]:
+        """The circles that one whose flight is new may meet before another crossing."""
+        ...
+
+    def walls(self, i: int, /) -> tuple[int, ...]:
+        """The walls that a circle may touch before another crossing, and that its flight does not know yet."""
+        ...
+
+    def cross(self, since: float = ..., /) -> list[tuple[int, list[int], tuple[int, ...]]]:
+        """Carries out the crossings of the next slice of time."""
+        ...
+
+
+class Cells(Protocol):
+    """See cells.c."""
+
+    def Cells(
+        self,
+        grid: tuple[float, float, float, int, int],
+        ends: tuple[list[float], list[float], list[float], list[float]],
+        last: tuple[float, float],
+        margin: float,
+        sharp: float,
+        count: int,
+        large: Collection[int],
+        walls: Any,
+        /,
+    ) -> CellLists:
+        """Cells of a `Frame` for so many circles, some of them too large for cells, and walls: a `WallCells`."""
+        ...
+
+    def constants(self) -> dict[str, float]:
+        """The numbers of the Python that are written in C again, by name."""
+        ...
+
+
 def _loaded(name: str) -> object:
     """A compiled module; None where there is none, or Python is wished for."""
     if environ.get(PURE):
@@ -122,4 +188,5 @@ def _loaded(name: str) -> object:
 
 predictions = cast("Predictions | None", _loaded("_predictions"))
 steps = cast("Steps | None", _loaded("_steps"))
-"""None where Python runs, as `predictions`."""
+cells = cast("Cells | None", _loaded("_cells"))
+"""None where Python runs, as `predictions` and `steps`."""

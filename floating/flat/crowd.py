@@ -6,8 +6,8 @@ from collections import Counter
 from collections.abc import Collection, Container, Sequence
 from math import inf
 
+from ...exact.compiled import CellLists
 from ...exact.simulation.arrivals.cells import FARTHEST as FAR
-from ...exact.simulation.arrivals.cells import Cells
 from ...exact.simulation.arrivals.grid import FloatFlight
 from .flights import FlatFlight, FlatFlights
 from .formulas.inlined import pairs, walls
@@ -22,7 +22,7 @@ class FlatCrowd:
         plan: counts what is predicted and what is skipped.
     """
 
-    def __init__(self, cells: Cells, flights: FlatFlights, plan: Counter[str]) -> None:
+    def __init__(self, cells: CellLists, flights: FlatFlights, plan: Counter[str]) -> None:
         self.cells = cells
         self._flights = flights
         self._plan = plan

@@ -28,10 +28,10 @@ from heapq import heappop, heappush
 from math import inf
 from typing import TypeAlias
 
-from .grid import MARGIN, FloatFlight, Grid, last_within, leaves
+from ...compiled import CellLists
+from ...compiled import cells as compiled
+from .grid import FloatFlight, Grid, frame_of
 from .wall_cells import WallCells
-
-UNIT = 2.0**-53
 
 FARTHEST = 1e100
 """Beyond this, differences of places might not be doubles any more."""
@@ -73,12 +73,9 @@ class Cells:
         self._near = walls.near
         self._row = row = grid.columns + 2
         self._ahead = {step: _ahead(step, row) for step in (-1, 1, -row, row)}
-        self._left, self._right = leaves(grid.x, grid.width, grid.columns)
-        self._low, self._high = leaves(grid.y, grid.width, grid.rows)
-        self._sharp = MARGIN / 8 * grid.width / (64.0 * UNIT) - abs(grid.x) - abs(grid.y)
-        x, y, width, columns, rows = grid
-        self._inside = x, y, last_within(x, width, columns), last_within(y, width, rows), width
-        self._margin = MARGIN * width
+        (x, y, width, columns, rows), ends, last, self._margin, self._sharp = frame_of(grid)
+        self._left, self._right, self._low, self._high = ends
+        self._inside = x, y, *last, width
         self._farthest = abs(x) + abs(y) + (columns + rows) * width
         self._fastest = self._rate = 0.0
         self._calm = -inf
@@ -110,8 +107,8 @@ class Cells:
         ):
             column, row = int((x - left) / width), int((y - low) / width)
         elif i not in self.large and self._admit(flight):
-            column = min(max(int((x - left) / width), 0), self.grid.columns - 1)
-            row = min(max(int((y - low) / width), 0), self.grid.rows - 1)
+            column = int(min(max((x - left) / width, 0.0), self.grid.columns - 1))
+            row = int(min(max((y - low) / width, 0.0), self.grid.rows - 1))
         else:
             self._loosen(i)
             return True
@@ -312,6 +309,13 @@ class Cells:
         self._slices[number] = []
         heappush(self._numbers, number)
         self.next_crossing = self._numbers[0] / self._rate
+
+
+def cells_of(grid: Grid, count: int, large: frozenset[int], walls: WallCells) -> CellLists:
+    """`Cells`, compiled where that can be."""
+    if compiled is None:
+        return Cells(grid, count, large, walls)
+    return compiled.Cells(*frame_of(grid), count, large, walls)
 
 
 def _ahead(step: int, row: int) -> tuple[int, int, int]:

@@ -8,10 +8,11 @@ from math import inf
 from typing import Generic, Protocol
 
 from ....scenarios.things import Wall
+from ...compiled import CellLists
 from ...numbers.system import N
 from ...replay.body import Body
 from ...replay.contact import Link
-from .cells import Cells
+from .cells import cells_of
 from .grid import LARGE, FloatFlight, grid_for
 from .wall_cells import WallCells
 
@@ -44,7 +45,7 @@ class Crowd(Generic[N]):
 
     def __init__(
         self,
-        cells: Cells,
+        cells: CellLists,
         bodies: Mapping[int, Body[N]],
         pockets: Sequence[Body[N]],
         plan: Counter[str],
@@ -113,7 +114,7 @@ class Crowd(Generic[N]):
                 predictions.pairs(bodies[i], [bodies[k] for k in near], ())
 
 
-def cells_for(flights: Sequence[FloatFlight | None], radii: Sequence[float], walls: Sequence[Wall]) -> Cells | None:
+def cells_for(flights: Sequence[FloatFlight | None], radii: Sequence[float], walls: Sequence[Wall]) -> CellLists | None:
     """Cells for the circles of a run, empty; None where they would spare nothing."""
     grid = grid_for(flights, radii)
     if grid is None:
@@ -121,4 +122,4 @@ def cells_for(flights: Sequence[FloatFlight | None], radii: Sequence[float], wal
     usual = sorted(radii)[len(radii) // 2]
     large = frozenset(i for i, r in enumerate(radii) if r > LARGE * usual)
     radius = max(r for i, r in enumerate(radii) if i not in large)
-    return Cells(grid, len(radii), large, WallCells(walls, *grid.ends(), radius))
+    return cells_of(grid, len(radii), large, WallCells(walls, *grid.ends(), radius))

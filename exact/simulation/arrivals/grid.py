@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from math import inf, isfinite, nextafter
 from typing import NamedTuple, TypeAlias
 
+UNIT = 2.0**-53
+
 MARGIN = 1 / 8
 """The margin m, as a share of a cell's width: the wider, the longer a slice of time, and the wider cells have to be."""
 
@@ -52,6 +54,36 @@ class Grid(NamedTuple):
         ends[0] = -inf, ends[0][1]
         ends[-1] = ends[-1][0], inf
         return ends
+
+
+class Frame(NamedTuple):
+    """What a run's cells are measured by.
+
+    Attributes:
+        grid: the cells.
+        ends: where a circle leaves each of the columns, to the left and to the right, and of the rows, down and up.
+        last: the last x, and y, that falls in one of them; all before it, from the grid's corner on, do so too.
+        margin: by which a centre may be beyond its cell.
+        sharp: where |x| + |y| + (|vx| + |vy|) T is below it, a place at time T is told to a quarter of the margin.
+    """
+
+    grid: Grid
+    ends: tuple[list[float], list[float], list[float], list[float]]
+    last: tuple[float, float]
+    margin: float
+    sharp: float
+
+
+def frame_of(grid: Grid) -> Frame:
+    """What some cells are measured by; `sharp` is derived where cells.py has their bound."""
+    x, y, width, columns, rows = grid
+    return Frame(
+        grid,
+        (*leaves(x, width, columns), *leaves(y, width, rows)),
+        (last_within(x, width, columns), last_within(y, width, rows)),
+        MARGIN * width,
+        MARGIN / 8 * width / (64.0 * UNIT) - abs(x) - abs(y),
+    )
 
 
 def grid_for(flights: Sequence[FloatFlight | None], radii: Sequence[float]) -> Grid | None:

@@ -11,9 +11,9 @@ from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from sympy import Rational, symbols
 
-from truebreak.exact.simulation.arrivals.cells import UNIT, Cells
+from truebreak.exact.simulation.arrivals.cells import Cells
 from truebreak.exact.simulation.arrivals.crowd import cells_for
-from truebreak.exact.simulation.arrivals.grid import MARGIN, Grid, grid_for, last_within, leaves
+from truebreak.exact.simulation.arrivals.grid import MARGIN, UNIT, Grid, grid_for, last_within, leaves
 from truebreak.exact.simulation.arrivals.wall_cells import ROUNDING, WallCells
 from truebreak.scenarios import Wall
 
@@ -44,7 +44,9 @@ def test_whoever_is_in_cells_fits_them_whatever_its_size(times: float) -> None:
     grid, cells = grid_for(flights, radii), cells_for(flights, radii, [])
     assert grid is not None
     assert cells is not None
-    held = [r for i, r in enumerate(radii) if i not in cells.large]
+    for i, flight in enumerate(flights):
+        cells.enter(i, flight)
+    held = [r for i, r in enumerate(radii) if i not in cells.loose]
     assert len(held) == len(radii) - (times > 4.0)
     assert grid.width * (1 - 2 * MARGIN) >= 2.0 * max(held) * (1 - 4 * UNIT)
 
@@ -95,10 +97,11 @@ def test_a_centre_is_within_a_margin_of_its_cell(x: float, y: float, vx: float, 
     """From as early as a crossing may be carried out to as late as the next one is, in exact numbers: outer cells
     reach out without end."""
     others = [(9.0 * i, 9.0 * j, 0.0, 0.0, 0.0) for i in range(8) for j in range(9)]
-    cells = cells_for([(x, y, vx, vy, t), *others], [1.0] * 73, [])
-    assert cells is not None
+    grid = grid_for([(x, y, vx, vy, t), *others], [1.0] * 73)
+    assert grid is not None
+    columns, rows = grid.ends()
+    cells = Cells(grid, 73, frozenset(), WallCells([], columns, rows, 1.0))
     cells.enter(0, (x, y, vx, vy, t))
-    columns, rows = cells.grid.ends()
     since = Fraction(t)
     for _ in range(30):
         assert 0 not in cells.loose
