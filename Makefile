@@ -4,7 +4,7 @@ BIN = .venv/bin
 
 .PHONY: demo test slow stress stress-map coverage lint format bench docs lowest pythons sdist picture reference-set clean
 
-.venv/ready: pyproject.toml $(wildcard exact/compiled/*.c exact/compiled/*.h)
+.venv/ready: pyproject.toml $(wildcard exact/compiled/*.[ch] floating/flat/formulas/*.c)
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install -q -e '.[dev]'
 	touch $@

@@ -176,17 +176,17 @@ class Cells(Protocol):
         ...
 
 
-def _loaded(name: str) -> object:
-    """A compiled module; None where there is none, or Python is wished for."""
+def loaded(module: str) -> object:
+    """A compiled module, by its whole name; None where there is none, or Python is wished for."""
     if environ.get(PURE):
         return None
     try:
-        return import_module(f"{__name__}.{name}")
+        return import_module(module)
     except ImportError:
         return None
 
 
-predictions = cast("Predictions | None", _loaded("_predictions"))
-steps = cast("Steps | None", _loaded("_steps"))
-cells = cast("Cells | None", _loaded("_cells"))
+predictions = cast("Predictions | None", loaded(f"{__name__}._predictions"))
+steps = cast("Steps | None", loaded(f"{__name__}._steps"))
+cells = cast("Cells | None", loaded(f"{__name__}._cells"))
 """None where Python runs, as `predictions` and `steps`."""

@@ -10,7 +10,7 @@ from ...exact.compiled import CellLists
 from ...exact.simulation.arrivals.cells import FARTHEST as FAR
 from ...exact.simulation.arrivals.grid import FloatFlight
 from .flights import FlatFlight, FlatFlights
-from .formulas.inlined import pairs, walls
+from .formulas import pairs, walls
 
 
 class FlatCrowd:

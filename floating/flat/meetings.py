@@ -17,7 +17,7 @@ from ...scenarios.scene import Scene
 from ..plain.decider import PlainMeetings
 from .crowd import FlatCrowd, in_range
 from .flights import FlatFlights
-from .formulas.inlined import pairs, walls
+from .formulas import pairs, walls
 from .queue import FlatQueue
 
 

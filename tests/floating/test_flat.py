@@ -14,7 +14,7 @@ import pytest
 
 from truebreak.floating import DoubleEngine
 from truebreak.floating.flat import crowd, meetings, stride
-from truebreak.floating.flat.formulas import flying, inlining
+from truebreak.floating.flat.formulas import flying, inlined, inlining
 from truebreak.floating.flat.loop import follows
 from truebreak.floating.plain.event_engine import EventEngine
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
@@ -143,14 +143,15 @@ def test_the_formulas_written_out_are_current() -> None:
     assert inlining.INLINED.read_text("utf-8") == inlining.render(), "run python -m truebreak.floating.flat"
 
 
-@pytest.mark.parametrize("name", ["gas", "mixed crowd", "fixed", "oblique", "lattice", "graze"])
-def test_the_formulas_as_called_give_the_same(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("code", [flying, inlined], ids=["as called", "in Python"])
+@pytest.mark.parametrize("name", ["gas", "mixed crowd", "fixed", "oblique", "lattice", "sliding", "graze", "huge"])
+def test_the_formulas_in_python_give_the_same(name: str, code: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, limits = SCENES[name]()
     run = DoubleEngine().run(scene, **limits)
     for module in (crowd, meetings, stride):
         for function in ("walls", "pairs", "strike", "rebound"):
             if hasattr(module, function):
-                monkeypatch.setattr(module, function, getattr(flying, function))
+                monkeypatch.setattr(module, function, getattr(code, function))
     assert told(DoubleEngine().run(scene, **limits)) == told(run)
 
 
