@@ -1,8 +1,9 @@
 """What of the exact engine is compiled, where there was a compiler when truebreak was installed.
 
 Each function here does in C what one of Python does in doubles: the same operations in the same order, so the same
-bits. The Python stays: it has the derivations, it runs where there is no compiler, and tests hold the two against each
-other (tests/exact/compiled). It also runs where the environment has `TRUEBREAK_PURE_PYTHON` set to anything.
+bits; but `carry` sums in another order, within the same bound. The Python stays: it has the derivations, it runs where
+there is no compiler, or one that alters sums, and tests hold the two against each other (tests/exact/compiled). It also
+runs where the environment has `TRUEBREAK_PURE_PYTHON` set to anything.
 """
 
 from __future__ import annotations
@@ -182,7 +183,7 @@ def loaded(module: str) -> object:
         return None
     try:
         return import_module(module)
-    except ImportError:
+    except (ImportError, RuntimeWarning):  # a warning, made an error, where Python runs without its lock
         return None
 
 

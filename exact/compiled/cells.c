@@ -185,8 +185,10 @@ static int all(const Cells *self, int *found)
 /* 1 if there may be walls near a cell, 0 if none is, -1 with an error set. */
 static int may_have_walls(const Cells *self, int cell)
 {
-    PyObject *near = PyList_GET_ITEM(self->near, cell);
-    return near == Py_None ? 1 : PyObject_IsTrue(near);
+    PyObject *near = item(self->near, cell);
+    int may = near == NULL ? -1 : near == Py_None ? 1 : PyObject_IsTrue(near);
+    Py_XDECREF(near);
+    return may;
 }
 
 /* `Cells.walls`. */
@@ -194,16 +196,14 @@ static PyObject *walls_of(Cells *self, int i)
 {
     int cell = self->cell[i];
     PyObject *known = self->known_walls[i], *near, *fresh = NULL, *both = NULL, *found = NULL;
-    near = Py_NewRef(cell == NOWHERE ? self->every : PyList_GET_ITEM(self->near, cell));
+    near = cell == NOWHERE ? Py_NewRef(self->every) : item(self->near, cell);
     if (near == Py_None) {
         Py_DECREF(near);
         near = PyObject_CallMethod(self->walls, "look", "iii", cell, cell % self->row - 1, cell / self->row - 1);
-        if (near == NULL)
-            return NULL;
     }
-    int any = PyObject_IsTrue(near);
+    int any = near == NULL ? -1 : PyObject_IsTrue(near);
     if (any <= 0) {
-        Py_DECREF(near);
+        Py_XDECREF(near);
         return any < 0 ? NULL : Py_NewRef(none_near);
     }
     if (known == NULL) {
@@ -479,7 +479,7 @@ static double *doubles_of(PyObject *list, int count)
     if (found == NULL)
         return (double *)PyErr_NoMemory();
     for (int k = 0; k < count; k++)
-        if (read_double(PyList_GET_ITEM(list, k), &found[k]) < 0) {
+        if (item_double(list, k, &found[k]) < 0) {
             PyMem_Free(found);
             return NULL;
         }

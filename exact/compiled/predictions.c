@@ -33,11 +33,7 @@ static int read_reach(PyObject *reaches, PyObject *body, double *out)
     Py_ssize_t kind;
     if (get_size(body, name_kind, &kind) < 0)
         return -1;
-    if (!PyList_Check(reaches) || kind < 0 || kind >= PyList_GET_SIZE(reaches)) {
-        PyErr_SetString(PyExc_IndexError, "a kind of radius that has no reach");
-        return -1;
-    }
-    return read_double(PyList_GET_ITEM(reaches, kind), out);
+    return item_double(reaches, kind, out);
 }
 
 static int read_bounds(PyObject *tuple, Bounds *bounds)
@@ -91,22 +87,15 @@ static PyObject *pairs(PyObject *self, PyObject *const *args, Py_ssize_t count)
         goto failed;
     Against held = against(a, &bounds);
     for (Py_ssize_t k = 0; k < PySequence_Fast_GET_SIZE(others); k++) {
-        PyObject *b = PySequence_Fast_GET_ITEM(others, k);
+        PyObject *b = Py_NewRef(PySequence_Fast_GET_ITEM(others, k));
         Span span;
-        switch (hold(a, b, args[2], &bounds, &held, &span)) {
-        case MEETS:
-            if (append(found, Py_BuildValue("(ddO)", span.low, span.high, b)) < 0)
-                goto failed;
-            break;
-        case UNCLEAR:
-            if (PyList_Append(unclear, b) < 0)
-                goto failed;
-            break;
-        case FAILED:
+        int told = hold(a, b, args[2], &bounds, &held, &span);
+        if ((told == MEETS && append(found, Py_BuildValue("(ddO)", span.low, span.high, b)) < 0)
+            || (told == UNCLEAR && PyList_Append(unclear, b) < 0))
+            told = FAILED;
+        Py_DECREF(b);
+        if (told == FAILED)
             goto failed;
-        default:
-            break;
-        }
     }
     Py_DECREF(others);
     return both_lists(found, unclear);
@@ -136,13 +125,11 @@ static PyObject *walls(PyObject *self, PyObject *const *args, Py_ssize_t count)
         PyErr_SetString(PyExc_TypeError, "walls: four arguments");
         return NULL;
     }
-    flat = PyFloat_AsDouble(args[2]);
-    far = PyFloat_AsDouble(args[3]);
-    PyObject *lines = PySequence_Fast(args[1], "walls: lines");
-    if (PyErr_Occurred() || read_doubles(args[0], FLIGHT, a) < 0) {
-        Py_XDECREF(lines);
+    if (read_double(args[2], &flat) < 0 || read_double(args[3], &far) < 0 || read_doubles(args[0], FLIGHT, a) < 0)
         return NULL;
-    }
+    PyObject *lines = PySequence_Fast(args[1], "walls: lines");
+    if (lines == NULL)
+        return NULL;
     PyObject *found = PyList_New(0), *unclear = PyList_New(0);
     if (found == NULL || unclear == NULL)
         goto failed;
@@ -150,7 +137,10 @@ static PyObject *walls(PyObject *self, PyObject *const *args, Py_ssize_t count)
         double line[7];
         long number;
         Span span;
-        if (read_line(PySequence_Fast_GET_ITEM(lines, k), &number, line) < 0)
+        PyObject *told_line = Py_NewRef(PySequence_Fast_GET_ITEM(lines, k));
+        int failed = read_line(told_line, &number, line) < 0;
+        Py_DECREF(told_line);
+        if (failed)
             goto failed;
         int told = wall(a, line, flat, far, &span);
         if (told == MEETS && append(found, Py_BuildValue("(ddl)", span.low, span.high, number)) < 0)
@@ -200,9 +190,7 @@ static int read_standing(PyObject *tuple, Standing *out, int *count)
         if (size != 2 && !is_wall)
             return 0;
         out[k].is_wall = is_wall;
-        out[k].a = PyLong_AsSsize_t(PyTuple_GET_ITEM(link, 0));
-        out[k].b = PyLong_AsSsize_t(PyTuple_GET_ITEM(link, 1));
-        if (PyErr_Occurred())
+        if (read_size(PyTuple_GET_ITEM(link, 0), &out[k].a) < 0 || read_size(PyTuple_GET_ITEM(link, 1), &out[k].b) < 0)
             return -1;
     }
     return 1;
@@ -249,11 +237,14 @@ static int meet_walls(Moved *a, PyObject *lines, double flat, double far, const 
     int many = 0;
     if (!PyList_Check(lines) || PyList_GET_SIZE(lines) > MOST_WALLS)
         return 0;
-    for (Py_ssize_t k = 0; k < PyList_GET_SIZE(lines); k++) {
+    for (Py_ssize_t k = 0, size = PyList_GET_SIZE(lines); k < size; k++) {
         double line[7];
         long number;
         Entry entry = {{0.0, 0.0}, a->index, 0, a->serial, 0};
-        if (read_line(PyList_GET_ITEM(lines, k), &number, line) < 0)
+        PyObject *told_line = item(lines, k);
+        int failed = told_line == NULL || read_line(told_line, &number, line) < 0;
+        Py_XDECREF(told_line);
+        if (failed)
             return -1;
         int told = wall(a->f, line, flat, far, &entry.span);
         if (told == UNCLEAR)
@@ -276,6 +267,34 @@ static int meet_walls(Moved *a, PyObject *lines, double flat, double far, const 
     return 1;
 }
 
+/* A circle that another may meet before a wall ends a flight: whether it does, as for `hold`. */
+static int meet_circle(const Moved *a, const Moved *moved, Py_ssize_t moved_count, PyObject *b, PyObject *reaches,
+                       const Bounds *bounds, Against *held, Entry *entry)
+{
+    int told = hold(a->f, b, reaches, bounds, held, &entry->span), is_new = 0;
+    double until = 0.0;
+    Py_ssize_t index, serial;
+    if (told != MEETS || entry->span.low > a->until)
+        return told == MEETS ? NONE : told;
+    for (Py_ssize_t m = 0; m < moved_count; m++)
+        if (moved[m].body == b) {
+            is_new = 1;
+            until = moved[m].until;
+        }
+    if (!is_new && get_double(b, name_until, &until) < 0)
+        return FAILED;
+    if (entry->span.low > until)
+        return NONE;
+    if (get_size(b, name_index, &index) < 0 || get_size(b, name_serial, &serial) < 0)
+        return FAILED;
+    int first = a->index < index;
+    entry->i = first ? a->index : index;
+    entry->j = first ? index : a->index;
+    entry->si = first ? a->serial : serial;
+    entry->sj = first ? serial : a->serial;
+    return MEETS;
+}
+
 /* Appends the circles that one may meet before a wall ends a flight; as `read_standing`. */
 static int meet_circles(const Moved *a, const Moved *moved, Py_ssize_t moved_count, PyObject *others,
                         PyObject *reaches, const Bounds *bounds, const Standing *standing, int standing_count,
@@ -284,38 +303,17 @@ static int meet_circles(const Moved *a, const Moved *moved, Py_ssize_t moved_cou
     if (!PyList_Check(others) || PyList_GET_SIZE(others) > MOST_CIRCLES)
         return 0;
     Against held = against(a->f, bounds);
-    for (Py_ssize_t k = 0; k < PyList_GET_SIZE(others); k++) {
-        PyObject *b = PyList_GET_ITEM(others, k);
+    for (Py_ssize_t k = 0, size = PyList_GET_SIZE(others); k < size; k++) {
+        PyObject *b = item(others, k);
         Entry entry;
-        int told = hold(a->f, b, reaches, bounds, &held, &entry.span);
+        int told = b == NULL ? FAILED : meet_circle(a, moved, moved_count, b, reaches, bounds, &held, &entry);
+        Py_XDECREF(b);
         if (told == FAILED)
             return -1;
         if (told == UNCLEAR)
             return 0;
-        if (told == NONE || entry.span.low > a->until)
-            continue;
-        double until = 0.0;
-        int is_new = 0;
-        for (Py_ssize_t m = 0; m < moved_count; m++)
-            if (moved[m].body == b) {
-                is_new = 1;
-                until = moved[m].until;
-            }
-        if (!is_new && get_double(b, name_until, &until) < 0)
-            return -1;
-        if (entry.span.low > until)
-            continue;
-        Py_ssize_t index, serial;
-        if (get_size(b, name_index, &index) < 0 || get_size(b, name_serial, &serial) < 0)
-            return -1;
-        if (stands(standing, standing_count, a->index, index, 0))
-            continue;
-        int first = a->index < index;
-        entry.i = first ? a->index : index;
-        entry.j = first ? index : a->index;
-        entry.si = first ? a->serial : serial;
-        entry.sj = first ? serial : a->serial;
-        entries[(*count)++] = entry;
+        if (told == MEETS && !stands(standing, standing_count, entry.i, entry.j, 0))
+            entries[(*count)++] = entry;
     }
     return 1;
 }

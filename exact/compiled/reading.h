@@ -11,6 +11,15 @@
 #error "doubles are kept wider than they are: the Python is used"
 #endif
 
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__) || defined(__ASSOCIATIVE_MATH__) \
+    || defined(__RECIPROCAL_MATH__) || defined(__NO_SIGNED_ZEROS__) || defined(_M_FP_FAST)
+#error "arithmetic of doubles is not kept as it is written: the Python is used"
+#endif
+
+#ifdef _MSC_VER
+#pragma fp_contract(off) /* before Visual Studio 2022 it was on; others have -ffp-contract=off from pyproject.toml */
+#endif
+
 #define UNIT 0x1p-53
 
 /* Each gives 0, or -1 with an error set. */
@@ -58,6 +67,24 @@ static inline int get_size(PyObject *of, PyObject *name, Py_ssize_t *out)
     PyObject *value = PyObject_GetAttr(of, name);
     int failed = value == NULL || read_size(value, out) < 0;
     Py_XDECREF(value);
+    return failed ? -1 : 0;
+}
+
+/* A list's item, owned; NULL with an error set. */
+static inline PyObject *item(PyObject *list, Py_ssize_t at)
+{
+    if (PyList_Check(list) && at >= 0 && at < PyList_GET_SIZE(list))
+        return Py_NewRef(PyList_GET_ITEM(list, at));
+    PyErr_SetString(PyExc_IndexError, "a list without such a place");
+    return NULL;
+}
+
+/* A list's double. */
+static inline int item_double(PyObject *list, Py_ssize_t at, double *out)
+{
+    PyObject *number = item(list, at);
+    int failed = number == NULL || read_double(number, out) < 0;
+    Py_XDECREF(number);
     return failed ? -1 : 0;
 }
 

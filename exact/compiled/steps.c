@@ -28,24 +28,26 @@ static PyObject *name_bounds, *name_place, *name_pace, *name_beside, *name_unit,
 
 /* What a contact needs of an `ErrorSet`; all owned. */
 typedef struct {
-    PyObject *errors, *bounds, *place, *pace;
+    PyObject *errors, *bounds, *place, *pace, *pairs, *pending;
     double unit, near;
     Py_ssize_t shift, count;
 } Set;
 
 static int open_set(PyObject *errors, Set *set)
 {
-    *set = (Set){errors, PyObject_GetAttr(errors, name_bounds), NULL, NULL, 0.0, 0.0, 0, 0};
+    *set = (Set){.errors = errors, .bounds = PyObject_GetAttr(errors, name_bounds)};
     if (set->bounds == NULL)
         return -1;
+    set->pairs = PyObject_GetAttr(errors, name_pairs);
+    set->pending = PyObject_GetAttr(errors, name_pending);
     set->place = PyObject_GetAttr(set->bounds, name_place);
     set->pace = PyObject_GetAttr(set->bounds, name_pace);
-    if (set->place == NULL || set->pace == NULL || get_double(errors, name_unit, &set->unit) < 0
+    if (set->place == NULL || set->pace == NULL || set->pairs == NULL || set->pending == NULL || get_double(errors, name_unit, &set->unit) < 0
         || get_double(errors, name_near, &set->near) < 0 || get_size(errors, name_shift, &set->shift) < 0)
         return -1;
-    if (!PyList_Check(set->place) || !PyList_Check(set->pace)
+    if (!PyList_Check(set->place) || !PyList_Check(set->pace) || !PyList_Check(set->pairs) || !PyList_Check(set->pending)
         || PyList_GET_SIZE(set->place) != PyList_GET_SIZE(set->pace)) {
-        PyErr_SetString(PyExc_TypeError, "bounds are two lists of one length");
+        PyErr_SetString(PyExc_TypeError, "the set keeps lists, those of bounds of one length");
         return -1;
     }
     set->count = PyList_GET_SIZE(set->place) - 1; /* the last is what is fixed */
@@ -57,6 +59,8 @@ static void close_set(Set *set)
     Py_XDECREF(set->bounds);
     Py_XDECREF(set->place);
     Py_XDECREF(set->pace);
+    Py_XDECREF(set->pairs);
+    Py_XDECREF(set->pending);
 }
 
 static int read_bound(const Set *set, Py_ssize_t i, double *place, double *pace)
@@ -65,8 +69,7 @@ static int read_bound(const Set *set, Py_ssize_t i, double *place, double *pace)
         PyErr_SetString(PyExc_IndexError, "no such body in the set");
         return -1;
     }
-    return read_double(PyList_GET_ITEM(set->place, i), place) < 0 || read_double(PyList_GET_ITEM(set->pace, i), pace) < 0
-        ? -1 : 0;
+    return item_double(set->place, i, place) < 0 || item_double(set->pace, i, pace) < 0 ? -1 : 0;
 }
 
 static int put(PyObject *list, Py_ssize_t i, double value)
@@ -75,17 +78,13 @@ static int put(PyObject *list, Py_ssize_t i, double value)
     return made == NULL ? -1 : PyList_SetItem(list, i, made);
 }
 
-/* A list of the set, borrowed from it: it outlives the call. */
-static PyObject *list_of(const Set *set, PyObject *name)
+/* How far a body is to fly yet, of what is pending: a tuple's end. */
+static int read_legs(const Set *set, Py_ssize_t i, Py_ssize_t count, double *legs)
 {
-    PyObject *list = PyObject_GetAttr(set->errors, name);
-    if (list == NULL)
-        return NULL;
-    Py_DECREF(list);
-    if (PyList_Check(list))
-        return list;
-    PyErr_SetString(PyExc_TypeError, "the set keeps lists");
-    return NULL;
+    PyObject *told = item(set->pending, i);
+    int failed = told == NULL || read_doubles(told, count, legs) < 0;
+    Py_XDECREF(told);
+    return failed ? -1 : 0;
 }
 
 /* -- balls */
@@ -203,7 +202,7 @@ static PyObject *land(const Set *set, const Body *bodies, const Py_ssize_t *plac
     double beside = (late + ldexp(1.0, power > -1000 ? (int)power : -1000)) * UP;
     PyObject *landings[2];
     for (int k = 0; k < count; k++)
-        landings[k] = landing(&bodies[k], set, places[k], now, beside, least);
+        landings[k] = k > 0 && landings[0] == NULL ? NULL : landing(&bodies[k], set, places[k], now, beside, least);
     PyObject *items[] = {
         PyLong_FromLongLong(power), PyFloat_FromDouble(beside), filled(PyTuple_New(count), landings, count)};
     return filled(PyTuple_New(3), items, 3);
@@ -275,11 +274,10 @@ static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const 
                 double rounding)
 {
     double place[2], pace[2], limit, whole = weights[0] + weights[1];
-    PyObject *pairs = list_of(set, name_pairs), *pending = list_of(set, name_pending);
-    if (pairs == NULL || pending == NULL || read_bound(set, at[0], &place[0], &pace[0]) < 0
+    if (read_bound(set, at[0], &place[0], &pace[0]) < 0
         || read_bound(set, at[1], &place[1], &pace[1]) < 0 || get_double(set->errors, name_limit, &limit) < 0)
         return -1;
-    if (PyList_GET_SIZE(pending) != set->count + 1) {
+    if (PyList_GET_SIZE(set->pending) != set->count + 1) {
         PyErr_SetString(PyExc_IndexError, "the set's lists differ in length");
         return -1;
     }
@@ -306,8 +304,8 @@ static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const 
     double parts[PARTS] = {[LEGS] = weights[0], weights[1], hit->dx, hit->dy, hit->vx, hit->vy, hit->speed, hit->strength};
     for (int k = 0; k < 2; k++) {
         double *legs = parts + k * (LEGS / 2);
-        if (read_doubles(PyList_GET_ITEM(pending, at[k]), LEGS / 2, legs) < 0
-            || append(pairs, PyLong_FromSsize_t(at[k])) < 0 || PyList_SetItem(pending, at[k], Py_NewRef(none_yet)) < 0)
+        if (read_legs(set, at[k], LEGS / 2, legs) < 0 || append(set->pairs, PyLong_FromSsize_t(at[k])) < 0
+            || PyList_SetItem(set->pending, at[k], Py_NewRef(none_yet)) < 0)
             return -1;
         legs[LEGS / 2 - 1] = legs[LEGS / 2 - 1] + lags[k];
     }
@@ -318,23 +316,18 @@ static int meet(const Set *set, const Py_ssize_t *at, const double *lags, const 
 static int fly(const Set *set, Py_ssize_t i, double lag, const double *mirror, double rounding)
 {
     double place, pace, limit, legs[5], up = (1.0 + mirror[3]) * UP;
-    PyObject *pending = list_of(set, name_pending);
-    if (pending == NULL || read_bound(set, i, &place, &pace) < 0 || get_double(set->errors, name_limit, &limit) < 0)
+    if (read_bound(set, i, &place, &pace) < 0 || get_double(set->errors, name_limit, &limit) < 0)
         return -1;
-    if (i >= PyList_GET_SIZE(pending)) {
-        PyErr_SetString(PyExc_IndexError, "no such body in the set");
-        return -1;
-    }
     place = (place + fabs(lag) * pace) * up + rounding;
     pace = pace * up + rounding;
     if (put(set->place, i, place) < 0 || put(set->pace, i, pace) < 0
         || add_beside(set, CARRIED + 2.0 * mirror[3], rounding != 0.0 ? rounding / (pace < place ? pace : place) : 0.0) < 0
-        || count_step(set, place > limit) < 0 || read_doubles(PyList_GET_ITEM(pending, i), 5, legs) < 0)
+        || count_step(set, place > limit) < 0 || read_legs(set, i, 5, legs) < 0)
         return -1;
     double a = mirror[0], b = mirror[1], d = mirror[2];
     PyObject *then = Py_BuildValue("(ddddd)", a * legs[0] + b * legs[2], a * legs[1] + b * legs[3],
                                    b * legs[0] + d * legs[2], b * legs[1] + d * legs[3], legs[4] + lag);
-    return then == NULL ? -1 : PyList_SetItem(pending, i, then);
+    return then == NULL ? -1 : PyList_SetItem(set->pending, i, then);
 }
 
 /* -- contacts */

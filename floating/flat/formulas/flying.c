@@ -24,13 +24,17 @@ static void let_go(Held *held)
     Py_CLEAR(held->tick);
 }
 
-/* A list's item, borrowed; NULL with an error set. */
-static PyObject *item(PyObject *list, Py_ssize_t at)
+/* All of a flight but its place. */
+static int read_flight(PyObject *flight, double *out)
 {
-    if (PyList_Check(list) && at >= 0 && at < PyList_GET_SIZE(list))
-        return PyList_GET_ITEM(list, at);
-    PyErr_SetString(PyExc_IndexError, "no such place");
-    return NULL;
+    if (!PyTuple_Check(flight) || PyTuple_GET_SIZE(flight) != FLIGHT) {
+        PyErr_SetString(PyExc_TypeError, "a flight is a tuple of seven");
+        return -1;
+    }
+    for (int k = 0; k < PLACE; k++)
+        if (read_double(PyTuple_GET_ITEM(flight, k), &out[k]) < 0)
+            return -1;
+    return 0;
 }
 
 static int take(PyObject *const *args, Py_ssize_t count, Held *held)
@@ -44,18 +48,11 @@ static int take(PyObject *const *args, Py_ssize_t count, Held *held)
     held->i = args[1];
     held->standing = args[3];
     PyObject *flights = PyObject_GetAttr(held->run, name_flights), *flight = NULL;
-    if (flights == NULL)
-        return -1;
-    if (read_size(held->i, &held->at) == 0 && (flight = item(flights, held->at)) != NULL
-        && (!PyTuple_Check(flight) || PyTuple_GET_SIZE(flight) != FLIGHT)) {
-        PyErr_SetString(PyExc_TypeError, "a flight is a tuple of seven");
-        flight = NULL;
-    }
-    for (int k = 0; flight != NULL && k < PLACE; k++)
-        if (read_double(PyTuple_GET_ITEM(flight, k), &held->own[k]) < 0)
-            flight = NULL;
-    int failed = flight == NULL;
-    Py_DECREF(flights);
+    if (flights != NULL && read_size(held->i, &held->at) == 0)
+        flight = item(flights, held->at);
+    int failed = flight == NULL || read_flight(flight, held->own) < 0;
+    Py_XDECREF(flight);
+    Py_XDECREF(flights);
     if (failed)
         return -1;
     if ((held->until = PyObject_GetAttr(held->run, name_until)) == NULL
@@ -68,13 +65,7 @@ static int take(PyObject *const *args, Py_ssize_t count, Held *held)
     return 0;
 }
 
-static int until_of(const Held *held, Py_ssize_t place, double *out)
-{
-    PyObject *found = item(held->until, place);
-    return found == NULL ? -1 : read_double(found, out);
-}
-
-/* Queues a hit. */
+/* Queues a hit; none of what is given is borrowed from a list. */
 static int push(const Held *held, double time, PyObject *place, PyObject *serial, PyObject *other_serial, double wait)
 {
     PyObject *items[] = {PyFloat_FromDouble(time), PyObject_CallNoArgs(held->tick), Py_NewRef(held->i),
@@ -108,13 +99,8 @@ static int pair(const Held *held, PyObject *other, double until)
     const double *a = held->own;
     double b[PLACE], theirs;
     Py_ssize_t j;
-    if (!PyTuple_Check(other) || PyTuple_GET_SIZE(other) != FLIGHT) {
-        PyErr_SetString(PyExc_TypeError, "a flight is a tuple of seven");
+    if (read_flight(other, b) < 0)
         return -1;
-    }
-    for (int k = 0; k < PLACE; k++)
-        if (read_double(PyTuple_GET_ITEM(other, k), &b[k]) < 0)
-            return -1;
     double lag = a[AT] - b[AT];
     double dx = b[X] + b[VX] * lag - a[X];
     double dy = b[Y] + b[VY] * lag - a[Y];
@@ -135,7 +121,7 @@ static int pair(const Held *held, PyObject *other, double until)
         double time = a[AT] + wait;
         if (time > until)
             return 0;
-        if (read_size(place, &j) < 0 || until_of(held, j, &theirs) < 0)
+        if (read_size(place, &j) < 0 || item_double(held->until, j, &theirs) < 0)
             return -1;
         if (time > theirs)
             return 0;
@@ -143,7 +129,10 @@ static int pair(const Held *held, PyObject *other, double until)
         if (passed != 0)
             return passed < 0 ? -1 : 0;
         PyObject *mine = item(held->serial, held->at), *their_serial = item(held->serial, j);
-        return mine == NULL || their_serial == NULL ? -1 : push(held, time, place, mine, their_serial, wait);
+        int failed = mine == NULL || their_serial == NULL || push(held, time, place, mine, their_serial, wait) < 0;
+        Py_XDECREF(mine);
+        Py_XDECREF(their_serial);
+        return failed ? -1 : 0;
     }
     int passed = passed_over(held, place);
     return passed < 0 ? -1 : passed ? 0 : look_closer(held, place);
@@ -174,7 +163,7 @@ static int wall(const Held *held, PyObject *line, PyObject *serial, PyObject *ze
         return look_closer(held, place);
     double wait = -gap / approach;
     double time = a[AT] + wait;
-    if (until_of(held, held->at, &until) < 0)
+    if (item_double(held->until, held->at, &until) < 0)
         return -1;
     if (time > until)
         return 0;
@@ -195,7 +184,7 @@ static PyObject *pairs(PyObject *self, PyObject *const *args, Py_ssize_t count)
     if (take(args, count, &held) < 0)
         return NULL;
     PyObject *others = PySequence_Fast(args[2], "pairs: others");
-    int failed = others == NULL || until_of(&held, held.at, &until) < 0;
+    int failed = others == NULL || item_double(held.until, held.at, &until) < 0;
     for (Py_ssize_t k = 0; !failed && k < PySequence_Fast_GET_SIZE(others); k++) {
         PyObject *other = Py_NewRef(PySequence_Fast_GET_ITEM(others, k));
         failed = pair(&held, other, until) < 0;
@@ -216,7 +205,6 @@ static PyObject *walls(PyObject *self, PyObject *const *args, Py_ssize_t count)
     PyObject *lines = PySequence_Fast(args[2], "walls: lines"), *zero = PyLong_FromLong(0);
     PyObject *serial = lines == NULL || zero == NULL ? NULL : item(held.serial, held.at);
     int failed = serial == NULL;
-    Py_XINCREF(serial);
     for (Py_ssize_t k = 0; !failed && k < PySequence_Fast_GET_SIZE(lines); k++) {
         PyObject *line = Py_NewRef(PySequence_Fast_GET_ITEM(lines, k));
         failed = wall(&held, line, serial, zero) < 0;
