@@ -17,15 +17,28 @@ if TYPE_CHECKING:
 COLUMNS, WIDTH, HEIGHT = 2, 430, 250
 """Panels in a row, and the size of one, in pixels."""
 
-LEFT, RIGHT, TOP, BOTTOM = 46, 14, 34, 38
+LEFT, RIGHT, TOP, BOTTOM = 46, 22, 34, 38
 HEAD, LEGEND = 16, 22
 """Room around a panel, above all, and for each line of what tells the engines apart."""
 
 LETTER, MARK = 7, 26
-"""Pixels of a letter of the legend, none of which is wider in the mean, and of a dot with the room around it."""
+"""Pixels of a letter of the legend, none of which is wider in the mean, and of a mark with the room around it."""
 
 EXACT = "exact"
 """The engine whose time is the unit, in the colour that the reference has everywhere."""
+
+CIRCLE = "M -4.5 0 A 4.5 4.5 0 1 1 4.5 0 A 4.5 4.5 0 1 1 -4.5 0 Z"
+"""The mark of exact alone; its centre is at 0, as that of all marks."""
+
+MARKS = (
+    "M -4 -4 H 4 V 4 H -4 Z",
+    "M 0 -5 L 5 4 H -5 Z",
+    "M 0 -5.5 L 5.5 0 L 0 5.5 L -5.5 0 Z",
+    "M 0 5 L 5 -4 H -5 Z",
+    "M -2 -5 H 2 V -2 H 5 V 2 H 2 V 5 H -2 V 2 H -5 V -2 H -2 Z",
+    "M -5 -5 H 5 L -5 5 H 5 Z",
+)
+"""Those of others, in turn: colours alone do not tell many engines apart (`engine_style` has as many dashes)."""
 
 MOST_DIGITS = 20
 """Digits of the upper edge: what has more is drawn there."""
@@ -59,7 +72,7 @@ def tradeoff_plot(rows: Sequence[Tradeoff]) -> str:
     """The plot; empty panels are left out. Rows that did not get to the end have no digits, and no point.
 
     >>> from truebreak.compare.bench.tradeoff import Tradeoff
-    >>> tradeoff_plot([Tradeoff("gas", "", "double", ratio=0.3, digits=14.0)]).count("<circle")
+    >>> tradeoff_plot([Tradeoff("gas", "", "double", ratio=0.3, digits=14.0)]).count('class="mark"')
     2
     """
     scenes = [(name, list(mine)) for name, mine in groupby(rows, key=lambda row: row.scene)]
@@ -99,20 +112,31 @@ def _family(row: Tradeoff) -> str:
     return row.engine.partition(":")[0]
 
 
-def _colour(family: str, families: Sequence[str]) -> str:
-    others = [name for name in families if name != EXACT]
-    return REFERENCE if family == EXACT else engine_style(others.index(family)).light
+def _look(family: str, families: Sequence[str]) -> tuple[str, str]:
+    """The colour of an engine, and its mark."""
+    if family == EXACT:
+        return REFERENCE, CIRCLE
+    number = [name for name in families if name != EXACT].index(family)
+    return engine_style(number).light, MARKS[number % len(MARKS)]
+
+
+def _mark(place: tuple[float, float], look: tuple[str, str], filled: bool, told: str) -> str:
+    (x, y), (colour, mark) = place, look
+    return (
+        f'<path class="mark" transform="translate({x:.1f} {y:.1f})" d="{mark}" stroke="{colour}" stroke-width="1.5" '
+        f'fill="{colour if filled else "#fff"}"><title>{escape(told)}</title></path>'
+    )
 
 
 def _legend(families: Sequence[str], wide: int) -> tuple[list[str], int]:
-    """A dot and a name for each engine, in as many lines as they take; how many these are."""
+    """A mark and a name for each engine, in as many lines as they take; how many these are."""
     parts, x, line = [], LEFT, 0
     for family in families:
         room = MARK + LETTER * len(family)
         if x > LEFT and x + room > wide:
             x, line = LEFT, line + 1
         y = HEAD + LEGEND * line
-        parts.append(f'<circle cx="{x}" cy="{y}" r="4.5" fill="{_colour(family, families)}"/>')
+        parts.append(_mark((x, y), _look(family, families), True, family))
         parts.append(f'<text x="{x + 9}" y="{y + 4}">{escape(family)}</text>')
         x += room
     return parts, line + 1
@@ -144,11 +168,6 @@ def _points(panel: _Panel, rows: Sequence[Tradeoff], families: Sequence[str]) ->
         line = " ".join(f"{x:.1f},{y:.1f}" for x, y in front)
         parts.append(f'<polyline class="front" points="{line}"/>')
     for row in rows:
-        x, y = places[row]
-        colour, told = _colour(_family(row), families), escape(row.engine)
-        fill = colour if row.front else "#fff"
-        parts.append(
-            f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4.5" stroke="{colour}" stroke-width="1.5" fill="{fill}">'
-            f"<title>{told}: {row.ratio:.3g} of exact</title></circle>"
-        )
+        told = f"{row.engine}: {row.ratio:.3g} of exact"
+        parts.append(_mark(places[row], _look(_family(row), families), row.front, told))
     return parts

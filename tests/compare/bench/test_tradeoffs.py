@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +25,7 @@ from truebreak.compare.bench.tradeoff import Subject, Tradeoff, in_exact, study_
 from truebreak.compare.cli.entry import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES
-from truebreak.compare.report.pictures.tradeoff_plot import tradeoff_plot
+from truebreak.compare.report.pictures.tradeoff_plot import CIRCLE, tradeoff_plot
 from truebreak.scenarios import SceneError, catalogue
 
 ONCE = (1, 1)
@@ -286,10 +287,21 @@ def test_rows_survive_json(tmp_path: Path, rows: list[Tradeoff]) -> None:
 def test_the_plot_has_a_point_for_each_row_that_got_to_the_end(rows: list[Tradeoff]) -> None:
     drawn = tradeoff_plot(rows)
     ended = [r for r in rows if r.digits is not None]
-    assert drawn.count("<title>") == 1 + len(ended)
+    engines = {r.engine.partition(":")[0] for r in ended}
+    assert drawn.count("<title>") == 1 + len(ended) + len(engines)
     assert drawn.count('fill="#fff">') == sum(not r.front for r in ended)
     assert tradeoff_plot(rows) == drawn
-    assert "<circle" not in tradeoff_plot([replace(r, refused="why") for r in rows])
+    assert 'class="mark"' not in tradeoff_plot([replace(r, refused="why") for r in rows])
+
+
+def test_engines_of_like_colours_have_other_marks() -> None:
+    """The legend's marks and colours are all different, and exact alone is round."""
+    names = ["exact", *(f"engine{k}" for k in range(14))]
+    drawn = tradeoff_plot([Tradeoff("gas", "", name, ratio=1.0, digits=3.0) for name in names])
+    looks = re.findall(r' d="([^"]+)" stroke="([^"]+)".*?<title>(\w+)</title>', drawn)
+    assert [name for *_, name in looks] == names
+    assert len({look[:2] for look in looks}) == len(names)
+    assert [name for mark, _, name in looks if mark == CIRCLE] == ["exact"]
 
 
 def test_page_and_plot_of_the_docs_are_those_of_its_figures(tmp_path: Path) -> None:
