@@ -6,6 +6,7 @@
 #include "structmember.h"
 
 #define FARTHEST 1e100
+#define SLOWEST 1e-200
 #define ROOM 2.0
 #define NOWHERE (-1)
 
@@ -149,6 +150,8 @@ static int admit(Cells *self, const Flight *f)
     if (!(far < FARTHEST && fast < FARTHEST / 8 * self->margin))
         return 0;
     if (fast > self->fastest) {
+        if (!(fast > SLOWEST * self->margin))
+            return 0;
         double most = fabs(f->vy) > fabs(f->vx) ? fabs(f->vy) : fabs(f->vx);
         if (slice_anew(self, ROOM * most) < 0)
             return -1;
@@ -610,7 +613,7 @@ static PyType_Spec spec = {"truebreak.exact.compiled._cells.Cells", sizeof(Cells
 
 static PyObject *constants(PyObject *self, PyObject *unused)
 {
-    return Py_BuildValue("{sdsd}", "FARTHEST", FARTHEST, "ROOM", ROOM);
+    return Py_BuildValue("{sdsdsd}", "FARTHEST", FARTHEST, "SLOWEST", SLOWEST, "ROOM", ROOM);
 }
 
 static PyMethodDef functions[] = {

@@ -153,7 +153,8 @@ class PlainMeetings(Generic[M]):
     def _meeting(self, link: Link) -> tuple[M, bool] | None:
         """The time of a meeting, and whether it is a graze; None where there is none.
 
-        Two that overlap by rounding and approach collide at once.
+        Two that overlap by rounding and approach collide at once. Where the square of their speed is below all numbers
+        of the engine they do not come together, as far as it can tell.
 
         Raises:
             Undecided: where that cannot be told.
@@ -167,7 +168,10 @@ class PlainMeetings(Generic[M]):
             if isinstance(link, Entry) or disc == 0:
                 return None
             return link.later(self._state).flight.t, False
-        clock, wait = Moment(link, disc == 0).wait(self._state)
+        try:
+            clock, wait = Moment(link, disc == 0).wait(self._state)
+        except ZeroDivisionError:
+            return None
         return clock + wait, disc == 0
 
 

@@ -40,3 +40,12 @@ def test_time_goes_on(name: str) -> None:
         times = [float(event.time) for event in run.events]
         assert all(later >= time - ROUNDING[name] for time, later in pairwise(times)), seed
         assert len(times) == 100 or run.stop.reason.name == "QUIET", (seed, run.stop)
+
+
+@pytest.mark.parametrize("name", ["double", "quad"])
+@pytest.mark.parametrize("digits", [170, 240, 320, 400])
+def test_a_speed_whose_square_is_nothing_ends_no_run(name: str, digits: int) -> None:
+    """Between doubles' least number and its root; to such an engine the two never meet."""
+    scene = Scene([Circle(0, 0, vx=f"10**-{digits}"), Circle(4, 0)])
+    assert len(engine("exact").run(scene).events) == 1
+    assert len(engine(name).run(scene).events) == 0

@@ -36,6 +36,9 @@ from .wall_cells import WallCells
 FARTHEST = 1e100
 """Beyond this, differences of places might not be doubles any more."""
 
+SLOWEST = 1e-200
+"""Margins in a unit of time: at less, slices would be as long as no double is."""
+
 ROOM = 2.0
 """How much faster than the fastest circle so far one may get before time is cut into shorter slices."""
 
@@ -221,6 +224,8 @@ class Cells:
         if not (far < FARTHEST and fast < FARTHEST / 8 * self._margin):
             return False
         if fast > self._fastest:
+            if not fast > SLOWEST * self._margin:
+                return False
             self._slice_anew(ROOM * max(abs(vx), abs(vy)))
         self._farthest = max(self._farthest, far)
         if self._fastest > 0.0:

@@ -189,3 +189,12 @@ def test_what_doubles_take_for_zero_is_not_at_rest(digits: int) -> None:
 def test_a_time_beyond_doubles_is_no_crossing() -> None:
     aside = [Circle(9 + 4 * (k % 10), 4 * (k // 10), vy=int(k == 75)) for k in range(80)]
     assert len(engine("double").run(Scene(aside, [Wall(0, 0, "10**-320", 1)]), events=1).events) == 1
+
+
+def test_who_is_too_slow_for_slices_of_time_is_held_against_all() -> None:
+    """They would be longer than any double is. In doubles the square of such a speed is 0, so nobody comes."""
+    places = [(f"{4 * (k % 8)}*10**95", f"{4 * (k // 8)}*10**95") for k in range(64)]
+    scene = Scene([Circle(x, y, "10**95", vx="10**-240" if k == 0 else 0) for k, (x, y) in enumerate(places)])
+    run = engine("exact").run(scene, events=1)
+    assert [scene.ids.index(one) for one in run.events[0].contacts[0]] == [0, 1]
+    assert engine("double").run(scene, events=1).events == ()
