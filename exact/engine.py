@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from operator import lt
+
+from flint import arb
 
 from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError, TimeIsUp
@@ -14,7 +18,7 @@ from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
 from .certified.decider import CertifiedDecider
 from .numbers import ball
-from .numbers.field import Known
+from .numbers.field import Known, known_ball
 from .numbers.undecided import BudgetSpent, Undecided
 from .policies import Policy
 from .predicates.ties import TieRule
@@ -35,6 +39,10 @@ DEFAULT_WORK = 3_000_000
 
 200,000 suffice to tell two rows of 16 discs apart that are flawed by 10**-9000 (`test_log_symmetry.py`), and a proof in
 six nested roots takes about as many: fifteen times that leaves room, and ends what has no end in seconds."""
+
+
+ORDER_BITS = 128
+"""Bits to which times that are exact are told apart."""
 
 
 @dataclass(frozen=True)
@@ -165,6 +173,7 @@ class ExactEngine(Declared):
             if take_up is not None:
                 take_up(loop, decider)
             stop = loop.run()
+            _in_order(decider.history.records)
             tape = None
             if policy is None:
                 tape = loop.tape
@@ -209,6 +218,16 @@ class ExactEngine(Declared):
             plan={**dict(sorted(history.plan.items())), "bits": decider.state.bits},
             notes=notes,
         )
+
+
+def _in_order(records: Sequence[Record[Known]]) -> None:
+    """Raises AssertionError where an event provably comes before the one before it, which no run may ever have."""
+    known = (record.mark.time for record in records)
+    times = [time if isinstance(time, arb) else known_ball(time, ORDER_BITS) for time in known]
+    if any(map(lt, times[1:], times)):
+        late = next(k for k, (one, next_one) in enumerate(pairwise(times)) if next_one < one)
+        told = f"event {late} comes after event {late + 1}"
+        raise AssertionError(f"{told}: a defect of truebreak; please report the scene")
 
 
 def _events(log: RunLog, records: Sequence[Record[Known]]) -> Iterator[Event]:

@@ -43,6 +43,7 @@ PLAIN: dict[str, Maker] = {
 CRUEL: dict[str, Maker] = {
     "hairs": cruel.hairs,
     "apart": cruel.apart,
+    "swift": rooms.swift,
     "pits": cruel.pits,
     "dyads": contacts.dyads,
     "couples": brinks.couples,

@@ -252,7 +252,8 @@ class ArrivalQueue(Generic[N]):
     def rivals(self) -> list[Arrival[N]]:
         """Takes off every arrival that may be the first; with it come all that may fall on the same instant.
 
-        An arrival is left where it is if its lower bound lies above the least upper bound of those taken.
+        An arrival is left where it is if its lower bound lies above the least upper bound of those taken, grazes aside:
+        what comes first is chosen among the others, and these may all come after a graze.
         """
         heap, crossings = self._heap, self.crossings
         while True:
@@ -263,7 +264,7 @@ class ArrivalQueue(Generic[N]):
                 crossings.cross()
                 continue
             found = self._rivals()
-            if crossing == inf or crossing > min(arrival.high for arrival in found):
+            if crossing == inf or crossing > _bar(found):
                 return found
             since = found[0].low
             if crossing > since and not any(arrival.certain for arrival in found):
@@ -279,8 +280,10 @@ class ArrivalQueue(Generic[N]):
         while heap and heap[0][0] <= bar:
             other = heappop(heap)
             if not self._is_stale(other):
-                found.append(other if isinstance(other, Arrival) else self._as_arrival(other))
-                bar = min(bar, other[2])
+                arrival = other if isinstance(other, Arrival) else self._as_arrival(other)
+                found.append(arrival)
+                if not arrival.graze:
+                    bar = min(bar, arrival.high)
         return found
 
     def _is_stale(self, entry: PlainArrival | Arrival[N]) -> bool:
@@ -294,6 +297,11 @@ class ArrivalQueue(Generic[N]):
         """An entry as others see it."""
         low, order, high, _, j, si, sj = entry
         return Arrival(low, order, high, True, None, _link_of(entry), (si, sj) if j >= 0 else (si,))
+
+
+def _bar(found: Sequence[Arrival[N]]) -> float:
+    """By when one of some arrivals has come that is no graze; where all are grazes, one of them."""
+    return min((arrival.high for arrival in found if not arrival.graze), default=min(arrival.high for arrival in found))
 
 
 def _link_of(entry: PlainArrival) -> Touch:

@@ -72,6 +72,8 @@ class Gatherer(Generic[N, K]):
         if grazes and not chosen:
             self._pass(grazes)
             return None
+        if grazes:
+            grazes = self._still_to_come(grazes, chosen[0])
         place = self._place(chosen[0], limit[0]) if limit is not None and chosen else 1
         if limit is not None and place > 0:
             for arrival in (*chosen, *grazes):
@@ -228,6 +230,15 @@ class Gatherer(Generic[N, K]):
             if graze is not first:
                 self.queue.put_back(graze)
         self._passed.append(first)
+
+    def _still_to_come(self, grazes: list[Arrival[N]], first: Arrival[N]) -> list[Arrival[N]]:
+        """Drops the grazes that surely come before all else, as `_pass` does; the others."""
+        meetings = self._meetings
+        first, later = meetings.timed(first), list[Arrival[N]]()
+        for graze in grazes:
+            past = graze.high < first.low or meetings.certainly_before(meetings.timed(graze), first)
+            (self._passed if past else later).append(graze)
+        return later
 
     def _overlapping(self, arrival: Arrival[N], grazes: list[Arrival[N]]) -> list[Arrival[N]]:
         self._passed = [graze for graze in self._passed if self.queue.fresh(graze)]

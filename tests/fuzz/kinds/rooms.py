@@ -183,3 +183,21 @@ def obstacles(draw: Random) -> Draft:
     if draw.random() < 0.5:
         draft.walls = draw.sample([(-11, 0, -11, 1), (12, 0, 12, 1), (0, -11, 1, -11), (0, 12, 1, 12)], 2)
     return reversal(draft, draw, 0.25)
+
+
+def swift(draw: Random) -> Draft:
+    """Slow circles in lanes as wide as a radius, so that they graze those beside them and meet those ahead at about one
+    time, and one so swift that doubles tell the times of the others loosely, but tell them."""
+    draft, last = Draft([]), -1
+    for lane in range(draw.choice([6, 9, 12])):
+        places = sorted(draw.sample([k for k in range(5) if k != last], draw.choice([1, 2, 2])))
+        last = draw.choice(places)
+        for k in places:
+            x = 9 * k + F(draw.randrange(-20, 20), 10)
+            if has_room(draft.bodies, x, 2 * lane, F(11, 10)):
+                pace = draw.choice([1, 1, F(1, 2), 1 + F(draw.randrange(-30, 30), 1000)])
+                draft.bodies.append(Body(x, 2 * lane, 1, draw.choice([-1, 0, 1]) * pace, 0, mass(draw)))
+    pace = F(10) ** 12 * draw.choice([1, 2, 5, 10, 20])
+    draft.bodies.append(Body(-20, 0, 1, -pace, 0, mass(draw)))
+    draft.events = draw.randrange(4, 12)
+    return reversal(draft, draw, 0.1)
