@@ -120,7 +120,7 @@ static int foresee(Cells *self, int i, int column, int row)
 static int slice_anew(Cells *self, double fastest)
 {
     Crossings old = self->waiting;
-    qsort(old.of, old.count, sizeof *old.of, compare_crossings);
+    sort_crossings(&old);
     double slice = 0.0, first = 0.0;
     for (size_t k = 0; k < old.count; k++) {
         if (k == 0 || old.of[k].slice != slice) {
@@ -129,7 +129,7 @@ static int slice_anew(Cells *self, double fastest)
         }
         old.of[k].slice = first;
     }
-    qsort(old.of, old.count, sizeof *old.of, compare_crossings);
+    sort_crossings(&old);
     self->fastest = fastest;
     self->rate = 2.0 * fastest / self->margin;
     self->next_crossing = INFINITY;
@@ -288,7 +288,13 @@ static PyObject *enter(Cells *self, PyObject *const *args, Py_ssize_t count)
         PyErr_SetString(PyExc_TypeError, "enter: a circle and its flight");
         return NULL;
     }
-    if (read_circle(self, args[0], &i) < 0 || read_doubles(args[1], 5, told) < 0)
+    if (read_circle(self, args[0], &i) < 0)
+        return NULL;
+    if (!PyTuple_Check(args[1]) || PyTuple_GET_SIZE(args[1]) != 5) {
+        PyErr_SetString(PyExc_TypeError, "enter: a flight is a tuple of five");
+        return NULL;
+    }
+    if (read_doubles(args[1], 5, told) < 0)
         return NULL;
     Flight f = {told[0], told[1], told[2], told[3], told[4]};
     begin(self, i);
@@ -396,8 +402,10 @@ static int cross_one(Cells *self, const Crossing *due, double before, PyObject *
     int fresh = near < 0 ? -1 : hand_out(self, i, count);
     if (fresh < 0)
         return -1;
-    PyObject *others = listed(self, self->fresh, fresh), *walls = near ? walls_of(self, i) : Py_NewRef(none_near);
-    PyObject *parts[] = {Py_NewRef(self->numbers[i]), others, walls};
+    PyObject *others = listed(self, self->fresh, fresh);
+    if (others == NULL)
+        return -1;
+    PyObject *parts[] = {Py_NewRef(self->numbers[i]), others, near ? walls_of(self, i) : Py_NewRef(none_near)};
     return append(crossed, filled(PyTuple_New(3), parts, 3)) < 0 ? -1 : 1;
 }
 
@@ -514,6 +522,11 @@ static int fill(Cells *self, PyObject *const *ends, PyObject *large)
         || (self->low = doubles_of(ends[2], self->rows)) == NULL
         || (self->high = doubles_of(ends[3], self->rows)) == NULL)
         return -1;
+    if (!(self->left[0] == -INFINITY && self->right[self->columns - 1] == INFINITY && self->low[0] == -INFINITY
+          && self->high[self->rows - 1] == INFINITY)) {
+        PyErr_SetString(PyExc_ValueError, "Cells: the outer cells reach out without end");
+        return -1;
+    }
     if (!PyList_Check(self->near) || PyList_GET_SIZE(self->near) != cells) {
         PyErr_SetString(PyExc_ValueError, "Cells: the walls near each cell are expected");
         return -1;

@@ -111,6 +111,12 @@ static int compare_crossings(const void *one, const void *other)
     return is_sooner(one, other) ? -1 : is_sooner(other, one);
 }
 
+static void sort_crossings(Crossings *waiting)
+{
+    if (waiting->count > 1)
+        qsort(waiting->of, waiting->count, sizeof *waiting->of, compare_crossings);
+}
+
 /* A heap: none comes before the one at half its place. */
 static int queue(Crossings *waiting, Crossing crossing)
 {

@@ -163,7 +163,7 @@ typedef struct { Py_ssize_t a, b; int is_wall; } Standing;
 
 /* A circle whose flight is new. */
 typedef struct {
-    PyObject *body;
+    PyObject *body, *others, *lines, *reaches; /* owned */
     double f[FLIGHT], until;
     Py_ssize_t index, serial;
 } Moved;
@@ -318,6 +318,30 @@ static int meet_circles(const Moved *a, const Moved *moved, Py_ssize_t moved_cou
     return 1;
 }
 
+/* Takes up a circle with what it may meet; as `read_standing`. */
+static int take(Moved *a, PyObject *bodies, PyObject *others, PyObject *lines, PyObject *reaches, Py_ssize_t k)
+{
+    a->body = PySequence_GetItem(bodies, k);
+    a->others = item(others, k);
+    a->lines = item(lines, k);
+    a->reaches = item(reaches, k);
+    a->until = INFINITY;
+    if (a->body == NULL || a->others == NULL || a->lines == NULL || a->reaches == NULL)
+        return -1;
+    int told = read_flight(a->body, a->f);
+    if (told <= 0 || (a->f[VX] == 0.0 && a->f[VY] == 0.0))
+        return told < 0 ? -1 : 0;
+    return get_size(a->body, name_index, &a->index) < 0 || get_size(a->body, name_serial, &a->serial) < 0 ? -1 : 1;
+}
+
+static int set_until(const Moved *a)
+{
+    PyObject *until = a->until == INFINITY ? Py_NewRef(infinity) : PyFloat_FromDouble(a->until);
+    int failed = until == NULL || PyObject_SetAttr(a->body, name_until, until) < 0;
+    Py_XDECREF(until);
+    return failed ? -1 : 0;
+}
+
 PyDoc_STRVAR(predict_doc,
 "predict(moved, others, lines, reaches, bounds, slopes, standing, heap, order): queues the next meetings of one or two\n"
 "circles, each with its others and its walls, and sets when walls end their flights. Gives the last order used; None,\n"
@@ -333,11 +357,11 @@ static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count
     Bounds bounds;
     double slopes[2];
     Standing standing[MOST_STANDING];
-    Moved moved[MOST_MOVED];
+    Moved moved[MOST_MOVED] = {{0}};
     Entry entries[MOST_MOVED * (MOST_CIRCLES + MOST_WALLS)];
     int standing_count = 0, entry_count = 0;
-    Py_ssize_t order = PyLong_AsSsize_t(args[8]);
-    if ((order == -1 && PyErr_Occurred()) || read_bounds(args[4], &bounds) < 0 || read_doubles(args[5], 2, slopes) < 0)
+    Py_ssize_t order;
+    if (read_size(args[8], &order) < 0 || read_bounds(args[4], &bounds) < 0 || read_doubles(args[5], 2, slopes) < 0)
         return NULL;
     int told = read_standing(args[6], standing, &standing_count);
     Py_ssize_t size = PyList_Check(bodies) || PyTuple_Check(bodies) ? PySequence_Fast_GET_SIZE(bodies) : 0;
@@ -345,37 +369,27 @@ static PyObject *predict(PyObject *self, PyObject *const *args, Py_ssize_t count
                      || !PyList_Check(lines) || PyList_GET_SIZE(lines) != size || !PyList_Check(reaches)
                      || PyList_GET_SIZE(reaches) != size || !PyList_Check(heap)))
         told = 0;
-    for (Py_ssize_t k = 0; told > 0 && k < size; k++) {
-        Moved *a = &moved[k];
-        a->body = PySequence_Fast_GET_ITEM(bodies, k);
-        a->until = INFINITY;
-        told = read_flight(a->body, a->f);
-        if (told > 0 && a->f[VX] == 0.0 && a->f[VY] == 0.0)
-            told = 0;
-        if (told > 0 && (get_size(a->body, name_index, &a->index) < 0 || get_size(a->body, name_serial, &a->serial) < 0))
-            told = -1;
-    }
+    for (Py_ssize_t k = 0; told > 0 && k < size; k++)
+        told = take(&moved[k], bodies, others, lines, reaches, k);
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
         told = meet_walls(
-            &moved[k], PyList_GET_ITEM(lines, k), slopes[0], slopes[1], standing, standing_count, entries, &entry_count);
+            &moved[k], moved[k].lines, slopes[0], slopes[1], standing, standing_count, entries, &entry_count);
     for (Py_ssize_t k = 0; told > 0 && k < size; k++)
-        told = meet_circles(&moved[k], moved, size, PyList_GET_ITEM(others, k), PyList_GET_ITEM(reaches, k), &bounds,
-                            standing, standing_count, entries, &entry_count);
-    if (told < 0)
-        return NULL;
-    if (told == 0)
-        Py_RETURN_NONE;
-    for (Py_ssize_t k = 0; k < size; k++) {
-        PyObject *until = moved[k].until == INFINITY ? Py_NewRef(infinity) : PyFloat_FromDouble(moved[k].until);
-        int failed = until == NULL || PyObject_SetAttr(moved[k].body, name_until, until) < 0;
-        Py_XDECREF(until);
-        if (failed)
-            return NULL;
-    }
-    for (int k = 0; k < entry_count; k++)
+        told = meet_circles(&moved[k], moved, size, moved[k].others, moved[k].reaches, &bounds, standing, standing_count,
+                            entries, &entry_count);
+    for (Py_ssize_t k = 0; told > 0 && k < size; k++)
+        if (set_until(&moved[k]) < 0)
+            told = -1;
+    for (int k = 0; told > 0 && k < entry_count; k++)
         if (push(heap, &entries[k], ++order) < 0)
-            return NULL;
-    return PyLong_FromSsize_t(order);
+            told = -1;
+    for (Py_ssize_t k = 0; k < MOST_MOVED; k++) {
+        Py_XDECREF(moved[k].body);
+        Py_XDECREF(moved[k].others);
+        Py_XDECREF(moved[k].lines);
+        Py_XDECREF(moved[k].reaches);
+    }
+    return told < 0 ? NULL : told == 0 ? Py_NewRef(Py_None) : PyLong_FromSsize_t(order);
 }
 
 /* -- the next arrival: `ArrivalQueue.alone` */

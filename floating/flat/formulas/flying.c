@@ -68,9 +68,11 @@ static int take(PyObject *const *args, Py_ssize_t count, Held *held)
 /* Queues a hit; none of what is given is borrowed from a list. */
 static int push(const Held *held, double time, PyObject *place, PyObject *serial, PyObject *other_serial, double wait)
 {
-    PyObject *items[] = {PyFloat_FromDouble(time), PyObject_CallNoArgs(held->tick), Py_NewRef(held->i),
-                         Py_NewRef(place), Py_NewRef(serial), Py_NewRef(other_serial), PyFloat_FromDouble(wait),
-                         Py_NewRef(Py_False)};
+    PyObject *order = PyObject_CallNoArgs(held->tick);
+    if (order == NULL)
+        return -1;
+    PyObject *items[] = {PyFloat_FromDouble(time), order, Py_NewRef(held->i), Py_NewRef(place), Py_NewRef(serial),
+                         Py_NewRef(other_serial), PyFloat_FromDouble(wait), Py_NewRef(Py_False)};
     PyObject *made = filled(PyTuple_New(ENTRY), items, ENTRY);
     if (made == NULL)
         return -1;

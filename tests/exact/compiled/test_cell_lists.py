@@ -157,7 +157,7 @@ def test_the_numbers_that_are_written_twice_are_the_same() -> None:
     ("method", "arguments"),
     [
         ("enter", (COUNT, (0.0,) * 5)), ("enter", (-1, (0.0,) * 5)), ("enter", (0, (0.0,) * 4)),
-        ("enter", (0, [0.0] * 5)), ("enter", (0,)), ("enter", (0, ("",) * 5)), ("around", (COUNT,)),
+        ("enter", (0, (0.0,) * 6)), ("enter", (0, [0.0] * 5)), ("enter", (0,)), ("enter", (0, ("",) * 5)), ("around", (COUNT,)),
         ("walls", ("",)), ("remove", (2**70,)), ("enter_loose", (None,)), ("cross", ("",)),
         ("cross", (0.0, 0.0)), ("cross", ()),
     ],
@@ -177,6 +177,7 @@ def test_cells_that_do_not_fit_together_are_refused() -> None:
         (frame_of(wider)._replace(grid=grid), frozenset()),
         (frame_of(wider), frozenset({COUNT})),
         (frame_of(wider)._replace(grid=wider._replace(columns=0)), frozenset()),
+        (frame_of(wider)._replace(ends=tuple([0.0] * len(ends) for ends in frame_of(wider).ends)), frozenset()),
     ):
         with pytest.raises((ValueError, IndexError)):
             cells.Cells(*frame, COUNT, large, near)
