@@ -224,12 +224,16 @@ class Gatherer(Generic[N, K]):
         return reached
 
     def _pass(self, grazes: list[Arrival[N]]) -> None:
-        """Drops the graze that comes first: it touches nothing that moves otherwise, and changes nothing."""
-        first = min(grazes, key=lambda graze: graze.high)
+        """Drops grazes where nothing else comes, which touch nothing that moves otherwise, and change nothing.
+
+        Those are the first, and all before more arrivals may be made.
+        """
+        first, more = min(grazes, key=lambda graze: graze.high), self.queue.crossings.next_crossing
         for graze in grazes:
-            if graze is not first:
+            if graze is first or graze.high < more:
+                self._passed.append(graze)
+            else:
                 self.queue.put_back(graze)
-        self._passed.append(first)
 
     def _still_to_come(self, grazes: list[Arrival[N]], first: Arrival[N]) -> list[Arrival[N]]:
         """Drops the grazes that surely come before all else, as `_pass` does; the others."""

@@ -157,8 +157,8 @@ def test_the_numbers_that_are_written_twice_are_the_same() -> None:
     ("method", "arguments"),
     [
         ("enter", (COUNT, (0.0,) * 5)), ("enter", (-1, (0.0,) * 5)), ("enter", (0, (0.0,) * 4)),
-        ("enter", (0, (0.0,) * 6)), ("enter", (0, [0.0] * 5)), ("enter", (0,)), ("enter", (0, ("",) * 5)), ("around", (COUNT,)),
-        ("walls", ("",)), ("remove", (2**70,)), ("enter_loose", (None,)), ("cross", ("",)),
+        ("enter", (0, (0.0,) * 6)), ("enter", (0, [0.0] * 5)), ("enter", (0,)), ("enter", (0, ("",) * 5)),
+        ("around", (COUNT,)), ("walls", ("",)), ("remove", (2**70,)), ("enter_loose", (None,)), ("cross", ("",)),
         ("cross", (0.0, 0.0)), ("cross", ()),
     ],
 )  # fmt: skip
