@@ -79,6 +79,20 @@ def long(draw: Random) -> Draft:
     return where(PLAIN[draw.choice(list(PLAIN))](draw))
 
 
+POCKETED = ("rim_instant", "entry_ties", "on_rim", "pocket_rafts", "holes", "pressed")
+"""The kinds that have pockets."""
+
+
+def specks(draw: Random) -> Draft:
+    """A scene with pockets of which some circles are points: what their centres do is as it was."""
+    draft = PLAIN[draw.choice(POCKETED)](draw)
+    share = draw.choice([F(1, 3), F(2, 3), 1])
+    for body in draft.bodies:
+        if draw.random() < share and body.m != "oo":
+            body.r, body.point = 0, True
+    return draft
+
+
 def ends(draw: Random) -> Case:
     """A case of another kind whose limit or reversal falls exactly on one of its own instants, or a flaw beside it."""
     case = base(draw)
@@ -121,7 +135,7 @@ def simple(value: fmpz, told: Told) -> Fraction | None:
 
 
 COMPOSED: dict[str, Callable[[Random], Case]] = {"ends": ends, "returns": returns}
-MIXED: dict[str, Maker] = {"twins": twins, "long": long}
+MIXED: dict[str, Maker] = {"twins": twins, "long": long, "specks": specks}
 KINDS: tuple[str, ...] = (*PLAIN, *MIXED, *COMPOSED, *CRUEL)
 
 

@@ -278,8 +278,8 @@ GATHERING = (
     ),
     Mutant(
         "bar_at_lower_bound", QUEUE,
-        "bar = min(bar, other[2])",
-        "bar = min(bar, other[2] if other[2] == inf else other[0])",
+        "bar = min(bar, arrival.high)",
+        "bar = min(bar, arrival.high if arrival.high == inf else arrival.low)",
         "arrivals within the error of the first are left in the queue",
     ),
     Mutant(
@@ -292,14 +292,20 @@ GATHERING = (
     ),
     Mutant(
         "points_meet", PREDICTION,
-        "if link in standing or (a.index in self.points and b.index in self.points):",
+        "if link in standing or (isinstance(link, Pair) and a.index in self.points and b.index in self.points):",
         "if link in standing:",
         "two points meet",
     ),
     Mutant(
+        "points_pass_pockets", PREDICTION,
+        "(isinstance(link, Pair) and a.index in self.points and b.index in self.points)",
+        "(a.index in self.points and b.index in self.points)",
+        "a point does not come to a pocket whose number is that of a point",
+    ),
+    Mutant(
         "standing_predicted", PREDICTION,
-        "if link in standing or (a.index in self.points and b.index in self.points):",
-        "if a.index in self.points and b.index in self.points:",
+        "if link in standing or (isinstance(link, Pair) and a.index in self.points and b.index in self.points):",
+        "if isinstance(link, Pair) and a.index in self.points and b.index in self.points:",
         "contacts that stand at gap zero are predicted",
     ),
     Mutant(

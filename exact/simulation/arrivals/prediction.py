@@ -197,7 +197,7 @@ class Predictor(Generic[M]):
         if pair_approach(gx, gy, vx, vy) >= zero:
             return
         link = link_of(a, b)
-        if link in standing or (a.index in self.points and b.index in self.points):
+        if link in standing or (isinstance(link, Pair) and a.index in self.points and b.index in self.points):
             return
         reach = self.reach(a, b)
         disc = pair_discriminant(dx, dy, vx, vy, reach)
