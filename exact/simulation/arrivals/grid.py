@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isfinite, nextafter
+from math import inf, isfinite, ulp
 from typing import NamedTuple, TypeAlias
 
 UNIT = 2.0**-53
@@ -62,7 +62,7 @@ class Frame(NamedTuple):
     Attributes:
         grid: the cells.
         ends: where a circle leaves each of the columns, to the left and to the right, and of the rows, down and up.
-        last: the last x, and y, that falls in one of them; all before it, from the grid's corner on, do so too.
+        last: about the last x, and y, that falls in one of them; all before it, from the grid's corner on, do so too.
         margin: by which a centre may be beyond its cell.
         sharp: where |x| + |y| + (|vx| + |vy|) T is below it, a place at time T is told to a quarter of the margin.
     """
@@ -106,10 +106,15 @@ def grid_for(flights: Sequence[FloatFlight | None], radii: Sequence[float]) -> G
 
 
 def last_within(start: float, width: float, count: int) -> float:
-    """The last double that falls in one of so many cells; all before it, from the start on, do so too."""
+    """A double, about the last, that falls in one of so many cells; all before it, from the start on, do so too.
+
+    >>> last_within(-16.0, 4.0, 4) < 0.0
+    True
+    """
     last = start + count * width
+    step = ulp(max(abs(start), abs(last)))  # one of `last` itself might be lost in the difference
     while int((last - start) / width) >= count:
-        last = nextafter(last, -inf)
+        last, step = last - step, 2.0 * step
     return last
 
 

@@ -62,12 +62,15 @@ def test_a_circle_leaves_half_a_margin_beyond_its_cell() -> None:
 
 
 @given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.integers(1, 1024))
+@example(-16.0, 4.0, 4)
+@example(-0.3, 0.1, 3)
 def test_all_up_to_the_last_fall_in_a_cell(start: float, width: float, count: int) -> None:
     """The quotient grows with the place, so the last speaks for all before it."""
     assume(start + width > start)
     last = last_within(start, width, count)
     assert last >= start
     assert int((last - start) / width) < count
+    assert last - start > (count - 1e-6) * width
 
 
 def test_in_a_slice_nothing_flies_farther_than_half_a_margin() -> None:

@@ -11,6 +11,7 @@ from truebreak.compare import engine
 from truebreak.exact.simulation.arrivals import grid
 from truebreak.exact.simulation.arrivals.crowd import cells_for
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
+from truebreak.scenarios.trajectory import StopReason
 
 LATTICE = Scene(
     [Circle(3 * i, 3 * j, vx=(i * 7 + j) % 5 - 2, vy=(i + 3 * j) % 5 - 2) for i in range(10) for j in range(7)],
@@ -198,3 +199,9 @@ def test_who_is_too_slow_for_slices_of_time_is_held_against_all() -> None:
     run = engine("exact").run(scene, events=1)
     assert [scene.ids.index(one) for one in run.events[0].contacts[0]] == [0, 1]
     assert engine("double").run(scene, events=1).events == ()
+
+
+def test_cells_may_end_at_zero() -> None:
+    """To look for the last double before it, one step after another, took for ever."""
+    rows = [Circle(-20 + q, 2 * k, "3/4", 1, 0) for k in range(16) for q in (0, 4, 8, 19)]
+    assert engine("exact").run(Scene(rows), events=3).stop.reason is StopReason.QUIET
