@@ -154,7 +154,8 @@ class PlainMeetings(Generic[M]):
         """The time of a meeting, and whether it is a graze; None where there is none.
 
         Two that overlap by rounding and approach collide at once. Where the square of their speed is below all numbers
-        of the engine they do not come together, as far as it can tell.
+        of the engine they do not come together, as far as it can tell. That is so of rounded numbers alone: what is
+        divided by an enclosure with 0 in it has no ends, and is no error.
 
         Raises:
             Undecided: where that cannot be told.

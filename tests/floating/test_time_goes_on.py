@@ -49,3 +49,11 @@ def test_a_speed_whose_square_is_nothing_ends_no_run(name: str, digits: int) -> 
     scene = Scene([Circle(0, 0, vx=f"10**-{digits}"), Circle(4, 0)])
     assert len(engine("exact").run(scene).events) == 1
     assert len(engine(name).run(scene).events) == 0
+
+
+@pytest.mark.parametrize("digits", [170, 240, 320])
+def test_enclosures_meet_at_any_speed(digits: int) -> None:
+    """What rounded numbers take for nothing is no reason to leave a meeting out, where the history is certified."""
+    scene = Scene([Circle(0, 0, vx=f"10**-{digits}"), Circle(4, 0)])
+    run = engine("interval").run(scene)
+    assert len(run.events) == 1 or not run.certified
