@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
     from .alignment.align import Alignment, Verdict
     from .alignment.separation import Separation
+    from .audit.audit import Audit
     from .causes.diagnosis import Diagnosis
     from .causes.margin import Margin
     from .chaos.hazard.errors import ErrorModel
@@ -37,6 +38,7 @@ class Candidate:
         error: the model of its error and log2 of its unit, by what it declares; None if its numbers are exact.
         expected: the reference's outcomes over the same time as `outcomes`.
         until: where its run ends before the span does; what lies beyond is not settled. None: it tells all of the span.
+        laws: whether its steps keep the laws, whatever its history; None for an engine that could not take the scene.
     """
 
     engine: str
@@ -56,11 +58,22 @@ class Candidate:
     error: tuple[ErrorModel, float] | None = None
     expected: Mapping[str, Any] = field(repr=False, default_factory=dict[str, Any])
     until: float | None = None
+    laws: Audit | None = None
 
     @property
     def verdict(self) -> Verdict:
         """Whether this engine tells the reference's history."""
         return self.alignment.verdict
+
+    @property
+    def lawless(self) -> bool:
+        """Whether its steps are known not to keep the laws."""
+        return self.laws is not None and self.laws.kept is False
+
+    @property
+    def right(self) -> bool:
+        """Whether it agrees, and is not known to break a law."""
+        return self.verdict == "agree" and not self.lawless
 
     @property
     def whole(self) -> bool:

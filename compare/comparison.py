@@ -16,6 +16,7 @@ from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS
 from .alignment.impulse_order import follows_the_law
 from .alignment.separation import not_measured, return_miss, separation
+from .audit.audit import audit_run
 from .candidate import Candidate
 from .chaos.hazard.errors import model_of
 from .deadline import NO_TIME, Clock, OutOfTime, checked_seconds, time_limit, time_to_read, uninterrupted
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from ..scenarios.numbers.quantity import QuantityLike
     from ..scenarios.trajectory import OnProgress
     from .alignment.align import Alignment, Verdict
+    from .audit.audit import Audit
     from .certificate.certified import Certified
     from .outcomes.table import Outcome
 
@@ -278,7 +280,17 @@ def candidate_of(
         stepped=engine.step is not None,
         pattern=pattern_of(found.history) if found.until is None else None,
         error=model_of(engine),
+        laws=None if unable else _audited(study, engine, run),
     )
+
+
+def _audited(study: Study, engine: Engine, run: Trajectory) -> Audit | None:
+    """The audit of a run's steps; None where the user's seconds leave no time for it."""
+    try:
+        with time_to_read(study.watch):
+            return audit_run(run, engine)
+    except OutOfTime:
+        return None
 
 
 def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: Study) -> bool:

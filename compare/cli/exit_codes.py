@@ -35,6 +35,11 @@ def of_stop(stop: Stop) -> ExitCode:
 
 
 def of_comparison(comparison: Comparison) -> ExitCode:
-    """The code of a comparison: 1 if any engine diverged, else 4 if anything is not settled or undecided, else 0."""
+    """The code of a comparison.
+
+    1 if any engine diverged, or does not keep the laws; else 4 if anything is not settled or undecided, else 0.
+    """
+    if any(candidate.lawless for candidate in comparison.candidates):
+        return ExitCode.DIVERGED
     codes = {"agree": ExitCode.DONE, "diverged": ExitCode.DIVERGED}
     return codes.get(comparison.verdict, ExitCode.UNDECIDED)

@@ -1,0 +1,371 @@
+"""Whether a run keeps the laws: each of its steps, on the engine's own numbers, whatever its history."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from ...exact.numbers import ball
+from ...scenarios.trajectory import StopReason
+from ..foreign.guard import finer_of, run_guarded
+from .fits import NEAR, Drift, Fit, Sample, drifts, fit_of, sampled
+from .halving import Defect, Measures, lasting, measured, series
+from .passages import passages
+from .residuals import AUDIT_BITS, KINDS, Laws, Residual
+from .transcript import Transcript
+
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.trajectory import Trajectory
+
+TOLD = 2.0**-53
+"""The unit of doubles, in which states are reported, whatever an engine computes in."""
+
+LEAST_UNIT = 2.0**-200
+"""The least unit by which wide numbers are audited, of whatever bits."""
+
+FITTED = 20_000
+"""Impacts, and flights, by which a description is found."""
+
+ALLOWANCES = ("slop", "margin", "threshold", "compliance")
+"""What an engine may declare of its model, in `allows`: lengths by which contacts may overlap or be apart, a normal
+speed below which nothing bounces, a share of each impulse."""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """A step that misses a law by more than rounding.
+
+    Attributes:
+        kind: one of `residuals.KINDS`.
+        event: the event, by the engine's own count; of what happens between two events, the next.
+        time: when.
+        bodies: who takes part, by id.
+        size, room: what is missed, and what rounding may make of it: a length, or a speed.
+    """
+
+    kind: str
+    event: int
+    time: float
+    bodies: tuple[str, ...]
+    size: float
+    room: float
+
+    def __str__(self) -> str:
+        """What is wrong with the step, and by how much.
+
+        >>> print(Violation("gap", 3, 1.5, ("a", "b"), 1e-6, 1e-15))
+        event 3 (t = 1.5): a and b are 1e-06 from touching as they collide; rounding may make it 1e-15
+        """
+        who, size = " and ".join(self.bodies), f"{self.size:.3g}"
+        what = {
+            "start": f"{who} begins {size} from where, or as fast as, the scene says",
+            "flight": f"{who} is {size} from where it flew to",
+            "gap": f"{who} are {size} from touching as they collide",
+            "impulse": f"the impulse of {who} changes a velocity by {size} more or less than the law",
+            "energy": f"the energy of those that {who} collide with changes by {size}",
+            "bystander": f"the velocity of {who} changes by {size} without a contact",
+            "reversal": f"the velocity of {who} is {size} from its negative at the reversal",
+            "depth": f"{who} fly {size} into each other, and do not collide",
+        }[self.kind]
+        return f"event {self.event} (t = {self.time:.9g}): {what}; rounding may make it {self.room:.3g}"
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What an audit of a run comes to.
+
+    Attributes:
+        kept: whether the engine keeps the laws; None where that cannot be told.
+        reason: why it cannot be told; "" where it can.
+        impacts, flights: how many steps were audited: contacts, and straight flights.
+        violations: the first step of each kind that misses a law, in order of time.
+        counts: how many steps of each kind do.
+        worst: for each kind, the largest residual as a share of what rounding may make of it.
+        unit: of the engine's numbers.
+        fit: the simplest description of what is missed.
+        defects: of an engine of steps: each kind of defect, and how it falls with the step.
+        declared: what the engine declares of its model, as far as steps make use of it, and how many do.
+        phantoms: contacts whose impulse is below rounding: how many, the first one's event and approach.
+        horizon: of a record without states: how many events of the reference its times were compared to.
+    """
+
+    kept: bool | None
+    reason: str = ""
+    impacts: int = 0
+    flights: int = 0
+    violations: tuple[Violation, ...] = ()
+    counts: Mapping[str, int] = field(default_factory=dict[str, int])
+    worst: Mapping[str, float] = field(default_factory=dict[str, float])
+    unit: float = TOLD
+    fit: Fit | None = None
+    defects: tuple[Defect, ...] = ()
+    declared: Mapping[str, int] = field(default_factory=dict[str, int])
+    phantoms: tuple[int, int, float] | None = None
+    horizon: int | None = None
+
+    @property
+    def first(self) -> Violation | None:
+        """The first step that misses a law."""
+        return self.violations[0] if self.violations else None
+
+    @property
+    def steps(self) -> str:
+        """How much was audited, in words."""
+        return (
+            f"{self.impacts:,} impact{'s' * (self.impacts != 1)} and {self.flights:,} flight{'s' * (self.flights != 1)}"
+        )
+
+    @property
+    def finding(self) -> str:
+        """What explains a law that is not kept, or the first step that misses it."""
+        if self.fit is not None:
+            return str(self.fit)
+        return str(self.first) if self.first is not None else self.reason
+
+    @property
+    def sentence(self) -> str:
+        """The audit in one sentence."""
+        if self.kept:
+            return f"keeps the law in all of its {self.steps}"
+        if self.kept is None:
+            return f"whether it keeps the law is not determined: {self.reason}"
+        total = sum(self.counts.values())
+        told = f"does not keep the law: {self.finding}"
+        if self.fit is not None and self.first is not None:
+            told += f"; {total:,} of its {self.steps} miss it, first {self.first}"
+        return told
+
+
+def unit_of(engine: Engine, transcript: Transcript) -> float:
+    """The unit by which an engine's steps are audited: of its bits, but not below that of the states it reports."""
+    declared = 0.0 if engine.bits is None else 2.0**-engine.bits
+    return max(declared, LEAST_UNIT if transcript.wide else TOLD)
+
+
+def allowances(engine: Any) -> dict[str, float]:
+    """What an engine declares that its contacts may do beyond rounding (`ALLOWANCES`), in its attribute `allows`."""
+    told: Any = getattr(engine, "allows", None)
+    if not isinstance(told, Mapping):
+        return {}
+    found: dict[str, float] = {}
+    for key, value in told.items():
+        if key in ALLOWANCES and isinstance(value, int | float) and value > 0:
+            found[key] = float(value)
+    return found
+
+
+def audit_run(run: Trajectory, engine: Engine) -> Audit:
+    """Audits every step of a run, whatever has become of its history.
+
+    An engine of events is audited by the rounding of its bits. One of steps is, besides, run with its step halved,
+    where it can be: what falls is of the step.
+
+    >>> from truebreak.floating import DoubleEngine
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> engine = DoubleEngine()
+    >>> found = audit_run(engine.run(Scene([Circle(0, 0, vx=1), Circle(4, 1)]), until=5), engine)
+    >>> found.kept, found.impacts, found.flights, found.sentence
+    (True, 1, 2, 'keeps the law in all of its 1 impact and 2 flights')
+    """
+    if engine.step is not None:
+        return _audited_steps(run, engine)
+    transcript = Transcript(run, engine.bits is not None)
+    if not transcript.states:
+        return Audit(None, "the record has no states, so that only times and partners can be compared")
+    unit = unit_of(engine, transcript)
+    with ball.precision(AUDIT_BITS if unit >= TOLD else 2 * AUDIT_BITS):
+        laws = Laws(run.scene, unit, engine.rounds_input)
+        return _audited(transcript, laws, run, allowances(engine))
+
+
+class _Notes:
+    """What a pass over a run finds."""
+
+    def __init__(self, ids: tuple[str, ...], allows: Mapping[str, float]) -> None:
+        self.ids, self.allows = ids, allows
+        self.first: dict[str, Violation] = {}
+        self.counts, self.declared = Counter[str](), Counter[str]()
+        self.worst: dict[str, float] = dict.fromkeys(KINDS, 0.0)
+        self.phantoms: tuple[int, int, float] | None = None
+
+    def take(self, found: Residual, event: int, time: float, speed: float = math.inf) -> None:
+        """Notes one residual."""
+        kind, bodies, size, room = found
+        if kind == "phantom":
+            count, first, faint = self.phantoms or (0, event, size)
+            self.phantoms = count + 1, first, faint
+            return
+        if size > room and self.allows and (key := self._allowed(kind, size - room, speed)) is not None:
+            self.declared[key] += 1
+            return
+        if size > self.worst[kind] * room:
+            self.worst[kind] = size / room if room else math.inf
+        if size > room:
+            self.counts[kind] += 1
+            if kind not in self.first or (time, event) < (self.first[kind].time, self.first[kind].event):
+                names = tuple(self.ids[k] for k in bodies)
+                self.first[kind] = Violation(kind, event, time, names, size, room)
+
+    def _allowed(self, kind: str, over: float, speed: float) -> str | None:
+        """Which declaration of the engine's grants a residual, if one does."""
+        if kind in ("flight", "gap", "depth"):
+            return next((key for key in ("slop", "margin") if over <= self.allows.get(key, 0.0)), None)
+        if kind in ("impulse", "energy"):
+            if speed <= self.allows.get("threshold", 0.0):
+                return "threshold"
+            if over <= self.allows.get("compliance", 0.0) * speed < math.inf:
+                return "compliance"
+        return None
+
+    @property
+    def violations(self) -> tuple[Violation, ...]:
+        """The first of each kind, by time."""
+        return tuple(sorted(self.first.values(), key=lambda violation: (violation.time, violation.event)))
+
+
+def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mapping[str, float]) -> Audit:
+    """One pass over a run of events; a second one, where it misses a law, that looks for what describes it."""
+    notes, gone = _Notes(run.scene.ids, allows), transcript.gone
+    impacts = flights = events = 0
+    for found in laws.begun(transcript):
+        notes.take(found, 0, 0.0)
+    for instant in transcript.instants():
+        event = instant.events[0] if instant.events else events
+        speed = math.inf
+        if allows and instant.impulses:
+            speed = max(abs(float(laws.meeting(pair, instant, events).opening.mid())) for pair in instant.impulses)
+        for found in laws.residuals(instant, events):
+            if not (gone and any(gone.get(k, math.inf) < instant.time for k in found.bodies)):
+                notes.take(found, event, instant.time, speed)
+        events += len(instant.events)
+        impacts += len(instant.impulses)
+        flights += len(instant.after)
+    end = math.inf if run.stop.reason is StopReason.QUIET else float(run.final_time)
+    times = sorted(float(event.time) for event in run.events)
+    for passage in passages(laws, transcript.flights(), end, gone):
+        notes.take(passage.residual, bisect_right(times, passage.began), passage.time)
+    fit = None
+    if notes.first:
+        samples, ways = _described(transcript, laws)
+        fit = fit_of(laws, samples, ways, run.scene.ids)
+    return Audit(
+        not notes.first, "", impacts, flights, notes.violations, dict(notes.counts), notes.worst, laws.unit, fit,
+        declared=dict(notes.declared), phantoms=notes.phantoms,
+    )  # fmt: skip
+
+
+def _described(transcript: Transcript, laws: Laws) -> tuple[list[Sample], list[Drift]]:
+    """The contacts and flights by which a description is found."""
+    samples: list[Sample] = []
+    ways: list[Drift] = []
+    events = 0
+    for instant in transcript.instants():
+        if not instant.turned and not any(transcript.gone.get(k, math.inf) < instant.time for k in instant.after):
+            samples += sampled(laws, instant, events)
+            ways += drifts(laws, instant, events)
+        events += len(instant.events)
+        if len(samples) >= FITTED or len(ways) >= FITTED:
+            break
+    return samples, ways
+
+
+# -- engines of steps
+
+
+def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
+    transcript = Transcript(run)
+    if not transcript.states:
+        return Audit(None, "the record has no states, so that only times and partners can be compared")
+    unit, step = unit_of(engine, transcript), engine.step or 0.0
+    allows = allowances(engine)
+    measures, declared = _without_declared(measured(run, unit, step, engine.rounds_input), allows)
+    with ball.precision(AUDIT_BITS):
+        laws = Laws(run.scene, unit, engine.rounds_input, step)
+        fit = fit_of(laws, measures.samples, measures.drifts, run.scene.ids)
+    law = (
+        fit if fit is not None and fit.kind in ("restitution", "mass", "friction") and fit.explained == fit.of else None
+    )
+    told = () if law is not None else tuple(series(engine, run, unit, measures, finer_of, _played))
+    broken = [d for d in told if d.of_step is False and d.kind != "phantom"]
+    open_ones = [d for d in told if d.of_step is None]
+    kept: bool | None = False if law is not None or broken else None if open_ones else True
+    reason = ""
+    if kept is None:
+        sizes = ", ".join(f"{d.kind} {d.size:.3g}" for d in open_ones)
+        reason = f"no finer step was run to tell what is of the step ({sizes})"
+    violations = _step_violations(measures, run.scene.ids, law is not None, {d.kind for d in broken}, step)
+    counts = Counter(violation.kind for violation in violations)
+    firsts = {violation.kind: violation for violation in reversed(violations)}
+    return Audit(
+        kept, reason, measures.impacts, measures.flights,
+        tuple(sorted(firsts.values(), key=lambda violation: violation.time)) if kept is False else (),
+        dict(counts) if kept is False else {}, {}, unit, law or (fit if kept is False else None), told, declared,
+    )  # fmt: skip
+
+
+def _played(engine: Engine, run: Trajectory, until: float) -> Trajectory:
+    return run_guarded(engine, run.scene, until=until, events=4 * len(run.events) + 64)
+
+
+def _without_declared(measures: Measures, allows: Mapping[str, float]) -> tuple[Measures, dict[str, int]]:
+    """What an engine of steps declares is its model, and no defect."""
+    if not allows:
+        return measures, {}
+    declared: Counter[str] = Counter()
+    length = max(allows.get("slop", 0.0), allows.get("margin", 0.0))
+    kept: list[Sample] = []
+    for s in measures.samples:
+        if s.defect > NEAR * s.room and s.speed <= allows.get("threshold", 0.0):
+            declared["threshold"] += 1
+        elif NEAR * s.room < s.defect <= allows.get("compliance", 0.0):
+            declared["compliance"] += 1
+        else:
+            kept.append(s)
+    ways = [d for d in measures.drifts if math.hypot(d.x, d.y) > length]
+    through = [p for p in measures.passages if p.residual.size > length]
+    key = "margin" if allows.get("margin", 0.0) >= allows.get("slop", 0.0) else "slop"
+    declared[key] += len(measures.drifts) - len(ways) + len(measures.passages) - len(through)
+    measures.samples, measures.drifts, measures.passages = kept, ways, through
+    return measures, {key: count for key, count in declared.items() if count}
+
+
+def _step_violations(
+    measures: Measures, ids: tuple[str, ...], law: bool, kinds: set[str], step: float
+) -> list[Violation]:
+    """Every step of an engine of steps that misses a law by what is not of the step, in order of time."""
+    found: list[Violation] = []
+    if law or "impulse" in kinds:
+        found += [
+            Violation("impulse", s.event, s.time, tuple(ids[k] for k in s.pair), s.defect * s.speed, s.room * s.speed)
+            for s in measures.samples
+            if s.defect > NEAR * s.room
+        ]
+    if "lateness" in kinds:
+        found += [
+            Violation("gap", s.event, s.time, tuple(ids[k] for k in s.pair), abs(s.gap), s.loose)
+            for s in measures.samples
+            if abs(s.gap) > s.loose
+        ]
+    if "correction" in kinds:
+        found += [
+            Violation("flight", d.event, d.time, (ids[d.circle],), math.hypot(d.x, d.y), d.room)
+            for d in measures.drifts
+        ]  # fmt: skip
+    for kind, name in (("several", ("energy", "impulse")), ("bystander", ("bystander",))):
+        if kind in kinds:
+            found += [
+                Violation(r.kind, event, time, tuple(ids[k] for k in r.bodies), r.size, r.room)
+                for event, time, r in measures.several
+                if r.broken and r.kind in name
+            ]
+    if "missed" in kinds:
+        found += [
+            Violation("depth", 0, p.time, tuple(ids[k] for k in p.residual.bodies), p.residual.size, p.residual.room)
+            for p in lasting(measures, step)
+        ]
+    return sorted(found, key=lambda violation: (violation.time, violation.event))

@@ -1,0 +1,249 @@
+"""Contacts that a run misses: circles that fly into each other, or across a wall, in its own flights."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from heapq import heappop, heappush
+from typing import TYPE_CHECKING, NamedTuple
+
+from flint import arb
+
+from .residuals import FLIGHT_UNITS, LEAST, ROOT_UNITS, Residual, size_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from .residuals import Laws
+
+FEW = 48
+"""Circles up to which every pair is looked at at once; beyond it, those whose flights share a cell."""
+
+MOST_CELLS = 4096
+"""Cells of one flight; one that crosses more is taken to be everywhere."""
+
+CLOSE = 2.0**-46
+"""Share of all sizes by which doubles may be wrong about how near two come: what is nearer is enclosed."""
+
+
+class Leg(NamedTuple):
+    """One flight of one circle, as doubles: from `start` to `end`.
+
+    Attributes:
+        apart, turned: how far place and velocity may be from these, where the engine's numbers are enclosures.
+    """
+
+    circle: int
+    start: float
+    end: float
+    t: float
+    x: float
+    y: float
+    vx: float
+    vy: float
+    apart: float = 0.0
+    turned: float = 0.0
+
+    @property
+    def speed(self) -> float:
+        """Of the circle."""
+        return math.hypot(self.vx, self.vy)
+
+
+class Passage(NamedTuple):
+    """A depth to which two come, and when.
+
+    Attributes:
+        time: when they are deepest; where that is never, when the run ends.
+        residual: of the kind `depth`: how much deeper than at the start of their flights.
+        began: when their flights began.
+    """
+
+    time: float
+    residual: Residual
+    began: float
+
+
+def passages(
+    laws: Laws, flights: Sequence[Sequence[Sequence[float]]], end: float, gone: Mapping[int, float]
+) -> Iterator[Passage]:
+    """Every depth that is more than rounding, pair by pair and flight by flight.
+
+    What two overlap by as their flights begin has come to be before, and is told there.
+
+    Args:
+        flights: for each circle (t, x, y, vx, vy), by ascending time.
+        end: up to when the last of each goes on; infinite where nothing is left to happen.
+        gone: when circles leave play.
+    """
+    legs = [leg for k, row in enumerate(flights) for leg in _legs(k, row, min(end, gone.get(k, end)))]
+    legs.sort(key=lambda leg: leg.start)
+    near = _All(laws) if laws.count <= FEW else _Cells(laws, legs)
+    for leg in legs:
+        if laws.moving[leg.circle]:
+            for wall in range(len(laws.lines)):
+                found = _across(laws, leg, wall)
+                if found is not None:
+                    yield found
+        for other in near.beside(leg):
+            if laws.moving[leg.circle] or laws.moving[other.circle]:
+                found = _between(laws, leg, other)
+                if found is not None:
+                    yield found
+
+
+def _legs(k: int, row: Sequence[Sequence[float]], end: float) -> Iterator[Leg]:
+    for n, knot in enumerate(row):
+        until = min(end, row[n + 1][0]) if n + 1 < len(row) else end
+        if until > knot[0] or n + 1 == len(row):
+            yield Leg(k, knot[0], until, *knot)
+
+
+class _All:
+    """Every circle's last flight."""
+
+    def __init__(self, laws: Laws) -> None:
+        self._flying: dict[int, Leg] = {}
+
+    def beside(self, leg: Leg) -> list[Leg]:
+        """The flights under way that may come near one that begins."""
+        found = [other for k, other in self._flying.items() if k != leg.circle and other.end > leg.start]
+        self._flying[leg.circle] = leg
+        return found
+
+
+class _Cells:
+    """Flights by the cells of a square grid that they cross."""
+
+    def __init__(self, laws: Laws, legs: Sequence[Leg]) -> None:
+        widest = max(thing.radius for thing in laws.things)
+        ways = sorted(leg.speed * (leg.end - leg.start) for leg in legs if leg.end < math.inf)
+        self._cell = max(2 * widest, ways[len(ways) // 2] if ways else 0.0) or 1.0
+        self._radii = [thing.radius for thing in laws.things]
+        self._in: dict[tuple[int, int], set[Leg]] = {}
+        self._everywhere: set[Leg] = set()
+        self._ends: list[tuple[float, int, Leg, tuple[tuple[int, int], ...] | None]] = []
+        self._all: set[Leg] = set()
+        self._serial = 0
+
+    def beside(self, leg: Leg) -> list[Leg]:
+        """The flights under way that may come near one that begins."""
+        while self._ends and self._ends[0][0] <= leg.start:
+            _, _, over, cells = heappop(self._ends)
+            self._all.discard(over)
+            if cells is None:
+                self._everywhere.discard(over)
+            else:
+                for cell in cells:
+                    self._in[cell].discard(over)
+        cells = self._crossed(leg)
+        if cells is None:
+            found = set(self._all)
+            self._everywhere.add(leg)
+        else:
+            found = set(self._everywhere)
+            for cell in cells:
+                there = self._in.setdefault(cell, set())
+                found |= there
+                there.add(leg)
+        self._all.add(leg)
+        if leg.end < math.inf:
+            self._serial += 1
+            heappush(self._ends, (leg.end, self._serial, leg, cells))
+        return [other for other in found if other.circle != leg.circle]
+
+    def _crossed(self, leg: Leg) -> tuple[tuple[int, int], ...] | None:
+        """The cells that a circle touches on a flight, and perhaps some beside; None for too many."""
+        way, cell, r = leg.speed * (leg.end - leg.start), self._cell, self._radii[leg.circle]
+        pieces = way / cell + 1
+        if not pieces * (2 + 2 * r / cell) ** 2 <= MOST_CELLS:
+            return None
+        found: set[tuple[int, int]] = set()
+        count = math.ceil(pieces)
+        span = (leg.end - leg.start) / count
+        for piece in range(count):
+            x0, y0 = leg.x + leg.vx * span * piece, leg.y + leg.vy * span * piece
+            x1, y1 = x0 + leg.vx * span, y0 + leg.vy * span
+            wide = r + CLOSE * (abs(x0) + abs(y0) + way)
+            for cx in range(math.floor((min(x0, x1) - wide) / cell), math.floor((max(x0, x1) + wide) / cell) + 1):
+                for cy in range(math.floor((min(y0, y1) - wide) / cell), math.floor((max(y0, y1) + wide) / cell) + 1):
+                    found.add((cx, cy))
+        return tuple(found)
+
+
+def _between(laws: Laws, leg: Leg, other: Leg) -> Passage | None:
+    """How deep two circles fly into each other while both fly straight."""
+    start, end = max(leg.start, other.start), min(leg.end, other.end)
+    if end <= start:
+        return None
+    reach = laws.things[leg.circle].radius + laws.things[other.circle].radius
+    dx = other.x + other.vx * (start - other.t) - leg.x - leg.vx * (start - leg.t)
+    dy = other.y + other.vy * (start - other.t) - leg.y - leg.vy * (start - leg.t)
+    vx, vy = other.vx - leg.vx, other.vy - leg.vy
+    towards = dx * vx + dy * vy
+    if towards >= 0.0 or not reach:
+        return None
+    square = vx * vx + vy * vy
+    if not square:
+        return None
+    wait = -towards / square
+    if wait < end - start:
+        near, time = abs(dx * vy - dy * vx) / math.sqrt(square), start + wait
+    else:
+        time = end
+        near = math.hypot(dx + vx * (end - start), dy + vy * (end - start))
+    speed, away = math.sqrt(square), math.hypot(dx, dy)
+    late = min(time, 1e300)
+    sizes = away + speed * (late - start) + math.hypot(leg.x, leg.y) + math.hypot(other.x, other.y)
+    sizes += (leg.speed + other.speed) * late
+    if near - CLOSE * sizes > reach:
+        return None
+    return _enclosed(laws, leg, other, start, min(time, end), away, speed, sizes)
+
+
+def _enclosed(
+    laws: Laws, leg: Leg, other: Leg, start: float, time: float, away: float, speed: float, sizes: float
+) -> Passage | None:
+    """The same, enclosed: by how much more than at the start the two overlap at a time."""
+    reach = laws.things[leg.circle].r + laws.things[other.circle].r
+    gaps: list[arb] = []
+    for moment in (start, time):
+        x = (arb(moment) - other.t) * other.vx + other.x - (arb(moment) - leg.t) * leg.vx - leg.x
+        y = (arb(moment) - other.t) * other.vy + other.y - (arb(moment) - leg.t) * leg.vy - leg.y
+        gaps.append((x * x + y * y).sqrt() - reach)
+    first, then = gaps
+    deeper = (first.min(arb(0)) - then).mid()
+    wide = float(reach)
+    far = away + speed * (time - start)
+    room = laws.unit * (2 * FLIGHT_UNITS * sizes + ROOT_UNITS * (far * (far / wide) + wide)) + LEAST
+    room += sum(one.apart + one.turned * (time - one.t) for one in (leg, other)) if leg.apart or other.apart else 0.0
+    size = size_of(deeper) if deeper > 0 else 0.0
+    if size <= room:
+        return None
+    pair = (min(leg.circle, other.circle), max(leg.circle, other.circle))
+    return Passage(time, Residual("depth", pair, size, room), start)
+
+
+def _across(laws: Laws, leg: Leg, wall: int) -> Passage | None:
+    """How far across a wall a circle flies."""
+    line = laws.lines[wall][leg.circle]
+    closing = leg.vx * float(line.nx) + leg.vy * float(line.ny)
+    if closing <= 0.0:
+        return None
+    gap = float(line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y)) - laws.things[leg.circle].radius
+    time = min(leg.end, 1e300)
+    span = time - leg.start
+    away = math.hypot(leg.x - float(line.x), leg.y - float(line.y))
+    sizes = math.hypot(leg.x, leg.y) + leg.speed * time + line.size * (1 + (away + leg.speed * span) / line.length)
+    if gap - closing * span > CLOSE * sizes:
+        return None
+    r = laws.things[leg.circle].r
+    first = line.nx * (line.x - leg.x) + line.ny * (line.y - leg.y) - r
+    then = first - (line.nx * leg.vx + line.ny * leg.vy) * (arb(time) - leg.start)
+    deeper = (first.min(arb(0)) - then).mid()
+    room = ROOT_UNITS * laws.unit * (sizes + laws.things[leg.circle].radius) + LEAST
+    room += leg.apart + leg.turned * (time - leg.t) if leg.apart else 0.0
+    size = size_of(deeper) if deeper > 0 else 0.0
+    if size <= room:
+        return None
+    return Passage(leg.end, Residual("depth", (leg.circle, laws.count + wall), size, room), leg.start)

@@ -1,0 +1,479 @@
+"""What one step of a run misses the laws by, enclosed, beside what rounding by a declared unit may make of it.
+
+The step's own numbers are taken as they are. Honest is mixed forward-backward (Higham, *Accuracy and Stability of
+Numerical Algorithms*, 2nd edition 2002, section 1.5): the step is exact for inputs and outputs that are off by a few
+units, relatively. docs/audit.md derives the constants.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from flint import arb, arb_mat
+
+from ...exact.numbers import ball
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from .transcript import Flight, Instant, Transcript
+
+AUDIT_BITS = 256
+"""Bits in which residuals are taken: sums and products of doubles whose sizes are within 2**100 of each other are exact
+or nearly so, and what is not is in the enclosure."""
+
+FLIGHT_UNITS = 6.0
+"""x + v (t - t0): a difference, a product, a sum, and telling place and time. An engine may fly on every circle at
+every event, so that each event between adds as many. Measured over 17 formulations: at most 1.7."""
+
+ROOT_UNITS = 16.0
+"""The quadratic's coefficients, discriminant, root and quotient; docs/audit.md has the three usual formulas.
+Measured: at most 2.7 of the sizes that are taken here."""
+
+IMPULSE_UNITS = 16.0
+"""The normal, the approach, the share of the masses, the product and the sum, by impulse along the line of centres, in
+the frame of the centre of mass, or by angles. Measured: at most 3.9."""
+
+LEAST = 2.0**-1070
+"""Below the normal doubles a rounding is no longer relative: 16 of their least differences are granted."""
+
+
+class Residual(NamedTuple):
+    """One thing that a step misses, and what rounding may make of it.
+
+    Attributes:
+        kind: one of `KINDS`.
+        bodies: the circle, or the two that meet, by place in `scene.ids`.
+        size: a lower bound of what is missed: a length, or a speed.
+        room: what rounding may make of it.
+    """
+
+    kind: str
+    bodies: tuple[int, ...]
+    size: float
+    room: float
+
+    @property
+    def broken(self) -> bool:
+        """Whether it is more than rounding."""
+        return self.size > self.room
+
+
+KINDS = ("start", "flight", "gap", "impulse", "energy", "bystander", "reversal", "depth", "phantom")
+"""The scene's start; the place flown to; the gap at the time of a contact; an impulse, in direction and strength; the
+energy of several contacts; a velocity that changes without a contact; the reversal; a contact that is missed; one whose
+impulse is below rounding, which breaks no law."""
+
+
+class Thing(NamedTuple):
+    """A circle: radius, and 1/m, 0 of a fixed one; sizes as doubles."""
+
+    r: arb
+    weight: arb
+    radius: float
+    share: float
+
+
+class Line(NamedTuple):
+    """A wall: a point of it, its unit normal; how far its points are from the origin and from each other."""
+
+    x: arb
+    y: arb
+    nx: arb
+    ny: arb
+    size: float
+    length: float
+
+
+class Meeting(NamedTuple):
+    """Two that meet, at the engine's own places: what the laws say of their impulse.
+
+    Attributes:
+        nx, ny: the unit vector of the line of centres, from the first to the second; of a wall, towards it.
+        gap: between the surfaces, enclosed.
+        opening: n.(v_second - v_first) before; negative: they approach.
+        speed: size of the relative velocity before, as a double.
+        room: what rounding may make of the gap.
+        bent: by what speed the impulse may be off, for a line of centres that rounding turns, or that is taken as long
+            as the radii together.
+    """
+
+    nx: arb
+    ny: arb
+    gap: arb
+    opening: arb
+    speed: float
+    room: float
+    bent: float
+
+
+def length_of(x: arb, y: arb) -> float:
+    """A lower bound of sqrt(x^2 + y^2); 0 where nothing is known.
+
+    >>> length_of(arb(3), arb(-4))
+    5.0
+    """
+    size = math.hypot(float(x.mid()), float(y.mid())) - float(x.rad()) - float(y.rad())
+    return size if size > 0.0 else 0.0
+
+
+def size_of(x: arb) -> float:
+    """A lower bound of |x|; 0 where nothing is known."""
+    size = abs(float(x.mid())) - float(x.rad())
+    return size if size > 0.0 else 0.0
+
+
+class Laws:
+    """The laws of flight, contact and impulse for one scene, beside the rounding of an engine.
+
+    Args:
+        scene: what is run.
+        unit: u, half a unit in the last place of a number of size 1: 2**-53 for doubles.
+        start: whether the engine rounds the scene to its own numbers.
+        step: its time step, if it has one: each adds its roundings to a flight.
+
+    To be used at `AUDIT_BITS`.
+    """
+
+    def __init__(self, scene: Scene, unit: float, start: bool = True, step: float | None = None) -> None:
+        self.scene, self.unit, self.start, self.step = scene, unit, start, step
+        self.count = len(scene.circles)
+        zero = arb(0)
+        self.things = [
+            Thing(
+                ball.constant(c.r),
+                zero if c.fixed else ball.constant(c.inverse_mass),
+                float(c.r),
+                0.0 if c.fixed else float(c.inverse_mass),
+            )
+            for c in scene.circles
+        ]
+        self.moving = [not c.fixed for c in scene.circles]
+        self.lines: list[list[Line]] = []
+        for wall in scene.walls:
+            x0, y0, x1, y1 = (ball.constant(value) for value in (wall.x0, wall.y0, wall.x1, wall.y1))
+            nx, ny = y1 - y0, x0 - x1
+            span = (nx * nx + ny * ny).sqrt()
+            size = max(math.hypot(float(x0), float(y0)), math.hypot(float(x1), float(y1)))
+            towards: list[Line] = []
+            for circle in scene.circles:
+                side = (nx * (ball.constant(circle.x) - x0) + ny * (ball.constant(circle.y) - y0)).mid()
+                sign = -1 if side > 0 else 1
+                towards.append(Line(x0, y0, sign * nx / span, sign * ny / span, size, float(span)))
+            self.lines.append(towards)
+
+    # -- one instant
+
+    def residuals(self, instant: Instant, events: int) -> Iterator[Residual]:
+        """All residuals of an instant.
+
+        Args:
+            events: how many events the run had before it.
+        """
+        for k, after in instant.after.items():
+            if self.moving[k]:
+                yield self._flown(k, instant.before[k], after, events)
+        left = instant.after
+        if instant.turned:
+            yield from self._turned(instant)
+            return
+        if not instant.impulses:
+            for k, after in left.items():
+                if self.moving[k]:
+                    yield self._bystander("bystander", k, instant.before[k], after)
+            return
+        groups = _groups(instant.impulses, self.moving, self.count)
+        hit = instant.circles(self.count)
+        for pairs in groups:
+            if len(pairs) == 1:
+                yield from self._impact(pairs[0], instant, left, events)
+            else:
+                yield from self._several(pairs, instant, left, events)
+        for k, after in left.items():
+            if k not in hit and self.moving[k]:
+                yield self._bystander("bystander", k, instant.before[k], after)
+
+    def begun(self, transcript: Transcript) -> Iterator[Residual]:
+        """Where the run begins, beside the scene's start."""
+        for k, (row, circle) in enumerate(zip(transcript.first(), self.scene.circles, strict=True)):
+            for ends in ((row.x, row.y, circle.x, circle.y), (row.vx, row.vy, circle.vx, circle.vy)):
+                x, y = ends[0] - ball.constant(ends[2]), ends[1] - ball.constant(ends[3])
+                size = math.hypot(float(ends[2]), float(ends[3]))
+                yield Residual("start", (k,), length_of(x, y), 2 * self.unit * size * self.start + LEAST)
+
+    def _flown(self, k: int, before: Flight, after: Flight, events: int) -> Residual:
+        """How far from where it flew to a circle says that it is."""
+        span = after.t - before.t
+        x = after.x - before.x - before.vx * span
+        y = after.y - before.y - before.vy * span
+        return Residual("flight", (k,), length_of(x, y), self.flown_room(before, after, events))
+
+    def flown_room(self, before: Flight, after: Flight, events: int) -> float:
+        """What rounding may make of the place that a flight ends at."""
+        return self._blurred(before, after.place, after.time, events, after.speed)
+
+    def _blurred(self, before: Flight, place: float, time: float, events: int, speed: float) -> float:
+        """What rounding may make of a place, at the end of a flight; `speed` is that with which the circle goes on."""
+        moved = max(0, events - before.made) if self.step is None else (time - before.time) / self.step
+        units = FLIGHT_UNITS * (1 + moved)
+        return self.unit * units * (before.place + place + (before.speed + speed) * (time + before.time)) + LEAST
+
+    def _bystander(self, kind: str, k: int, before: Flight, after: Flight) -> Residual:
+        """A circle that meets nothing keeps its velocity."""
+        size = length_of(after.vx - before.vx, after.vy - before.vy)
+        return Residual(kind, (k,), size, FLIGHT_UNITS * self.unit * (before.speed + after.speed) + LEAST)
+
+    def _turned(self, instant: Instant) -> Iterator[Residual]:
+        """At a reversal every velocity is negated; of what is hit at that very moment, the energy is kept."""
+        hit = instant.circles(self.count)
+        energy, room = arb(0), 0.0
+        for k, after in instant.after.items():
+            if not self.moving[k]:
+                continue
+            before = instant.before[k]
+            if k not in hit:
+                yield self._bystander("reversal", k, before.turned(), after)
+                continue
+            mass = 1 / self.things[k].weight
+            energy += mass * (after.vx**2 + after.vy**2 - before.vx**2 - before.vy**2) / 2
+            room += 2 * IMPULSE_UNITS * self.unit * float(mass) * (before.speed + after.speed) ** 2
+        if hit:
+            yield Residual("energy", instant.impulses[0], size_of(energy), room + LEAST)
+
+    # -- contacts
+
+    def meeting(self, pair: tuple[int, int], instant: Instant, events: int) -> Meeting:
+        """Two that meet, at the engine's own places."""
+        i, j = pair
+        a, xa, ya = self._there(i, instant)
+        time = instant.time
+        if j >= self.count:
+            line = self.lines[j - self.count][i]
+            height = line.nx * (line.x - xa) + line.ny * (line.y - ya)
+            opening = -(line.nx * a.vx + line.ny * a.vy)
+            away = math.hypot(float(xa - line.x), float(ya - line.y))
+            place = math.hypot(float(xa), float(ya))
+            blur = self._blurred(a, place, time, events, self._left(i, instant))
+            turn = min(1.0, FLIGHT_UNITS * self.unit * line.size / line.length)
+            sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
+            room = blur + turn * away + ROOT_UNITS * self.unit * sizes
+            return Meeting(line.nx, line.ny, height - self.things[i].r, opening, a.speed, room, 4 * a.speed * turn)
+        b, xb, yb = self._there(j, instant)
+        dx, dy = xb - xa, yb - ya
+        square = dx * dx + dy * dy
+        distance = square.sqrt()
+        reach = self.things[i].r + self.things[j].r
+        wide = float(reach)
+        vx, vy = b.vx - a.vx, b.vy - a.vy
+        speed, near = math.hypot(float(vx), float(vy)), float(distance.mid())
+        blur = self._blurred(a, math.hypot(float(xa), float(ya)), time, events, self._left(i, instant))
+        blur += self._blurred(b, math.hypot(float(xb), float(yb)), time, events, self._left(j, instant))
+        if not near:  # two centres in one place: no line joins them
+            return Meeting(dx, dy, -reach, arb(0), speed, blur, 4 * speed)
+        far = near + speed * max(0.0, time - max(a.time, b.time))
+        room = blur + ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide)
+        nx, ny, gap = dx / distance, dy / distance, distance - reach
+        opening = nx * vx + ny * vy
+        stretched = min(1.0, abs(float(gap.mid())) / near)
+        bent = 4 * speed * min(1.0, blur / near) + 4 * abs(float(opening.mid())) * stretched
+        return Meeting(nx, ny, gap, opening, speed, room, bent)
+
+    def _there(self, k: int, instant: Instant) -> tuple[Flight, arb, arb]:
+        """A circle's flight before an instant, and its place at it: as reported, or flown to where nothing is."""
+        flight, told = instant.before[k], instant.after.get(k)
+        if told is not None:
+            return flight, told.x, told.y
+        span = instant.t - flight.t
+        return flight, flight.x + flight.vx * span, flight.y + flight.vy * span
+
+    def _left(self, k: int, instant: Instant) -> float:
+        """How fast a circle goes on."""
+        return instant.after.get(k, instant.before[k]).speed
+
+    def _impact(
+        self, pair: tuple[int, int], instant: Instant, after: dict[int, Flight], events: int
+    ) -> Iterator[Residual]:
+        """A single contact: gap and impulse."""
+        met = self.meeting(pair, instant, events)
+        yield Residual("gap", pair, size_of(met.gap), met.room)
+        i, j = pair
+        a, wa = instant.before[i], self.things[i].weight
+        wall = j >= self.count
+        wb = arb(0) if wall else self.things[j].weight
+        total = arb(1) if wall else wa + wb
+        closing = ball.sign_of(met.opening)
+        size, room, faint = -math.inf, 0.0, True
+        for k, weight, sign in ((i, arb(1) if wall else wa, 1), *(() if wall else ((j, wb, -1),))):
+            if not self.moving[k]:
+                continue
+            before, left = instant.before[k], after.get(k, instant.before[k])
+            dvx, dvy = left.vx - before.vx, left.vy - before.vy
+            share = 1.0 if wall else float(weight / total)
+            if closing != 1:  # v' = v +- 2 w / (w_a + w_b) (n.v) n
+                push = sign * 2 * (weight / total) * met.opening
+                if closing is None:
+                    push = push.union(arb(0))
+                dvx, dvy = dvx - push * met.nx, dvy - push * met.ny
+            other = 0.0 if wall else instant.before[j if k == i else i].speed
+            units = IMPULSE_UNITS * self.unit
+            granted = units * (before.speed + left.speed + 2 * share * (a.speed if wall else before.speed + other))
+            granted += 2 * share * met.bent + LEAST
+            found = length_of(dvx, dvy)
+            if found - granted >= size - room:
+                size, room = found, granted
+            faint = faint and 2 * share * abs(float(met.opening.mid())) <= granted
+        yield Residual("impulse", pair, size, room)
+        if faint:
+            yield Residual("phantom", pair, abs(float(met.opening.mid())), math.inf)
+
+    def _several(
+        self, pairs: Sequence[tuple[int, int]], instant: Instant, after: dict[int, Flight], events: int
+    ) -> Iterator[Residual]:
+        """Several contacts of one instant: whatever the order, pushes along the lines of centres that keep the energy.
+
+        The strengths s >= 0 that come nearest to the change are found in doubles; what they leave is enclosed.
+        """
+        links = [*dict.fromkeys(pairs)]
+        met = {link: self.meeting(link, instant, events) for link in links}
+        for link in links:
+            yield Residual("gap", link, size_of(met[link].gap), met[link].room)
+        circles = sorted({k for link in links for k in link if k < self.count and self.moving[k]})
+        change = {k: (arb(0), arb(0)) for k in circles}
+        for k in after.keys() & change.keys():
+            change[k] = after[k].vx - instant.before[k].vx, after[k].vy - instant.before[k].vy
+        fastest = max(max(instant.before[k].speed, after.get(k, instant.before[k]).speed) for k in circles)
+        columns = []
+        for link in links:
+            column: dict[int, tuple[float, float]] = {}
+            for k, sign in zip(link, (-1.0, 1.0), strict=True):
+                if k in change:
+                    root = math.sqrt(self.things[k].share)
+                    column[k] = sign * root * float(met[link].nx.mid()), sign * root * float(met[link].ny.mid())
+            columns.append(column)
+        wanted: dict[int, tuple[float, float]] = {}
+        for k, (x, y) in change.items():
+            root = math.sqrt(self.things[k].share)
+            wanted[k] = float(x.mid()) / root, float(y.mid()) / root
+        strengths = strengths_of(columns, wanted)
+        bent = max(met[link].bent for link in links)
+        rounds = max(len(pairs), len(links))
+        energy, room, worst = arb(0), 0.0, Residual("impulse", links[0], 0.0, math.inf)
+        for k in circles:
+            x, y = change[k]
+            for link, strength in zip(links, strengths, strict=True):
+                if k in link:
+                    push = arb(strength) * self.things[k].weight * (1 if k == link[1] else -1)
+                    x, y = x - push * met[link].nx, y - push * met[link].ny
+            granted = IMPULSE_UNITS * self.unit * (2 + rounds) * 2 * fastest + 2 * rounds * bent + LEAST
+            found = Residual("impulse", (k,), length_of(x, y), granted)
+            if found.size - found.room > worst.size - worst.room:
+                worst = found
+            before, left = instant.before[k], after.get(k, instant.before[k])
+            mass = 1 / self.things[k].weight
+            energy += mass * (left.vx**2 + left.vy**2 - before.vx**2 - before.vy**2) / 2
+            room += float(mass) * max(before.speed, left.speed) * granted
+        yield worst
+        yield Residual("energy", links[0], size_of(energy), room)
+
+
+def _groups(pairs: Sequence[tuple[int, int]], moving: Sequence[bool], count: int) -> list[list[tuple[int, int]]]:
+    """Impulses of one instant, those that hang together through circles that can move; in the order reported.
+
+    >>> _groups([(0, 1), (2, 5), (1, 3)], [True] * 4, 4)
+    [[(0, 1), (1, 3)], [(2, 5)]]
+    """
+    if len(pairs) == 1:
+        return [[pairs[0]]]
+    found: list[tuple[set[int], list[tuple[int, int]]]] = []
+    for pair in pairs:
+        names = {k for k in pair if k < count and moving[k]}
+        joined = [group for group in found if group[0] & names]
+        fresh = (names.union(*(group[0] for group in joined)), [p for group in joined for p in group[1]] + [pair])
+        found = [group for group in found if group not in joined] + [fresh]
+    return [group[1] for group in found]
+
+
+MOST_SWEEPS = 200
+"""Sweeps of coordinate descent over the contacts of one instant, which find those that push."""
+
+MOST_DROPPED = 40
+"""How often contacts that would pull are left out before the strengths are taken as they are."""
+
+
+def strengths_of(
+    columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]
+) -> list[float]:
+    """Strengths s >= 0 of some contacts that come nearest to a change, by least squares.
+
+    Coordinate descent finds which of them push; the normal equations of these are solved in `AUDIT_BITS`. Contacts of
+    which one more is there than can be told apart (a raft of discs) share their strength.
+
+    Args:
+        columns: for each contact, what a unit of it does to each circle.
+        wanted: the change of each circle.
+
+    >>> strengths_of([{0: (1.0, 0.0)}, {0: (0.0, 1.0)}], {0: (2.0, -1.0)})
+    [2.0, 0.0]
+    """
+    found = _descent(columns, wanted)
+    pushing = [c for c, strength in enumerate(found) if strength > 0.0]
+    for _ in range(MOST_DROPPED):
+        solved = _solved([columns[c] for c in pushing], wanted)
+        pulling = [c for c, strength in zip(pushing, solved, strict=True) if strength < 0.0]
+        if not pulling:
+            found = [0.0] * len(columns)
+            for c, strength in zip(pushing, solved, strict=True):
+                found[c] = strength
+            break
+        pushing = [c for c in pushing if c not in pulling]
+    return found
+
+
+def _descent(columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]) -> list[float]:
+    """Strengths by coordinate descent, each kept from pulling."""
+    left = {k: [x, y] for k, (x, y) in wanted.items()}
+    squares = [sum(x * x + y * y for x, y in column.values()) for column in columns]
+    found = [0.0] * len(columns)
+    for _ in range(MOST_SWEEPS):
+        moved = False
+        for c, column in enumerate(columns):
+            if not squares[c]:
+                continue
+            pull = sum(left[k][0] * x + left[k][1] * y for k, (x, y) in column.items()) / squares[c]
+            step = max(-found[c], pull)
+            if abs(step) > 2.0**-56 * found[c]:
+                moved = True
+                found[c] += step
+                for k, (x, y) in column.items():
+                    left[k][0] -= step * x
+                    left[k][1] -= step * y
+        if not moved:
+            break
+    return found
+
+
+def _solved(columns: Sequence[dict[int, tuple[float, float]]], wanted: dict[int, tuple[float, float]]) -> list[float]:
+    """The strengths of contacts all of which push: G s = b, with a 2**-100th of G's trace on its diagonal."""
+    count = len(columns)
+    if not count:
+        return []
+    rows = [[arb(0)] * count for _ in range(count)]
+    for c, one in enumerate(columns):
+        for d in range(c, count):
+            other = columns[d]
+            total = arb(0)
+            for k in one.keys() & other.keys():
+                total += arb(one[k][0]) * other[k][0] + arb(one[k][1]) * other[k][1]
+            rows[c][d] = rows[d][c] = total
+    trace = sum((rows[c][c] for c in range(count)), arb(0))
+    for c in range(count):
+        rows[c][c] += trace * arb(2) ** -100
+    right = [
+        [sum((arb(wanted[k][0]) * x + arb(wanted[k][1]) * y for k, (x, y) in one.items()), arb(0))] for one in columns
+    ]
+    try:
+        told = arb_mat(rows).solve(arb_mat(right))
+    except ZeroDivisionError:
+        return [0.0] * count
+    return [float(told[c, 0].mid()) for c in range(count)]

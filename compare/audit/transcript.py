@@ -1,0 +1,313 @@
+"""A run as its engine reports it, instant by instant: who flew from where, who met whom, and how each was left."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+from flint import arb
+
+from ...floating.knots import DoubleMotion, EventMotion
+from ...scenarios.numbers.real import real
+
+if TYPE_CHECKING:
+    from ...scenarios.event import Contact
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+
+READ_BITS = 320
+"""Bits to which numbers are read that are no doubles."""
+
+
+class Flight(NamedTuple):
+    """Straight flight of one circle as reported, from the time at which it begins.
+
+    Attributes:
+        t, x, y, vx, vy: time, place and velocity, enclosed; of a double, exactly.
+        time, place, speed: sizes as doubles: of t, of (x, y), of (vx, vy).
+        made: how many events the run had when it began.
+    """
+
+    t: arb
+    x: arb
+    y: arb
+    vx: arb
+    vy: arb
+    time: float
+    place: float
+    speed: float
+    made: int
+
+    def turned(self) -> Flight:
+        """The same with the velocity negated.
+
+        >>> flight_of((0.0, 1.0, 2.0, 3.0, 0.0), 0).turned().vx == -3
+        True
+        """
+        return self._replace(vx=-self.vx, vy=-self.vy)
+
+
+Row: TypeAlias = "tuple[Any, Any, Any, Any, Any]"
+"""t, x, y, vx, vy of one circle, in the engine's numbers."""
+
+
+def flight_of(row: Row, made: int) -> Flight:
+    """A flight from (t, x, y, vx, vy)."""
+    if type(row[0]) is float and type(row[1]) is float:
+        t, x, y, vx, vy = row
+        return Flight(
+            arb(t), arb(x), arb(y), arb(vx), arb(vy), abs(t), math.hypot(x, y), math.hypot(vx, vy), made
+        )  # fmt: skip
+    numbers = [arb(float(value)) if isinstance(value, float) else real(value).ball(READ_BITS) for value in row]
+    near = [float(value.mid()) for value in numbers]
+    t, x, y, vx, vy = numbers
+    return Flight(t, x, y, vx, vy, abs(near[0]), math.hypot(*near[1:3]), math.hypot(*near[3:]), made)
+
+
+def _middle(flight: Flight) -> tuple[float, ...]:
+    """The middle of a flight's numbers, and the radius of its place and of its velocity."""
+    numbers = flight[:5]
+    wide = [float(value.rad()) for value in numbers]
+    apart = wide[1] + wide[2] + flight.speed * wide[0]
+    return (*(float(value.mid()) for value in numbers), apart, wide[3] + wide[4])
+
+
+@dataclass
+class Instant:
+    """All that a run reports of one moment.
+
+    Attributes:
+        events: its events, by index; none where a velocity changes without one.
+        time: the moment, as a double.
+        t: the same, enclosed.
+        impulses: pairs of places in `scene.ids`, in the order reported.
+        before, after: the flight that ends, and the one that begins, of each circle that has a new one.
+        turned: whether every velocity is negated here. What is hit at the very moment of a reversal is hit before it,
+            after it, or both: of that only the energy is known.
+    """
+
+    events: tuple[int, ...]
+    time: float
+    t: arb
+    impulses: tuple[tuple[int, int], ...]
+    before: dict[int, Flight] = field(default_factory=dict[int, Flight])
+    after: dict[int, Flight] = field(default_factory=dict[int, Flight])
+    turned: bool = False
+
+    def circles(self, count: int) -> set[int]:
+        """The circles that meet something, by place; there are `count` circles."""
+        return {k for pair in self.impulses for k in pair if k < count}
+
+
+class Transcript:
+    """A run, to be read once from its start to its end.
+
+    Args:
+        run: what an engine handed back.
+        encloses: whether numbers other than doubles are to be read as enclosures.
+
+    Attributes:
+        scene: of the run.
+        states: whether the engine reports where circles are, for every event; without, places were computed from times.
+        wide: whether its states are read as enclosures; otherwise they are doubles, whatever it computes in.
+        gone: when circles leave play, by place.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> from truebreak.floating import DoubleEngine
+    >>> run = DoubleEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 0)]), until=5)
+    >>> [(instant.events, instant.impulses, sorted(instant.after)) for instant in Transcript(run).instants()]
+    [((0,), ((0, 1),), [0, 1])]
+    """
+
+    def __init__(self, run: Trajectory, encloses: bool = False) -> None:
+        self.run = run
+        self.scene: Scene = run.scene
+        motion = run.motion
+        self._motion = motion
+        self.states = not getattr(motion, "reckoned", ())
+        self.wide = not isinstance(motion, DoubleMotion) and encloses and self._own_numbers()
+        self._count = len(self.scene.circles)
+        self._places: Mapping[str, int] = {name: k for k, name in enumerate(self.scene.ids)}
+        self._moving = [not circle.fixed for circle in self.scene.circles]
+        self.gone: dict[int, float] = {}
+        if self.scene.capture:
+            for entry in run.pocketings:
+                self.gone.setdefault(self._places[entry.circle], float(entry.time))
+
+    def _own_numbers(self) -> bool:
+        """Whether a state holds numbers that enclose, or that are wider than doubles."""
+        row = next(iter(self._motion.state(0.0)), (0.0,))
+        return not all(isinstance(value, float) for value in row)
+
+    def first(self) -> list[Flight]:
+        """The flight with which each circle begins."""
+        if isinstance(self._motion, DoubleMotion):
+            return [flight_of(row[0][:5], 0) for row in self._motion.knots]
+        if self.run.events and float(self.run.events[0].time) == 0.0:  # a state at 0 is the one that it leaves
+            rows = [(c.x, c.y, c.vx, c.vy) for c in self.scene.circles]
+            return [self._flight((0.0, *row), 0) for row in rows]
+        return [self._flight((0.0, *row), 0) for row in self._motion.state(0.0)]
+
+    def instants(self) -> Iterator[Instant]:
+        """Every instant, in the order of time."""
+        if isinstance(self._motion, DoubleMotion):
+            return self._from_flights(self._motion)
+        return self._from_rows()
+
+    def flights(self) -> Sequence[Sequence[Sequence[float]]]:
+        """For each circle (t, x, y, vx, vy) of its flights as doubles, by ascending time.
+
+        Of enclosures they are the middles, followed by how far place and velocity may be from them.
+        """
+        if isinstance(self._motion, DoubleMotion):
+            return self._motion.knots
+        rows = [[_middle(flight)] for flight in self.first()]
+        for instant in self._from_rows():
+            for k, flight in instant.after.items():
+                rows[k].append(_middle(flight))
+        return rows
+
+    # -- from the flights that a motion keeps
+
+    def _from_flights(self, motion: DoubleMotion) -> Iterator[Instant]:
+        knots = motion.knots
+        flying = [flight_of(row[0][:5], 0) for row in knots]
+        new = sorted((row[n][0], k, n) for k, row in enumerate(knots) for n in range(1, len(row)))
+        events = self.run.events
+        times = [float(event.time) for event in events]
+        order = sorted(range(len(times)), key=times.__getitem__)
+        turn = None if self.run.reversal is None else float(self.run.reversal.time)
+        left = motion.left if isinstance(motion, EventMotion) else ()
+        e = n = 0
+        while e < len(order) or n < len(new):
+            now = min(times[order[e]] if e < len(order) else math.inf, new[n][0] if n < len(new) else math.inf)
+            mine, changed = [], dict[int, list[int]]()
+            while e < len(order) and times[order[e]] == now:
+                mine.append(order[e])
+                e += 1
+            while n < len(new) and new[n][0] == now:
+                changed.setdefault(new[n][1], []).append(new[n][2])
+                n += 1
+            turned = turn is not None and now == turn
+            for instant in self._split(now, mine, changed, left, turned):
+                for k, place in instant[1].items():
+                    instant[0].before[k] = flying[k]
+                    flying[k] = flight_of(knots[k][place][:5], e)
+                    instant[0].after[k] = flying[k]
+                for k in instant[0].circles(self._count):
+                    if k not in instant[0].before:
+                        instant[0].before[k] = flying[k]
+                yield instant[0]
+
+    def _split(
+        self,
+        now: float,
+        events: Sequence[int],
+        changed: Mapping[int, Sequence[int]],
+        left: Sequence[tuple[float, Sequence[int]]],
+        turned: bool,
+    ) -> Iterator[tuple[Instant, dict[int, int]]]:
+        """What falls on one double, taken apart into its events, as far as the motion says which flight is of which."""
+        t, remaining = arb(now), {k: list(rows) for k, rows in changed.items()}
+        if turned:
+            left_by = {k: rows[-1] for k, rows in remaining.items()}
+            links = tuple(link for index in events for link in self._links(index))
+            yield Instant(tuple(events), now, t, links, turned=True), left_by
+            return
+        if len(events) > 1 and self._apart(events, remaining, left):
+            for index in events:
+                mine = {k: self._due(remaining[k], index, k, left) for k in self._circles(index) if remaining.get(k)}
+                yield Instant((index,), now, t, self._links(index)), {k: n for k, n in mine.items() if n is not None}
+            rest = {k: rows[-1] for k, rows in remaining.items() if rows}
+            if rest:
+                yield Instant((), now, t, ()), rest
+        elif events or any(remaining.values()):
+            links = tuple(link for index in events for link in self._links(index))
+            yield Instant(tuple(events), now, t, links), {k: rows[-1] for k, rows in remaining.items() if rows}
+
+    def _apart(
+        self, events: Sequence[int], changed: Mapping[int, Sequence[int]], left: Sequence[tuple[float, Sequence[int]]]
+    ) -> bool:
+        """Whether it is known which event each flight of one time is of."""
+        if left:
+            return max(events) < len(left)
+        hits: dict[int, int] = {}
+        for index in events:
+            for k in self._circles(index):
+                hits[k] = hits.get(k, 0) + 1
+        return all(len(changed.get(k, ())) in (0, number) for k, number in hits.items())
+
+    def _due(self, rows: list[int], index: int, place: int, left: Sequence[tuple[float, Sequence[int]]]) -> int | None:
+        """The flight of a circle, out of those of one time, with which an event leaves it."""
+        if not left:
+            return rows.pop(0)
+        upto = bisect_left(rows, left[index][1][place])
+        if not upto:
+            return None
+        found = rows[upto - 1]
+        del rows[:upto]
+        return found
+
+    # -- from states read at every event
+
+    def _from_rows(self) -> Iterator[Instant]:
+        """By the state after every event: of circles that are in it, or whose velocity is no longer the same."""
+        run, after = self.run, getattr(self._motion, "after", None)
+        flying = self.first()
+        turn = None if run.reversal is None else float(run.reversal.time)
+        at_once = [event.index for event in run.events if float(event.time) == turn]
+        for index, event in enumerate(run.events):
+            mine, now = (index,), float(event.time)
+            if turn is not None and now >= turn:
+                if now > turn:
+                    yield self._read((), run.reversal and run.reversal.time, turn, index, flying, None)
+                    turn = None
+                else:
+                    mine = tuple(at_once)
+            if index not in at_once or index == at_once[-1]:
+                yield self._read(mine, event.time, turn, index + 1, flying, after)
+            turn = None if now == turn and index == at_once[-1] else turn
+        if run.reversal is not None and turn is not None:
+            yield self._read((), run.reversal.time, turn, len(run.events), flying, None)
+
+    def _read(
+        self, events: tuple[int, ...], time: Any, turn: float | None, made: int, flying: list[Flight], after: Any
+    ) -> Instant:
+        """An instant by the state that it leaves."""
+        now, run = float(time), self.run
+        turned = turn is not None and now == turn and run.reversal is not None
+        links = tuple(link for index in events for link in self._links(index))
+        if turned and run.reversal is not None:
+            time, after = run.reversal.time, None
+        rows = list(self._motion.state(time) if after is None else after(events[-1]))
+        instant = Instant(events, now, self._number(time), links, turned=turned)
+        hit = instant.circles(self._count)
+        for k, row in enumerate(rows):
+            found = self._flight((time, *row), made)
+            same = found.vx.overlaps(flying[k].vx) and found.vy.overlaps(flying[k].vy)
+            if k in hit or turned or (self._moving[k] and not same):
+                instant.before[k] = flying[k]
+                flying[k] = instant.after[k] = found
+        return instant
+
+    def _flight(self, row: Row, made: int) -> Flight:
+        """A flight from a state; of exact numbers, from the doubles that are nearest to them."""
+        return flight_of(row if self.wide else (*map(float, row),), made)  # pyright: ignore[reportArgumentType]
+
+    def _number(self, value: Any) -> arb:
+        return real(value).ball(READ_BITS) if self.wide else arb(float(value))
+
+    # -- contacts by place
+
+    def _circles(self, index: int) -> list[int]:
+        """The circles of an event that can move, by place."""
+        found = {k for link in self._links(index) for k in link}
+        return [k for k in sorted(found) if k < self._count and self._moving[k]]
+
+    def _links(self, index: int) -> tuple[tuple[int, int], ...]:
+        """The impulses of an event, by place."""
+        impulses: Sequence[Contact] = self.run.events[index].impulses
+        return tuple((self._places[a], self._places[b]) for a, b in impulses)
