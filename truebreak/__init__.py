@@ -14,6 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .compare.audit.audit import audit_run as audit
     from .compare.comparison import compare as comparison
     from .compare.documents.values.tables import table
     from .compare.run import run
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from .compare.saved.run_file import load_run
     from .compare.saved.runs import save_run
     from .compare.scene_argument import scene_from as scene
+    from .compare.testing.check import check
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
     from .scenarios.things import Circle, Pocket, Wall
@@ -34,6 +36,8 @@ __all__ = [
     "Scene",
     "Wall",
     "__version__",
+    "audit",
+    "check",
     "comparison",
     "load",
     "load_comparison",
@@ -51,6 +55,8 @@ _HOMES = {
     "Pocket": ("scenarios.things", "Pocket"),
     "Scene": ("scenarios.scene", "Scene"),
     "Wall": ("scenarios.things", "Wall"),
+    "audit": ("compare.audit.audit", "audit_run"),
+    "check": ("compare.testing.check", "check"),
     "comparison": ("compare.comparison", "compare"),
     "load": ("scenarios.files", "load_scene"),
     "load_comparison": ("compare.saved.comparisons", "load_comparison"),

@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...exact.numbers import ball
-from ...scenarios.trajectory import StopReason
-from ..foreign.guard import finer_of, run_guarded
+from ..foreign.guard import finer_of, firmer_of, run_guarded
 from .fits import NEAR, Drift, Fit, Sample, drifts, fit_of, sampled
 from .halving import Defect, Measures, lasting, measured, series
 from .passages import passages
@@ -179,7 +178,7 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
         return Audit(None, "the record has no states, so that only times and partners can be compared")
     unit = unit_of(engine, transcript)
     with ball.precision(AUDIT_BITS if unit >= TOLD else 2 * AUDIT_BITS):
-        laws = Laws(run.scene, unit, engine.rounds_input)
+        laws = Laws(run.scene, unit, engine.rounds_input or not transcript.wide)
         return _audited(transcript, laws, run, allowances(engine))
 
 
@@ -240,14 +239,13 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
         if allows and instant.impulses:
             speed = max(abs(float(laws.meeting(pair, instant, events).opening.mid())) for pair in instant.impulses)
         for found in laws.residuals(instant, events):
-            if not (gone and any(gone.get(k, math.inf) < instant.time for k in found.bodies)):
+            if not (gone and any(gone.get(k, math.inf) <= instant.time for k in found.bodies)):
                 notes.take(found, event, instant.time, speed)
         events += len(instant.events)
         impacts += len(instant.impulses)
         flights += len(instant.after)
-    end = math.inf if run.stop.reason is StopReason.QUIET else float(run.final_time)
     times = sorted(float(event.time) for event in run.events)
-    for passage in passages(laws, transcript.flights(), end, gone):
+    for passage in passages(laws, transcript.flights(), transcript.end, gone):
         notes.take(passage.residual, bisect_right(times, passage.began), passage.time)
     fit = None
     if notes.first:
@@ -290,7 +288,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     law = (
         fit if fit is not None and fit.kind in ("restitution", "mass", "friction") and fit.explained == fit.of else None
     )
-    told = () if law is not None else tuple(series(engine, run, unit, measures, finer_of, _played))
+    told = () if law is not None else tuple(series(engine, run, unit, measures, finer_of, firmer_of, _played))
     broken = [d for d in told if d.of_step is False and d.kind != "phantom"]
     open_ones = [d for d in told if d.of_step is None]
     kept: bool | None = False if law is not None or broken else None if open_ones else True

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
-from ...scenarios.trajectory import StopReason
 from ..study import series_steps
 from .fits import NEAR, Drift, Sample, drifts, sampled
 from .passages import Passage, passages
@@ -104,7 +103,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             event = instant.events[0] if instant.events else events
             for pair in instant.impulses:
                 found.met.setdefault(pair, []).append(instant.time)
-            if any(gone.get(k, math.inf) < instant.time for k in instant.after):
+            if any(gone.get(k, math.inf) <= instant.time for k in instant.after):
                 events += len(instant.events)
                 continue
             if not instant.turned:
@@ -118,8 +117,7 @@ def measured(run: Trajectory, unit: float, step: float, start: bool) -> Measures
             found.flights += len(instant.after)
             found.impacts += len(instant.impulses)
             events += len(instant.events)
-        end = math.inf if run.stop.reason is StopReason.QUIET else float(run.final_time)
-        found.passages = [*passages(laws, transcript.flights(), end, gone)]
+        found.passages = [*passages(laws, transcript.flights(), transcript.end, gone)]
     found.back = min(ways, key=lambda back: _middle_of([s.defect for s in ways[back]]))
     found.samples = ways[found.back]
     return found
@@ -162,12 +160,14 @@ def series(
     unit: float,
     measures: Measures,
     finer: Callable[[Engine], Engine | None],
+    firmer: Callable[[Engine], Engine | None],
     play: Callable[[Engine, Trajectory, float], Trajectory],
 ) -> list[Defect]:
     """Each defect of a run, and what becomes of it as the step is halved.
 
     Args:
         finer: the engine with half the step, if it has one.
+        firmer: the engine with twice the iterations of its solver, if it iterates.
         play: runs an engine on the scene up to a time.
     """
     step = engine.step or 0.0
@@ -190,7 +190,29 @@ def series(
             at.append((chosen.step, defects(chosen, measured(told, unit, chosen.step, chosen.rounds_input))))
         except SceneError:
             break
-    return [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
+    judged = [_judged(kind, size, step, at, kind in known) for kind, size in found.items()]
+    return [_iterated(defect, engine, run, unit, until, firmer, play) for defect in judged]
+
+
+def _iterated(
+    defect: Defect,
+    engine: Engine,
+    run: Trajectory,
+    unit: float,
+    until: float,
+    firmer: Callable[[Engine], Engine | None],
+    play: Callable[[Engine, Trajectory, float], Trajectory],
+) -> Defect:
+    """What impacts of several contacts miss is of the solver's iterations where twice as many leave half of it."""
+    chosen = firmer(engine) if defect.kind == "several" and defect.of_step is not True else None
+    if chosen is None or chosen.step is None:
+        return defect
+    try:
+        told = defects(chosen, measured(play(chosen, run, until), unit, chosen.step, chosen.rounds_input))
+    except SceneError:
+        return defect
+    left = told.get("several", 0.0)
+    return replace(defect, kind="iterations", finest=left, of_step=True) if left <= defect.size / 2 else defect
 
 
 def _until(run: Trajectory, measures: Measures, impacts: int) -> float:

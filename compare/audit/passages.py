@@ -95,7 +95,7 @@ def passages(
 def _legs(k: int, row: Sequence[Sequence[float]], end: float) -> Iterator[Leg]:
     for n, knot in enumerate(row):
         until = min(end, row[n + 1][0]) if n + 1 < len(row) else end
-        if until > knot[0] or n + 1 == len(row):
+        if until > knot[0] or (n + 1 == len(row) and until == knot[0]):
             yield Leg(k, knot[0], until, *knot)
 
 

@@ -130,7 +130,7 @@ class Laws:
     Args:
         scene: what is run.
         unit: u, half a unit in the last place of a number of size 1: 2**-53 for doubles.
-        start: whether the engine rounds the scene to its own numbers.
+        start: whether a start may be rounded, by the engine or as it is reported.
         step: its time step, if it has one: each adds its roundings to a flight.
 
     To be used at `AUDIT_BITS`.
@@ -275,7 +275,7 @@ class Laws:
         room = blur + ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide)
         nx, ny, gap = dx / distance, dy / distance, distance - reach
         opening = nx * vx + ny * vy
-        stretched = min(1.0, abs(float(gap.mid())) / near)
+        stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         bent = 4 * speed * min(1.0, blur / near) + 4 * abs(float(opening.mid())) * stretched
         return Meeting(nx, ny, gap, opening, speed, room, bent)
 

@@ -12,11 +12,15 @@ from flint import arb
 
 from ...floating.knots import DoubleMotion, EventMotion
 from ...scenarios.numbers.real import real
+from ...scenarios.trajectory import StopReason
 
 if TYPE_CHECKING:
     from ...scenarios.event import Contact
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
+
+WIDE_STATES = 4_000
+"""States of circles that are read off a run of enclosures, a millisecond each; the rest is not audited."""
 
 READ_BITS = 320
 """Bits to which numbers are read that are no doubles."""
@@ -114,6 +118,7 @@ class Transcript:
         states: whether the engine reports where circles are, for every event; without, places were computed from times.
         wide: whether its states are read as enclosures; otherwise they are doubles, whatever it computes in.
         gone: when circles leave play, by place.
+        end: up to when flights are known, once all of it is read; infinite where nothing is left to happen.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> from truebreak.floating import DoubleEngine
@@ -133,6 +138,7 @@ class Transcript:
         self._places: Mapping[str, int] = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
         self.gone: dict[int, float] = {}
+        self.end = math.inf if run.stop.reason is StopReason.QUIET else float(run.final_time)
         if self.scene.capture:
             for entry in run.pocketings:
                 self.gone.setdefault(self._places[entry.circle], float(entry.time))
@@ -175,7 +181,8 @@ class Transcript:
     def _from_flights(self, motion: DoubleMotion) -> Iterator[Instant]:
         knots = motion.knots
         flying = [flight_of(row[0][:5], 0) for row in knots]
-        new = sorted((row[n][0], k, n) for k, row in enumerate(knots) for n in range(1, len(row)))
+        end = float(self.run.final_time)  # a record may know more than was asked for
+        new = sorted((row[n][0], k, n) for k, row in enumerate(knots) for n in range(1, len(row)) if row[n][0] <= end)
         events = self.run.events
         times = [float(event.time) for event in events]
         order = sorted(range(len(times)), key=times.__getitem__)
@@ -260,6 +267,9 @@ class Transcript:
         turn = None if run.reversal is None else float(run.reversal.time)
         at_once = [event.index for event in run.events if float(event.time) == turn]
         for index, event in enumerate(run.events):
+            if self.wide and index * self._count > WIDE_STATES:
+                self.end = float(run.events[index - 1].time)
+                return
             mine, now = (index,), float(event.time)
             if turn is not None and now >= turn:
                 if now > turn:

@@ -33,6 +33,7 @@ class Cause:
 TUNNELS = "The time step let circles pass through each other"
 
 CAUSES: dict[str, Cause] = {
+    "LAW": Cause("law not kept", "experiments.law:law", head="The engine does not keep the law"),
     "INPUT": Cause("input rounding", "experiments.input_rounding:input_rounding", rounding=True),
     "STEP": Cause("time step", "experiments.step:step", head="The time step changed what happened", settings=True),
     "TUNNELLING": Cause("tunnelling", "experiments.tunnelling:tunnelling", head=TUNNELS),

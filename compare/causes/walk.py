@@ -22,12 +22,14 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     engine's numbers), arithmetic alone (from there to the engine), both together; for an engine with a time step, the
     step, in a series, passing through within a step, and the iterations of its solver; another resolution of an exact
     tie; and, where none of these, the engine's law. One that moves it past zero suffices. What the user's seconds leave
-    no time for is not tried, and says so.
+    no time for is not tried, and says so. A law that the engine has broken by then outranks all of them.
     """
     found = SoFar()
     for cause in CAUSES.values():
         if cause.experiment is not None:
             found.rows += _function(cause.experiment)(lab, found)
+            if cause is CAUSES["LAW"] and found.rows[-1].suffices:
+                break
     return diagnosed(found.rows)
 
 

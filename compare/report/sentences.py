@@ -34,11 +34,20 @@ def verdict_sentence(comparison: Comparison) -> str:
     by_verdict = {verdict: [c for c in comparison.candidates if c.verdict == verdict] for verdict in VERDICTS}
     reference, events = comparison.reference, counted(len(comparison.reference.events), "event")
     agreeing = [c.engine for c in by_verdict["agree"]]
+    lawless = [c for c in comparison.candidates if c.lawless]
     if by_verdict["diverged"]:
         first = headline(comparison)
         assert first is not None
         spared = f"{listed(agreeing)} {'agrees' if len(agreeing) == 1 else 'agree'}, but " if agreeing else ""
-        return f"{_head(first)}: {spared}{divergence_phrase(comparison, first)}"
+        others = "".join(f" {c.engine} does not keep the law: {law_phrase(c)}." for c in lawless if c is not first)
+        law = f"{law_phrase(first)}; " if first.lawless else ""
+        return f"{_head(first)}: {law}{spared}{divergence_phrase(comparison, first)}{others}"
+    if lawless and by_verdict["agree"] and lawless[0].verdict == "agree":
+        first = lawless[0]
+        spared = [c.engine for c in by_verdict["agree"] if not c.lawless]
+        kept = f"; {listed(spared)} {'keeps' if len(spared) == 1 else 'keep'} it" if spared else ""
+        name = f" ({first.engine})" if len(comparison.candidates) > 1 else ""
+        return f"The collisions are right, the law is not: {law_phrase(first)}{name}{kept}."
     stopped = f"the {reference.engine} run itself stopped after {events}: {reference.stop.message}"
     unsettled = listed([c.engine for c in by_verdict["unsettled"]])
     undecided = listed([c.engine for c in by_verdict["undecided"]])
@@ -59,10 +68,19 @@ def verdict_sentence(comparison: Comparison) -> str:
     return f"Floating point did not change what happened: {same}"
 
 
+def law_phrase(candidate: Candidate) -> str:
+    """What explains that an engine does not keep the law, or the first step that misses it."""
+    return "" if candidate.laws is None else candidate.laws.finding
+
+
 def headline(comparison: Comparison) -> Candidate | None:
-    """The engine that the sentence is about: of those that left, the first; those whose rounding did it come before."""
+    """The engine that the sentence is about: of those that diverge, the first.
+
+    One that does not keep the law comes before all others, and one whose rounding did it before the rest.
+    """
     left = [c for c in comparison.candidates if c.verdict == "diverged"]
-    return min([c for c in left if _is_rounding(c)] or left, key=_place, default=None)
+    first = [c for c in left if c.lawless] or [c for c in left if _is_rounding(c)] or left
+    return min(first, key=_place, default=None)
 
 
 def further_phrase(candidate: Candidate) -> str | None:
@@ -77,13 +95,17 @@ def further_phrase(candidate: Candidate) -> str | None:
 
 
 def _is_rounding(candidate: Candidate) -> bool:
-    """Whether rounding is to blame, as far as is known: not a time step, not a difference of model."""
+    """Whether rounding is to blame, as far as is known: not a law, a time step, or a difference of model."""
+    if candidate.lawless:
+        return False
     found = candidate.diagnosis
     known = None if found is None else found.name.entry.rounding
     return not candidate.stepped if known is None else known
 
 
 def _head(candidate: Candidate) -> str:
+    if candidate.lawless:
+        return f"{candidate.engine} does not keep the law"
     if _is_rounding(candidate):
         return "Floating point changed what happened"
     return candidate.diagnosis.name.entry.head if candidate.diagnosis else NO_CAUSE

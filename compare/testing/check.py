@@ -13,6 +13,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
+from ..audit.audit import Audit, audit_run
 from ..comparison import Comparison, compare
 from ..deadline import OutOfTime, time_limit
 from ..foreign.guard import run_guarded
@@ -25,9 +26,8 @@ from ..study import Study
 from ..validation import check_trajectory, unsupported
 from .asked import bits_asked, engine_asked
 from .message import failure
-from .reproduction import reproduction
-from .tolerances.invariants import broken_invariant
-from .tolerances.local_error import PAST, LocalError, local_error
+from .reproduction import check_again, reproduction, reproduction_of
+from .tolerances.local_error import LocalError, local_error
 from .tolerances.numbers import Demand, number_off, tie_off
 from .tolerances.own_order import permission
 from .tolerances.reach import OutOfReach, Reach, reach_of
@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 
 FIRST, THEN = 64, 256
 """Events of the true run that are looked at first: most engines come no farther."""
+
+PAST = 9 / 8
+"""Steps are audited up to this many times the true run's end: what is missing at the end shows after it."""
 
 MOST_CIRCLES = 256
 """Circles up to which local errors are carried along: four columns a circle, and eight an event."""
@@ -99,8 +102,9 @@ def check(
 ) -> Checked:
     """Requires that an engine tells a scene's true history; see docs/pytest.md.
 
-    Without a span the history is required while the exact margin of every decision exceeds what honest errors may have
-    grown to (`reach_of`), and so are times and places, within those errors; beyond that, invariants alone.
+    Without a span the history is required while the exact margin of every decision exceeds what errors allowed by the
+    rounding model may have grown to (`reach_of`), and so are times and places, within those errors. Beyond that, every
+    step must keep the laws on the engine's own numbers (`audit_run`).
 
     Args:
         engine: an engine, its name or class path, the path of a log, or a list of (time, a, b).
@@ -138,6 +142,16 @@ def check(
         demand,
         permitted,
         isinstance(engine, str) and not isinstance(chosen, LogEngine),
+        {
+            "events": events,
+            "until": until,
+            "digits": digits,
+            "atol": atol,
+            "rtol": rtol,
+            "permitted": permitted,
+            "horizon": horizon,
+            **declared,
+        },
     )
     bits, spanned = bits_asked(chosen, horizon), events is not None or until is not None or permitted
     if not spanned and len(loaded.circles) > MOST_CIRCLES:
@@ -152,6 +166,13 @@ def check(
         raise NotDecided(f"{name} on {where}: not decided within {outcome}") from None
 
 
+def _why_nothing(reach: Reach) -> str:
+    """Why no event of a history can be required, in words."""
+    if reach.limit is None:
+        return "the scene has no event"
+    return f"an exact tie at event {reach.limit.event}" if reach.limit.tie else str(reach.limit)
+
+
 @dataclass
 class _Case:
     """One check under way."""
@@ -164,6 +185,7 @@ class _Case:
     demand: Demand
     permitted: bool
     asked: bool
+    demands: dict[str, Any]
 
     def span(self, events: int | None, until: QuantityLike | None, bits: int | None) -> Checked:
         """All of a span, or the scene's own, is required."""
@@ -176,14 +198,14 @@ class _Case:
         elif self.permitted:
             reference, local, reach = self._reach(bits)
             self._up_to_a_tie(comparison, reach, local)
-            asserted = [*self._permitted(comparison, local), *self._invariants(reference, local, comparison)]
+            asserted = [*self._permitted(comparison, local), *self._audited(reference, comparison)]
         else:
             self._same_history(comparison, None)
             self._same_numbers(comparison, comparison.reference, comparison.candidates[0], None)
         return self._done([*asserted, *self.demand.told], None, comparison)
 
     def as_far_as_it_reaches(self, bits: int | None) -> Checked:
-        """What is within reach is required, and beyond it invariants."""
+        """The history is required to its horizon, and every step is audited."""
         reference, local, reach = self._reach(bits)
         comparison, asserted = None, []
         if reach.events or reach.whole:
@@ -194,10 +216,13 @@ class _Case:
             self._same_history(comparison, reach, local)
             asserted = [f"the same history in {reach.events} events"]
             asserted += self._same_numbers(comparison, comparison.reference, comparison.candidates[0], reach, local)
+        else:
+            asserted = [f"history: nothing required ({_why_nothing(reach)})"]
         if reach.limit is not None:
-            asserted.append(f"beyond reach: {reach.limit}")
+            if comparison is not None:
+                asserted.append(f"past the certified horizon: {reach.limit}")
             asserted += self._tie_resolved(reach.limit)
-        asserted += [*self._invariants(reference, local, comparison), *self.demand.told]
+        asserted += [*self._audited(reference, comparison), *self.demand.told]
         return self._done(asserted, reach, comparison)
 
     @property
@@ -233,8 +258,8 @@ class _Case:
     def _same_history(self, comparison: Comparison, reach: Reach | None, local: LocalError | None = None) -> None:
         (candidate,) = comparison.candidates
         if candidate.verdict == "diverged":
-            amiss = [] if local is None else self._amiss(comparison, reach, local)
-            raise CheckFailed(self._failure(comparison, reach, amiss=amiss), comparison)
+            violations = [] if local is None else self._violated(comparison, reach)
+            raise CheckFailed(self._failure(comparison, reach, violations=violations), comparison)
         if comparison.verdict != "agree":
             told = [verdict_sentence(comparison), f"  {candidate.engine}: {candidate.trajectory.stop.message}"]
             raise NotDecided("\n".join([*told, f"  reproduce: {self._reproduced(comparison)}"]), comparison)
@@ -261,7 +286,9 @@ class _Case:
         (candidate,) = comparison.candidates
         parted = candidate.alignment.divergence
         if parted is not None and parted.event < reach.events:
-            raise CheckFailed(self._failure(comparison, reach, amiss=self._amiss(comparison, reach, local)), comparison)
+            raise CheckFailed(
+                self._failure(comparison, reach, violations=self._violated(comparison, reach)), comparison
+            )
         off = number_off(comparison.reference, candidate, Demand(), reach, self._tells_places)
         off = off or (tie_off(comparison.reference, candidate, reach.limit) if reach.limit else None)
         if off is not None:
@@ -274,9 +301,9 @@ class _Case:
             self._same_history(comparison, None)
         found = permission(comparison, self.engine, local)
         if found.told is None:
-            broken = None if local is None or not self._tells_places else broken_invariant(candidate.trajectory, local)
-            text = self._failure(comparison, None, amiss=[] if broken is None else [broken])
-            kind = CheckFailed if found.settled or broken is not None else NotDecided
+            broken = local is not None and candidate.lawless
+            text = self._failure(comparison, None, violations=self._violated(comparison, None) if broken else [])
+            kind = CheckFailed if found.settled or broken else NotDecided
             raise kind(f"{text}\n  permitted: {found.relation.value}", comparison)
         own = found.own
         if own is None or own.told is None:
@@ -307,38 +334,50 @@ class _Case:
             raise CheckFailed(f"{self._failure(comparison, None)}\n  permitted: {relation.value}", comparison)
         return [] if relation is None else [f"its tie: {relation.value}"]
 
-    def _invariants(self, reference: Trajectory, local: LocalError, comparison: Comparison | None) -> list[str]:
-        """Energy, momentum and no overlap over all of the engine's run; of a log without states nothing is known."""
-        if not self._tells_places:
-            return []
+    def _audited(self, reference: Trajectory, comparison: Comparison | None) -> list[str]:
+        """Every step of the engine's run keeps the laws; of a log without states nothing of that is known."""
         until = PAST * float(reference.final_time) or None
         if isinstance(self.engine, LogEngine):
             run = self.engine.last
         else:
             told = run_guarded(self.engine, self.scene, until=until, events=4 * len(reference.events) + 64)
             run = check_trajectory(told, self.scene, self.name, self.engine.bits)
-        broken = broken_invariant(run, local, until)
-        if broken is not None:
-            shown = [] if comparison is None else [f"  reproduce: {self._reproduced(comparison)}"]
-            raise CheckFailed("\n".join([f"{self.name} on {self.where}: {broken}", *shown]), comparison)
-        left = f" (to {local.iterated:.2g}, which the solver's iterations leave)" if local.iterated else ""
-        return [f"energy{left}, momentum, straight flight, no overlap, permitted impulses"]
+        found = audit_run(run, self.engine)
+        if found.kept is False:
+            lines = [f"{self.name} on {self.where}: {found.sentence}", *self._steps(found)]
+            again = {"until": float(run.final_time)} if float(run.final_time) else {}
+            lines.append(f"  reproduce: {reproduction_of(self.scene, self.engine, self._text, self.where, again)}")
+            raise CheckFailed("\n".join(lines), comparison)
+        if found.kept is None:
+            return [f"laws: not determined ({found.reason})"]
+        return [f"{found.steps} audited"]
 
-    def _amiss(self, comparison: Comparison, reach: Reach | None, local: LocalError) -> list[str]:
-        """The first number that is off before the histories part, and the first broken invariant: what a bug is."""
+    def _steps(self, found: Audit) -> list[str]:
+        """The first step of each kind that misses a law."""
+        return [f"  violation: {violation}" for violation in found.violations]
+
+    def _violated(self, comparison: Comparison, reach: Reach | None) -> list[str]:
+        """The first number that is off before the histories part, and the law that is not kept: what a bug is."""
         (mine,) = comparison.candidates
         found = [number_off(comparison.reference, mine, self.demand, reach, self._tells_places)]
-        if self._tells_places:
-            found.append(broken_invariant(mine.trajectory, local))
+        if mine.laws is not None and mine.laws.kept is False:
+            found.append(mine.laws.sentence)
         return [told for told in found if told is not None]
 
+    @property
+    def _text(self) -> str | None:
+        return self.name if self.asked else None
+
     def _failure(
-        self, comparison: Comparison, reach: Reach | None, off: str | None = None, amiss: Sequence[str] = ()
+        self, comparison: Comparison, reach: Reach | None, off: str | None = None, violations: Sequence[str] = ()
     ) -> str:
-        return failure(comparison, self._reproduced(comparison), reach, off, self.engine.bits, amiss)
+        again = self._reproduced(comparison)
+        if off is not None:  # the history is right, so that a comparison would agree
+            again = check_again(self.engine, self._text, self.where, self.scene, self.demands)
+        return failure(comparison, again, reach, off, self.engine.bits, violations)
 
     def _reproduced(self, comparison: Comparison) -> str:
-        return reproduction(comparison, self.engine, self.name if self.asked else None, self.where)
+        return reproduction(comparison, self.engine, self._text, self.where)
 
     def _done(self, asserted: list[str], reach: Reach | None, comparison: Comparison | None) -> Checked:
         return Checked(self.name, self.where, tuple(asserted), reach, comparison)

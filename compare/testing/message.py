@@ -23,7 +23,7 @@ def failure(
     reach: Reach | None,
     off: str | None = None,
     bits: int | None = None,
-    amiss: Sequence[str] = (),
+    violations: Sequence[str] = (),
 ) -> str:
     """The message of a check that failed.
 
@@ -32,7 +32,7 @@ def failure(
         reach: how far the history was required; None where the span was given.
         off: which number is off, where the history is the same.
         bits: of the engine's numbers; None where they are not known.
-        amiss: what else is wrong, such as a number before the divergence.
+        violations: what else is wrong, such as a number before the divergence, or a law.
     """
     (candidate,) = comparison.candidates
     lines = [off if off is not None else divergence_phrase(comparison, candidate)]
@@ -44,7 +44,7 @@ def failure(
             lines.append(f"  expected: {divergence.body} meets {divergence.expected} at t = {told}")
         if divergence.got is not None:
             lines.append(f"  got:      {divergence.body} meets {divergence.got} at t = {divergence.got_time!r}")
-    lines += [f"  amiss:    {told}" for told in amiss]
+    lines += [f"  violation: {told}" for told in violations]
     if candidate.margin is not None:
         exact = candidate.margin.gap or candidate.margin.distance
         margin = [] if exact is None else [f"margin {short(abs(middle(exact)))}"]

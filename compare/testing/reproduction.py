@@ -6,8 +6,9 @@ import dataclasses
 import shlex
 import sys
 import sysconfig
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason
@@ -30,20 +31,47 @@ def reproduction(comparison: Comparison, engine: Engine, text: str | None, where
         where: what the scene is called; a command is told only where that is enough to have it again.
     """
     reference = comparison.reference
-    limit = {
-        StopReason.EVENTS: f"events={len(reference.events)}",
-        StopReason.HORIZON: f"until={float(reference.final_time)!r}",
-    }.get(reference.stop.reason)
-    words = [] if limit is None else [f"--{limit.replace('=', ' ')}"]
-    named = _is_scene(where, comparison.scene)
+    limits: dict[str, Any] = {
+        StopReason.EVENTS: {"events": len(reference.events)},
+        StopReason.HORIZON: {"until": float(reference.final_time)},
+    }.get(reference.stop.reason, {})
+    return reproduction_of(comparison.scene, engine, text, where, limits)
+
+
+def reproduction_of(scene: Scene, engine: Engine, text: str | None, where: str, limits: Mapping[str, Any]) -> str:
+    """The command that runs an engine on a scene to some limits, or the Python.
+
+    Args:
+        text, where: as in `reproduction`.
+        limits: `until` or `events`.
+    """
+    words = [word for key, value in limits.items() for word in (f"--{key}", repr(value))]
+    named = _is_scene(where, scene)
     if named and isinstance(engine, LogEngine) and "log" in engine.recording.parameters:
-        return " ".join(["truebreak judge", shlex.quote(where), shlex.quote(engine.name), *words])
+        return " ".join(["truebreak judge", shlex.quote(where), shlex.quote(engine.name), *_declared(engine), *words])
     text = engine_text(engine) if text is None else text
     if named and text is not None:
         return " ".join(["truebreak compare", shlex.quote(where), "--engines", shlex.quote(text), *words])
-    scene = f"truebreak.scene({where!r})" if named else "scene"
-    told = "engine" if text is None else repr(text)
-    return f"truebreak.comparison({scene}, [{told}]{'' if limit is None else f', {limit}'})"
+    told = [f"truebreak.scene({where!r})" if named else "scene", f"[{'engine' if text is None else repr(text)}]"]
+    return f"truebreak.comparison({', '.join([*told, *(f'{key}={value!r}' for key, value in limits.items())])})"
+
+
+def check_again(engine: Engine, text: str | None, where: str, scene: Scene, demands: Mapping[str, Any]) -> str:
+    """The check itself, in Python: what shows again that a number is off in a history that is right."""
+    named = "log" if isinstance(engine, LogEngine) else "engine"
+    text = engine_text(engine) if text is None and not isinstance(engine, LogEngine) else text
+    if isinstance(engine, LogEngine) and "log" in engine.recording.parameters:
+        text = engine.name
+    told = [named if text is None else repr(text), repr(where) if _is_scene(where, scene) else "scene"]
+    told += [f"{key}={value!r}" for key, value in demands.items() if value not in (None, False)]
+    return f"truebreak.check({', '.join(told)})"
+
+
+def _declared(engine: LogEngine) -> list[str]:
+    """What was declared of a log, as options of `judge`."""
+    words = [] if engine.bits in (None, 53) else ["--bits", str(engine.bits)]
+    words += [] if engine.step is None else ["--step", repr(engine.step)]
+    return words if engine.rounds_input else [*words, "--exact-input"]
 
 
 def _is_scene(where: str, scene: Scene) -> bool:

@@ -56,5 +56,8 @@ def model(lab: Laboratory, found: SoFar) -> list[Experiment]:
         return [Experiment(CAUSE, "not tried: what else there could be was not all tried")]
     if lab.changes(lab.got) and lab.tried(lambda: comes_nearer(lab), False):
         return [Experiment(CAUSE, "not shown: a shorter step brings its places nearer to the exact ones before")]
+    laws = lab.candidate.laws
+    if laws is not None and laws.kept and lab.engine.step is None:
+        return [Experiment(CAUSE, "no: every step keeps the law", None, False)]
     moved = lab.moved(lab.got, lab.margin)
     return [Experiment(CAUSE, "no rounding, no step and no tie explains it: its law differs", moved, True)]

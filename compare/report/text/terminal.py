@@ -33,7 +33,8 @@ def print_comparison(comparison: Comparison) -> None:
     """Prints the report of a comparison on stdout."""
 
     out = console()
-    colour = COLOURS[comparison.verdict]
+    lawless = any(candidate.lawless for candidate in comparison.candidates)
+    colour = "red" if lawless else COLOURS[comparison.verdict]
     say(out, verdict_sentence(comparison), f"bold {colour}")
     reference = comparison.reference
     say(
@@ -51,6 +52,9 @@ def print_comparison(comparison: Comparison) -> None:
     out.print(engines_table(comparison))
     for told in filter(None, map(changed_text, comparison.candidates)):
         say(out, told)
+    for candidate in comparison.candidates:
+        if candidate.laws is not None and candidate.laws.kept is not True:
+            say(out, f"{candidate.engine} {candidate.laws.sentence}.", "bold red" if candidate.lawless else None)
     if comparison.cut:
         say(out, f"Left out, as the time was up: {listed([*comparison.cut])}.", "yellow")
     for candidate in comparison.candidates:
@@ -68,6 +72,7 @@ def engines_table(comparison: Comparison) -> TextTable:
     headings = [
         "engine",
         "verdict",
+        "law",
         "agreed",
         "differs at",
         "cause",
@@ -77,7 +82,7 @@ def engines_table(comparison: Comparison) -> TextTable:
     ]
     table = grid(*headings, whole=tuple({*headings} - {"engine", "cause"}))
     total = len(comparison.reference.events)
-    reference = [comparison.reference.engine, "reference", f"{total:,}", "", "", "", ""]
+    reference = [comparison.reference.engine, "reference", "", f"{total:,}", "", "", "", ""]
     table.add_row(*reference, *([short(comparison.return_miss)] if returns else []))
     for candidate in comparison.candidates:
         colour = COLOURS[candidate.verdict]
@@ -85,6 +90,7 @@ def engines_table(comparison: Comparison) -> TextTable:
         cells = [
             candidate.engine,
             Tinted(candidate.verdict, colour),
+            law_cell(candidate),
             f"{candidate.alignment.agreed:,}",
             f"event {divergence.event:,}" if divergence else "",
             str(candidate.diagnosis) if candidate.diagnosis else "",
@@ -93,6 +99,13 @@ def engines_table(comparison: Comparison) -> TextTable:
         ]
         table.add_row(*cells, *([short(candidate.return_miss)] if returns else []))
     return table
+
+
+def law_cell(candidate: Candidate) -> Tinted | str:
+    """Whether an engine keeps the law; a dash where that is not determined."""
+    if candidate.laws is None or candidate.laws.kept is None:
+        return "-"
+    return Tinted("kept", "green") if candidate.laws.kept else Tinted("not kept", "red")
 
 
 def changed_text(candidate: Candidate) -> str:

@@ -6,16 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ....scenarios.errors import SceneError
-from ...foreign.guard import firmer_of, run_guarded
+from ...foreign.guard import run_guarded
 from ...study import finer_by, series_steps
 
 if TYPE_CHECKING:
     from ....scenarios.engine import Engine
-    from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Trajectory
 
 ROUNDINGS = 64
@@ -38,13 +34,6 @@ FIRST_EVENTS = 24
 """Events of the true run among which each circle's first meeting is looked for: before it, nothing has grown."""
 
 
-LEFT = 1e-6
-"""The largest share of energy that iterations may leave: of more a user of the engine should hear."""
-
-PAST = 9 / 8
-"""Invariants are asked for up to this many times the true run's end: what is missing at the end shows after it."""
-
-
 @dataclass(frozen=True)
 class LocalError:
     """What one contact may cost.
@@ -54,14 +43,12 @@ class LocalError:
         input_unit: 2**-p where the scene is rounded, else 0.
         lateness: c * h**q, by how much time an engine of step h may be late to a contact; 0 without a step.
         order: q; None without a step.
-        iterated: the share of all energy that iterations of a solver may leave; 0 without any.
     """
 
     unit: float
     input_unit: float
     lateness: float = 0.0
     order: float | None = None
-    iterated: float = 0.0
 
     @property
     def told(self) -> str:
@@ -83,9 +70,6 @@ def local_error(engine: Engine, reference: Trajectory, bits: int | None) -> Loca
     a contact that is found at the end of a step may be late by a whole one. Lateness that does not fall as h is halved
     is no matter of the step: then, and where nothing is seen, q = 1 and c = 1. Where no step can be halved, q = 1 and
     c is at most `UNSEEN`.
-
-    What iterations leave of energy falls as there are more of them. So where twice as many leave half of it or less,
-    twice what is seen is granted, up to `LEFT`; a loss that stays is no matter of the iterations.
     """
     unit = 0.0 if bits is None else 2.0**-bits
     rounding = LocalError(ROUNDINGS * unit, unit if engine.rounds_input else 0.0)
@@ -104,37 +88,7 @@ def local_error(engine: Engine, reference: Trajectory, bits: int | None) -> Loca
         factor = min(factor, UNSEEN)
     factor = max(factor, 1.0) if order == 1.0 else factor
     late = factor * engine.step**order
-    return LocalError(rounding.unit, rounding.input_unit, late, order, _iterated(engine, reference))
-
-
-def energy(masses: NDArray[np.float64], velocities: NDArray[np.float64]) -> float:
-    """Of circles whose velocities are rows."""
-    return float((masses * (velocities**2).sum(axis=1)).sum()) / 2
-
-
-def masses_of(scene: Scene) -> NDArray[np.float64]:
-    """Of all circles; 0 for a fixed one, which does not move."""
-    return np.array([0.0 if c.fixed else 1.0 / float(c.inverse_mass) for c in scene.circles])
-
-
-def _iterated(engine: Engine, reference: Trajectory) -> float:
-    """The share of energy that an engine's iterations leave over a run, twice; 0 if more of them leave no less."""
-    firmer = firmer_of(engine)
-    if firmer is None or not reference.events:
-        return 0.0
-    masses, left = masses_of(reference.scene), list[float]()
-    for each in (engine, firmer):
-        try:
-            until, most = PAST * float(reference.final_time), 4 * len(reference.events) + 64
-            run = run_guarded(each, reference.scene, until=until, events=most)
-        except SceneError:
-            return 0.0
-        found = [
-            energy(masses, state.array()[:, 2:])
-            for state in (run.at(0), *(run.after(event.index) for event in run.events))
-        ]
-        left.append(max(abs(one - found[0]) for one in found) / found[0] if found[0] else 0.0)
-    return 2 * left[0] if left[1] <= left[0] / 2 and left[0] <= LEFT else 0.0
+    return LocalError(rounding.unit, rounding.input_unit, late, order)
 
 
 def _series(engine: Engine, reference: Trajectory) -> list[tuple[Engine, float]]:

@@ -1,4 +1,4 @@
-"""Beyond reach nothing is asked of positions, but what happens at an instant is still what the laws permit."""
+"""Past the certified horizon nothing is required of the history, but every step still keeps the laws."""
 
 from __future__ import annotations
 
@@ -7,19 +7,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
 import pytest
 from bugs import BUGS, Planted
 
 from truebreak.compare import engine
 from truebreak.compare.foreign import Recording
 from truebreak.compare.testing.check import CheckFailed, check
-from truebreak.compare.testing.tolerances.local_error import ROUNDINGS, UNSEEN, LocalError, local_error
-from truebreak.compare.testing.tolerances.permitted import PermittedImpulses, Room
+from truebreak.compare.testing.tolerances.local_error import UNSEEN, local_error
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Declared, Scene, Trajectory, Wall, catalogue
-
-HONEST = LocalError(ROUNDINGS * 2.0**-53, 2.0**-53)
 
 FAR = 130
 """An event of `gas` that is beyond the reach of doubles, which ends at 110."""
@@ -83,8 +79,8 @@ def an_event_of_two_discs(after: int) -> int:
 @pytest.mark.parametrize(
     ("bug", "told"),
     [
-        (phantom, "meet while they are"),
-        (crooked, "is no push apart along lines of centres"),
+        (phantom, "from touching as they collide"),
+        (crooked, "more or less than the law"),
     ],
 )
 def test_what_keeps_energy_and_momentum_beyond_reach_may_yet_be_wrong(bug: Any, told: str) -> None:
@@ -92,49 +88,10 @@ def test_what_keeps_energy_and_momentum_beyond_reach_may_yet_be_wrong(bug: Any, 
     checked = check(Retold(event, honest), "gas")
     assert checked.reach is not None
     assert checked.reach.events < FAR
-    assert "permitted impulses" in str(checked)
+    assert "impacts and" in str(checked)
     with pytest.raises(CheckFailed, match=told) as caught:
         check(Retold(event, bug), "gas")
-    assert f"event {event} " in str(caught.value), "and where"
-
-
-def states(*rows: tuple[float, float, float, float]) -> np.ndarray[Any, Any]:
-    return np.array(rows)
-
-
-@pytest.mark.parametrize("velocities", [(-2.0, -1.0, 0.0), (-2.2, -0.32, -0.12), (-1.6, -1.56, 0.04)])
-def test_any_order_of_impulses_is_permitted(velocities: tuple[float, float, float]) -> None:
-    """Lee's three balls: all three outcomes of the one instant, and no other."""
-    run = DoubleEngine().run(catalogue.build("lee"))
-    laws, room = PermittedImpulses(run.scene, HONEST), Room(1e-12, 0.0)
-    before = states(*((0, 0, float(c.vx), float(c.vy)) for c in run.scene.circles))[:, 2:]
-    after = states((-2, 0, velocities[0], 0), (0, 0, velocities[1], 0), (3, 0, velocities[2], 0))
-    assert laws.broken(run.events[:1], before, after, room, 1e-12) is None
-    turned = after + np.array([[0, 0, 0, 0.1], [0, 0, 0, -0.1], [0, 0, 0, 0]])
-    assert "is no push" in str(laws.broken(run.events[:1], before, turned, room, 1e-12))
-
-
-def test_a_contact_does_not_pull() -> None:
-    """Two that touch and part, and are drawn together."""
-    scene = Scene([Circle(0, 0, vx=-1), Circle(2, 0, vx=1)])
-    run = DoubleEngine().run(Scene([Circle(0, 0, vx=1), Circle(2, 0, vx=-1)]))
-    laws = PermittedImpulses(scene, HONEST)
-    before, after = states((0, 0, -1, 0), (2, 0, 1, 0))[:, 2:], states((0, 0, 1, 0), (2, 0, -1, 0))
-    assert "is no push" in str(laws.broken(run.events[:1], before, after, Room(0.0, 0.0), 1e-12))
-
-
-def test_a_late_contact_may_be_along_a_line_that_has_turned() -> None:
-    """An engine of steps is granted the angle by which centres turn in the time by which it may be late."""
-    scene = Scene([Circle(0, 0, vx=1), Circle(2, 0)])
-    run = DoubleEngine().run(scene, events=1)
-    before = states((0, 0, 1, 0), (2, 0, 0, 0))[:, 2:]
-    angle = math.radians(1)
-    push = math.cos(angle)
-    after = states((0, 0, 1 - push * math.cos(angle), -push * math.sin(angle)),
-                   (2, 0, push * math.cos(angle), push * math.sin(angle)))  # fmt: skip
-    stepped = replace(HONEST, lateness=1 / 64, order=1.0)
-    assert PermittedImpulses(scene, stepped).broken(run.events[:1], before, after, Room(1e-12, 0.1), 1e-12) is None
-    assert PermittedImpulses(scene, HONEST).broken(run.events[:1], before, after, Room(1e-12, 0.1), 1e-12) is not None
+    assert f"event {event} (" in str(caught.value), "and where"
 
 
 def test_a_tie_out_of_reach_is_resolved_in_some_order() -> None:
@@ -192,7 +149,7 @@ def test_what_a_bug_is_stands_beside_where_the_histories_part() -> None:
         check(Planted(engine("double"), bug), "gas:n=6")
     first, *others = str(caught.value).splitlines()
     assert "first differs at event" in first
-    amiss = [line for line in others if line.startswith("  amiss:    ")]
-    assert len(amiss) == 2
-    assert "the velocity of c2 after it is off by" in amiss[0]
-    assert any(word in amiss[1] for word in ("energy is", "momentum has changed"))
+    told = [line for line in others if line.startswith("  violation: ")]
+    assert len(told) == 2
+    assert "the velocity of c2 after it is off by" in told[0]
+    assert "does not keep the law: the mass of c2 taken for" in told[1]

@@ -1,0 +1,255 @@
+"""The audit: what keeps the laws passes, in any formulation, and a planted fault is found and described."""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from planted import FAULTS, Planted
+
+from truebreak.compare import engine
+from truebreak.compare.audit.audit import Audit, audit_run
+from truebreak.compare.audit.passages import FEW, passages
+from truebreak.compare.audit.residuals import AUDIT_BITS, Laws, strengths_of
+from truebreak.compare.audit.transcript import Transcript
+from truebreak.compare.foreign import Recording
+from truebreak.compare.foreign.log_engine import LogEngine
+from truebreak.compare.scene_argument import scene_from
+from truebreak.exact.numbers import ball
+from truebreak.floating import DoubleEngine
+from truebreak.scenarios import Circle, Scene, Wall, catalogue
+
+SCENES = [
+    "gas", "gas:n=10,mixed=yes", "cradle", "cradle:gap=0", "tennis", "sizes", "galperin:n=3", "lee", "near-tie",
+    "inscribed", "rack", "rack:rows=3,jitter=1/1000", "reversal", "echo", "pinball", "pinball:r=0", "article",
+]  # fmt: skip
+
+
+def audited(name: Any, scene: Scene, **limits: Any) -> Audit:
+    chosen = engine(name) if isinstance(name, str) else name
+    return audit_run(chosen.run(scene, **limits), chosen)
+
+
+@pytest.mark.parametrize("name", ["double", "single", "quad", "rounded:bits=30", "interval", "pymunk"])
+@pytest.mark.parametrize("scene", SCENES)
+def test_every_step_of_our_engines_keeps_the_laws(name: str, scene: str) -> None:
+    found = audited(name, scene_from(scene), events=120)
+    assert found.kept is True, found.sentence
+
+
+def test_the_exact_engine_keeps_the_laws_to_the_doubles_nearest_to_its_numbers() -> None:
+    for scene in ("gas", "reversal", "rack:rows=3"):
+        assert audited("exact", scene_from(scene), events=40).kept is True
+
+
+@pytest.mark.parametrize("scene", ["gas", "gas:mixed=yes", "sizes", "galperin", "pinball", "rack:rows=3,jitter=1/1000"])
+def test_another_formulation_keeps_them_too(scene: str) -> None:
+    found = audited(Planted(), scene_from(scene), events=200)
+    assert found.kept is True, found.sentence
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize("scene", ["gas:mixed=yes", "gas:mixed=yes,seed=5"])
+def test_a_planted_fault_is_found(scene: str, fault: str) -> None:
+    found = audited(Planted(**FAULTS[fault]), scene_from(scene), events=60)
+    assert found.kept is False, fault
+    assert found.first is not None
+
+
+@pytest.mark.parametrize(
+    ("fault", "told"),
+    [
+        ("restitution 0.98", "restitution 0.98 fits 60 of 60 impacts"),
+        ("restitution 0.999", "restitution 0.999 fits 60 of 60 impacts"),
+        ("walls give 3 % less", "restitution 0.94 at walls (an impulse 3 % less) fits 26 of 26 impacts"),
+        ("masses equal", "masses taken for equal fits 32 of 32 impacts"),
+        ("one mass 1 % more", "the mass of c1 taken for 1.01 fits 4 of 4 impacts"),
+        ("one radius 1e-9 more", "the radius of c1 taken for 1e-09 more fits 7 of 7 impacts"),
+        ("one impact weak", "restitution 0.9 at event 7 alone (c1 and top) fits 1 of 1 impacts"),
+        ("friction", "the speed across the contact becomes 0.999999 of what it was fits"),
+        ("pushed apart", "places moved by 1e-12, without a flight fits 28 of 28 flights"),
+        ("gravity", "an acceleration of -1e-10 along y fits 90 of 90 flights"),
+    ],
+)
+def test_a_fault_is_described_as_what_it_is(fault: str, told: str) -> None:
+    found = audited(Planted(**FAULTS[fault]), scene_from("gas:mixed=yes"), events=60)
+    assert told in found.finding
+
+
+def test_a_fault_is_found_at_any_length() -> None:
+    """Long after a history is lost: at event 3,000 of a run whose errors have filled the box by event 160."""
+    once = Planted(once=(3000, 0.999))
+    found = audited(once, scene_from("gas"), events=3010)
+    assert found.kept is False
+    assert found.first is not None
+    assert (found.first.event, found.counts) == (3000, {"impulse": 1})
+
+
+def test_a_missed_contact_is_a_depth_in_the_engines_own_flights() -> None:
+    found = audited(Planted(missed=3), scene_from("gas"), until=40)
+    assert "depth" in found.counts
+    assert found.violations[0].kind == "depth"
+    assert found.violations[0].bodies == ("c5", "c10")
+
+
+@pytest.mark.parametrize("far", [10**6, 10**9])
+@pytest.mark.parametrize("scale", [1, 2**200, -(2**200)])
+def test_far_origins_and_other_units_break_no_law(far: int, scale: int) -> None:
+    k = f"2**{200 if scale > 0 else -200}" if abs(scale) > 1 else "1"
+    circles = [
+        Circle(f"({far}) * {k}", 0, f"{k}", vx=f"-1 * {k}", vy=f"1/9 * {k}"),
+        Circle(f"({far} - 9) * {k}", f"{k}", f"{k}"),
+        Circle(f"({far} - 15) * {k}", 0, f"2 * {k}", m=5),
+    ]
+    walls = [Wall(f"({far} - 30) * {k}", 0, f"({far} - 30) * {k}", f"{k}"),
+             Wall(f"({far} + 10) * {k}", 0, f"({far} + 10) * {k}", f"{k}"),
+             Wall(0, f"-10 * {k}", f"{k}", f"-10 * {k}"), Wall(0, f"10 * {k}", f"{k}", f"10 * {k}")]  # fmt: skip
+    for name in ("double", "quad"):
+        found = audited(name, Scene(circles, walls), events=40)
+        assert found.kept is True, (name, found.sentence)
+
+
+@pytest.mark.parametrize("away", [3, 100, 2000])
+def test_a_near_graze_is_missed_or_hit_within_the_room_of_the_textbooks_formula(away: int) -> None:
+    """Its discriminant is off by u b**2: a gap, or a depth, of u d**2 / R, and a time off by the root of u."""
+    draw = random.Random(away)
+    for _ in range(100):
+        off = 2 * (1 - draw.uniform(-1, 1) * 10.0 ** draw.randint(-17, -12))
+        scene = Scene([Circle(0, 0, vx=1), Circle(away, off)])
+        found = audited(Planted(), scene, until=2 * away)
+        assert found.kept is True, found.sentence
+
+
+LEE = catalogue.build("lee")
+
+
+def recorded(scene: Scene, time: float, pairs: Any, **states: tuple[float, float, float, float]) -> Audit:
+    recording = Recording(scene, "told")
+    recording.hits(time, pairs, states)
+    recording.end(quiet=True)
+    run = recording.trajectory()
+    return audit_run(run, LogEngine(recording, "told"))
+
+
+@pytest.mark.parametrize("velocities", [(-2.0, -1.0, 0.0), (-2.2, -0.32, -0.12), (-1.6, -1.56, 0.04)])
+def test_any_order_of_simultaneous_impulses_is_permitted(velocities: tuple[float, float, float]) -> None:
+    """Lee's three balls: all three outcomes of the one instant, and none that is turned, or gains energy."""
+    (event,) = DoubleEngine().run(LEE).events
+    places = [float(c.x) + float(c.vx) * float(event.time) for c in LEE.circles]
+    ids = [str(c.id) for c in LEE.circles]
+    rows = {name: (x, 0.0, v, 0.0) for name, x, v in zip(ids, places, velocities, strict=True)}
+    assert recorded(LEE, float(event.time), event.impulses, **rows).kept is True
+    turned = rows | {ids[0]: (places[0], 0.0, velocities[0], 0.1), ids[1]: (places[1], 0.0, velocities[1], -0.1)}
+    assert set(recorded(LEE, float(event.time), event.impulses, **turned).counts) >= {"impulse"}
+    faster = rows | {ids[0]: (places[0], 0.0, velocities[0] - 1e-6, 0.0), ids[2]: (places[2], 0.0, velocities[2], 0.0)}
+    assert recorded(LEE, float(event.time), event.impulses, **faster).kept is False
+
+
+def test_a_contact_does_not_pull() -> None:
+    """Two that touch and part, and are drawn together."""
+    scene = Scene([Circle(0, 0, vx=-1, id="a"), Circle(2, 0, vx=1, id="b")])
+    found = recorded(scene, 0.0, [("a", "b")], a=(0.0, 0.0, 1.0, 0.0), b=(2.0, 0.0, -1.0, 0.0))
+    assert "impulse" in found.counts
+
+
+def test_a_contact_without_an_impulse_breaks_no_law_and_is_counted() -> None:
+    scene = Scene([Circle(0, 0, vy=1, id="a"), Circle(2, 0, vy=1, id="b")])
+    found = recorded(scene, 1.0, [("a", "b")], a=(0.0, 1.0, 0.0, 1.0), b=(2.0, 1.0, 0.0, 1.0))
+    assert (found.kept, found.phantoms) == (True, (1, 0, 0.0))
+
+
+def test_without_states_nothing_is_said_of_the_laws() -> None:
+    log = LogEngine.of([(2.0, "a", "b")], Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")]))
+    found = audit_run(log.last, log)
+    assert found.kept is None
+    assert "no states" in found.reason
+
+
+def test_what_an_engine_declares_is_its_model() -> None:
+    class Spaced(Planted):
+        allows = {"margin": 2e-9}  # noqa: RUF012
+
+    found = audited(Spaced(nudge=1e-9), scene_from("gas"), events=40)
+    assert found.kept is True
+    assert found.declared["margin"] > 0
+    assert audited(Spaced(nudge=1e-8), scene_from("gas"), events=40).kept is False
+
+
+@pytest.mark.parametrize("dt", ["1/64", "1/256", "1/1024"])
+def test_lateness_and_overlap_are_of_the_step(dt: str) -> None:
+    found = audited(f"pymunk:dt={dt}", scene_from("gas"), events=40)
+    assert found.kept is True
+    (late,) = [defect for defect in found.defects if defect.kind == "lateness"]
+    assert 0 < late.size <= 2 * eval(dt)
+
+
+@pytest.mark.parametrize("elasticity", [0.98, 0.999])
+def test_a_restitution_of_an_engine_of_steps_is_no_matter_of_its_step(
+    elasticity: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from truebreak.floating.pymunk import space
+
+    monkeypatch.setattr(space, "ELASTICITY", math.sqrt(elasticity))  # the product of the two of a contact
+    found = audited("pymunk", scene_from("gas"), events=25)
+    assert found.kept is False
+    assert f"restitution {elasticity} fits 25 of 25 impacts" in found.finding
+
+
+def test_cells_find_the_passages_that_pairs_find() -> None:
+    """Sixty circles, none of which collides in the run that is audited: every pair that passes is deep."""
+    draw = random.Random(5)
+    circles = [
+        Circle(10 * (k % 8), 10 * (k // 8), vx=draw.randint(-9, 9), vy=draw.randint(-9, 9)) for k in range(FEW + 12)
+    ]
+    scene = Scene(circles, until=4)
+    recording = Recording(scene, "blind")
+    recording.end(4.0)
+    transcript = Transcript(recording.trajectory())
+    found: list[set[tuple[float, tuple[int, ...]]]] = []
+    with ball.precision(AUDIT_BITS):
+        laws = Laws(scene, 2.0**-53)
+        for few in (FEW, 1000):
+            with pytest.MonkeyPatch.context() as patched:
+                patched.setattr("truebreak.compare.audit.passages.FEW", few)
+                told = passages(laws, transcript.flights(), 4.0, {})
+                found.append({(passage.time, passage.residual.bodies) for passage in told})
+    assert found[0] == found[1]
+    assert len(found[0]) > 10
+
+
+def test_strengths_are_those_of_least_squares_and_never_pull() -> None:
+    draw = random.Random(1)
+    for _ in range(50):
+        columns = [{k: (draw.gauss(0, 1), draw.gauss(0, 1)) for k in draw.sample(range(4), 2)} for _ in range(5)]
+        wanted = {k: (draw.gauss(0, 1), draw.gauss(0, 1)) for k in range(4)}
+        found = strengths_of(columns, wanted)
+
+        def left(strengths: list[float], columns: Any = columns, wanted: Any = wanted) -> float:
+            return sum(
+                (wanted[k][axis] - sum(s * c[k][axis] for s, c in zip(strengths, columns, strict=True) if k in c)) ** 2
+                for k in wanted
+                for axis in (0, 1)
+            )
+
+        assert min(found) >= 0.0
+        for place in range(5):
+            for step in (1e-4, -1e-4):
+                other = [max(0.0, s + step * (n == place)) for n, s in enumerate(found)]
+                assert left(other) >= left(found) - 1e-12
+
+
+def test_a_circle_out_of_play_is_audited_no_more() -> None:
+    scene = scene_from("rack:rows=3")
+    scene = scene.with_changes(capture=True)
+    found = audited("double", scene, events=150)
+    assert found.kept is True, found.sentence
+
+
+def test_the_audit_of_a_record_goes_no_farther_than_it_was_asked_for() -> None:
+    chosen = Planted()
+    whole = chosen.run(scene_from("gas"), events=50)
+    part = replace(whole, events=whole.events[:3], final_time=whole.events[2].time)
+    assert audit_run(part, chosen).kept is True
