@@ -9,7 +9,6 @@ from __future__ import annotations
 import heapq
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,6 @@ class Events(RecordedEngine):
     scene_keys = FOLLOWS
     numbers: Numbers = F64
     tells = "pair"
-    flips = False
 
     # -- the loop
 
@@ -78,10 +76,10 @@ class Events(RecordedEngine):
 
     def pairs(self, w: World) -> Iterator[tuple[int, int]]:
         """All that can ever collide, in the order of asking."""
+        moving = [k for k in range(w.n) if w.w[k] > 0]
         for i in range(w.n):
-            for j in range(i + 1, w.n + len(w.walls)):
-                if w.w[i] > 0 or (j < w.n and w.w[j] > 0):
-                    yield i, j
+            for j in range(i + 1, w.n + len(w.walls)) if w.w[i] > 0 else [k for k in moving if k > i]:
+                yield i, j
 
     def meets(self, w: World, n: Numbers, i: int, j: int) -> Any:
         """How long until two collide, or None."""
@@ -551,8 +549,8 @@ class OverlapSteps(RecordedEngine):
 
     def play(self, scene: Any, recording: Any) -> None:
         """Plays a scene; see `RecordedEngine`."""
-        w, law = World(scene, F64), self.law()
-        number = 0
+        law = self.law()
+        w, number = law.world(scene), 0
         while recording.open:
             number += 1
             told = self.advance(w, F64, law, number)
@@ -619,7 +617,8 @@ class ImpactSteps(RecordedEngine):
 
     def play(self, scene: Any, recording: Any) -> None:
         """Plays a scene; see `RecordedEngine`."""
-        w, law, number = World(scene, F64), Textbook(), 0
+        law = self.law()
+        w, number = law.world(scene), 0
         while recording.open:
             number += 1
             for told in self.advance(w, F64, law, number):
@@ -627,6 +626,10 @@ class ImpactSteps(RecordedEngine):
                     recording.hits(float(told.time), list(told.pairs), told.states)
             if number % 64 == 0 and law.next_contact(w, F64) is None:
                 return
+
+    def law(self) -> Events:
+        """Whose times and impulses it takes."""
+        return Textbook()
 
     def advance(self, w: World, n: Numbers, law: Events, number: int) -> list[Told]:
         """One step, contact by contact."""

@@ -60,8 +60,18 @@ class Bodies:
         for wall in scene.walls:
             x0, y0, x1, y1 = (_number(v) for v in (wall.x0, wall.y0, wall.x1, wall.y1))
             length = PRECISE.hypot(x1 - x0, y1 - y0)
-            self.walls.append((x0, y0, (y0 - y1) / length, (x1 - x0) / length, max(map(abs, (x0, y0, x1, y1))) / length))
+            self.walls.append(
+                (x0, y0, (y0 - y1) / length, (x1 - x0) / length, max(map(abs, (x0, y0, x1, y1))) / length)
+            )
         self.sides = [[1 if w.height(c.x, c.y).sign() >= 0 else -1 for w in scene.walls] for c in scene.circles]
+
+    @classmethod
+    def of_world(cls, world: Any, scene: Bodies) -> Bodies:
+        """The scene in the numbers that an engine starts from: `world` in 60 digits."""
+        made = cls.__new__(cls)
+        made.ids, made.n, made.r, made.w, made.sides = scene.ids, scene.n, world.r, world.w, scene.sides
+        made.walls = [(*line, wall[-1]) for line, wall in zip(world.walls, scene.walls, strict=True)]
+        return made
 
 
 def _number(value: Any) -> Any:
@@ -98,7 +108,7 @@ def residuals(run: Any) -> Iterator[Residual]:
 
 def _of_contact(bodies: Bodies, run: Any, index: int, event: Any, knots: Any, before: Any, after: Any) -> Any:
     time = precisely(float(event.time))
-    (a, b), = event.impulses
+    ((a, b),) = event.impulses
     i, j = bodies.ids[a], bodies.ids[b]
     old: dict[int, list[Any]] = {}
     new: dict[int, list[Any]] = {}
@@ -122,10 +132,22 @@ def _of_contact(bodies: Bodies, run: Any, index: int, event: Any, knots: Any, be
             yield Residual(
                 "flight", index, abs(p - f), {"place": size, "clock": clock, "clock*age": clock * (age + 1)}, {"k": k}
             )
-    yield from _of_impact(bodies, index, i, j, time, old, new, flown)
+    yield from impact_residuals(bodies, index, i, j, time, old, new, flown)
 
 
-def _of_impact(bodies: Bodies, index: int, i: int, j: int, time: Any, old: Any, new: Any, flown: Any) -> Any:
+def impact_residuals(
+    bodies: Bodies, index: int, i: int, j: int, time: Any, old: Any, new: Any, flown: Any
+) -> Iterator[Residual]:
+    """The residuals of gap and impulse of one contact.
+
+    Args:
+        bodies: the scene.
+        index: of the event.
+        i, j: the two by their places; a wall comes after all circles.
+        time: that is told.
+        old, new: [t, x, y, vx, vy] of circles, as they were last told and as they are told now; t is that of telling.
+        flown: where their own flights take them by the time.
+    """
     vi, vi2 = old[i][3:], new[i][3:]
     wi, wj, reach = bodies.w[i], ZERO, ZERO
     vj, vj2 = [ZERO, ZERO], [ZERO, ZERO]
@@ -160,7 +182,7 @@ def _of_impact(bodies: Bodies, index: int, i: int, j: int, time: Any, old: Any, 
         yield Residual(kind, index, abs(gap), sizes, {"gap": gap})
     closing = (vj[0] - vi[0]) * nx + (vj[1] - vi[1]) * ny
     relative = PRECISE.hypot(vj[0] - vi[0], vj[1] - vi[1])
-    for k, w, v, v2, way in ((i, wi, vi, vi2, 1), (j, wj, vj, vj2, -1)):
+    for w, v, v2, way in ((wi, vi, vi2, 1), (wj, vj, vj2, -1)):
         if w == 0:
             continue
         share = w / (wi + wj)

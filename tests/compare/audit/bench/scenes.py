@@ -139,9 +139,7 @@ def quick() -> Scene:
     balls = []
     for k in range(3):
         angle = random.uniform(0, 2 * math.pi)
-        balls.append(
-            Circle(0.125 + k * 0.25, 0.375, Fraction(1, 1024), 1000 * math.cos(angle), 1000 * math.sin(angle))
-        )
+        balls.append(Circle(0.125 + k * 0.25, 0.375, Fraction(1, 1024), 1000 * math.cos(angle), 1000 * math.sin(angle)))
     return Scene([*balls, *pins], box(0, 1), name="quick")
 
 
@@ -167,8 +165,8 @@ CASES: dict[str, Case] = {
         Case("masses-1e4", lambda: gas(7, 12, masses=("1e-4", 1, "1e4", 3)), 120),
         Case("galperin", known("galperin:n=2"), 314),
         Case("galperin-4", known("galperin:n=4"), 400),
-        Case("tennis", known("tennis"), 20, 20.0),
-        Case("sizes", known("sizes"), 20),
+        Case("tennis", known("tennis"), 20, 20.0, ties=True),
+        Case("sizes", known("sizes"), 20, ties=True),
         Case("graze-1e-6", lambda: graze("1e-6"), 6),
         Case("graze-1e-10", lambda: graze("1e-10"), 6, narrow=False),
         Case("graze-1e-13", lambda: graze("1e-13"), 6, narrow=False),

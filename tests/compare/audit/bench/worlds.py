@@ -121,10 +121,17 @@ class World:
         self.more: dict[str, Any] = {}
 
     def lifted(self) -> World:
-        """The same in numbers of 60 digits; and a copy, where it is in them."""
+        """The same in numbers of 60 digits."""
+        return self._mapped(precisely)
+
+    def copied(self) -> World:
+        """The same once more, of which the one may go on without the other."""
+        return self._mapped(lambda value: value)
+
+    def _mapped(self, change: Any) -> World:
         twin = copy(self)
         for key, value in vars(self).items():
-            setattr(twin, key, _lifted(value))
+            setattr(twin, key, _mapped(value, change))
         return twin
 
     def row(self, k: int) -> tuple[Any, Any, Any, Any]:
@@ -132,13 +139,12 @@ class World:
         return self.x[k], self.y[k], self.vx[k], self.vy[k]
 
 
-def _lifted(value: Any) -> Any:
+def _mapped(value: Any, change: Any) -> Any:
     if isinstance(value, float | np.floating):
-        return precisely(value)
-    if isinstance(value, Line):
-        return Line(*map(_lifted, value))
+        return change(value)
     if isinstance(value, list | tuple):
-        return type(value)(map(_lifted, value))
+        items = [_mapped(item, change) for item in value]
+        return type(value)(*items) if hasattr(value, "_fields") else type(value)(items)
     if isinstance(value, dict):
-        return {key: _lifted(item) for key, item in value.items()}
+        return {key: _mapped(item, change) for key, item in value.items()}
     return value
