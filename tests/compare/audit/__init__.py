@@ -1,0 +1,1 @@
+"""Tests of the audit, and the bench by which it is judged."""
