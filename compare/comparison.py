@@ -17,6 +17,7 @@ from .alignment.align import UNKNOWING, VERDICTS
 from .alignment.impulse_order import follows_the_law
 from .alignment.separation import not_measured, return_miss, separation
 from .audit.audit import audit_run
+from .audit.transcript import Transcript
 from .candidate import Candidate
 from .chaos.hazard.errors import model_of
 from .deadline import NO_TIME, Clock, OutOfTime, checked_seconds, time_limit, time_to_read, uninterrupted
@@ -264,7 +265,7 @@ def candidate_of(
             apart = separation(study.reference, run, end)
     except OutOfTime:
         apart = not_measured(study.reference)
-    return Candidate(
+    candidate = Candidate(
         engine=label,
         trajectory=run,
         alignment=alignment,
@@ -280,17 +281,38 @@ def candidate_of(
         stepped=engine.step is not None,
         pattern=pattern_of(found.history) if found.until is None else None,
         error=model_of(engine),
-        laws=None if unable else _audited(study, engine, run),
     )
+    return candidate if unable else replace(candidate, laws=_audited(study, engine, candidate))
 
 
-def _audited(study: Study, engine: Engine, run: Trajectory) -> Audit | None:
+def _audited(study: Study, engine: Engine, candidate: Candidate) -> Audit | None:
     """The audit of a run's steps; None where the user's seconds leave no time for it."""
     try:
         with time_to_read(study.watch):
-            return audit_run(run, engine)
+            found = audit_run(candidate.trajectory, engine)
+            return found if Transcript(candidate.trajectory).states else _timed(study, engine, candidate, found)
     except OutOfTime:
         return None
+
+
+def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> Audit:
+    """The audit of a record without states: its times and partners, up to the certified horizon of its bits."""
+    from .testing.tolerances.local_error import local_error
+    from .testing.tolerances.numbers import Demand, number_off
+    from .testing.tolerances.reach import MOST_CIRCLES, reach_of
+
+    reference = study.reference
+    if len(reference.scene.circles) > MOST_CIRCLES or study.truth.rounds_input:
+        return found
+    reach = reach_of(reference, local_error(engine, reference, engine.bits))
+    parted = candidate.alignment.divergence
+    off = number_off(reference, candidate, Demand(), reach, False)
+    if off is None and parted is not None and parted.event < reach.events:
+        off = f"event {parted.event} (t = {parted.time:.9g}): {parted.body} meets another partner"
+    horizon = f"event {reach.events:,}, the certified horizon of its rounding"
+    if off is not None:
+        return replace(found, kept=False, reason=f"{off}; up to {horizon}, it has to agree", horizon=reach.events)
+    return replace(found, reason=f"{found.reason}; they are right up to {horizon}", horizon=reach.events)
 
 
 def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: Study) -> bool:

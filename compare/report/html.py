@@ -53,6 +53,7 @@ def html_report(comparison: Comparison, *, command: str = "") -> str:
         title=f"{comparison.scene.name}: truebreak",
         sentence=verdict_sentence(comparison),
         comparison=comparison,
+        lawless=any(candidate.lawless for candidate in comparison.candidates),
         reference=reference,
         scene=comparison.scene,
         facts=_facts(comparison),
@@ -115,6 +116,7 @@ def _row(number: int, candidate: Candidate) -> dict[str, Any]:
         "number": number,
         "engine": candidate.engine,
         "verdict": candidate.verdict,
+        **_law(candidate),
         "agreed": f"{candidate.alignment.agreed:,}",
         "event": f"{divergence.event:,}" if divergence else "",
         "differs": f"event {divergence.event:,}, t = {divergence.time:.9g}" if divergence else "",
@@ -125,6 +127,15 @@ def _row(number: int, candidate: Candidate) -> dict[str, Any]:
         "miss": short(candidate.return_miss),
         "stop": candidate.trajectory.stop.message,
     }
+
+
+def _law(candidate: Candidate) -> dict[str, str]:
+    """Whether an engine keeps the law: a word, the class of its colour, and a sentence where it is not plainly so."""
+    laws = candidate.laws
+    if laws is None:
+        return {"law": "", "law_class": "", "law_told": ""}
+    word, colour = {True: ("kept", "agree"), False: ("not kept", "diverged"), None: ("unknown", "undecided")}[laws.kept]
+    return {"law": word, "law_class": colour, "law_told": "" if laws.kept else laws.sentence}
 
 
 def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> dict[str, Any]:

@@ -30,7 +30,7 @@ from .reproduction import check_again, reproduction, reproduction_of
 from .tolerances.local_error import LocalError, local_error
 from .tolerances.numbers import Demand, number_off, tie_off
 from .tolerances.own_order import permission
-from .tolerances.reach import OutOfReach, Reach, reach_of
+from .tolerances.reach import MOST_CIRCLES, OutOfReach, Reach, reach_of
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -43,9 +43,6 @@ FIRST, THEN = 64, 256
 
 PAST = 9 / 8
 """Steps are audited up to this many times the true run's end: what is missing at the end shows after it."""
-
-MOST_CIRCLES = 256
-"""Circles up to which local errors are carried along: four columns a circle, and eight an event."""
 
 
 class CheckFailed(AssertionError):

@@ -30,6 +30,10 @@ LINEAR = 16.0
 whether a decision may be another, but no longer how far off a circle is."""
 
 
+MOST_CIRCLES = 256
+"""Circles up to which local errors are carried along: four columns a circle, and eight an event."""
+
+
 @dataclass(frozen=True)
 class OutOfReach:
     """The first decision that errors of the engine's size may change.

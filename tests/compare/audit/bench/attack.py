@@ -42,9 +42,9 @@ class Judged(NamedTuple):
 
 def audit(engine: Any, scene: Any, **span: Any) -> Any:
     """The audit that is judged here: an object with `kept` and `finding`. This is the one place that names it."""
-    from truebreak.compare.audit import audited  # type: ignore[import-not-found]
+    from truebreak.compare.audit.audit import audit_run
 
-    return audited(engine, scene, **span)
+    return audit_run(engine.run(scene, **span), engine)
 
 
 def own(engine: Any, scene: Any, **span: Any) -> Judged:
