@@ -236,6 +236,8 @@ def _one_value(values: Sequence[float], law: float, rooms: Sequence[float]) -> t
     """The mean and the spread of values that are one, and not the law's; None if they are several, or the law's."""
     if not values:
         return None
+    if not all(map(math.isfinite, values)):
+        return None
     mean = math.fsum(values) / len(values)
     spread = max(abs(value - mean) for value in values)
     off = abs(mean - law)
@@ -304,9 +306,8 @@ def _masses(laws: Laws, samples: Sequence[Sample], ids: Sequence[str]) -> Iterab
         mine, others = [s for s in pairs if k in s.pair], [s for s in bad if k not in s.pair]
         if others or not mine or not laws.moving[k]:
             continue
-        found = _one_value(
-            [s.masses if s.pair[0] == k else 1 / s.masses for s in mine], 1.0, [s.room for s in mine]
-        )  # fmt: skip
+        ratios = [s.masses if s.pair[0] == k else 1 / s.masses if s.masses else math.inf for s in mine]
+        found = _one_value(ratios, 1.0, [s.room for s in mine])
         if found is not None:
             mass = found[0] / share[k]
             what = f"the mass of {name} taken for {_told(mass, 1 / share[k])}"

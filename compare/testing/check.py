@@ -93,6 +93,7 @@ def check(
     rtol: float | None = None,
     permitted: bool = False,
     horizon: str | int | None = None,
+    require_history: bool = False,
     work: int | None = None,
     max_seconds: float | None = None,
     **declared: Any,
@@ -111,6 +112,7 @@ def check(
         atol, rtol: times and places (where the engine tells them) within atol + rtol times the true value.
         permitted: any order of simultaneous impulses will do.
         horizon: bits, or a width by name, whose errors are granted, instead of those that the engine declares.
+        require_history: whether a check that can require no event of the history is not decided.
         work: see `ExactEngine`.
         max_seconds: what is not decided by then, as an engine hangs, is not decided.
         declared: of a log: `bits`, `step`, `rounds_input`, `lacks` (see `LogEngine.of`).
@@ -149,6 +151,7 @@ def check(
             "horizon": horizon,
             **declared,
         },
+        require_history,
     )
     bits, spanned = bits_asked(chosen, horizon), events is not None or until is not None or permitted
     if not spanned and len(loaded.circles) > MOST_CIRCLES:
@@ -183,6 +186,7 @@ class _Case:
     permitted: bool
     asked: bool
     demands: dict[str, Any]
+    strict: bool
 
     def span(self, events: int | None, until: QuantityLike | None, bits: int | None) -> Checked:
         """All of a span, or the scene's own, is required."""
@@ -191,7 +195,7 @@ class _Case:
         comparison = self._compared(events=events, until=until)
         asserted = [f"the same history in {len(comparison.reference.events)} events"]
         if self.permitted and (given or len(self.scene.circles) > MOST_CIRCLES):
-            asserted = self._permitted(comparison, None)
+            asserted = [*self._permitted(comparison, None), *self._audited(comparison.reference, comparison)]
         elif self.permitted:
             reference, local, reach = self._reach(bits)
             self._up_to_a_tie(comparison, reach, local)
@@ -199,6 +203,7 @@ class _Case:
         else:
             self._same_history(comparison, None)
             self._same_numbers(comparison, comparison.reference, comparison.candidates[0], None)
+            asserted += self._audited(comparison.reference, comparison)
         return self._done([*asserted, *self.demand.told], None, comparison)
 
     def as_far_as_it_reaches(self, bits: int | None) -> Checked:
@@ -215,6 +220,8 @@ class _Case:
             asserted += self._same_numbers(comparison, comparison.reference, comparison.candidates[0], reach, local)
         else:
             asserted = [f"history: nothing required ({_why_nothing(reach)})"]
+            if self.strict and reach.limit is not None:
+                raise NotDecided(f"{self.name} on {self.where}: {asserted[0]}; choose a scene whose start can be told")
         if reach.limit is not None:
             if comparison is not None:
                 asserted.append(f"past the certified horizon: {reach.limit}")

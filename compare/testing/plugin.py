@@ -14,16 +14,17 @@ if TYPE_CHECKING:
     from .golden import Golden
 
 MARKER = (
-    "truebreak(horizon=None, undecided='fail', work=None, max_seconds=None): how the fixture `truebreak` checks "
-    "engines in this test: whose errors are granted (such as 'float32', or bits), what becomes of a check that cannot "
-    "be decided (fail or skip), what one question may cost the exact engine, and after how many seconds a check is not "
-    "decided."
+    "truebreak(horizon=None, undecided='fail', require_history=False, work=None, max_seconds=None): how the fixture "
+    "`truebreak` checks engines in this test: whose errors are granted (such as 'float32', or bits), what becomes of a "
+    "check that cannot be decided (fail or skip), whether one that can require no event of the history fails, what one "
+    "question may cost the exact engine, and after how many seconds a check is not decided."
 )
 
 SETTINGS = {
     "horizon": "whose errors are granted: bits, or float32, double, quad; else what the engine declares",
     "undecided": "what becomes of a check that cannot be decided: fail (default) or skip",
     "work": "what one question may cost the exact engine, in counted units",
+    "require_history": "true: a check that can require no event of the history fails",
     "max_seconds": "seconds after which a check is not decided, as where an engine hangs; else there is no limit",
 }
 
@@ -62,7 +63,7 @@ class Truebreak:
         from ...scenarios.errors import SceneError
         from .check import CheckFailed, NotDecided, check
 
-        for key in ("horizon", "work", "max_seconds"):
+        for key in ("horizon", "require_history", "work", "max_seconds"):
             if self._settings[key] is not None:
                 demands.setdefault(key, self._settings[key])
         try:
@@ -140,6 +141,11 @@ def settings_of(node: pytest.Item) -> dict[str, Any]:
         found[name] = marks[name] if name in marks else next((value for value in given if value), None)
     if found["undecided"] not in (None, "fail", "skip"):
         raise pytest.UsageError(f"truebreak: undecided = {found['undecided']!r}; must be fail or skip")
+    if isinstance(found["require_history"], str):
+        words = {"true": True, "1": True, "yes": True, "false": False, "0": False, "no": False}
+        if found["require_history"].lower() not in words:
+            raise pytest.UsageError(f"truebreak: require_history = {found['require_history']!r}; must be true or false")
+        found["require_history"] = words[found["require_history"].lower()]
     for name, kind, told in (("work", int, "a whole number"), ("max_seconds", float, "a number of seconds")):
         if isinstance(found[name], str):
             try:

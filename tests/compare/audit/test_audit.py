@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import math
 import random
+import shlex
 from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import pytest
-from planted import FAULTS, Planted
 
+import truebreak
+from audit.planted import FAULTS, Planted
 from truebreak.compare import engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.compare.audit.passages import FEW, passages
 from truebreak.compare.audit.residuals import AUDIT_BITS, Laws, strengths_of
 from truebreak.compare.audit.transcript import Transcript
+from truebreak.compare.cli.entry import main
 from truebreak.compare.foreign import Recording
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.scene_argument import scene_from
+from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.exact.numbers import ball
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
@@ -253,3 +259,45 @@ def test_the_audit_of_a_record_goes_no_farther_than_it_was_asked_for() -> None:
     whole = chosen.run(scene_from("gas"), events=50)
     part = replace(whole, events=whole.events[:3], final_time=whole.events[2].time)
     assert audit_run(part, chosen).kept is True
+
+
+@pytest.mark.parametrize(
+    ("fault", "scene", "demands"),
+    [
+        ({"e": 0.98}, "gas", {}),  # the histories part
+        ({"e": 0.98}, "gas", {"events": 3}),  # the law, in a history that is right
+        ({"masses": "equal"}, "sizes", {}),  # past a horizon of no event
+        ({}, "gas", {"digits": 40}),  # a number
+    ],
+)
+def test_what_a_failed_check_prints_to_reproduce_fails_as_it_did(
+    fault: dict[str, Any], scene: str, demands: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A command exits with 1; a call of `truebreak.check` raises."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    source = Path(__file__).with_name("planted.py").read_text()
+    name = f"mine{abs(hash((str(fault), scene, str(demands)))) % 10**8}"
+    mine_of = "class Mine(Planted):\n    name = 'mine'\n    def __init__(self):\n        super().__init__"
+    told = f"{source}\n\n{mine_of}(**{fault!r})\n"
+    (tmp_path / f"{name}.py").write_text(told)
+    mine = getattr(import_module(name), "Mine")()  # noqa: B009
+    with pytest.raises(CheckFailed) as caught:
+        check(mine, scene, **demands)
+    (again,) = [line.partition(": ")[2] for line in str(caught.value).splitlines() if "reproduce: " in line]
+    if again.startswith("truebreak compare"):
+        words = shlex.split(again)[1:]
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+        assert ended.value.code == 1, again
+    else:
+        with pytest.raises(CheckFailed):
+            eval(again, {"truebreak": truebreak})
+
+
+def test_a_check_that_requires_nothing_of_the_history_says_so_and_may_fail() -> None:
+    told = str(check("double", "lee"))
+    assert "history: nothing required (an exact tie at event 0)" in told
+    assert "2 impacts and 3 flights audited" in told
+    with pytest.raises(NotDecided, match="nothing required"):
+        check("double", "lee", require_history=True)
