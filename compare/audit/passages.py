@@ -216,7 +216,7 @@ def _enclosed(
     wide = float(reach)
     far = away + speed * (time - start)
     room = laws.unit * (2 * FLIGHT_UNITS * sizes + ROOT_UNITS * (far * (far / wide) + wide)) + LEAST
-    room += sum(one.apart + one.turned * (time - one.t) for one in (leg, other)) if leg.apart or other.apart else 0.0
+    room += sum(one.apart + one.turned * (time - one.t) for one in (leg, other) if one.apart)
     size = size_of(deeper) if deeper > 0 else 0.0
     if size <= room:
         return None

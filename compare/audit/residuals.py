@@ -384,7 +384,7 @@ def _groups(pairs: Sequence[tuple[int, int]], moving: Sequence[bool], count: int
     """Impulses of one instant, those that hang together through circles that can move; in the order reported.
 
     >>> _groups([(0, 1), (2, 5), (1, 3)], [True] * 4, 4)
-    [[(0, 1), (1, 3)], [(2, 5)]]
+    [[(2, 5)], [(0, 1), (1, 3)]]
     """
     if len(pairs) == 1:
         return [[pairs[0]]]

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 WIDE_STATES = 4_000
 """States of circles that are read off a run of enclosures, a millisecond each; the rest is not audited."""
 
+NEAREST = 2.0**-51
+"""A share of sizes by which doubles may be from the numbers to which they are nearest, twice over."""
+
 READ_BITS = 320
 """Bits to which numbers are read that are no doubles."""
 
@@ -75,8 +78,8 @@ def _middle(flight: Flight) -> tuple[float, ...]:
     """The middle of a flight's numbers, and the radius of its place and of its velocity."""
     numbers = flight[:5]
     wide = [float(value.rad()) for value in numbers]
-    apart = wide[1] + wide[2] + flight.speed * wide[0]
-    return (*(float(value.mid()) for value in numbers), apart, wide[3] + wide[4])
+    apart = wide[1] + wide[2] + flight.speed * wide[0] + NEAREST * (flight.place + flight.speed * flight.time)
+    return (*(float(value.mid()) for value in numbers), apart, wide[3] + wide[4] + NEAREST * flight.speed)
 
 
 @dataclass

@@ -28,7 +28,7 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     for cause in CAUSES.values():
         if cause.experiment is not None:
             found.rows += _function(cause.experiment)(lab, found)
-            if cause is CAUSES["LAW"] and found.rows[-1].suffices:
+            if cause is CAUSES["LAW"] and found.rows:
                 break
     return diagnosed(found.rows)
 

@@ -271,4 +271,4 @@ def test_a_contact_that_is_not_told_is_no_rounding(text: str, forgotten: int) ->
     found = compare(catalogue.build(text), [Forgetful(forgotten)], events=7)["forgetful"]
     assert found.verdict == "diverged"
     assert found.diagnosis is not None
-    assert found.diagnosis.sufficient == (CauseName.MODEL,)
+    assert found.diagnosis.sufficient == (CauseName.LAW,)
