@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, fmpq
 
 from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy.kept import kept
 from ...scenarios.numbers.doubles import certain_double
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.numbers.tower.element import Element
@@ -110,7 +110,7 @@ class ExactMotion:
         self.returned = False
         self.tape: Tape | None = None
 
-    @cached_property
+    @kept
     def _rough(self) -> list[list[float]]:
         """About when each knot is."""
         return [[float(_ball(knot[0])) for knot in row] for row in self.knots]

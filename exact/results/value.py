@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import copyreg
 from collections.abc import Sequence
-from functools import cached_property
 from typing import Any
 
 from flint import arb, fmpq
 
+from ...scenarios.lazy.kept import kept
 from ...scenarios.numbers.doubles import BITS_PER_DIGIT, bounds_of, certain_double, nearest_double
 from ...scenarios.numbers.tower.element import Element
 from ...scenarios.numbers.tower.tower import Tower
@@ -68,9 +68,8 @@ class ExactValue:
             return self.near.ball(bits)
         if self.near.rel_accuracy_bits() >= bits:
             return self.near
-        saved = ball.bits_in_use()
-        try:
-            working = self.log.lost + max(bits + GUARD_BITS, LEAST_BITS)
+        working = self.log.lost + max(bits + GUARD_BITS, LEAST_BITS)
+        with ball.precision(working):
             while True:
                 state = self.log.in_balls(working, self.upto)
                 ball.use_bits(working)
@@ -80,13 +79,11 @@ class ExactValue:
                 if value.contains(0) and value.abs_upper() < arb(2) ** -(bits + LOWEST_DOUBLE):
                     return value
                 working *= 2
-        finally:
-            ball.use_bits(saved)
 
     def __float__(self) -> float:
         return self._double
 
-    @cached_property
+    @kept
     def _double(self) -> float:
         if isinstance(self.near, fmpq):
             return nearest_double(self.near)

@@ -21,7 +21,7 @@ from ....scenarios.scene import Scene
 from ..ball_state import BallState, Told
 from ..body import Body, Flight
 from ..contact import AtWall, Entry, Link, Touch
-from .deviations import Deviations, Numbers, is_finite, numbers_of
+from .deviations import Deviations, Numbers, is_finite, is_sharp, numbers_of
 from .errors import Collision
 
 MOST_MOVERS = 24
@@ -103,8 +103,11 @@ class CentredState(BallState):
             held.centre(body)
         super().go(source, bodies)
         centres = {body.index: numbers_of(body) for body in flying}
-        lags = [(body.index, float(body.flight.t - flight.t)) for body, flight in zip(flying, before, strict=True)]
-        told = held.advance(lags, self, source, self._told, self._root)
+        waits = [(body.index, body.flight.t - flight.t) for body, flight in zip(flying, before, strict=True)]
+        lags = [(i, float(wait)) for i, wait in waits if is_sharp(wait)]
+        told = None
+        if len(lags) == len(waits):
+            told = held.advance(lags, self, source, self._told, self._root)
         if told is None:
             for body, flight in zip(flying, before, strict=True):
                 body.flight = flight

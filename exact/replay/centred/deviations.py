@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import inf, ldexp, log2
+from math import inf, ldexp, log2, nan
 from typing import NamedTuple, TypeAlias
 
 from flint import arb
@@ -227,20 +227,23 @@ class Deviations:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if (found := self._strengths.get(link)) is None:
             a, b = link.ends(state)
-            reach = float(state.reach(a, b))
+            radii = state.reach(a, b)
+            reach = float(radii)
             weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
-            known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
+            known = is_sharp(radii) and is_sharp(a.w) and is_sharp(b.w)
+            known = known and LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
             found = self._strengths[link] = -2.0 / weight if known else 0.0
         return found
 
     def face(self, state: BallState, link: AtWall) -> Face:
-        """A wall in doubles, as a circle comes to it."""
+        """A wall in doubles, as a circle comes to it; one whose normal they do not tell is never steep enough."""
         found = self._faces.get(link)
         if found is None:
             line, parts = state.line(link.circle, link.wall), state.mirror_of(link)
             off = 2.0 * (max(float(part.rad()) for part in parts) + 2.0**-52) * UP
             xx, xy, yy = map(float, parts)
-            found = self._faces[link] = Face(float(line.nx), float(line.ny), Mirror(xx, xy, yy, off))
+            nx, ny = (float(number) if is_sharp(number) else nan for number in (line.nx, line.ny))
+            found = self._faces[link] = Face(nx, ny, Mirror(xx, xy, yy, off))
         return found
 
     def mirror(self, face: Face, body: Body[arb]) -> bool:
@@ -320,6 +323,11 @@ def waited(late: arb | None) -> float:
     True
     """
     return inf if late is None else float(late.abs_upper()) * UP
+
+
+def is_sharp(number: arb) -> bool:
+    """Whether the double of a ball's middle is within 2u of what it holds: whatever precision that was made with."""
+    return number.rel_accuracy_bits() > ball.SHARP_BITS
 
 
 def numbers_of(body: Body[arb]) -> Numbers:
