@@ -79,15 +79,6 @@ def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> Fl
     return FloatLine(wall, fx0, fy0, fnx, fny, fixed, norm, size)
 
 
-def float_reach(reach: arb) -> float:
-    """The double of a sum of radii in a short ball, to within 2u; not a number, so never clear, where that is too wide.
-
-    >>> float_reach(arb(3)), float_reach(arb("1 +/- 1e-9"))
-    (3.0, nan)
-    """
-    return float(reach) if reach.rel_accuracy_bits() > ACCURATE_BITS else nan
-
-
 PairBounds: TypeAlias = tuple[float, float, float, float, float]
 """4 E and F; of d.v and d x v, |v|^2 and what a `late` of 1 does to d.v: bounds that hold for any pair."""
 
@@ -201,7 +192,7 @@ class DoubleFilter:
         either `late`.
 
         Args:
-            reaches: the sum of radii with a for each kind of body (see `float_reach`).
+            reaches: the sum of radii with a for each kind of body; not a number where doubles do not tell it.
         """
         fa = a.f
         found: list[tuple[float, float, Body[arb]]] = []

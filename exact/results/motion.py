@@ -175,10 +175,10 @@ class ExactMotion:
         if time is self.end:
             return len(knots) - 1
         rough = self._rough[i]
-        near = float(time)
+        near = float(time.ball(ROUGH_BITS))  # infinite beyond doubles, where every knot is looked at
         room = abs(near) * 2.0**-50
         k = bisect_right(rough, near + room) - 1
-        while k > 0 and rough[k] >= near - room and self._after(self._time_value(i, k), time):
+        while k > 0 and not rough[k] < near - room and self._after(self._time_value(i, k), time):
             k -= 1
         return max(k, 0)
 
@@ -229,6 +229,9 @@ class ExactMotion:
                 result[row, i] = [_double(value) for value in values]
         return result
 
+
+ROUGH_BITS = 64
+"""Accuracy at which a time is looked for among the knots, as a double."""
 
 EQUAL_BITS = 1024
 """Accuracy at which a time that still cannot be told from an event's is asked to be proved equal."""
@@ -287,7 +290,7 @@ def steps_through(event: Event) -> int:
 
 
 def _shown(time: RunTime) -> str:
-    return f"{float(time):.17g}"
+    return time.ball(ROUGH_BITS).str(17, radius=False)
 
 
 def _known(log: RunLog, value: Quantity) -> ExactValue:

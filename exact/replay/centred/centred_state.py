@@ -18,10 +18,11 @@ from flint import arb
 
 from ....scenarios.numbers.quantity import Quantity
 from ....scenarios.scene import Scene
+from ...numbers import ball
 from ..ball_state import BallState, Told
 from ..body import Body, Flight
 from ..contact import AtWall, Entry, Link, Touch
-from .deviations import Deviations, Numbers, is_finite, is_sharp, numbers_of
+from .deviations import Deviations, Numbers, is_finite, numbers_of
 from .errors import Collision
 
 MOST_MOVERS = 24
@@ -104,7 +105,7 @@ class CentredState(BallState):
         super().go(source, bodies)
         centres = {body.index: numbers_of(body) for body in flying}
         waits = [(body.index, body.flight.t - flight.t) for body, flight in zip(flying, before, strict=True)]
-        lags = [(i, float(wait)) for i, wait in waits if is_sharp(wait)]
+        lags = [(i, float(wait)) for i, wait in waits if ball.is_sharp(wait)]
         told = None
         if len(lags) == len(waits):
             told = held.advance(lags, self, source, self._told, self._root)

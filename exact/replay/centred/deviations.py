@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import inf, ldexp, log2, nan
+from math import inf, ldexp, log2
 from typing import NamedTuple, TypeAlias
 
 from flint import arb
@@ -69,7 +69,7 @@ class Deviations:
         self.time_power = _unit_of_time(members)
         self.unit = 2.0**self.time_power
         self.near_time = SMALL_WAIT / 2 * self.unit
-        self.weights = [float(body.w) for body in circles]
+        self.weights = [ball.as_double(body.w) for body in circles]
         self.mid = {body.index: _midpoints(body.flight) for body in members}
         self.carried: set[int] = set()
         self.place = {body.index: k for k, body in enumerate(members)}
@@ -227,11 +227,9 @@ class Deviations:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if (found := self._strengths.get(link)) is None:
             a, b = link.ends(state)
-            radii = state.reach(a, b)
-            reach = float(radii)
+            reach = ball.as_double(state.reach(a, b))
             weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
-            known = is_sharp(radii) and is_sharp(a.w) and is_sharp(b.w)
-            known = known and LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
+            known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
             found = self._strengths[link] = -2.0 / weight if known else 0.0
         return found
 
@@ -242,8 +240,7 @@ class Deviations:
             line, parts = state.line(link.circle, link.wall), state.mirror_of(link)
             off = 2.0 * (max(float(part.rad()) for part in parts) + 2.0**-52) * UP
             xx, xy, yy = map(float, parts)
-            nx, ny = (float(number) if is_sharp(number) else nan for number in (line.nx, line.ny))
-            found = self._faces[link] = Face(nx, ny, Mirror(xx, xy, yy, off))
+            found = self._faces[link] = Face(ball.as_double(line.nx), ball.as_double(line.ny), Mirror(xx, xy, yy, off))
         return found
 
     def mirror(self, face: Face, body: Body[arb]) -> bool:
@@ -323,11 +320,6 @@ def waited(late: arb | None) -> float:
     True
     """
     return inf if late is None else float(late.abs_upper()) * UP
-
-
-def is_sharp(number: arb) -> bool:
-    """Whether the double of a ball's middle is within 2u of what it holds: whatever precision that was made with."""
-    return number.rel_accuracy_bits() > ball.SHARP_BITS
 
 
 def numbers_of(body: Body[arb]) -> Numbers:

@@ -14,7 +14,7 @@ from ...laws.formulas import wall_approach, wall_gap, wall_hit_time
 from ...numbers import ball
 from ..body import Flight, Landed, Midpoints, new_flight
 from ..centred.centred_state import CentredState
-from ..centred.deviations import Deviations, Moved, is_sharp
+from ..centred.deviations import Deviations, Moved
 from ..centred.errors import Spent
 from ..contact import AtWall, Pair, Touch
 from .carrying import Carried, carry_pair, carry_wall
@@ -101,7 +101,7 @@ class LoneCentred:
             since = clock - at, lag
             bx, by = bx + bvx * lag, by + bvy * lag
             ax, ay = bx - ex + vx * late, by - ey + vy * late
-        if not (is_sharp(since[0]) and is_sharp(since[1])):
+        if not (ball.is_sharp(since[0]) and ball.is_sharp(since[1])):
             return None
         strength = share_a * root
         jx, jy = strength * ex, strength * ey
@@ -137,7 +137,7 @@ class LoneCentred:
             return None
         clock = instant.mid()
         lag = clock - base
-        if not is_sharp(lag):
+        if not ball.is_sharp(lag):
             return None
         late = wait - lag
         velocity = vx, vy
