@@ -31,6 +31,9 @@ ENGINES = (f"{_ROOT}.exact.", f"{_ROOT}.floating.", f"{_ROOT}.compare.foreign.")
 RECORDING = f"{_ROOT}.compare.foreign.runs.recording"
 """What takes down a run must not be stopped in the middle of an event."""
 
+HOLDING = f"{_ROOT}.scenarios.numbers.precision"
+"""What holds flint's precision, and gives it back, must not be stopped on the way."""
+
 DROPPING = "mpmath."
 """Whose code drops whatever is raised in some places (a bare `except`), and goes on with something else."""
 
@@ -174,7 +177,7 @@ def _can_drop(frame: FrameType | None) -> bool:
     """Whether nothing is under way in a frame that must be whole (an import, what C calls), or drops exceptions."""
     while frame is not None:
         module = str(frame.f_globals.get("__name__"))
-        if "pymunk" in module or module.startswith(("importlib", DROPPING)):
+        if "pymunk" in module or module == HOLDING or module.startswith(("importlib", DROPPING)):
             return False
         frame = frame.f_back
     return True
@@ -193,7 +196,7 @@ def _can_end(frame: FrameType | None) -> bool:
         handled = handled.__context__
     while frame is not None:
         module = str(frame.f_globals.get("__name__"))
-        if "pymunk" in module or module == RECORDING or module.startswith(DROPPING):
+        if "pymunk" in module or module in (RECORDING, HOLDING) or module.startswith(DROPPING):
             return False
         if module.startswith(ENGINES) and "TimeIsUp" in frame.f_code.co_names and frame.f_code.co_name != "<module>":
             return True

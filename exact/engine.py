@@ -13,10 +13,12 @@ from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.event import Event, Pocketing, Reversal
 from ..scenarios.lazy.late import Late
+from ..scenarios.numbers.precision import check_doubles
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
 from .certified.decider import CertifiedDecider
+from .certified.precision import FIRST_BITS
 from .numbers import ball
 from .numbers.field import Known, known_ball
 from .numbers.undecided import BudgetSpent, Undecided
@@ -167,7 +169,8 @@ class ExactEngine(Declared):
         progress: OnProgress | None,
         take_up: Callable[[Loop, CertifiedDecider], None] | None = None,
     ) -> Trajectory:
-        with ball.precision(ball.bits_in_use()), SELDOM_COLLECTED:
+        with ball.precision(FIRST_BITS), SELDOM_COLLECTED:
+            check_doubles()
             decider = CertifiedDecider(scene, limits, self.max_bits, self.work, TieRule.parse(self.ties))
             loop = Loop(scene, decider, limits, progress, policy)
             if take_up is not None:
@@ -180,6 +183,7 @@ class ExactEngine(Declared):
                 tape.rises, tape.grazes = decider.history.rises, decider.grazes
             run = self._trajectory(scene, decider, limits, stop, tape)
             decider.close()
+            check_doubles()
             return run
 
     def _trajectory(

@@ -8,7 +8,7 @@ from .lazy.names import handed_on
 
 if TYPE_CHECKING:
     from .engine import Declared, Engine
-    from .errors import SceneError
+    from .errors import Disturbed, SceneError
     from .event import Contact, Event
     from .numbers.quantity import Quantity
     from .scene import Scene
@@ -20,6 +20,7 @@ __all__ = [
     "Circle",
     "Contact",
     "Declared",
+    "Disturbed",
     "Engine",
     "Event",
     "Pocket",
@@ -38,6 +39,7 @@ _HOMES = {
     "Circle": "things",
     "Contact": "event",
     "Declared": "engine",
+    "Disturbed": "errors",
     "Engine": "engine",
     "Event": "event",
     "Pocket": "things",

@@ -14,6 +14,12 @@ class SceneError(ValueError):
     """
 
 
+class Disturbed(RuntimeError):
+    """Something that exact numbers rest on was changed from outside while they were computed, and nothing is given
+    back: flint's working precision, the rounding mode of doubles, or that these are kept near zero. The message says
+    which, and what to do."""
+
+
 class TimeIsUp(BaseException):
     """The seconds that the user allowed a whole run are over. Like an interruption, it may come anywhere; engines
     end their runs at what is whole by then."""

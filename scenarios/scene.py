@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from copy import copy
 from dataclasses import field, fields
-from functools import cached_property
 from typing import Any, TypeVar
 
 from .checks.limits import checked_truth, positive_count, positive_time
 from .checks.validation import check_apart
 from .errors import SceneError
 from .lazy.frozen import frozen
+from .lazy.kept import kept
 from .numbers.quantity import Quantity, QuantityLike
 from .things import Circle, Pocket, Wall
 from .tie_policy import TiePolicy
@@ -135,7 +135,7 @@ class Scene:
                 raise SceneError(f"id {thing.id!r} is used twice; give every circle, wall and pocket an id of its own")
             seen.add(thing.id)
 
-    @cached_property
+    @kept
     def _hash(self) -> int:
         return hash(tuple(getattr(self, item.name) for item in fields(self)))
 
@@ -143,7 +143,7 @@ class Scene:
         """Taken once: what is known of a scene is looked up by it in every run."""
         return self._hash
 
-    @cached_property
+    @kept
     def ids(self) -> tuple[str, ...]:
         """Ids of the circles, then of the walls: the scene order."""
         return tuple(str(thing.id) for thing in (*self.circles, *self.walls))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import field
 from enum import Enum
-from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol, SupportsFloat, TypeAlias
 
 from .event import Assumption, Event, Pocketing, Reversal
 from .lazy.frozen import frozen
+from .lazy.kept import kept
 from .numbers.quantity import Quantity
 from .numbers.real import Real, real
 from .scene import Scene
@@ -147,7 +147,7 @@ class Trajectory:
         time, told = self.events[event].time, getattr(self.motion, "after", None)
         return self._state(time, self.motion.state(time) if told is None else told(event))
 
-    @cached_property
+    @kept
     def final(self) -> State:
         """The state at the end."""
         return self.at(self.final_time)

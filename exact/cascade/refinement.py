@@ -9,6 +9,7 @@ from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.undecided import Undecided
 from ..predicates.question import Decision, Question
+from ..replay.steps import step_units
 from .enclosures import InBalls, InField
 from .grounds import Grounds
 from .nested_roots import NestedRoots
@@ -22,9 +23,6 @@ FIRST_SHARE = 100_000
 SHARE_GROWTH = 4
 """By how much each further attempt may take more. Between two of them the bits are doubled, so that neither a number
 that more bits tell from zero nor one that nested roots prove zero waits long for the other's attempts."""
-
-STEP_UNITS = 60
-"""Work of one step of the log in short balls: about 60 microseconds."""
 
 
 class RootsAndBits:
@@ -75,8 +73,7 @@ class RootsAndBits:
 
     def _rise_units(self, bits: int) -> int:
         """The work of computing the whole log again in balls of so many bits."""
-        words = bits >> 6
-        return len(self._grounds.steps) * (STEP_UNITS + words * words.bit_length())
+        return len(self._grounds.steps) * step_units(bits)
 
     def _agreed_bits(self, question: Question) -> int:
         """To how many bits, in absolute value, the number asked about agrees with zero."""

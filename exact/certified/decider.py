@@ -19,7 +19,7 @@ from ..predicates.ties import TieRule
 from ..replay.body import Body
 from ..replay.contact import Entry, Link, name_of
 from ..replay.refinable import Projection, RefinableState
-from ..replay.steps import Step
+from ..replay.steps import STEP_UNITS, Step, step_units
 from ..simulation.arrivals.initial import touching_at_start
 from ..simulation.arrivals.queue import ArrivalQueue
 from ..simulation.history import History
@@ -32,9 +32,6 @@ from .meetings import CertifiedMeetings
 from .precision import FIRST_BITS, Precision
 from .reading import CertifiedReading
 from .stride import Stride
-
-STEP_UNITS = 60
-"""Work of one step of the log in short balls: about 60 microseconds."""
 
 ASK_UNITS = 20
 """Work of a question that balls answer."""
@@ -111,7 +108,7 @@ class CertifiedDecider:
         """
         ball.use_bits(self.state.bits)
         self.state.do(step)
-        self._instant_work += STEP_UNITS
+        self._instant_work += step_units(self.state.length)
         if self._instant_work > self._work:
             raise BudgetSpent(
                 f"the impulses of one instant cost more than {self._work} units of work, {self._precision.where()}; "

@@ -105,14 +105,14 @@ class Precision:
         if self._limits.until is not None and done:
             reached = rough(self._history.records[-1].mark.time)
             if reached > 0.0:
-                wholes.append(done * float(self._limits.until) / reached)
+                wholes.append(done * ball.double_bounds(ball.constant(self._limits.until))[1] / reached)
         if not wholes or not done:
             return 0
         once = ONCE if self._state.centred else 0
         lost = max(self._state.bits - self._state.lowest - once, 1)
         share = SET_FORESIGHT if self._state.centred else FORESIGHT
         whole = min(wholes) / done * lost * share + once + 2 * SAFE_BITS
-        return int(min(whole, MOST_FORESIGHT * self._state.bits))
+        return int(min(whole, MOST_FORESIGHT * self._state.bits))  # also where times are beyond doubles
 
 
 def rough(time: Known) -> float:

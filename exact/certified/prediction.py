@@ -52,7 +52,7 @@ class FilteredPredictor(Predictor[arb]):
         self.filter = DoubleFilter()
         self._reaches = self._quick_reaches()
         self._lines: dict[tuple[int, int, bool], tuple[arb, arb, arb, arb, arb]] = {}
-        self._float_reaches = [[float(reach) for reach in row] for row in self._reaches]
+        self._float_reaches = [[ball.as_double(reach) for reach in row] for row in self._reaches]
         self._float_lines: dict[int, list[FloatLine]] = {}
         self._known_float_lines: dict[tuple[int, int, bool], FloatLine] = {}
         self._outlooks: dict[tuple[int, int], Outlook[arb]] = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf, nextafter
+from math import inf, nan, nextafter
 
 from flint import arb
 
@@ -54,6 +54,20 @@ def double_bounds(value: arb) -> tuple[float, float]:
     if not value.is_finite():
         return -inf, inf
     return nextafter(float(value.lower()), -inf), nextafter(float(value.upper()), inf)
+
+
+def is_sharp(value: arb) -> bool:
+    """Whether the double of a ball's middle is off by two roundings at most, whatever made the ball."""
+    return value.rel_accuracy_bits() > SHARP_BITS
+
+
+def as_double(value: arb) -> float:
+    """The double of a ball's middle; not a number, which meets no condition, where the ball is too wide for it.
+
+    >>> as_double(arb(3)), as_double(arb("1 +/- 1e-9"))
+    (3.0, nan)
+    """
+    return float(value) if is_sharp(value) else nan
 
 
 def constant(q: Quantity) -> arb:

@@ -68,13 +68,14 @@ class FloatLine(NamedTuple):
 
 
 def float_line(wall: int, x0: arb, y0: arb, nx: arb, ny: arb, offset: arb) -> FloatLine:
-    """The doubles of a wall's short balls; a wall that they cannot tell is given infinite size, so never clear."""
+    """The doubles of a wall's short balls. Where these cannot tell the wall, its normal and its size are infinite, and
+    nothing is ever clear: neither that a circle meets it nor that it flies away from it."""
     fx0, fy0, fnx, fny, fixed = (float(value) for value in (x0, y0, nx, ny, offset))
     norm = abs(fnx) + abs(fny)
     size = norm * (abs(fx0) + abs(fy0)) + abs(fixed)
     sharp = all(value.rel_accuracy_bits() > ACCURATE_BITS for value in (x0, y0, nx, ny, offset))
     if not (sharp and size < BIG and 1 / BIG < norm < BIG):
-        size = inf
+        norm = size = inf
     return FloatLine(wall, fx0, fy0, fnx, fny, fixed, norm, size)
 
 
@@ -191,7 +192,7 @@ class DoubleFilter:
         either `late`.
 
         Args:
-            reaches: the sum of radii with a for each kind of body, to within 2u relatively.
+            reaches: the sum of radii with a for each kind of body; not a number where doubles do not tell it.
         """
         fa = a.f
         found: list[tuple[float, float, Body[arb]]] = []
@@ -271,13 +272,13 @@ class DoubleFilter:
     def apart(self, a: Body[arb], pocket: Body[arb], r: float) -> bool:
         """Whether a centre, at its clock, is surely not on the rim of a pocket of radius r.
 
-        The clock is off the instant by less than 2**-90 of the time (`SAFE_BITS` of the cascade), which E covers.
+        The clock may be `late` off the instant, by which a coordinate of d changes by V `late` at most.
         """
         fa, fb = a.f, pocket.f
         if fa is None or fb is None:
             return False
         dx, dy = fb[0] - fa[0], fb[1] - fa[1]
-        near = 64 * UNIT * (self.largest + self.fastest * fa[4])
+        near = 64 * UNIT * (self.largest + self.fastest * fa[4]) + self.fastest * fa[5]
         off = 8.0 * near * (abs(dx) + abs(dy) + near) + 32 * UNIT * r * r
         return abs(dx * dx + dy * dy - r * r) > off
 

@@ -136,7 +136,7 @@ class BallState(State[arb]):
 
         The direction u of v comes from the quotient of v's components, so that only the uncertainty of that enters.
         """
-        steep = abs(float(vx)) < abs(float(vy))
+        steep = bool(abs(vx) < abs(vy))  # in balls: both may be below all doubles
         quotient = vx / vy if steep else vy / vx
         stretch = (self.one + quotient * quotient).sqrt()
         speed = (vy if steep else vx) * stretch

@@ -43,6 +43,7 @@ class RefinableState:
         held: tells, after a round of impulses, what is known to hold a circle to a line or a point.
         lone: carries out contacts that stand alone.
         lowest: the worst accuracy in bits of any event time since the last rise.
+        length: bits of the longest number of the step carried out last, a whole number in the field or a ball.
     """
 
     def __init__(self, scene: Scene, bits: int) -> None:
@@ -59,6 +60,7 @@ class RefinableState:
         self.bodies = self.balls.bodies
         self.lone = lone_contacts(self.balls)
         self.lowest = bits
+        self.length = bits
         self.held: Callable[[int], Projection | None] | None = None
         self._projected: dict[int, list[tuple[int, Projection]]] = {}
         self._tried: set[int] = set()
@@ -143,6 +145,7 @@ class RefinableState:
                     if self.exact[i]:
                         self._leave(i)
             self.balls.steps_done = len(self.steps)
+            self.length = self.bits
             self.lowest = min(self.lowest, self._step_in_balls(self.balls, step, taking_part, self.bits))
         self.steps.append(step)
         self._in_field.append(in_field)
@@ -204,7 +207,7 @@ class RefinableState:
         for i in taking_part:
             body = state.bodies[i]
             x, y, vx, vy, t, *_ = body.flight
-            longest = max(longest, height(x), height(y), height(t), height(vx))
+            longest = max(longest, height(x), height(y), height(vx), height(vy), height(t))
             if isinstance(step, Kick):
                 body.flight = body.flight._replace(rest=vx == 0 and vy == 0)
         if isinstance(step, Go):
@@ -213,6 +216,7 @@ class RefinableState:
         if isinstance(step, Flip):
             self.sync(taking_part)
             self.balls.flip_time = field_ball(state.flip_time, ball.bits_in_use())
+        self.length = longest
         if longest > FIELD_BITS and isinstance(step, Kick):
             self.steps.append(step)
             for i in taking_part:

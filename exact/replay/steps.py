@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple, TypeAlias
 
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.work import product_units
 from .contact import Link, Touch
 
 
@@ -49,6 +50,22 @@ class Take(NamedTuple):
 
 
 Step: TypeAlias = Go | Kick | Flip | Take
+
+
+STEP_UNITS = 60
+"""Work of one step of the log in short numbers: about 60 microseconds."""
+
+STEP_PRODUCTS = 30
+"""Products of a step: those of long numbers are most of it."""
+
+
+def step_units(bits: int) -> int:
+    """Work of one step of the log in numbers of so many bits.
+
+    >>> [step_units(bits) for bits in (256, 10_000, 1_000_000)]
+    [60, 240, 77280]
+    """
+    return STEP_UNITS + STEP_PRODUCTS * product_units(bits, bits)
 
 
 def causal_past(steps: Sequence[Step], bodies: Iterable[int]) -> tuple[list[int], list[int]]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, fmpq
 
 from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy.kept import kept
 from ...scenarios.numbers.doubles import certain_double
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.numbers.tower.element import Element
@@ -110,7 +110,7 @@ class ExactMotion:
         self.returned = False
         self.tape: Tape | None = None
 
-    @cached_property
+    @kept
     def _rough(self) -> list[list[float]]:
         """About when each knot is."""
         return [[float(_ball(knot[0])) for knot in row] for row in self.knots]
@@ -175,10 +175,10 @@ class ExactMotion:
         if time is self.end:
             return len(knots) - 1
         rough = self._rough[i]
-        near = float(time)
+        near = float(time.ball(ROUGH_BITS))  # infinite beyond doubles, where every knot is looked at
         room = abs(near) * 2.0**-50
         k = bisect_right(rough, near + room) - 1
-        while k > 0 and rough[k] >= near - room and self._after(self._time_value(i, k), time):
+        while k > 0 and not rough[k] < near - room and self._after(self._time_value(i, k), time):
             k -= 1
         return max(k, 0)
 
@@ -229,6 +229,9 @@ class ExactMotion:
                 result[row, i] = [_double(value) for value in values]
         return result
 
+
+ROUGH_BITS = 64
+"""Accuracy at which a time is looked for among the knots, as a double."""
 
 EQUAL_BITS = 1024
 """Accuracy at which a time that still cannot be told from an event's is asked to be proved equal."""
@@ -287,7 +290,7 @@ def steps_through(event: Event) -> int:
 
 
 def _shown(time: RunTime) -> str:
-    return f"{float(time):.17g}"
+    return time.ball(ROUGH_BITS).str(17, radius=False)
 
 
 def _known(log: RunLog, value: Quantity) -> ExactValue:

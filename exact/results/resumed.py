@@ -41,7 +41,7 @@ def within(run: Trajectory, limits: Limits, reached: Reached) -> bool:
     if limits.events is not None and limits.events <= len(had):
         return False
     had += [entry.time for entry in run.pocketings] + ([] if run.reversal is None else [run.reversal.time])
-    return limits.until is None or all(float(time) < float(limits.until) for time in had)
+    return limits.until is None or all(time.bounds()[1] < limits.until.bounds()[0] for time in had)
 
 
 def farther(run: Trajectory, again: Trajectory, limits: Limits) -> Trajectory:
@@ -51,7 +51,7 @@ def farther(run: Trajectory, again: Trajectory, limits: Limits) -> Trajectory:
         return again
     if limits.events is not None and limits.events < had:
         return again
-    if limits.until is not None and float(limits.until) < float(run.events[-1].time):
+    if limits.until is not None and limits.until.bounds()[1] < run.events[-1].time.bounds()[0]:
         return again
     return replace(run, stop=stopped(reason, had) if reason is StopReason.INTERRUPTED else again.stop)
 

@@ -14,7 +14,7 @@ from ..numbers.nested import Nested
 from ..numbers.system import N, number_system
 from ..replay.centred.centred_state import CentredState
 from ..replay.state import State, replay
-from ..replay.steps import Step, causal_past
+from ..replay.steps import Step, causal_past, step_units
 
 if TYPE_CHECKING:
     from ..numbers.expression import Expression
@@ -64,6 +64,10 @@ class RunLog:
             self._key, self._state = (bits, upto), state
         assert self._state is not None
         return self._state
+
+    def units(self, bits: int, upto: int) -> int:
+        """The work of that."""
+        return (len(self.scene.circles) + upto) * step_units(bits)
 
     def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
         """A number after the first `upto` steps in nested roots, or None if it is too deep.

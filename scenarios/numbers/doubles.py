@@ -106,6 +106,21 @@ def digits_of(value: arb, count: int) -> str:
     return text if known else ""
 
 
+def decimals_of(value: arb, count: int) -> str | None:
+    """The decimals, so many, to which every number of a ball is rounded; None where they differ.
+
+    Two balls around one number tell the same, or nothing.
+
+    >>> decimals_of(arb("0.123456 +/- 1e-9"), 4), decimals_of(arb("0.12345 +/- 1e-9"), 4), decimals_of(arb(0), 4)
+    ('0.1235', None, '0')
+    """
+    if not value.is_finite() or (value.contains(0) and not value.is_zero()):
+        return None
+    with at_bits(max(value.bits(), int(count * BITS_PER_DIGIT)) + GUARD_BITS):
+        low, high = value.lower().str(count, radius=False), value.upper().str(count, radius=False)
+    return low if low == high else None
+
+
 def hull(low: arb, high: arb) -> arb:
     """A ball around all from one number to another.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from flint import arb, fmpq
 
 from ..errors import SceneError
+from ..lazy.kept import kept
 from .doubles import BITS_PER_DIGIT, bounds_of, certain_double, digits_of, nearest_double
 from .forms.conversion import converted
 from .forms.expression import Expression, Op
@@ -176,7 +176,7 @@ class Quantity(Expression):
         """
         return self._sign
 
-    @cached_property
+    @kept
     def _sign(self) -> int:
         if self.rational is not None:
             return (self.rational > 0) - (self.rational < 0)
@@ -190,7 +190,7 @@ class Quantity(Expression):
             bits *= 2
         return self._element.sign()
 
-    @cached_property
+    @kept
     def _element(self) -> Element:
         from ..work import Work
         from .tower import Tower, TowerLimit  # loaded for numbers that need it
@@ -287,7 +287,7 @@ class Quantity(Expression):
         """
         return self._double
 
-    @cached_property
+    @kept
     def _double(self) -> float:
         if self.rational is not None:
             return nearest_double(self.rational)

@@ -34,7 +34,7 @@ def _end_with(sentinel: int) -> None:
 
 
 ONE_AT_A_TIME = threading.Lock()
-"""Balls have one working precision for the whole process: two jobs in threads of it would change each other's."""
+"""Exact runs in threads of one process take turns: a job's seconds are its own where nothing else goes on meanwhile."""
 
 
 def carry_out(job: SweepJob) -> tuple[list[dict[str, Any]], float]:

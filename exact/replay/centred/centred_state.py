@@ -18,6 +18,7 @@ from flint import arb
 
 from ....scenarios.numbers.quantity import Quantity
 from ....scenarios.scene import Scene
+from ...numbers import ball
 from ..ball_state import BallState, Told
 from ..body import Body, Flight
 from ..contact import AtWall, Entry, Link, Touch
@@ -103,8 +104,11 @@ class CentredState(BallState):
             held.centre(body)
         super().go(source, bodies)
         centres = {body.index: numbers_of(body) for body in flying}
-        lags = [(body.index, float(body.flight.t - flight.t)) for body, flight in zip(flying, before, strict=True)]
-        told = held.advance(lags, self, source, self._told, self._root)
+        waits = [(body.index, body.flight.t - flight.t) for body, flight in zip(flying, before, strict=True)]
+        lags = [(i, float(wait)) for i, wait in waits if ball.is_sharp(wait)]
+        told = None
+        if len(lags) == len(waits):
+            told = held.advance(lags, self, source, self._told, self._root)
         if told is None:
             for body, flight in zip(flying, before, strict=True):
                 body.flight = flight

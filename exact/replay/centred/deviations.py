@@ -69,7 +69,7 @@ class Deviations:
         self.time_power = _unit_of_time(members)
         self.unit = 2.0**self.time_power
         self.near_time = SMALL_WAIT / 2 * self.unit
-        self.weights = [float(body.w) for body in circles]
+        self.weights = [ball.as_double(body.w) for body in circles]
         self.mid = {body.index: _midpoints(body.flight) for body in members}
         self.carried: set[int] = set()
         self.place = {body.index: k for k, body in enumerate(members)}
@@ -227,20 +227,20 @@ class Deviations:
         """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
         if (found := self._strengths.get(link)) is None:
             a, b = link.ends(state)
-            reach = float(state.reach(a, b))
+            reach = ball.as_double(state.reach(a, b))
             weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
             known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
             found = self._strengths[link] = -2.0 / weight if known else 0.0
         return found
 
     def face(self, state: BallState, link: AtWall) -> Face:
-        """A wall in doubles, as a circle comes to it."""
+        """A wall in doubles, as a circle comes to it; one whose normal they do not tell is never steep enough."""
         found = self._faces.get(link)
         if found is None:
             line, parts = state.line(link.circle, link.wall), state.mirror_of(link)
             off = 2.0 * (max(float(part.rad()) for part in parts) + 2.0**-52) * UP
             xx, xy, yy = map(float, parts)
-            found = self._faces[link] = Face(float(line.nx), float(line.ny), Mirror(xx, xy, yy, off))
+            found = self._faces[link] = Face(ball.as_double(line.nx), ball.as_double(line.ny), Mirror(xx, xy, yy, off))
         return found
 
     def mirror(self, face: Face, body: Body[arb]) -> bool:

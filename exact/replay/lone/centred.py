@@ -101,6 +101,8 @@ class LoneCentred:
             since = clock - at, lag
             bx, by = bx + bvx * lag, by + bvy * lag
             ax, ay = bx - ex + vx * late, by - ey + vy * late
+        if not (ball.is_sharp(since[0]) and ball.is_sharp(since[1])):
+            return None
         strength = share_a * root
         jx, jy = strength * ex, strength * ey
         px, py = jx * late, jy * late
@@ -135,6 +137,8 @@ class LoneCentred:
             return None
         clock = instant.mid()
         lag = clock - base
+        if not ball.is_sharp(lag):
+            return None
         late = wait - lag
         velocity = vx, vy
         if isinstance(wall, Oblique):

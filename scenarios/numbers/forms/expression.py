@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 from typing import Literal, Protocol, Self, TypeAlias, TypeVar
 
 from flint import fmpq
 
 from ...checks.showing import shortened
+from ...lazy.kept import kept
 
 Op: TypeAlias = Literal["q", "+", "-", "*", "/", "sqrt"]
 
@@ -46,11 +46,11 @@ class Expression:
         """How many numbers it holds."""
         return self._size
 
-    @cached_property
+    @kept
     def _size(self) -> int:
         return sum(argument.size for argument in self.args) if self.args else 1
 
-    @cached_property
+    @kept
     def radicands(self) -> frozenset[str]:
         """The distinct expressions under its roots, as text."""
         inner = frozenset[str]().union(*(argument.radicands for argument in self.args))

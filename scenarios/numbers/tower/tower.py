@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from flint import fmpz
 
+from ...lazy.kept import kept
 from ...work import Work
 from .element import Element, Rational, rational_number, reduced
 from .field import Field, TowerLimit
@@ -36,7 +36,7 @@ class Tower:
     def __repr__(self) -> str:
         return f"Tower({', '.join(g.text() for g in self.generators)})"
 
-    @cached_property
+    @kept
     def _descent(self) -> Descent:
         """Finds roots. Most runs ask for none, so that its module is imported when one does."""
         from .descent.roots import Descent
