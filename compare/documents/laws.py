@@ -41,6 +41,16 @@ def laws_json(audit: Audit | None) -> dict[str, Any] | None:
     }
 
 
+def laws_brief(audit: Audit | None) -> dict[str, Any] | None:
+    """An audit in a row of many: whether the laws are kept, and what is found, or why it cannot be told.
+
+    >>> from truebreak.compare.audit.audit import Audit
+    >>> laws_brief(Audit(None, "no finer step was run")), laws_brief(Audit(True)), laws_brief(None)
+    ({'kept': None, 'told': 'no finer step was run'}, {'kept': True, 'told': ''}, None)
+    """
+    return None if audit is None else {"kept": audit.kept, "told": audit.finding}
+
+
 def _fit_json(fit: Fit) -> dict[str, Any]:
     return {
         "description": fit.what,
