@@ -24,7 +24,7 @@ def _line(run: Trajectory, place: int, states: bool) -> dict[str, Any]:
     if states:
         names = {name for pair in event.impulses for name in pair}
         moving = {str(c.id) for c in run.scene.circles if not c.fixed} & names
-        state = run.at(event.time)
+        state = run.after(event.index)
         line["states"] = {name: [float(getattr(state[name], k)) for k in ("x", "y", "vx", "vy")] for name in moving}
     return line
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.errors import SceneError
 from ..alignment.divergence import Kind
+from ..audit.audit import audit_run
 from ..chaos.following import follow
 from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
@@ -29,7 +30,7 @@ class Judged:
     """One run held against the certified run.
 
     Attributes:
-        right: whether what was asked for is right, and known to be.
+        right: whether what was asked for is right, and known to be, and no law is known to be broken.
         told: what came out, in a few words.
         agreed: events of the certified run before the first that differs; None where only the end was looked at.
     """
@@ -94,7 +95,7 @@ class HistoryGoal:
         if alignment.divergence is not None:
             return Judged(False, parted(alignment.divergence), alignment.agreed)
         if alignment.verdict == "agree":
-            return Judged(True, "agrees", len(study.reference.events))
+            return _lawful(Judged(True, "agrees", len(study.reference.events)), told.run, engine)
         return Judged(False, _unknown(told.run, alignment.verdict), alignment.agreed)
 
 
@@ -132,6 +133,8 @@ class OutcomeGoal:
             told = difference(expected[self.name], found.outcomes.get(self.name))
             return Judged(False, f"{self.name}: {told}", agreed)
         how = "the histories agree" if verdict == "agree" else "though the history differs"
+        if found.lawless and found.laws is not None:
+            return Judged(False, f"{LAWLESS}: {found.laws.finding}", agreed)
         return Judged(True, f"{self.name} is the same, {how}", agreed)
 
 
@@ -173,7 +176,19 @@ class Digits:
             return Judged(False, _unknown(run, "undecided"))
         digits = math.floor(10 * min(found.digits, 1e6)) / 10
         told = f"{max(digits, 0.0):g} digits: {found.circle} is {10**found.error:.2g} off at t = {found.time:.6g}"
-        return Judged(found.digits >= self.count, told)
+        return _lawful(Judged(found.digits >= self.count, told), run, engine)
+
+
+LAWLESS = "does not keep the law"
+"""What is said of a run that is right otherwise."""
+
+
+def _lawful(judged: Judged, run: Trajectory, engine: Engine) -> Judged:
+    """What is right stays so unless the run's steps are known not to keep the laws; what is wrong needs no audit."""
+    if not judged.right:
+        return judged
+    found = audit_run(run, engine)
+    return Judged(False, f"{LAWLESS}: {found.finding}", judged.agreed) if found.kept is False else judged
 
 
 def parted(divergence: Divergence) -> str:

@@ -1,10 +1,11 @@
-"""A comparison as the JSON object `truebreak/comparison-2`."""
+"""A comparison as the JSON object `truebreak/comparison-3`."""
 
 from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Any
 
+from .laws import laws_json
 from .trajectory import assumptions_json, scene_json, stop_json
 from .values.amounts import plain
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from ..comparison import Comparison
     from ..outcomes.permitted import PermittedPatterns
 
-COMPARISON_SCHEMA = "truebreak/comparison-2"
+COMPARISON_SCHEMA = "truebreak/comparison-3"
 
 REPORTED_SAMPLES = 50
 """Times at which the JSON gives the separation."""
@@ -72,6 +73,7 @@ def candidate_json(candidate: Candidate, permitted: PermittedPatterns | None = N
         "engine": candidate.engine,
         "parameters": plain(run.parameters),
         "verdict": candidate.verdict,
+        "laws": laws_json(candidate.laws),
         "events_agreed": alignment.agreed,
         "first_divergence": _divergence_json(candidate),
         "causes": _causes_json(candidate),

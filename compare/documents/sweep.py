@@ -47,6 +47,7 @@ def _engine(summary: Summary) -> dict[str, Any]:
         "band": {"inside": summary.inside[0], "left": summary.inside[1]},
         "law": None if law is None else vars(law),
         "changed": None if changed is None else dict(zip(("scenes", "of", "low", "high"), changed, strict=True)),
+        "laws": dict(zip(("kept", "not_kept", "not_determined"), summary.laws, strict=True)),
     }
 
 
@@ -70,7 +71,8 @@ def print_sweep(
     asked = " ".join([settings["scene"], *settings["vary"]])
     say(out, f"{asked}: {counted(scenes, 'scene')}, each held against its certified run.", "bold")
     asked_for = any(summary.changed is not None for summary in told)
-    last = ["outcomes changed"] if asked_for else []
+    audited = any(any(summary.laws) for summary in told)
+    last = [*["outcomes changed"] * asked_for, *["law"] * audited]
     table = grid("engine", "verdicts", "half have left by", "inside the band", "t = a ln(1/eps)/lambda + b", *last)
     for summary in told:
         inside, left = summary.inside
@@ -86,6 +88,9 @@ def print_sweep(
             cells.append(
                 "" if changed is None else f"{changed[0]} of {changed[1]} (95 %: {changed[2]:.3f} to {changed[3]:.3f})"
             )
+        if audited:
+            words = zip(summary.laws, ("kept", "not kept", "not determined"), strict=True)
+            cells.append(", ".join(f"{count} {word}" for count, word in words if count))
         table.add_row(*cells)
     out.print(table)
     for outcome, found in unsure.items():

@@ -16,7 +16,7 @@ from .rows.row import COLUMNS
 if TYPE_CHECKING:
     from .rows.row import SweepRow
 
-TEXTS = ("margin", "changed", "work")
+TEXTS = ("margin", "changed", "laws", "work")
 """Columns of lists and of dicts: as JSON text, which every reader of tables takes."""
 
 

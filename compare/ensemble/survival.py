@@ -51,6 +51,7 @@ class Summary:
         inside: of those that left and for which a band was foreseen, how many left inside it, and how many there are.
         law: None for fewer than three scenes, or where there is no exponent.
         changed: of the scenes whose outcomes were compared: how many changed, of how many, and the 95 % interval.
+        laws: in how many runs the laws are kept, in how many they are not, and in how many that is not determined.
     """
 
     engine: str
@@ -60,6 +61,7 @@ class Summary:
     inside: tuple[int, int]
     law: Law | None
     changed: tuple[int, int, float, float] | None
+    laws: tuple[int, int, int]
 
 
 def summaries(rows: Iterable[SweepRow]) -> list[Summary]:
@@ -89,7 +91,15 @@ def _summary(engine: str, rows: Sequence[SweepRow]) -> Summary:
         changed = (count, len(told), *wilson(count, len(told)))
     median = next((step.event for step in curve if step.share <= 0.5), None)
     law = fitted([(row["by_exponent"], row["at"]) for row in left if row["by_exponent"] is not None])
-    return Summary(engine, dict(sorted(verdicts.items())), tuple(curve), median, (inside, len(banded)), law, changed)
+    return Summary(
+        engine, dict(sorted(verdicts.items())), tuple(curve), median, (inside, len(banded)), law, changed, _laws(rows)
+    )
+
+
+def _laws(rows: Sequence[SweepRow]) -> tuple[int, int, int]:
+    """In how many runs the laws are kept, in how many they are not, and in how many that is not determined."""
+    kept = [row["laws"]["kept"] for row in rows if row.get("laws") is not None]
+    return kept.count(True), kept.count(False), kept.count(None)
 
 
 def survival(seen: Sequence[tuple[int, bool]]) -> list[Step]:

@@ -56,6 +56,7 @@ class Sweep:
         causes: whether causes are looked for.
         work: what one question may cost the exact engine; None: its default.
         shard: which part of how many.
+        audit: whether every step of the engines' runs is audited.
     """
 
     family: Family
@@ -65,6 +66,7 @@ class Sweep:
     causes: bool = False
     work: int | None = None
     shard: tuple[int, int] = (1, 1)
+    audit: bool = True
 
     @property
     def settings(self) -> dict[str, Any]:
@@ -78,13 +80,14 @@ class Sweep:
             "causes": self.causes,
             "work": self.work,
             "shard": list(self.shard),
+            "audit": self.audit,
         }
 
     def job(self, index: int) -> SweepJob:
         """What is asked of one scene."""
         of = self.family
         return SweepJob(index, of.spec(index), of.settings(index), self.engines, self.events, self.outcomes,
-                        self.causes, self.work)  # fmt: skip
+                        self.causes, self.work, self.audit)  # fmt: skip
 
 
 def plan(
@@ -98,6 +101,7 @@ def plan(
     causes: bool = False,
     work: int | None = None,
     shard: str = "1/1",
+    audit: bool = True,
 ) -> Sweep:
     """A sweep, checked before anything runs.
 
@@ -108,6 +112,7 @@ def plan(
         perturb: sizes of displacements; each adds the certified run of the displaced scene.
         outcomes: see `compare.OUTCOMES`.
         shard: `K/N`.
+        audit: whether every step of the engines' runs is audited.
 
     Raises:
         SceneError: for whatever of these is wrong.
@@ -127,7 +132,7 @@ def plan(
     for name in outcomes:
         if name not in OUTCOMES:
             raise SceneError(f"--outcome {name!r}: is not known; {suggestion(name, list(OUTCOMES))}")
-    return Sweep(family(scene, vary), labels, events, tuple(outcomes), causes, work, shard_of(shard))
+    return Sweep(family(scene, vary), labels, events, tuple(outcomes), causes, work, shard_of(shard), audit)
 
 
 def pool(jobs: int | None = None) -> ProcessPoolExecutor:

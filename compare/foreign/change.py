@@ -1,4 +1,4 @@
-"""Whether a change of an engine changed a verdict: two runs, each judged against the reference."""
+"""Whether a change of an engine changed a verdict, or a law kept: two runs, each judged against the reference."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ class Change:
     Attributes:
         before, after: the names of the two.
         verdict: whether the verdict is another.
+        laws: whether one is known to break a law, and the other is not.
         divergence: whether the first divergence is another: its event, its circle, or whom that meets.
         outcomes: the outcomes that differ between the two; none where the two are told over different times.
         sentence: all of that in words.
@@ -26,6 +27,7 @@ class Change:
     before: str
     after: str
     verdict: bool
+    laws: bool
     divergence: bool
     outcomes: tuple[str, ...]
     sentence: str
@@ -36,6 +38,7 @@ class Change:
             "from": self.before,
             "to": self.after,
             "verdict_changed": self.verdict,
+            "laws_changed": self.laws,
             "divergence_changed": self.divergence,
             "outcomes_changed": list(self.outcomes),
             "sentence": self.sentence,
@@ -49,9 +52,10 @@ def changes_of(comparison: Comparison) -> list[Change]:
 
 
 def change(before: Candidate, after: Candidate) -> Change:
-    """What became of the verdict from one candidate to another."""
+    """What became of the verdict, and of the laws kept, from one candidate to another."""
     verdict = before.verdict != after.verdict
     divergence = _place(before) != _place(after)
+    laws = before.lawless != after.lawless
     agrees = before.verdict == after.verdict == "agree"
     names = sorted(
         name
@@ -62,10 +66,24 @@ def change(before: Candidate, after: Candidate) -> Change:
         told = f"The change changed the verdict: {_told(before)}, {_told(after)}."
     elif divergence:
         told = f"The change left the verdict, but not the first divergence: {_told(before)}, {_told(after)}."
+    elif laws:
+        told = "The change left the verdict, but not the law."
     else:
         where = f" at event {after.alignment.divergence.event}" if after.alignment.divergence else ""
         told = f"The change changed no verdict: {before.engine} and {after.engine} both {_verb(after)}{where}."
-    return Change(before.engine, after.engine, verdict, divergence, tuple(names), told)
+    if laws:
+        told += f" {_kept(before)}; {_kept(after)}."
+    return Change(before.engine, after.engine, verdict, laws, divergence, tuple(names), told)
+
+
+def _kept(candidate: Candidate) -> str:
+    """What its audit says, without the first step where a description of all is at hand."""
+    found = candidate.laws
+    if found is None:
+        return f"{candidate.engine} was not audited"
+    if found.kept is False:
+        return f"{candidate.engine} does not keep the law: {found.finding}"
+    return f"{candidate.engine} {found.sentence}" if found.kept else f"{candidate.engine}: {found.sentence}"
 
 
 def _place(candidate: Candidate) -> tuple[Any, ...] | None:

@@ -1,4 +1,4 @@
-"""Searches for the smallest scene on which an engine still leaves the certified history."""
+"""Searches for the smallest scene on which an engine still leaves the certified history, or breaks a law."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
+    from ..audit.audit import Violation
     from ..candidate import Candidate
     from ..causes.diagnosis import CauseName
     from ..comparison import Comparison
@@ -55,11 +56,12 @@ def minimise(
     until: QuantityLike | None = None,
     events: int | None = None,
     same_cause: bool = False,
+    same_law: bool = False,
     runs: int = DEFAULT_RUNS,
     max_seconds: float | None = None,
     progress: OnReducing | None = None,
 ) -> Smallest:
-    """The smallest scene found on which an engine still diverges from the exact one.
+    """The smallest scene found on which an engine still diverges from the exact one, or still breaks a law.
 
     Circles are left out first, then walls, pockets, events at the end, a reversal, a limit in time, and the digits of
     numbers; then all over again, until nothing more can be left out by itself. Each try is a certified comparison: what
@@ -68,6 +70,8 @@ def minimise(
     Args:
         engine: its name, with parameters as in `pymunk:dt=1/1000`, or an engine.
         until, events: where the comparison ends; else the scene's own limits.
+        same_law: whether to look for the smallest scene on which its steps still break the law that they break first
+            (a flight, a gap, an impulse: `Violation.kind`), whatever becomes of the history.
         same_cause: whether the divergence must keep its cause (`Diagnosis.name`), not just be one. Causes are found by
             further runs, so that each comparison takes many times as long.
         runs: the most comparisons to make.
@@ -75,7 +79,8 @@ def minimise(
         progress: called before each comparison.
 
     Raises:
-        SceneError: if the engine does not diverge on the scene; for an unknown engine, and bad limits.
+        SceneError: if the engine does not diverge on the scene, or with `same_law` breaks no law; for an unknown
+            engine, and bad limits.
         OutOfTime: if the seconds are over before the scene itself is compared.
         KeyboardInterrupt: if the user interrupts that first comparison. Later the smallest scene by then is returned.
 
@@ -88,9 +93,12 @@ def minimise(
     """
     if runs < 1:
         raise SceneError(f"runs = {runs!r}: must be a whole number from 1")
+    if same_cause and same_law:
+        raise SceneError("same_cause and same_law: what must remain is one of them; leave the other out")
     if until is not None or events is not None:
         scene = scene.with_changes(until=until, events=events)
-    search = _Search(scene, engine, same_cause, runs, Clock(checked_seconds(max_seconds)), progress)
+    kind = _Lawless if same_law else _Search
+    search = kind(scene, engine, same_cause, runs, Clock(checked_seconds(max_seconds)), progress)
     return search.run()
 
 
@@ -103,6 +111,8 @@ class _Ended(Exception):
 
 class _Search:
     """One call of `minimise`: the smallest scene so far, with its comparison."""
+
+    sought = "diverges"
 
     def __init__(
         self,
@@ -134,7 +144,7 @@ class _Search:
             end = End.INTERRUPTED
         if end is not End.INTERRUPTED and not self.same_cause:
             self._explain()
-        return Smallest(self.original, self.comparison, tuple(self.steps), self.runs, end)
+        return Smallest(self.original, self.comparison, tuple(self.steps), self.runs, end, isinstance(self, _Lawless))
 
     @property
     def best(self) -> Scene:
@@ -145,7 +155,7 @@ class _Search:
         """The original with a name and a description that are true of what is left of it too."""
         name = self.original.name
         engine = self.engine if isinstance(self.engine, str) else self.engine.name
-        told = f"What was left of {name} in a search for the smallest scene on which {engine} diverges."
+        told = f"What was left of {name} in a search for the smallest scene on which {engine} {self.sought}."
         return self.original.with_changes(name=f"{name.removesuffix(MINIMISED)}{MINIMISED}", description=told)
 
     def _passes(self) -> End:
@@ -297,6 +307,44 @@ class _Search:
         raise SceneError(
             f"engine {candidate.engine!r} is not known to diverge on {self.original.name}: {_told(candidate)} "
             f"(events of the exact run: {events}); there is nothing to minimise; try a longer span or another engine"
+        )
+
+
+class _Lawless(_Search):
+    """A search for the smallest scene on which an engine still breaks the law that it breaks first."""
+
+    sought = "does not keep the law"
+
+    @property
+    def broken(self) -> Violation | None:
+        """The first step of the best scene that misses a law."""
+        found = self.comparison.candidates[0].laws
+        return None if found is None else found.first
+
+    def _shown(self) -> int:
+        broken = self.broken
+        return max(len(self.comparison.reference.events), 1) if broken is None else broken.event + 1
+
+    def _shows(self, comparison: Comparison) -> bool:
+        candidate = comparison.candidates[0]
+        if not candidate.lawless or candidate.laws is None:
+            timed = self.watch.seconds is not None and (candidate.laws is None or self.watch.over)
+            self.cut_short = self.cut_short or timed
+            return False
+        first, wanted = candidate.laws.first, self.broken
+        return (first is None) == (wanted is None) and (first is None or wanted is None or first.kind == wanted.kind)
+
+    def _explain(self) -> None:
+        """A law not kept needs no run to explain it: the audit says what fits."""
+
+    def _require_divergence(self) -> None:
+        candidate = self.comparison.candidates[0]
+        if candidate.lawless:
+            return
+        told = "it was not audited" if candidate.laws is None else f"it {candidate.laws.sentence}"
+        raise SceneError(
+            f"engine {candidate.engine!r} is not known to break a law on {self.original.name}: {told}; there is "
+            "nothing to minimise; try a longer span or another engine"
         )
 
 

@@ -25,7 +25,7 @@ class End(Enum):
 
 @dataclass(frozen=True)
 class Reduction:
-    """One scene that still shows a divergence, and what was left out for it.
+    """One scene that still shows a divergence, or a law not kept, and what was left out for it.
 
     Attributes:
         kind: what was left out: circles, walls, pockets, settings, events or digits.
@@ -73,7 +73,7 @@ class SceneSize:
 
 @dataclass(frozen=True)
 class Smallest:
-    """The smallest scene found on which an engine diverges.
+    """The smallest scene found on which an engine diverges, or breaks a law.
 
     Attributes:
         original: the scene that it comes from, with the limits that were asked for.
@@ -81,6 +81,7 @@ class Smallest:
         steps: what was left out, in this order.
         runs: comparisons made in the search; one more, of the last scene, tells its cause.
         end: why the search ended.
+        law: whether it was for a law not kept, and not for a divergence.
     """
 
     original: Scene = field(repr=False)
@@ -88,6 +89,7 @@ class Smallest:
     steps: tuple[Reduction, ...] = field(repr=False)
     runs: int
     end: End
+    law: bool = False
 
     @property
     def scene(self) -> Scene:
@@ -97,7 +99,8 @@ class Smallest:
     @property
     def minimal(self) -> bool:
         """Whether it is 1-minimal: without any one circle, wall, pocket, setting, its last event, or the digits that
-        any one number has beyond the next shorter rounding, the divergence is gone, or the scene is none."""
+        any one number has beyond the next shorter rounding, the divergence (or the breach of the law) is gone, or the
+        scene is none."""
         return self.end is End.MINIMAL
 
     @property

@@ -17,7 +17,7 @@ from .table import family
 if TYPE_CHECKING:
     from .family import MapPlace
 
-FORMAT = "truebreak/stress-store-1"
+FORMAT = "truebreak/stress-store-2"
 
 SUM = 16
 """Letters of the sum on each line: SHA-256 of the sum before it and of what the line says."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
+from ..documents.laws import laws_brief
 from ..documents.values.amounts import plain
 
 if TYPE_CHECKING:
@@ -33,6 +34,7 @@ class Cell:
         unable: whether it cannot take the scene.
         seconds: wall time of its run, and of those that helped to settle the verdict.
         until: where its run ends before the span does: outcomes are told up to there; None: over all of the span.
+        laws: whether its steps `kept` the laws (None: not determined), and what is `told` of that; None: not audited.
         times: processor time of its run alone over that of the certified run made beside it; None where there is none.
     """
 
@@ -52,6 +54,17 @@ class Cell:
     seconds: float
     times: float | None = None
     until: float | None = None
+    laws: dict[str, Any] | None = None
+
+    @property
+    def lawless(self) -> bool:
+        """Whether its steps are known not to keep the laws."""
+        return self.laws is not None and self.laws["kept"] is False
+
+    @property
+    def right(self) -> bool:
+        """Whether it agrees, and is not known to break a law."""
+        return self.verdict == "agree" and not self.lawless
 
     @property
     def key(self) -> tuple[str, str]:
@@ -93,6 +106,7 @@ def cell_of(study: Study, candidate: Candidate, scene: str) -> Cell:
         seconds=candidate.seconds,
         times=candidate.processor / study.processor if candidate.processor else None,
         until=candidate.until,
+        laws=laws_brief(candidate.laws),
     )
 
 

@@ -44,6 +44,11 @@ class SuiteReport:
         verdicts = {cell.verdict for cell in self.cells} or {"agree"}
         return next(verdict for verdict in VERDICTS if verdict in verdicts)
 
+    @property
+    def lawless(self) -> int:
+        """How many cells are of an engine whose steps do not keep the laws, whatever its history."""
+        return sum(cell.lawless for cell in self.cells)
+
 
 def run_suite(suite: Suite, *, max_seconds: float | None = None, progress: OnCell | None = None) -> SuiteReport:
     """Every engine of every scene, held against the certified run.

@@ -19,7 +19,9 @@ WORDS = {"agree": "agrees", "diverged": "diverged", "unsettled": "not settled", 
 def print_suite(report: SuiteReport, changes: Sequence[Since] | None) -> None:
     """A row for each cell, grouped by scene, and what changed."""
     out = console()
-    table = grid("scene", "engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", whole=("verdict",))
+    table = grid(
+        "scene", "engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", "law", whole=("verdict",)
+    )
     scene = None
     for cell in report.cells:
         table.add_row("" if cell.scene == scene else cell.scene, cell.engine, *columns(cell))
@@ -29,7 +31,8 @@ def print_suite(report: SuiteReport, changes: Sequence[Since] | None) -> None:
     told = ", ".join(
         f"{count} {verdict.replace('unsettled', 'not settled')}" for verdict, count in counts.items() if count
     )
-    say(out, f"{report.suite}: {len(report.cells)} comparisons: {told}.", "bold")
+    broken = f"; in {report.lawless} the law is not kept" if report.lawless else ""
+    say(out, f"{report.suite}: {len(report.cells)} comparisons: {told}{broken}.", "bold")
     if changes is not None:
         for change in changes:
             say(out, f"{change.sentence}.")
@@ -40,7 +43,7 @@ def print_survey(found: Survey) -> None:
     """A table for each scene: each engine at the best of the settings tried, as it comes, and as is advised."""
     out = console()
     for label in dict.fromkeys(entry.label for entry in found.entries):
-        table = grid("engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", title=label)
+        table = grid("engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", "law", title=label)
         for entry in found.entries:
             if entry.label == label:
                 for cell in entry.shown:
@@ -62,12 +65,12 @@ def advice_sentence(entries: Sequence[SurveyEntry]) -> list[str]:
 
 
 def columns(cell: Cell) -> list[str]:
-    """Verdict, events agreed, where it parts, why, what became of the outcomes, the energy gained."""
+    """Verdict, events agreed, where it parts, why, what became of the outcomes, the energy gained, the law."""
     first = cell.divergence
     if cell.unable:
-        return ["cannot", "", "", cell.stop.removeprefix("cannot run this scene: "), "", ""]
+        return ["cannot", "", "", cell.stop.removeprefix("cannot run this scene: "), "", "", ""]
     if not cell.events:
-        return [WORDS[cell.verdict], "", "", cell.stop, "", ""]
+        return [WORDS[cell.verdict], "", "", cell.stop, "", "", law(cell)]
     return [
         WORDS[cell.verdict],
         f"{cell.agreed:,} of {cell.events:,}",
@@ -75,7 +78,17 @@ def columns(cell: Cell) -> list[str]:
         cell.cause or ("not looked for" if cell.verdict == "diverged" else ""),
         outcome(cell),
         "" if cell.drift is None else f"{cell.drift:.0e}",
+        law(cell),
     ]
+
+
+def law(cell: Cell) -> str:
+    """Whether the law is kept, and what explains it if not."""
+    if cell.laws is None:
+        return ""
+    if cell.laws["kept"] is None:
+        return "not determined"
+    return "kept" if cell.laws["kept"] else f"not kept: {cell.laws['told']}"
 
 
 def outcome(cell: Cell) -> str:

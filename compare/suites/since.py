@@ -34,7 +34,7 @@ class Since:
 
     Attributes:
         scene, engine: which.
-        what: "verdict", "divergence", "outcomes", "scene" (its definition), "new" or "gone".
+        what: "verdict", "laws", "divergence", "outcomes", "scene" (its definition), "new" or "gone".
         sentence: in words.
     """
 
@@ -74,6 +74,8 @@ def read_report(path: str) -> dict[str, Any]:
         first = cell["divergence"]
         if first is not None and type(first.get("event")) is not int:
             raise SceneError(f"{where}: cell {number}: divergence has no event; write the report again")
+        if cell.get("laws") is not None and set(cell["laws"]) != {"kept", "told"}:
+            raise SceneError(f"{where}: cell {number}: laws is not what it is to be; write the report again")
         if not all(isinstance(name, str) for name in cell["changed"]):
             raise SceneError(f"{where}: cell {number}: changed is no list of names; write the report again")
     return data
@@ -101,12 +103,22 @@ def _change(earlier: dict[str, Any] | None, cell: Cell) -> Since | None:
     now = cell.data()
     if earlier["verdict"] != now["verdict"]:
         return Since(*cell.key, "verdict", f"{label}: {told(earlier)} before, {told(now)} now")
+    if "laws" in earlier and _lawless(earlier) != _lawless(now):
+        kept = [
+            f"does not keep the law ({c['laws']['told']})" if _lawless(c) else "breaks no law" for c in (earlier, now)
+        ]
+        return Since(*cell.key, "laws", f"{label}: same verdict, but {kept[0]} before, {kept[1]} now")
     if _place(earlier) != _place(now):
         return Since(*cell.key, "divergence", f"{label}: {told(earlier)} before, {told(now)} now")
     if earlier.get("until") == now["until"] and sorted(earlier["changed"]) != sorted(now["changed"]):
         names = ", ".join(sorted(set(earlier["changed"]) ^ set(now["changed"])))
         return Since(*cell.key, "outcomes", f"{label}: same verdict, but other outcomes are wrong: {names}")
     return None
+
+
+def _lawless(cell: dict[str, Any]) -> bool:
+    """Whether a cell is of an engine that is known to break a law."""
+    return bool(cell["laws"]) and cell["laws"].get("kept") is False
 
 
 def _place(cell: dict[str, Any]) -> tuple[Any, ...]:

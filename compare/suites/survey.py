@@ -131,8 +131,8 @@ class SurveyEntry:
 
     @property
     def best(self) -> Cell:
-        """The setting that agrees the farthest; of those that agree as far, the first tried."""
-        return max(self.tried, key=lambda cell: (cell.verdict == "agree", cell.agreed))
+        """The setting that is right, or else agrees the farthest; of those that agree as far, the first tried."""
+        return max(self.tried, key=lambda cell: (cell.right, cell.verdict == "agree", cell.agreed))
 
     @property
     def shown(self) -> tuple[Cell, ...]:
@@ -253,7 +253,7 @@ def _entry(
     task = SCENES[label]
     tried: dict[str, Tried] = {}
     for text in texts(one, label):
-        if any(before.cell.verdict == "agree" for before in tried.values()):
+        if any(before.cell.right for before in tried.values()):
             break
         told(text)
         tried[text] = _try(task, text, max_seconds)

@@ -31,8 +31,9 @@ LOG is JSON lines, one event a line; or CSV, if its name ends in .csv:
   1.25,a,b
   290.7,,                                            the end
 
-A state is x, y, vx, vy as the event leaves a circle. Without states, where circles are is reckoned from the times
-by the laws. A log without an end ends at its last event.
+A state is x, y, vx, vy as the event leaves a circle. With states, every step of the log is audited, each flight, gap
+and impulse, on the log's own numbers. Without states, where circles are is reckoned from the times by the laws, and
+whether the engine keeps them is not determined. A log without an end ends at its last event.
 
 \b
 Examples:
@@ -42,7 +43,8 @@ Examples:
   truebreak judge cradle steps.jsonl --step 1/256    one that goes by steps
   truebreak judge gas:seed=3 old.jsonl new.jsonl     did a change matter?
 
-Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be judged, 4 undecided or not settled.
+Exit codes are those of `compare`: 0 agree, 1 diverged or a law not kept, 2 a log that cannot be judged, 4 undecided or
+not settled.
 """
 
 
@@ -60,7 +62,7 @@ Exit codes are those of `compare`: 0 agree, 1 diverged, 2 a log that cannot be j
     help="Keys of a scene that it does not follow: wall, pocket, capture, reverse_at, reverse_after, tie_policy.",
 )
 @held_against
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 even if a log diverged or is undecided.")
+@click.option("--exit-zero", is_flag=True, help="Exit with 0 even if a log diverged, breaks a law, or is undecided.")
 def judge(
     scene: str,
     logs: tuple[str, ...],
@@ -71,11 +73,12 @@ def judge(
     held: HeldAgainst,
     exit_zero: bool,
 ) -> int:
-    """Judge the log of any engine, in any language. Does it tell the scene's history?
+    """Judge the log of any engine, in any language. Does it have the reference's events, by the laws?
 
-    The report is that of `compare`. Without --until and --events, a log is judged as far as it goes. A log cannot be
-    run on: where it ends too early to tell, the verdict is "not settled", and the report says how far to record.
-    With several logs, it says from each to the next whether the verdict changed.
+    The report is that of `compare`. Where the log has states, every step is audited. Without --until and --events, a
+    log is judged as far as it goes. A log cannot be run on: where it ends too early to tell, the verdict is "not
+    settled", and the report says how far to record. With several logs, it says from each to the next whether the
+    verdict changed, or whether the law is kept.
     """
     from ...comparison import compare
     from ...documents.comparison import comparison_json

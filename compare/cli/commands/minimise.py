@@ -1,4 +1,4 @@
-"""`truebreak minimise`: the smallest scene on which an engine still diverges."""
+"""`truebreak minimise`: the smallest scene on which an engine still diverges, or breaks a law."""
 
 from __future__ import annotations
 
@@ -21,11 +21,12 @@ Examples:
   truebreak minimise gas:n=6 --engine double -o small.toml
   truebreak compare small.toml --engines double   by an independent call
   truebreak minimise rack:rows=2 --engine pymunk --runs 50
+  truebreak minimise sizes --engine mine:Events --same law
 
 \b
 Exit codes:
   0 the smallest scene is 1-minimal
-  2 the engine does not diverge, or bad input
+  2 the engine does not diverge (with --same law: breaks no law), or bad input
   4 a limit came first
   130 interrupted: the smallest scene so far is written
 """
@@ -45,10 +46,10 @@ def _default_runs() -> str:
 @a_file("-o", "--out", help="Write the scene there (TOML) instead of to stdout.")
 @click.option(
     "--same",
-    type=click.Choice(["any", "cause"]),
+    type=click.Choice(["any", "cause", "law"]),
     default="any",
     show_default=True,
-    help="What must remain: any divergence, or one of the same cause (many times the work).",
+    help="What must remain: any divergence, one of the same cause (many times the work), or a law not kept.",
 )
 @click.option(
     "--runs", type=Whole(1), cls=WithDefault, told=_default_runs, metavar="N", help="The most comparisons to make"
@@ -72,7 +73,8 @@ def minimise(
     """Find the smallest scene on which an engine still diverges.
 
     Circles, walls, pockets, events, a reversal and the digits of numbers are left out as long as the engine still
-    leaves the certified history (delta debugging). Ctrl-C ends the search with the smallest scene so far.
+    leaves the certified history, or with --same law still breaks the law (delta debugging). Ctrl-C ends the search with
+    the smallest scene so far.
     """
     from ....scenarios.files import dump_toml
     from ...reduction.minimise import DEFAULT_RUNS
@@ -93,6 +95,7 @@ def minimise(
             until=until,
             events=events,
             same_cause=same == "cause",
+            same_law=same == "law",
             runs=DEFAULT_RUNS if runs is None else runs,
             max_seconds=max_seconds,
             progress=progress,

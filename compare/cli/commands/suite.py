@@ -34,8 +34,8 @@ Examples:
 
 \b
 Exit codes:
-  0 all agree
-  1 an engine diverged (with --only-changes: something changed)
+  0 all agree, and none is known to break a law
+  1 an engine diverged, or does not keep the law (with --only-changes: something changed)
   2 bad input
   4 none diverged, but something is undecided or not settled
 """
@@ -63,7 +63,7 @@ Examples:
 @click.option("--only-changes", is_flag=True, help="With --against: exit with 1 if anything changed, else with 0.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one engine on one scene may take.")
 @JSON
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 whatever diverged or changed.")
+@click.option("--exit-zero", is_flag=True, help="Exit with 0 whatever diverged, breaks a law, or changed.")
 def suite(
     file: str, against: str | None, only_changes: bool, max_seconds: float | None, as_json: bool, exit_zero: bool
 ) -> int:
@@ -94,6 +94,8 @@ def suite(
         return DONE
     if only_changes:
         return ExitCode.DIVERGED if changes else DONE
+    if report.lawless:
+        return ExitCode.DIVERGED
     return {"agree": DONE, "diverged": ExitCode.DIVERGED}.get(report.verdict, ExitCode.UNDECIDED)
 
 

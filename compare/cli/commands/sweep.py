@@ -61,6 +61,9 @@ ended it.
 @click.option(
     "--causes", is_flag=True, help="Also find out why each engine diverged, by experiment: many times the work."
 )
+@click.option(
+    "--no-audit", is_flag=True, help="Do not audit the steps of each run: whether the laws are kept is then not told."
+)
 @EVENTS
 @WORK
 @a_file("--store", multiple=True, help="Keep the rows in this SQLite file, and resume from it.")
@@ -83,6 +86,7 @@ def sweep(
     perturb: tuple[str, ...],
     outcome: tuple[str, ...],
     causes: bool,
+    no_audit: bool,
     events: int | None,
     work: int | None,
     store: tuple[str, ...],
@@ -126,7 +130,7 @@ def sweep(
         if len(store) > 1:
             raise click.UsageError("several stores can be read, and one be written to; give one --store")
         asked = plan(scene, vary, split_engines(engines), events=events, perturb=perturb, outcomes=outcome,
-                     causes=causes, work=work, shard=shard)  # fmt: skip
+                     causes=causes, work=work, shard=shard, audit=not no_audit)  # fmt: skip
         _ask(len(asked.family), yes)
         base = Store(store[0] if store else ":memory:", asked.settings)
         with _workers(executor_text, jobs) as (executor, count), _showing(asked.family.scene) as show:

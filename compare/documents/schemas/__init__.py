@@ -8,7 +8,7 @@ from typing import Any
 
 NAMES = (
     "trajectory-1",
-    "comparison-2",
+    "comparison-3",
     "orders-1",
     "certificate-2",
     "chaos-1",

@@ -13,12 +13,14 @@ from ....exact.engine import ExactEngine
 from ....scenarios.errors import SceneError
 from ....scenarios.numbers.quantity import Quantity
 from ...alignment.separation import separation
+from ...audit.audit import audit_run
 from ...candidate import Candidate
 from ...chaos.following import Followed, follow
 from ...chaos.growth.spectrum import spectrum
 from ...chaos.horizon import MORE_EVENTS, Forecaster, Horizon
 from ...comparison import explained
 from ...deadline import uninterrupted
+from ...documents.laws import laws_brief
 from ...documents.values.amounts import plain
 from ...engines import engine as engine_named
 from ...outcomes.matched import held
@@ -54,6 +56,7 @@ class SweepJob:
         outcomes: names of outcomes to compare at the end; each engine then runs to the end.
         causes: whether to find out why engines left.
         work: what one question may cost the exact engine; None: its default.
+        audit: whether every step of each engine's run is audited, as far as it was followed.
     """
 
     index: int
@@ -64,6 +67,7 @@ class SweepJob:
     outcomes: tuple[str, ...] = ()
     causes: bool = False
     work: int | None = None
+    audit: bool = True
 
 
 def rows_of(job: SweepJob) -> list[SweepRow]:
@@ -133,6 +137,8 @@ def _row(
     if divergence is not None:
         row |= {"event": divergence.event, "at": divergence.time, "body": divergence.body,
                 "expected": divergence.expected, "got": divergence.got, "kind": divergence.kind.value}  # fmt: skip
+    if job.audit and not label.startswith(PERTURBED):
+        row["laws"] = laws_brief(audit_run(told.run, engine))
     if job.outcomes and told.alignment.verdict in ("agree", "diverged"):
         row["changed"] = _changed(job, told, reference, engine.step)
     if job.causes:
@@ -197,7 +203,7 @@ COLUMNS = (
     "index", "scene", "digest", "parameters", "engine", "verdict", "agreed", "events", "time", "stop",
     "event", "at", "body", "expected", "got", "kind", "cause", "margin", "error",
     "foreseen_low", "foreseen", "foreseen_high", "by_exponent", "lyapunov", "lyapunov_low", "lyapunov_high",
-    "changed", "work", "versions", "note",
+    "changed", "laws", "work", "versions", "note",
 )  # fmt: skip
 """What a row tells, in order; docs/sweep.md says what each means."""
 

@@ -14,9 +14,9 @@ from typing import Any
 from ....scenarios.errors import SceneError
 from .row import COLUMNS, SweepRow, text_of
 
-FORMAT = "truebreak/sweep-store-2"
+FORMAT = "truebreak/sweep-store-3"
 
-SETTINGS = ("scene", "vary", "engines", "events", "outcomes", "causes", "work", "shard")
+SETTINGS = ("scene", "vary", "engines", "events", "outcomes", "causes", "work", "shard", "audit")
 """What a sweep asks for, as a store keeps it: see `Sweep.settings`."""
 
 TABLES = """

@@ -239,7 +239,7 @@ class Recording:
         elif stop.reason is StopReason.QUIET:
             end = Double(last_entry(self.scene, self._course.knots, self._end))
         elif stop.reason is StopReason.HORIZON and limit is not None and (self._quiet or float(limit) <= self._end):
-            end = limit
+            end, knots = limit, [[knot for knot in row if knot[0] <= float(limit)] for row in knots]
         turned = turned if turned and float(turned.time) <= float(end) else None
         return Trajectory(
             scene=self.scene,

@@ -1,4 +1,4 @@
-"""The smallest scene on which an engine diverges, on the terminal."""
+"""The smallest scene on which an engine diverges, or breaks a law, on the terminal."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ def print_smallest(found: Smallest) -> None:
     if found.steps:
         table = grid("comparison", "left out", "on what is left", whole=("comparison",))
         for step in found.steps:
-            phrase = divergence_phrase(step.comparison, step.comparison.candidates[0])
+            candidate = step.comparison.candidates[0]
+            broken = candidate.laws.finding if found.law and candidate.laws is not None else None
+            phrase = broken or divergence_phrase(step.comparison, candidate)
             table.add_row(f"{step.runs:,}", step.told, phrase)
         out.print(table)
     print_comparison(found.comparison)

@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ....exact.engine import ExactEngine
 from ...alignment.align import UNKNOWING
+from ...audit.audit import audit_run
 from ...chaos.following import Followed, follow
 from ...deadline import uninterrupted
+from ...documents.laws import laws_brief
 from ...engines import engine as engine_named
 from ...outcomes.matched import held
 from ...outcomes.table import outcomes_of
@@ -70,6 +72,8 @@ def row_of(job: Job) -> StressRow:
 def _held(run: Trajectory, label: str, outcomes: Mapping[str, Any]) -> StressRow:
     """The mark of one engine: where it is wrong, with the first event that differs and the outcomes changed.
 
+    What is right otherwise is wrong where a law is not kept, and `laws` says which.
+
     An engine that hands back what can be no history, such as an event before the start, is wrong too. What it raises,
     one of truebreak's own too, is the end of its answer, and not of the map.
     """
@@ -86,6 +90,10 @@ def _held(run: Trajectory, label: str, outcomes: Mapping[str, Any]) -> StressRow
     patience, mine = study.patience(engine.step), study.longest or run
     changed = list(held(told.run, mine, told.alignment, study.span, patience, outcomes_of, outcomes).changed)
     mark = mark_of(told, changed=bool(changed))
+    if mark is MapMark.RIGHT:
+        laws = audit_run(told.run, engine)
+        if laws.kept is False:
+            return {"mark": MapMark.WRONG.value, "event": None, "changed": changed, "laws": laws_brief(laws)}
     row: StressRow = {"mark": mark.value}
     if mark is MapMark.WRONG:
         row |= {"event": None if divergence is None else divergence.event, "changed": changed}

@@ -32,8 +32,11 @@ class MapMark(Enum):
 
 
 SIGNS = {
-    MapMark.RIGHT: (".", "right: the certified history, every meeting of it, and its outcomes"),
-    MapMark.WRONG: ("X", "wrong: another history, or an outcome changed"),
+    MapMark.RIGHT: (
+        ".",
+        "right: the certified history, every meeting of it, and its outcomes; no law known to be broken",
+    ),
+    MapMark.WRONG: ("X", "wrong: another history, an outcome changed, or a law not kept"),
     MapMark.UNSETTLED: ("~", "not settled: the runs at hand do not tell"),
     MapMark.UNDECIDED: ("?", "undecided: it stopped, not knowing, or its counted steps were spent"),
     MapMark.REFUSED: ("-", "refused: it does not take the scene"),

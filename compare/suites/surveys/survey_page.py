@@ -54,6 +54,7 @@ one file (`compare/adapters/`). Send them, and the page is made again.
 | cause | why, by experiment: see [Comparison](comparison.md) |
 | outcome | whether counts of collisions, who met whom, final velocities and such are right, over what was compared |
 | energy | what it gained by the end of its run, as a share |
+| law | whether every step keeps the laws, and what explains it if not; told where any row was audited |
 | time | processor time of its run alone, as a multiple of the certified run's just before it in the same process |
 
 Times are ratios, and a hint, since other programs ran on the machine that made this page. Each engine has played a
@@ -94,7 +95,10 @@ def _engine_row(one: Surveyed, version: str) -> str:
 def _matrix(found: Survey, labels: list[str]) -> str:
     """Events agreed of each engine on each scene, at its best setting."""
     by_key = {(entry.label, entry.name): entry.best for entry in found.entries}
-    rows = ["Events agreed, at the best of the settings tried; **bold**: the whole history.", ""]
+    rows = [
+        "Events agreed, at the best of the settings tried; **bold**: the whole history, and no law known to be broken.",
+        "",
+    ]
     rows.append(f"| scene | events | {' | '.join(one.name for one in found.engines)} |")
     rows.append(f"|---|---|{'---|' * len(found.engines)}")
     for label in labels:
@@ -109,18 +113,20 @@ def _agreed(cell: Cell | None) -> str:
         return "not run"
     if cell.unable:
         return "cannot"
-    return f"**{cell.agreed}**" if cell.verdict == "agree" else f"{cell.agreed}"
+    return f"**{cell.agreed}**" if cell.right else f"{cell.agreed}"
 
 
 def _scene_part(label: str, entries: list[SurveyEntry]) -> str:
     task = SCENES[label]
     limit = f", {task.events} events" if task.events is not None else ""
     heading = f"\n## {label[0].upper()}{label[1:]}\n\n{scene_from(task.scene).description}\n(`{task.scene}`{limit})\n\n"
-    table = "| engine | verdict | agreed | differs at | cause | outcome | energy | time |\n|" + "---|" * 8 + "\n"
+    audited = any(cell.laws is not None for entry in entries for cell in entry.shown)
+    heads = ["engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", *["law"] * audited, "time"]
+    table = f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}\n"
     for entry in entries:
         for cell in entry.shown:
             mark = ", advised" if entry.advice is not None and entry.advice.setting == cell.engine else ""
             times = "" if cell.times is None else f"{cell.times:.2g}" if cell.times < 100 else f"{cell.times:,.0f}"
-            told = [f"`{cell.engine}`{mark}", *columns(cell), times]
+            told = [f"`{cell.engine}`{mark}", *columns(cell)[: len(heads) - 2], times]
             table += f"| {' | '.join(part.replace('|', '/') for part in told)} |\n"
     return heading + table + "".join(f"\n{told}\n" for told in advice_sentence(entries))

@@ -107,7 +107,7 @@ def test_bad_stores_are_refused(tmp_path: Path) -> None:
     Store(str(old), settings).close()
     with sqlite3.connect(old) as base:
         base.execute("UPDATE meta SET value = 'truebreak/sweep-0' WHERE key = 'format'")
-    with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-store-2"):
+    with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-store-3"):
         Store(str(old), settings)
     with pytest.raises(SceneError, match=r"there is no folder .*no'; create it first"):
         Store(str(tmp_path / "no" / "folder.db"), settings)
