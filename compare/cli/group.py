@@ -31,7 +31,8 @@ Examples:
 \b
 Exit codes:
   0 agree, or done   1 diverged   2 usage or bad scene   3 internal error
-  4 not settled, undecided, or budget spent   130 interrupted
+  4 not settled, undecided, or budget spent
+  130 interrupted   143 by SIGTERM   129 by SIGHUP: what is there is kept
 """
 
 PLACES = {
