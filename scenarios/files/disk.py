@@ -11,6 +11,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
+from weakref import WeakValueDictionary
 
 from ..errors import SceneError
 
@@ -128,6 +129,34 @@ def _beside(folder: Path) -> Generator[tuple[BinaryIO, Path]]:
                 file.close()
             with contextlib.suppress(OSError):
                 name.unlink()
+
+
+_HELD: WeakValueDictionary[tuple[int, int], BinaryIO] = WeakValueDictionary()
+"""What this process holds, which it may hold more than once: where an error is looked at, what raised it lives on."""
+
+
+def held(path: Path) -> BinaryIO | None:
+    """A file, open and locked for as long as it is open and this process lives; None if another process has it so.
+
+    Raises:
+        OSError: if it cannot be opened.
+    """
+    file = path.open("r+b")
+    about = os.fstat(file.fileno())
+    mine = _HELD.get((about.st_dev, about.st_ino))
+    if mine is not None:
+        file.close()
+        return mine
+    if fcntl is not None:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.close()
+            return None
+        except OSError:  # a file system without locks
+            pass
+    _HELD[about.st_dev, about.st_ino] = file
+    return file
 
 
 def _sync_folder(folder: Path) -> None:
