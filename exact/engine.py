@@ -27,7 +27,7 @@ from .predicates.ties import TieRule
 from .replay.contact import Named
 from .results.home import return_note
 from .results.motion import ExactMotion, RunTime
-from .results.resumed import NOT_ITS_LOG, farther, restore, tape_of, within
+from .results.resumed import FORGED, NOT_ITS_LOG, farther, restore, tape_of, within
 from .results.run_log import RunLog
 from .results.times import time_of, time_of_return, time_zero
 from .simulation.collecting import SELDOM_COLLECTED
@@ -140,17 +140,20 @@ class ExactEngine(Declared):
 
         def take_up(loop: Loop, decider: CertifiedDecider) -> None:
             assert reached is not None
-            decider.history.rises += tape.rises[: reached.rises]
-            if decider.history.rises:
-                decider.state.rise(*decider.history.rises[-1])
-            decider.grazes = {k: list(links) for k, links in tape.grazes.items() if k // 2 <= reached.instants}
             try:
+                decider.history.rises += tape.rises[: reached.rises]
+                if decider.history.rises:
+                    decider.state.rise(*decider.history.rises[-1])
+                decider.grazes = {k: list(links) for k, links in tape.grazes.items() if k // 2 <= reached.instants}
                 loop.take_up(tape.whole(), decider.graze_again)
-            except (ArithmeticError, AssertionError, LookupError, ValueError):
+                restore(decider.history, run, limits, decider.state.numbers.tower)
+            except FORGED:
                 raise SceneError(NOT_ITS_LOG) from None
-            restore(decider.history, run, limits, decider.state.numbers.tower)
 
-        known = reached is not None and within(run, limits, reached)
+        try:
+            known = reached is not None and within(run, limits, reached)
+        except FORGED:
+            raise SceneError(NOT_ITS_LOG) from None
         try:
             again = self._run(run.scene, limits, None, progress, take_up if known else None)
         except (Undecided, BudgetSpent):

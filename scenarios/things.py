@@ -6,6 +6,7 @@ from math import inf
 from typing import Any, Literal
 
 from .checks.limits import checked_truth
+from .checks.showing import cut
 from .errors import SceneError
 from .lazy.frozen import frozen
 from .numbers.forms.sympy_form import is_sympy
@@ -13,6 +14,9 @@ from .numbers.quantity import ZERO, Quantity, QuantityLike
 
 FIXED = "oo"
 """The mass of a circle that never moves."""
+
+INFINITE = (FIXED, "inf", "+inf", "Infinity")
+"""How it may be written: as SymPy, TOML and Python's JSON write it."""
 
 MAX_ID = 64
 
@@ -41,8 +45,8 @@ class Circle:
     """A hard disc: centre (x, y), radius r, velocity (vx, vy), mass m.
 
     Every number is exact (see `Quantity.of`). `m = "oo"` fixes the circle in place (an obstacle): the bounce is
-    the limit of infinite mass. `point=True` allows the radius 0 of a point ball. A missing id is filled in by
-    the scene (`c1`, `c2`, ...).
+    the limit of infinite mass; `m = "inf"` and `fixed=True` say the same. `point=True` allows the radius 0 of a
+    point ball. A missing id is filled in by the scene (`c1`, `c2`, ...).
 
     Raises:
         SceneError: for a radius or mass that is not positive, or a moving obstacle.
@@ -70,10 +74,13 @@ class Circle:
         m: QuantityLike = 1,
         id: str | None = None,
         point: bool = False,
+        fixed: bool | None = None,
     ) -> None:
         _checked_id("circle", id)
         put = object.__setattr__
         put(self, "id", id)
+        if fixed is not None:
+            m = _fixed_mass(id, fixed, m)
         put(self, "point", checked_truth(f"{_label('circle', id)}: point", point))
         for key, value in (("x", x), ("y", y), ("r", r), ("vx", vx), ("vy", vy)):
             put(self, key, _exact("circle", id, key, value))
@@ -112,9 +119,27 @@ class Circle:
         return self.vx.sign() == 0 and self.vy.sign() == 0
 
 
+def _fixed_mass(id: str | None, fixed: Any, m: QuantityLike) -> QuantityLike:
+    """The mass of a circle that is said to be fixed, or not to be.
+
+    Raises:
+        SceneError: if its mass, 1 by default, says otherwise.
+    """
+    label = _label("circle", id)
+    if checked_truth(f"{label}: fixed", fixed) == _is_infinite(m):
+        return m
+    if fixed:
+        mass = _exact("circle", id, "m", m)
+        if mass == 1:
+            return FIXED
+        told = f"{label}: fixed = true with m = {mass.brief()}"
+        raise SceneError(f"{told}: a fixed circle has no finite mass; keep one of them")
+    raise SceneError(f"{label}: fixed = false with m = {cut(m)}: an infinite mass fixes it; keep one of them")
+
+
 def _is_infinite(m: Any) -> bool:
     if isinstance(m, str):
-        return m.strip() == FIXED
+        return m.strip() in INFINITE
     if isinstance(m, float):
         return m == inf
     return is_sympy(m) and str(m) == FIXED

@@ -21,10 +21,10 @@ def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str
     return int(stop.value.code or 0), *capsys.readouterr()
 
 
-def start(*words: str) -> subprocess.Popen[str]:
-    """The command line, at work."""
+def start(*words: str, before: tuple[str, ...] = ()) -> subprocess.Popen[str]:
+    """The command line, at work; `before` is what it is started with, such as nohup."""
     return subprocess.Popen(
-        [*COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        [*before, *COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
     )
 
 
@@ -33,13 +33,16 @@ def done(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=False, timeout=120)
 
 
-def interrupted(*words: str, after: float = 2.5) -> tuple[int, str, str]:
-    """Exit code, stdout and stderr of the command line, after Ctrl-C."""
-    running = start(*words)
+def interrupted(
+    *words: str, after: float = 2.5, by: tuple[int, ...] = (signal.SIGINT,), before: tuple[str, ...] = ()
+) -> tuple[int, str, str]:
+    """Exit code, stdout and stderr of the command line, after Ctrl-C, or other signals."""
+    running = start(*words, before=before)
     try:
         wait_for_work(running, after)
         assert running.poll() is None
-        running.send_signal(signal.SIGINT)
+        for number in by:
+            running.send_signal(number)
         out, err = running.communicate(timeout=60)
     finally:
         running.kill()

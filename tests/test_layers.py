@@ -179,6 +179,7 @@ FLOORS = (
     "certified",
     "results",
     "engine",
+    "digest",
 )
 """The rooms of `exact`, lowest first: a room imports itself and those before it."""
 

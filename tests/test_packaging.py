@@ -299,3 +299,48 @@ def test_the_version_is_told_once_more_where_nothing_is_looked_up() -> None:
     from truebreak.scenarios.lazy.version import VERSION
 
     assert tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"] == VERSION
+
+
+@pytest.mark.parametrize("pure", ["", "1"])
+def test_the_version_says_whether_compiled_parts_are_in_use(pure: str, tmp_path: Path) -> None:
+    environment = {**os.environ, "TRUEBREAK_PURE_PYTHON": pure}
+    command = [sys.executable, "-m", "truebreak", "--version"]
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    version = SETTINGS["project"]["version"]
+    parts = "compiled parts in use" if predictions is not None else "pure Python: no compiled parts are installed"
+    told = "pure Python: TRUEBREAK_PURE_PYTHON is set" if pure else parts
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"truebreak {version} ({told})\n", "")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["-m", "truebreak", "run", "galperin:n=1", "--events", "3", "--json"],
+        [
+            "-c",
+            "import truebreak.scenarios, truebreak.compare.cli, truebreak.tools as t; print(t)",
+        ],
+        ["-m", "pytest", "-q", "tests/scenarios/checks"],
+    ],
+    ids=["command", "import", "tests"],
+)
+def test_a_checkout_works_in_place_whatever_is_installed(words: list[str], site: Path, tmp_path: Path) -> None:
+    """In its top folder Python finds the folder truebreak/ before the wheel, and the packages beside it."""
+    copy = tmp_path / "checkout"
+    for name in (*FOLDERS, "tests"):
+        shutil.copytree(ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__", "*.so", "*.pyd", "data"))
+    shutil.copy(ROOT / "pyproject.toml", copy / "pyproject.toml")
+    found = "import sys; sys.meta_path = [f for f in sys.meta_path if 'editable' not in type(f).__module__ + str(f)]\n"
+    (tmp_path / "sitecustomize.py").write_text(found, "utf-8")
+    environment = {**os.environ, "PYTHONPATH": f"{tmp_path}{os.pathsep}{site}"}
+    done = subprocess.run(
+        [sys.executable, *words], cwd=copy, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    where = [
+        sys.executable,
+        "-c",
+        "import truebreak.exact as e, truebreak.scenarios as s; print(e.__file__, s.__file__)",
+    ]
+    told = subprocess.run(where, cwd=copy, env=environment, capture_output=True, text=True, check=True).stdout
+    assert all(Path(file).is_relative_to(copy) for file in told.split())

@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -49,6 +50,11 @@ __all__ = [
     "scene",
     "table",
 ]
+
+_HERE = Path(__file__).parent
+if not (_HERE / "scenarios").is_dir() and (_HERE.parent / "scenarios" / "scene.py").is_file():
+    # In a checkout the packages lie beside this folder, which Python finds there before anything that is installed.
+    __path__.append(str(_HERE.parent))
 
 _HOMES = {
     "Circle": ("scenarios.things", "Circle"),

@@ -5,8 +5,12 @@ from __future__ import annotations
 import atexit
 import errno
 import gc
+import math
 import os
+import signal
 import sys
+import threading
+import time as clock
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -34,12 +38,13 @@ def main(arguments: list[str] | None = None) -> None:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small matrices threads cost more
     debug = "--debug" in given
     words = [word for word in given if word != "--debug"]
+    ended = Ended()
     try:
-        with _rarely_collecting():
+        with ended.by_signals(), _rarely_collecting():
             code = _run(words)
-        sys.stdout.flush()
+            sys.stdout.flush()
     except KeyboardInterrupt:
-        _say("truebreak: interrupted")
+        _say(f"truebreak: {ended.told}")
         code = ExitCode.INTERRUPTED
     except BrokenPipeError:
         _drop_stdout()
@@ -53,7 +58,54 @@ def main(arguments: list[str] | None = None) -> None:
             code = ExitCode.USAGE
     except Exception as error:
         code = _internal(error, debug)
-    sys.exit(int(code))
+    sys.exit(ended.code(code))
+
+
+ONE_SECONDS = 5.0
+"""Signals to end that come within so many seconds are one: to stop a service, or close a terminal, sends several."""
+
+
+class Ended:
+    """SIGTERM and SIGHUP end a command as Ctrl-C does, so that it keeps and shows what is there.
+
+    Who has them ignored, as `nohup` does with SIGHUP, is not bothered.
+    """
+
+    def __init__(self) -> None:
+        self._number: int | None = None
+        self._since = -math.inf
+
+    @contextmanager
+    def by_signals(self) -> Iterator[None]:
+        """Takes them as that in its body, in the main thread."""
+        before = {}
+        if threading.current_thread() is threading.main_thread():
+            for name in ("SIGTERM", "SIGHUP"):
+                number = getattr(signal, name, None)  # Windows has no SIGHUP
+                if number is not None and signal.getsignal(number) is signal.SIG_DFL:
+                    before[number] = signal.signal(number, self._raise)
+        try:
+            yield
+        finally:
+            for number, handler in before.items():
+                signal.signal(number, handler)
+
+    def _raise(self, number: int, frame: object) -> None:
+        now = clock.monotonic()
+        if now >= self._since + ONE_SECONDS:
+            self._number, self._since = number, now
+            raise KeyboardInterrupt
+
+    @property
+    def told(self) -> str:
+        """What happened, in a word or two."""
+        return "interrupted" if self._number is None else f"ended by {signal.Signals(self._number).name}"
+
+    def code(self, code: int) -> int:
+        """The exit code: 128 and the signal's number, where it ended the command, or took its terminal away."""
+        if self._number is not None and code in (ExitCode.INTERRUPTED, ExitCode.PIPE_CLOSED, ExitCode.USAGE):
+            return 128 + self._number
+        return int(code)
 
 
 RARELY = 20_000
@@ -157,8 +209,10 @@ def _cut(text: str, longest: int) -> str:
 
 
 def _say(line: str) -> None:
-    """One line on stderr, which may be closed."""
+    """One line on stderr, which may be closed; of what a file or an engine says, nothing that a terminal acts on."""
+    from ...scenarios.checks.showing import printable
+
     try:
-        click.echo(line, err=True)
+        click.echo(printable(line), err=True)
     except OSError:
         return

@@ -31,7 +31,8 @@ Examples:
 \b
 Exit codes:
   0 agree, or done   1 diverged   2 usage or bad scene   3 internal error
-  4 not settled, undecided, or budget spent   130 interrupted
+  4 not settled, undecided, or budget spent
+  130 interrupted   143 by SIGTERM   129 by SIGHUP: what is there is kept
 """
 
 PLACES = {
@@ -87,13 +88,40 @@ class Commands(MutableMapping[str, click.Command]):
         return len(self._places)
 
 
+def _version(context: click.Context, parameter: click.Parameter, asked: bool) -> None:
+    """One line: the version, and what is compiled."""
+    if not asked or context.resilient_parsing:
+        return
+    from ...scenarios.lazy.version import VERSION
+
+    click.echo(f"truebreak {VERSION} ({_compiled_parts()})")
+    context.exit()
+
+
+def _compiled_parts() -> str:
+    """Whether compiled parts are in use, in words."""
+    import os
+
+    from ...exact.compiled import PURE, cells, predictions, steps
+    from ...floating.flat.formulas import compiled
+
+    parts = {"predictions": predictions, "cells": cells, "steps": steps, "double": compiled}
+    missing = [name for name, part in parts.items() if part is None]
+    if not missing:
+        return "compiled parts in use"
+    if len(missing) < len(parts):
+        return f"compiled parts in use, but for {', '.join(missing)}"
+    return f"pure Python: {f'{PURE} is set' if os.environ.get(PURE) else 'no compiled parts are installed'}"
+
+
 @click.group(
     commands=Commands(PLACES),
     epilog=EXAMPLES,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
 )
 @click.option("--debug", is_flag=True, help="Show the traceback of an internal error.")
-@click.version_option(package_name="truebreak", message="%(prog)s %(version)s")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version,
+              help="Show the version, and whether compiled parts are in use, and exit.")  # fmt: skip
 def cli(debug: bool) -> None:
     """Says, provably, whether and where floating-point error changed what happened.
 

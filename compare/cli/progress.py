@@ -9,6 +9,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
+from ...scenarios.checks.showing import printable
+
 if TYPE_CHECKING:
     from rich.status import Status
 
@@ -144,7 +146,7 @@ class ProgressLine:
 
         with self._lock:
             if not self._over:
-                self._status = Console(stderr=True).status(Text(self._text))
+                self._status = Console(stderr=True).status(Text(printable(self._text)))
                 self._status.start()
 
     def write(self, text: str) -> None:
@@ -153,7 +155,7 @@ class ProgressLine:
         if self._status is not None:
             from rich.text import Text
 
-            self._status.update(Text(text))
+            self._status.update(Text(printable(text)))
 
     def end(self) -> None:
         """Takes it away."""

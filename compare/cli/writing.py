@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import tempfile
 from pathlib import Path
 
 
@@ -43,31 +41,19 @@ def check_folder(path: str | Path) -> None:
 
 
 def write_whole(path: str | Path, text: str) -> None:
-    """Writes UTF-8 text beside its place first, then moves it there: an interruption leaves no half-written
-    file.
+    """Writes UTF-8 text, all of it or nothing, so that it is on disk once this returns.
 
     Raises:
         SceneError: if the place cannot be written to.
     """
     from ...scenarios.errors import SceneError
+    from ...scenarios.files.disk import write_file
 
     target = Path(path)
     try:
         if target.exists() and not target.is_file():
             target.write_text(text, encoding="utf-8")  # a device or a pipe, such as /dev/stdout
-            return
-        descriptor, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        else:
+            write_file(target, text.encode("utf-8"))
     except OSError as error:
         raise SceneError(f"file {str(path)!r}: {error.strerror or error}; choose another place to write to") from None
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write(text)
-        umask = os.umask(0)
-        os.umask(umask)
-        Path(name).chmod(0o666 & ~umask)
-        Path(name).replace(target)
-    except OSError as error:
-        raise SceneError(f"file {str(path)!r}: {error.strerror or error}; choose another place to write to") from None
-    finally:
-        with contextlib.suppress(FileNotFoundError):
-            Path(name).unlink()

@@ -37,7 +37,7 @@ def executor_named(text: str) -> Iterator[tuple[Executor, int]]:
     try:
         from distributed import Client
     except ImportError:
-        raise SceneError(f"--executor {text!r}: needs the package distributed; pip install 'truebreak[dask]'") from None
+        raise SceneError(f"--executor {text!r}: needs the package distributed; pip install '.[dask]'") from None
     try:
         client = Client(f"tcp://{match['host']}:{match['port']}", timeout=PATIENCE, set_as_default=False)
     except (OSError, TimeoutError) as error:

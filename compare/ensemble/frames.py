@@ -1,4 +1,4 @@
-"""The rows of a sweep as a pandas table, and as Parquet (`pip install 'truebreak[tables]'`)."""
+"""The rows of a sweep as a pandas table, and as Parquet (`pip install '.[tables]'`)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def to_pandas(rows: Iterable[SweepRow]) -> Any:
     try:
         import pandas
     except ImportError:
-        raise SceneError("a table in pandas needs pandas; pip install 'truebreak[tables]', or write CSV") from None
+        raise SceneError("a table in pandas needs pandas; pip install '.[tables]', or write CSV") from None
     flat: list[dict[str, Any]] = []
     for row in rows:
         told: dict[str, Any] = {}
@@ -53,7 +53,7 @@ def write_parquet(rows: Iterable[SweepRow], path: str | Path) -> None:
     try:
         import pyarrow  # noqa: F401
     except ImportError:
-        raise SceneError("Parquet needs pyarrow; pip install 'truebreak[tables]', or write CSV") from None
+        raise SceneError("Parquet needs pyarrow; pip install '.[tables]', or write CSV") from None
     try:
         descriptor, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
         os.close(descriptor)

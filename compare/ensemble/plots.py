@@ -1,4 +1,4 @@
-"""Plots of a sweep by matplotlib (`pip install 'truebreak[plots]'`); without it: `report.pictures.sweep_plots`."""
+"""Plots of a sweep by matplotlib (`pip install '.[plots]'`); without it: `report.pictures.sweep_plots`."""
 
 from __future__ import annotations
 
@@ -82,6 +82,6 @@ def _axes(ax: Any) -> Any:
         from matplotlib.figure import Figure
     except ImportError:
         raise SceneError(
-            "plots need matplotlib; pip install 'truebreak[plots]', or use compare.report.pictures.sweep_plots"
+            "plots need matplotlib; pip install '.[plots]', or use compare.report.pictures.sweep_plots"
         ) from None
     return Figure().add_subplot()

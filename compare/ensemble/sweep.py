@@ -5,6 +5,7 @@ from __future__ import annotations
 import multiprocessing
 import os
 import time as clock
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ProcessPoolExecutor, wait
 from dataclasses import dataclass
@@ -137,8 +138,22 @@ def plan(
 
 def pool(jobs: int | None = None) -> ProcessPoolExecutor:
     """Worker processes, started afresh: one for each processor unless told otherwise."""
+    if getattr(multiprocessing.current_process(), "_inheriting", False):
+        raise SystemExit(1)  # a worker that runs the user's script once more: its parent says what to do
     count = (os.cpu_count() or 1) if jobs is None else jobs
     return ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn"), initializer=prepare)
+
+
+NO_WORKERS = (
+    "sweep: no worker process can be started; each reads the script that calls sweep, which has to do so below "
+    '`if __name__ == "__main__":`'
+)
+
+
+def _starts() -> bool:
+    """Whether a worker process comes up at all."""
+    with pool(1) as executor:
+        return executor.submit(os.getpid).exception() is None
 
 
 def run(
@@ -182,6 +197,9 @@ def sweep(
         asked: `events`, `perturb`, `outcomes`, `causes`, `work` and `shard`, as for `plan`.
         jobs, executor, progress: see `run`.
 
+    Without an executor it starts processes, each of which reads the script that calls it: that has to be done below
+    `if __name__ == "__main__":`. Scenes that came to nothing are warned of.
+
     Raises:
         SceneError: as `plan`, `Store` and `run`.
 
@@ -195,9 +213,29 @@ def sweep(
     base = Store(store, planned.settings)
     try:
         run(planned, base, jobs=jobs, executor=executor, progress=progress)
+        _warn_of_failures(base)
         return list(base.rows())
     finally:
         base.close()
+
+
+class SweepWarning(UserWarning):
+    """Some scenes of a sweep came to nothing, and have no rows.
+
+    Attributes:
+        in_one_line: tells the command line to show it as such.
+    """
+
+    in_one_line = True
+
+
+def _warn_of_failures(base: Store) -> None:
+    done = base.done()
+    failed = {scene: note for scene, _, note in base.failures() if scene not in done}
+    if failed:
+        first = min(failed)
+        told = f"{len(failed):,} scene{'' if len(failed) == 1 else 's'} came to nothing, and have no rows"
+        warnings.warn(f"{told}: scene {first}: {failed[first]}", SweepWarning, stacklevel=3)
 
 
 class _Run:
@@ -272,7 +310,9 @@ class _Run:
                 executor.shutdown(wait=True, cancel_futures=True)
 
     def _check_own(self, error: BrokenExecutor) -> None:
-        """A broken executor of the caller's cannot be started afresh."""
+        """A broken executor of the caller's cannot be started afresh; nor can one whose workers never come up."""
+        if self.given is None and not self.fresh and not _starts():
+            raise SceneError(NO_WORKERS) from None
         if self.given is not None:
             raise SceneError(f"the executor lost its workers ({error}); start it again, and call again: "
                              "what is done stays") from None  # fmt: skip

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
+from ..documents.values.amounts import no_formula
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -53,13 +54,16 @@ def floats_csv(scene: Scene) -> str:
     The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0.
 
     Raises:
-        SceneError: for a number beyond the doubles.
+        SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
     """
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     for kind, things, keys in (("circle", scene.circles, CIRCLE), ("wall", scene.walls, WALL),
                                ("pocket", scene.pockets, POCKET)):  # fmt: skip
         for thing in things:
+            if no_formula(thing.id) != thing.id:
+                told = f"{kind} {thing.id!r}: a spreadsheet takes an id that begins so for a formula"
+                raise SceneError(f"{told}; leave out --csv, or write another id")
             pairs = [_pair(thing, key) for key in keys]
             writer.writerow([kind, thing.id, *(repr(d) for d, _ in pairs), *(repr(e) for _, e in pairs)])
     return out.getvalue()

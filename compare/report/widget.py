@@ -65,7 +65,7 @@ def _widget_class() -> Any:
         import traitlets
     except ImportError:
         raise ImportError(
-            "the player in a notebook needs anywidget, which is not installed: pip install 'truebreak[notebook]'"
+            "the player in a notebook needs anywidget, which is not installed: pip install '.[notebook]'"
         ) from None
 
     class Player(anywidget.AnyWidget):

@@ -199,8 +199,8 @@ def _damaged(path: Path, why: str) -> None:
 def _keep(path: Path, run: Trajectory) -> None:
     """Writes a run beside its place and moves it there; makes room first."""
     import gzip
-    import tempfile
 
+    from ...scenarios.files.disk import write_file
     from .run_file import saved_run
 
     try:
@@ -212,28 +212,19 @@ def _keep(path: Path, run: Trajectory) -> None:
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _make_room(path.parent, len(data))
-        descriptor, name = tempfile.mkstemp(prefix=".", suffix=".part", dir=path.parent)
-        try:
-            with os.fdopen(descriptor, "wb") as file:
-                file.write(data)
-            Path(name).replace(path)
-        finally:
-            with contextlib.suppress(OSError):
-                Path(name).unlink()
+        write_file(path, data, lasting=False)  # one that a power cut damages is told by its digest, and made again
     except OSError as error:
         warnings.warn(f"{path.parent}: a run cannot be kept: {error.strerror or error}", CacheWarning, stacklevel=2)
 
 
 def _make_room(folder: Path, size: int) -> None:
-    """Removes the longest unused runs, and what a process left half-written a day ago, until a new one fits."""
+    """Removes the longest unused runs until a new one fits."""
     found: list[tuple[float, int, Path]] = []
     for path in folder.iterdir():
         with contextlib.suppress(OSError):
             told = path.stat()
             if path.name.endswith(".json.gz"):
                 found.append((told.st_mtime, told.st_size, path))
-            elif path.name.endswith(".part") and told.st_mtime < clock.time() - 86_400:
-                path.unlink()
     taken = size + sum(each for _, each, _ in found)
     for _, each, path in sorted(found):
         if taken <= MOST_BYTES:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 
-from ...scenarios.errors import SceneError
+from ...scenarios.files.disk import text_of
 from ...scenarios.files.sealed import Seal
 from ..cli.writing import write_whole
 from ..comparison import Comparison
@@ -51,11 +50,7 @@ def load_comparison(path: str | os.PathLike[str]) -> Comparison:
         SceneError: one line, for a file that is not there, is none of these, is damaged or is of another version.
     """
     where = os.fspath(path)
-    try:
-        text = Path(where).read_bytes().decode("utf-8", errors="replace")
-    except OSError as error:
-        raise SceneError(f"{where}: cannot be read: {error.strerror or error}; check the path") from None
-    return comparison_of(text, where)
+    return comparison_of(text_of(where, remedy="give the path of a saved comparison", strict=False), where)
 
 
 def comparison_of(text: str, where: str = "the text") -> Comparison:
@@ -67,7 +62,7 @@ def comparison_of(text: str, where: str = "the text") -> Comparison:
     known = SEAL.opened(text, where)
     try:
         found = Reader(known["roots"])(known["objects"])
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
+    except (ArithmeticError, AssertionError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
         raise SEAL.damaged(where) from None
     if not isinstance(found, Comparison):
         raise SEAL.damaged(where)

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...exact.engine import ExactEngine
-from ...exact.results.resumed import tape_of
+from ...exact.results.resumed import NOT_ITS_LOG, tape_of
+from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import Trajectory
 from .run_file import load_run
 
@@ -23,19 +24,22 @@ class GoingOn(ExactEngine):
 
     Attributes:
         earlier: that run.
+        where: the file that it is from, as errors name it.
     """
 
     earlier: Trajectory = field(kw_only=True, repr=False)
+    where: str | None = field(kw_only=True, default=None, repr=False)
 
     @classmethod
-    def after(cls, earlier: Trajectory, **settings: Any) -> GoingOn:
+    def after(cls, earlier: Trajectory, where: str | None = None, **settings: Any) -> GoingOn:
         """The engine of a run, with some settings in place of its own; None leaves one as it is.
 
         Raises:
             SceneError: for a run that cannot be gone on with.
         """
         tape_of(earlier)
-        return cls(**{**earlier.parameters, **{k: v for k, v in settings.items() if v is not None}}, earlier=earlier)
+        given = {**earlier.parameters, **{k: v for k, v in settings.items() if v is not None}}
+        return cls(**given, earlier=earlier, where=where)
 
     @property
     def limits(self) -> tuple[str | None, int | None]:
@@ -52,7 +56,12 @@ class GoingOn(ExactEngine):
         progress: OnProgress | None = None,
     ) -> Trajectory:
         """As `ExactEngine.resume`."""
-        return self.resume(self.earlier, until=until, events=events, progress=progress)
+        try:
+            return self.resume(self.earlier, until=until, events=events, progress=progress)
+        except SceneError as error:
+            if str(error) != NOT_ITS_LOG or self.where is None:
+                raise
+            raise SceneError(f"{self.where}: {error}") from None
 
 
 def resume(
@@ -80,6 +89,6 @@ def resume(
     >>> resume(short, until=3).stop.reason.name
     'HORIZON'
     """
-    earlier = run if isinstance(run, Trajectory) else load_run(run)
-    engine = GoingOn.after(earlier, work=work)
+    earlier, where = (run, None) if isinstance(run, Trajectory) else (load_run(run), os.fspath(run))
+    engine = GoingOn.after(earlier, where, work=work)
     return engine.run(earlier.scene, until=until, events=events, progress=progress)

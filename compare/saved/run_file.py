@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 from typing import Any
 
 from ...exact.results.motion import ExactMotion
@@ -15,7 +14,8 @@ from ...exact.simulation.history import Mark
 from ...scenarios.errors import SceneError
 from ...scenarios.event import Assumption, Event, Pocketing, Reversal, TieProof
 from ...scenarios.files import dump_json, loads_json
-from ...scenarios.files.sealed import Seal
+from ...scenarios.files.disk import text_of
+from ...scenarios.files.sealed import Seal, fits
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import Stop, StopReason, Trajectory
 from .run_numbers import (
@@ -61,20 +61,7 @@ def load_run(path: str | os.PathLike[str]) -> Trajectory:
         SceneError: one line, for a file that is not there, is none of these, is damaged or is of another version.
     """
     where = os.fspath(path)
-    path = Path(where)
-    try:
-        other = path.exists() and not path.is_file()
-        raw = b"" if other else path.read_bytes()
-    except FileNotFoundError:
-        raise SceneError(f"{where}: no such file; check the path") from None
-    except OSError as error:
-        raise SceneError(f"{where}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:  # a zero byte in the path
-        raise SceneError(f"{where!r}: cannot be read: {error}") from None
-    if other:
-        raise SceneError(f"{where}: is not a regular file; give the path of a saved run")
-    text = raw.decode("utf-8", errors="replace")
-    return run_of(text, where)
+    return run_of(text_of(where, remedy="give the path of a saved run", strict=False), where)
 
 
 def run_of(text: str, where: str = "the text") -> Trajectory:
@@ -86,7 +73,7 @@ def run_of(text: str, where: str = "the text") -> Trajectory:
     known = SEAL.opened(text, where)
     try:
         return _trajectory(known, where)
-    except (ArithmeticError, AssertionError, AttributeError, LookupError, TypeError, ValueError):
+    except (ArithmeticError, AssertionError, AttributeError, LookupError, RecursionError, TypeError, ValueError):
         raise SEAL.damaged(where) from None
 
 
@@ -145,8 +132,57 @@ def _time_data(time: Any, number: NumberWriter) -> Written:
 
 # -- reading
 
+LINK = [Any]
+"""A contact: `link_of` looks at its parts."""
+
+TIE = ([(str, str)], str, frozenset({int, None}))
+
+SHAPE = {
+    "engine": {"max_bits": int, "ties": str, "work": int},
+    "stop": (str, str),
+    "scene": dict,
+    "lost": int,
+    "centred": bool,
+    "plan": {str: int},
+    "notes": [str],
+    "assumptions": [(int, str, str, int)],
+    "returned": bool,
+    "set_times": [(str, int)],
+    "entries": [(str, str, Any)],
+    "steps": [list],
+    "events": [(Any, [(str, str)], [(str, str)], [TIE], bool)],
+    "knots": [[(Any, Any, Any, Any, Any, int, int)]],
+}
+"""What a file holds, but for its numbers, times, reversal and tape, which have readers that refuse what is none."""
+
+TAPE = {
+    "limits": (frozenset({str, None}), frozenset({int, None}), bool),
+    "begun": bool,
+    "plan": {str: int},
+    "assumed": int,
+    "rises": [(int, bool)],
+    "grazes": [(int, [LINK])],
+    "instants": [frozenset({list, dict})],
+}
+
+
+def _check(data: dict[str, Any]) -> None:
+    """Refuses what no writer wrote, though its digest is right.
+
+    Raises:
+        ValueError: then.
+    """
+    for key, shape in SHAPE.items():
+        if not fits(data[key], shape):
+            raise ValueError(f"{key} is not what it is to be")
+    if data["tape"] is not None and not fits(data["tape"], TAPE):
+        raise ValueError("the tape is not what it is to be")
+    if data["reversal"] is not None and not fits(data["reversal"], (int, Any)):
+        raise ValueError("the reversal is not what it is to be")
+
 
 def _trajectory(data: dict[str, Any], where: str) -> Trajectory:
+    _check(data)
     scene = loads_json(json.dumps(data["scene"]), where)
     number = NumberReader(data["roots"])
     log = RunLog(scene, [step_of(step) for step in data["steps"]], data["lost"], data["centred"])

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from ...scenarios.errors import SceneError
+from ...scenarios.files.disk import held
 from .rows.cell import StressRow
 from .table import family
 
@@ -51,6 +52,7 @@ class Store:
         self.settings: dict[str, Any] = json.loads(json.dumps(settings or {}))
         self.rows: list[StressRow] = []
         self._sum, self._whole = "", 0
+        self._held: BinaryIO | None = None
         if path is not None:
             with self._told():
                 self._open(Path(path))
@@ -58,6 +60,13 @@ class Store:
     def _open(self, path: Path) -> None:
         if path.exists() and not path.is_file():
             raise SceneError(f"--store {self.path!r}: is no regular file; choose another")
+        if self._writes:
+            path.touch()
+            self._held = held(path)
+            if self._held is None:
+                raise SceneError(
+                    f"--store {self.path!r}: another process writes there; let it end, or choose another file"
+                )
         data = path.read_bytes() if path.exists() else b""
         if self._writes:
             head = self._line({"format": FORMAT, "settings": self.settings})

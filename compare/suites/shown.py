@@ -52,7 +52,7 @@ def print_survey(found: Survey) -> None:
         for told in advice_sentence([entry for entry in found.entries if entry.label == label]):
             say(out, told)
     for name in found.missing:
-        say(out, f"{name} is not installed: pip install 'truebreak[{name}]'")
+        say(out, f"{name} is not installed: pip install '.[{name}]'")
 
 
 def advice_sentence(entries: Sequence[SurveyEntry]) -> list[str]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...scenarios.checks.showing import cut
 from ...scenarios.errors import SceneError
+from ...scenarios.files.disk import text_of
+from ...scenarios.files.sealed import fits
 from .document import SUITE_SCHEMA
 
 if TYPE_CHECKING:
@@ -15,17 +17,23 @@ if TYPE_CHECKING:
     from .running import SuiteReport
 
 
-KINDS: dict[str, tuple[type, ...]] = {
-    "scene": (str,),
-    "engine": (str,),
-    "digest": (str,),
-    "verdict": (str,),
-    "agreed": (int,),
-    "events": (int,),
-    "divergence": (dict, type(None)),
-    "changed": (list,),
+MOST_BYTES = 64 << 20
+"""The longest report that is read: some 100,000 cells."""
+
+KINDS: dict[str, frozenset[type | None]] = {
+    "scene": frozenset({str}),
+    "engine": frozenset({str}),
+    "digest": frozenset({str}),
+    "verdict": frozenset({str}),
+    "agreed": frozenset({int}),
+    "events": frozenset({int}),
+    "divergence": frozenset({dict, None}),
+    "changed": frozenset({list}),
 }
 """What a cell of a report has that is read again, and of which types."""
+
+PARTED = {"event": int, "body": str, "expected": frozenset({str, None}), "got": frozenset({str, None})}
+"""What is shown of a divergence."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +63,9 @@ def read_report(path: str) -> dict[str, Any]:
         SceneError: naming the file and the remedy.
     """
     where = f"file {path!r}"
+    text = text_of(path, MOST_BYTES, "name a report of `truebreak suite --json`")
     try:
-        data: Any = json.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise SceneError(f"{where}: {error.strerror}; name a report of `truebreak suite --json`") from None
+        data: Any = json.loads(text)
     except (ValueError, RecursionError):
         raise SceneError(f"{where}: is not JSON; name a report of `truebreak suite --json`") from None
     if not isinstance(data, dict) or data.get("schema") != SUITE_SCHEMA or not isinstance(data.get("cells"), list):
@@ -69,14 +76,15 @@ def read_report(path: str) -> dict[str, Any]:
         for key, kinds in KINDS.items():
             if key not in cell:
                 raise SceneError(f"{where}: cell {number} lacks {key!r}; write the report again")
-            if type(cell[key]) not in kinds:
-                raise SceneError(f"{where}: cell {number}: {key} = {str(cell[key])[:40]}; write the report again")
+            if not fits(cell[key], kinds):
+                raise SceneError(f"{where}: cell {number}: {key} = {cut(cell[key])}; write the report again")
         first = cell["divergence"]
-        if first is not None and type(first.get("event")) is not int:
+        if first is not None and not all(key in first and fits(first[key], kind) for key, kind in PARTED.items()):
             raise SceneError(f"{where}: cell {number}: divergence has no event; write the report again")
-        if cell.get("laws") is not None and set(cell["laws"]) != {"kept", "told"}:
+        laws = cell.get("laws")
+        if laws is not None and not (isinstance(laws, dict) and laws.keys() == {"kept", "told"}):
             raise SceneError(f"{where}: cell {number}: laws is not what it is to be; write the report again")
-        if not all(isinstance(name, str) for name in cell["changed"]):
+        if not fits(cell["changed"], [str]):
             raise SceneError(f"{where}: cell {number}: changed is no list of names; write the report again")
     return data
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ...scenarios.errors import SceneError
+from ...scenarios.files.disk import text_of
+from ...scenarios.files.reader import MAX_TOML, toml_table
 from ..engines import engine, split_engines, suggestion
 from ..foreign.loading import label_of
 from ..scene_argument import FILE_SUFFIXES, scene_from
@@ -54,12 +55,7 @@ def read_suite(path: str) -> Suite:
     Raises:
         SceneError: naming the file, the scene, the key and the remedy.
     """
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "is not UTF-8 text"
-        raise SceneError(f"file {path!r}: {reason}; name a suite in TOML") from None
-    return parsed_suite(text, path)
+    return parsed_suite(text_of(path, MAX_TOML, "name a suite in TOML"), path)
 
 
 def parsed_suite(text: str, path: str) -> Suite:
@@ -69,10 +65,7 @@ def parsed_suite(text: str, path: str) -> Suite:
     (Task(scene='lee', engines=('double',), until=None, events=None),)
     """
     where = f"file {path!r}"
-    try:
-        data = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
-        raise SceneError(f"{where}: is not TOML: {error}") from None
+    data = toml_table(text, where)
     _known(where, data, SUITE_KEYS)
     scenes = data.get("scene", [])
     if not isinstance(scenes, list) or not scenes or not all(isinstance(scene, dict) for scene in scenes):

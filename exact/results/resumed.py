@@ -10,7 +10,7 @@ from ...scenarios.numbers.real import Real
 from ...scenarios.numbers.tower.element import AnyTower, Element
 from ...scenarios.numbers.tower.field import TowerLimit
 from ...scenarios.trajectory import StopReason, Trajectory
-from ..numbers.field import Known
+from ..numbers.field import Known, known_ball
 from ..replay.contact import Named
 from ..simulation.history import History, Mark
 from ..simulation.limits import Limits
@@ -21,6 +21,12 @@ from .times import Source, TimeFormula
 from .value import ExactValue
 
 NOT_ITS_LOG = "the log is not what its scene does; save the run again"
+
+CHECK_BITS = 128
+"""Bits to which an exact time of the file is held against the one that comes of carrying the log out."""
+
+FORGED = (ArithmeticError, AssertionError, AttributeError, LookupError, TypeError, ValueError)
+"""What comes up where a log is carried out that no run has written."""
 
 
 def tape_of(run: Trajectory) -> tuple[ExactMotion, Tape, Reached | None]:
@@ -89,7 +95,10 @@ def restore(history: History[Known], run: Trajectory, limits: Limits, tower: Any
         times[value.instant, value.upto, _source(value)] = number(value.near)
 
     def timed(mark: Mark[Known]) -> Mark[Known]:
-        return mark._replace(time=times[mark.number, mark.step, mark.source])
+        time = times[mark.number, mark.step, mark.source]
+        if not known_ball(time, CHECK_BITS).overlaps(known_ball(mark.time, CHECK_BITS)):
+            raise SceneError(NOT_ITS_LOG)
+        return mark._replace(time=time)
 
     history.records = [record._replace(mark=timed(record.mark)) for record in history.records]
     history.entries = [entry._replace(mark=timed(entry.mark)) for entry in history.entries]
@@ -120,6 +129,8 @@ def _same(history: History[Known], run: Trajectory, motion: ExactMotion) -> bool
     """Whether a history is the beginning of a run: the same steps, events and flights."""
     named = Named(run.scene)
     if history.steps != list(motion.log.steps[: len(history.steps)]) or len(history.records) > len(run.events):
+        return False
+    if len(history.knots) != len(motion.knots):
         return False
     for record, event in zip(history.records, run.events, strict=False):
         links = [named(record.links), named(record.impulses)]

@@ -3,9 +3,33 @@
 from __future__ import annotations
 
 import reprlib
+from unicodedata import category
 
 SHOWN = 60
 """How much of a bad value an error repeats, in characters."""
+
+
+def printable(text: str, wide: str = "\\u{:04x}\\u{:04x}") -> str:
+    """A text in which a terminal finds nothing to act on: control characters and marks of direction are spelled out.
+
+    Ends of lines stay. What is spelled out reads back as what it was within a string of JSON.
+
+    Args:
+        wide: how a character beyond the first 65,536 is spelled, from the two halves of its pair.
+
+    >>> printable("plain, \\u00e9"), printable("left\\u202eright"), printable("\\x1b[2J")
+    ('plain, \u00e9', 'left\\\\u202eright', '\\\\u001b[2J')
+    """
+    if text.isprintable():
+        return text
+    return "".join(c if c == "\n" or c.isprintable() or category(c) == "Zs" else _spelled(c, wide) for c in text)
+
+
+def _spelled(character: str, wide: str) -> str:
+    code = ord(character)
+    if code < 0x10000:
+        return f"\\u{code:04x}"
+    return wide.format(0xD7C0 + (code >> 10), 0xDC00 + (code & 0x3FF), code=code)
 
 
 class Bare(str):

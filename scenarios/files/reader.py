@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import tomllib
+from collections.abc import Callable
 from typing import Any, cast
 
 from ..checks.showing import SHOWN, Bare, cut
@@ -41,16 +42,27 @@ def loads_toml(text: str, where: str = "TOML") -> Scene:
     Quantity('1/10')
     """
     _check_size(text, where, MAX_TOML, "write it as JSON, or leave something out")
+    return scene_from_table(toml_table(text, where, _bare), where)
+
+
+def toml_table(text: str, where: str, number: Callable[[str], Any] = float) -> dict[str, Any]:
+    """The keys and values of a TOML text, whatever it is of; `where` names the text in errors.
+
+    Args:
+        number: what becomes of a number with a point or an exponent.
+
+    Raises:
+        SceneError: for what is no TOML, and for what would hold up the reader.
+    """
     _check_lines(text, where)
     try:
-        data = tomllib.loads(text, parse_float=_bare)
+        return tomllib.loads(text, parse_float=number)
     except tomllib.TOMLDecodeError as error:
         raise SceneError(f"{where}: not TOML: {_one_line(error)}") from None
     except RecursionError:
-        raise SceneError(f"{where}: not a scene: nested too deeply; write [[circle]] tables") from None
+        raise SceneError(f"{where}: nested too deeply; write [[circle]] tables") from None
     except ValueError as error:
         raise SceneError(f"{where}: {_not_toml(error)}") from None
-    return scene_from_table(data, where)
 
 
 def loads_json(text: str, where: str = "JSON") -> Scene:

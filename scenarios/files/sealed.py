@@ -65,6 +65,36 @@ class Seal:
         return SceneError(f"{where}: is damaged; save the {self.kind} again")
 
 
+def fits(value: Any, shape: Any) -> bool:
+    """Whether what was read as JSON has a shape.
+
+    Args:
+        shape: a type (bool is no int here), None, `Any`; a list with the shape of each item, a tuple with the shapes of
+            just these items; a dict with the shape of each key's value, or `{str: shape}` for keys of any name; a
+            frozenset of types and None, one of which it is.
+
+    >>> fits([1, ["a", None]], (int, [frozenset({str, None})])), fits({"n": True}, {"n": int})
+    (True, False)
+    """
+    if shape is Any:
+        return True
+    if isinstance(shape, list):
+        return type(value) is list and all(fits(item, shape[0]) for item in cast("list[Any]", value))
+    if isinstance(shape, tuple):
+        parts, shapes = cast("list[Any]", value), cast("tuple[Any, ...]", shape)
+        return type(value) is list and len(parts) == len(shapes) and all(map(fits, parts, shapes))
+    if isinstance(shape, dict):
+        if type(value) is not dict:
+            return False
+        told, wanted = cast("dict[str, Any]", value), cast("dict[Any, Any]", shape)
+        if str in wanted:
+            return all(fits(item, wanted[str]) for item in told.values())
+        return told.keys() == wanted.keys() and all(fits(told[key], wanted[key]) for key in wanted)
+    if isinstance(shape, frozenset):
+        return (None if value is None else type(value)) in shape
+    return value is None if shape is None else type(value) is shape
+
+
 def digest(data: dict[str, Any]) -> str:
     """SHA-256 of contents, in hexadecimal."""
     return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()

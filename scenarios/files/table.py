@@ -12,7 +12,7 @@ from ..errors import SceneError
 from ..numbers.parsing import MAX_LENGTH
 from ..numbers.quantity import Quantity
 from ..scene import MAX_CIRCLES, Scene
-from ..things import FIXED, Circle, Pocket, Wall
+from ..things import FIXED, INFINITE, Circle, Pocket, Wall
 
 HALF_PAIR = re.compile("[\ud800-\udfff]")
 """What no file can hold: half of the pair that spells a character beyond the first 65,536."""
@@ -21,9 +21,22 @@ TEXTS = ("name", "description", "source", "tie_policy")
 COUNTS = ("reverse_after", "events")
 TIMES = ("reverse_at", "until")
 TOP = (*TEXTS, *COUNTS, *TIMES, "capture", "circle", "wall", "pocket")
-CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point")
+CIRCLE = ("id", "x", "y", "r", "vx", "vy", "m", "point", "fixed")
 WALL = ("id", "x0", "y0", "x1", "y1")
 POCKET = ("id", "x", "y", "r")
+
+ABSENT = frozenset(
+    [
+        *("acceleration", "angle", "angular_velocity", "arc", "bounce", "box", "capsule", "constraint", "damping"),
+        *("drag", "elasticity", "field", "force", "friction", "gravity", "joint", "line", "motor", "mu", "omega"),
+        *("period_x", "period_y", "polygon", "rectangle", "restitution", "rotation", "segment", "settle", "spin"),
+        *("spring", "torque"),
+    ]
+)
+"""Keys of other physics engines for what this world does not have: to be named as that, not as a slip of the pen."""
+
+WORLD = "docs/scenes.md#what-the-world-has"
+"""The page that says what it has."""
 
 
 TOML_LIST, JSON_LIST = "write [[{kind}]] above each of them", 'write "{kind}": [{{...}}, {{...}}]'
@@ -43,6 +56,7 @@ def scene_from_table(data: dict[str, Any], where: str, remedy: str = TOML_LIST) 
     x.toml: circle 'a': key 'R' is not known; did you mean 'r'?
     """
     try:
+        _check_physics(data)
         _check_keys("", data, TOP)
         values: dict[str, Any] = {key: _text(key, data[key]) for key in TEXTS if key in data}
         values |= {key: _count(key, data[key]) for key in COUNTS if key in data}
@@ -86,6 +100,8 @@ def _circle(label: str, row: dict[str, Any]) -> Circle:
     values: dict[str, Any] = _numbers(label, row, required=("x", "y", "r"), others=("vx", "vy"))
     if "m" in row:
         values["m"] = FIXED if _says_fixed(row["m"]) else _number(label, "m", row["m"])
+    if "fixed" in row:
+        values["fixed"] = _truth(f"{label}: fixed", row["fixed"])
     if "point" in row:
         values["point"] = _truth(f"{label}: point", row["point"])
     return Circle(id=row["id"], **values)
@@ -102,7 +118,7 @@ def _pocket(label: str, row: dict[str, Any]) -> Pocket:
 
 
 def _says_fixed(m: Any) -> bool:
-    return isinstance(m, str) and m.strip() == FIXED
+    return isinstance(m, str) and m.strip() in INFINITE
 
 
 def _numbers(
@@ -150,6 +166,34 @@ def _text(key: str, value: Any) -> str:
     if key == "tie_policy" and len(value) > SHOWN:
         raise SceneError(f"tie_policy = {cut(value)} is not known; write simultaneous or sequential")
     return value
+
+
+def _check_physics(data: dict[str, Any]) -> None:
+    """Refuses, all at once, what is physics of another world.
+
+    Raises:
+        SceneError: naming each key, and the first thing that has it.
+    """
+    found = {key: "" for key in data if _is_physics(key)}
+    for kind in ("circle", "wall", "pocket"):
+        rows: object = data.get(kind)
+        for row in rows if _few(rows) and _are_tables(rows) else []:
+            for key in row:
+                if _is_physics(key):
+                    found.setdefault(key, f" (of {kind} {cut(row.get('id'))})")
+    if found:
+        told = ", ".join(f"{key}{whose}" for key, whose in sorted(found.items()))
+        raise SceneError(
+            f"{told}: physics that is not there; {WORLD} says what is: leave {'it' if len(found) == 1 else 'them'} out"
+        )
+
+
+def _few(rows: object) -> bool:
+    return isinstance(rows, list) and len(cast("list[object]", rows)) <= MAX_CIRCLES
+
+
+def _is_physics(key: str) -> bool:
+    return key.lower() in ABSENT or key.lower().removesuffix("s") in ABSENT
 
 
 def _check_keys(label: str, table: dict[str, Any], known: Iterable[str]) -> None:

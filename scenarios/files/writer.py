@@ -6,7 +6,7 @@ import json
 import re
 from typing import Any, cast
 
-from ..checks.showing import cut
+from ..checks.showing import cut, printable
 from ..errors import SceneError
 from ..numbers.quantity import Quantity
 from ..scene import Scene
@@ -15,6 +15,9 @@ from .table import HALF_PAIR
 
 BARE = re.compile(r"-?(0|[1-9][0-9]{0,14})", re.ASCII)
 """A whole number below 10**15: every reader of TOML holds it exactly."""
+
+WIDE = "\\U{code:08x}"
+"""How TOML spells a character beyond the first 65,536."""
 
 PLAIN = 100
 """A number's text of at most this many characters is within the limits of reading for certain, as
@@ -65,12 +68,16 @@ def dump_json(scene: Scene) -> str:
     """
     items: list[str] = []
     for key, value in _data(scene).items():
-        text = json.dumps(value, ensure_ascii=False)
+        text = _json(value)
         if isinstance(value, list):
-            rows = ",\n".join(f"    {json.dumps(row, ensure_ascii=False)}" for row in cast("list[object]", value))
+            rows = ",\n".join(f"    {_json(row)}" for row in cast("list[object]", value))
             text = f"[\n{rows}\n  ]"
         items.append(f"  {json.dumps(key)}: {text}")
     return _bounded(scene, "{\n" + ",\n".join(items) + "\n}\n", MAX_JSON, "JSON; leave something out")
+
+
+def _json(value: object) -> str:
+    return printable(json.dumps(value, ensure_ascii=False))
 
 
 def _bounded(scene: Scene, text: str, limit: int, remedy: str) -> str:
@@ -109,4 +116,4 @@ def _toml_line(key: str, value: Any) -> str:
     if isinstance(value, int) or (key in NUMBERS and BARE.fullmatch(value)):
         return f"{key} = {value}"
     quoted = json.dumps(value, ensure_ascii=False)  # TOML escapes what JSON does, and the character 7f
-    return f"{key} = {quoted}".replace("\x7f", "\\u007f")
+    return f"{key} = {printable(quoted, WIDE)}"

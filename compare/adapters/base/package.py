@@ -27,4 +27,4 @@ def package(module: str, extra: str) -> Any:
     try:
         return import_module(module)
     except ImportError as error:
-        raise NotInstalled(f"engine {extra!r}: {error}; pip install 'truebreak[{extra}]'") from error
+        raise NotInstalled(f"engine {extra!r}: {error}; pip install '.[{extra}]' in truebreak's folder") from error

@@ -85,7 +85,7 @@ def run(
         refuse_beside("--resume", ("scene", "engine_text", "reverse_after", "tie_policy", "symmetric"))
         from ...saved.going_on import GoingOn, load_run
 
-        chosen = GoingOn.after(load_run(resume), ties=ties, work=work)
+        chosen = GoingOn.after(load_run(resume), resume, ties=ties, work=work)
         loaded = chosen.earlier.scene
         goal = goal_of(loaded, *((until, events) if until or events else chosen.limits))
     check_until(chosen, loaded, until)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from enum import Enum
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
@@ -22,6 +23,19 @@ def double(value: Any) -> float | None:
     except OverflowError:
         return None
     return number if math.isfinite(number) else None
+
+
+FORMULA = re.compile(r"[=@\t\r]|[+-].*[^0-9a-z+*/(). -]", re.DOTALL)
+"""What a spreadsheet would take for a formula that reaches beyond numbers: an exact number is none."""
+
+
+def no_formula(cell: Any) -> Any:
+    """A cell of CSV; text that is a formula to a spreadsheet has an apostrophe before it, as those read text.
+
+    >>> [no_formula(cell) for cell in ("=HYPERLINK(1)", "a=b", "-sqrt(2)/2", "-2+cmd|' /C x'!A0", -0.5, None)]
+    ["'=HYPERLINK(1)", 'a=b', '-sqrt(2)/2', "'-2+cmd|' /C x'!A0", -0.5, None]
+    """
+    return f"'{cell}" if isinstance(cell, str) and FORMULA.match(cell) else cell
 
 
 @runtime_checkable

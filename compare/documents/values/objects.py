@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
@@ -201,6 +202,15 @@ def _parts(value: Any) -> dict[str, Any]:
     return {name: part for name, part in state.items() if not isinstance(getattr(kind, name, None), cached_property)}
 
 
+FORMS = frozenset(
+    ("array", "ball", "dict", "double", "enum", "exact", "field", "float", "interval", "is", "rational", "same")
+) | {"scene", "set", "step", "tuple"}
+"""How an object begins, of those that are no lists and no plain values of JSON."""
+
+ELEMENTS = re.compile(r"[<>|][biuf][1248]")
+"""What arrays are of: truth values, whole numbers, floats."""
+
+
 class Reader:
     """Reads what a `Writer` wrote.
 
@@ -222,7 +232,10 @@ class Reader:
             return [self(item) for item in data]
         if not isinstance(data, dict):
             return data
-        return getattr(self, f"_{next(iter(data))}")(**{f"{key}_": item for key, item in data.items()})
+        form = next(iter(data), None)
+        if form not in FORMS:
+            raise ValueError("an object of none of the forms that are read")
+        return getattr(self, f"_{form}")(**{f"{key}_": item for key, item in data.items()})
 
     def _enum(self, enum_: str, name_: str) -> Any:
         return _class(enum_)[name_]
@@ -244,6 +257,8 @@ class Reader:
         return {self(key): self(item) for key, item in dict_}
 
     def _array(self, array_: Any, type_: str) -> Any:
+        if not ELEMENTS.fullmatch(type_):
+            raise ValueError("an array of what no writer writes")
         return np.array(self(array_), dtype=np.dtype(type_))
 
     def _exact(self, exact_: str) -> Quantity:
@@ -283,6 +298,8 @@ class Reader:
         made = kind.__new__(kind) if float_ is None else kind.__new__(kind, self(float_))
         self._seen[place] = made
         for key, item in has_.items():
+            if key.startswith("__"):
+                raise ValueError(f"{key} is no part of an object")
             object.__setattr__(made, key, self(item))
         return made
 

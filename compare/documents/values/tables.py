@@ -12,6 +12,7 @@ from ....scenarios.errors import SceneError
 from ....scenarios.trajectory import Trajectory
 from ...alignment.separation import Separation
 from ...comparison import Comparison
+from .amounts import no_formula
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,11 +50,14 @@ class Table(Mapping[str, list[Any]]):
         return list(zip(*self.columns.values(), strict=True))
 
     def csv(self) -> str:
-        """Comma-separated values with a line of headings; doubles so that they are read back to the bit."""
+        """Comma-separated values with a line of headings; doubles so that they are read back to the bit.
+
+        Text that a spreadsheet would take for a formula, as an id may be, has an apostrophe before it.
+        """
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(self.columns)
-        writer.writerows(self.rows)
+        writer.writerows([no_formula(cell) for cell in row] for row in self.rows)
         return out.getvalue()
 
     def numpy(self) -> NDArray[np.void]:

@@ -8,6 +8,7 @@ import json
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from ...documents.values.amounts import no_formula
 from .row import COLUMNS, SweepRow
 
 
@@ -28,7 +29,7 @@ def csv_text(rows: Iterable[SweepRow], keys: Sequence[str]) -> str:
         cells: list[Any] = []
         for column in COLUMNS:
             if column == "parameters":
-                cells += [row["parameters"].get(key, "") for key in keys]
+                cells += [no_formula(row["parameters"].get(key, "")) for key in keys]
             else:
                 cells.append(_cell(row[column]))
         writer.writerow(cells)
@@ -40,4 +41,4 @@ def _cell(value: Any) -> Any:
         return ""
     if isinstance(value, float):
         return repr(value)
-    return json.dumps(value, separators=(",", ":")) if isinstance(value, dict | list) else value
+    return json.dumps(value, separators=(",", ":")) if isinstance(value, dict | list) else no_formula(value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
+from ....scenarios.checks.showing import printable
 from ....scenarios.numbers.real import real
 from ...documents.values.amounts import bounds, double
 from ..counting import counted
@@ -54,7 +55,7 @@ def laid_out(data: dict[str, Any]) -> str:
 def _flat(value: Any) -> str:
     import json
 
-    return json.dumps(value, allow_nan=False, ensure_ascii=False)
+    return printable(json.dumps(value, allow_nan=False, ensure_ascii=False))
 
 
 def print_catalogue(as_json: bool) -> None:

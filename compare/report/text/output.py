@@ -6,6 +6,8 @@ import os
 import sys
 from typing import TYPE_CHECKING, NamedTuple
 
+from ....scenarios.checks.showing import printable
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -44,12 +46,14 @@ class TextTable:
     def __init__(
         self, headings: tuple[str, ...], title: str | None, whole: Sequence[str], right: Sequence[str]
     ) -> None:
-        self.headings, self.title, self.whole, self.right = headings, title, whole, right
+        self.headings, self.whole, self.right = headings, whole, right
+        self.title = None if title is None else printable(title)
         self.rows: list[tuple[tuple[str | Tinted, ...], str | None]] = []
 
     def add_row(self, *cells: str | Tinted, style: str | None = None) -> None:
         """One cell under each heading, perhaps all in a style."""
-        self.rows.append((cells, style))
+        told = (printable(c) if isinstance(c, str) else Tinted(printable(c.text), c.style) for c in cells)
+        self.rows.append((tuple(told), style))
 
     def lines(self, width: int) -> list[str] | None:
         """The table without colours, as rich lays it out; None where it needs rich, to go on in further lines.
@@ -200,7 +204,7 @@ def console() -> Output:
 
 def say(out: Output, text: str, style: str | None = None) -> None:
     """A line of text; where the output is not a terminal it stays one line, however long, unless COLUMNS is set."""
-    width = columns()
+    text, width = printable(text), columns()
     if out.plain and _fits(text, width):
         _write(text)
         return

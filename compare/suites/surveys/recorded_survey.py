@@ -7,11 +7,39 @@ from dataclasses import MISSING, fields
 from functools import partial
 from typing import Any
 
+from ....scenarios.checks.showing import cut
 from ....scenarios.errors import SceneError
+from ....scenarios.files.sealed import fits
+from ...alignment.align import VERDICTS
 from ..cell import Cell
 from ..since import read_report
 from ..survey import SCENES, SURVEYED, Survey, SurveyEntry
 from .advised import Advised
+
+NUMBER = frozenset({int, float, None})
+
+CELL = {
+    "scene": str,
+    "digest": str,
+    "engine": str,
+    "settings": dict,
+    "verdict": str,
+    "agreed": int,
+    "events": int,
+    "cause": frozenset({str, None}),
+    "changed": [str],
+    "drift": NUMBER,
+    "stop": str,
+    "unable": bool,
+    "seconds": frozenset({int, float}),
+    "times": NUMBER,
+    "until": NUMBER,
+}
+"""What the parts of a cell are, but for its divergence."""
+
+ADVICE = {"scene": str, "engine": str, "setting": frozenset({str, None}), "told": str}
+
+SHAPE = {"versions": {str: str}, "missing": [str], "advice": list, "max_seconds": NUMBER}
 
 
 def read_survey(paths: Sequence[str]) -> Survey:
@@ -31,9 +59,12 @@ def read_survey(paths: Sequence[str]) -> Survey:
         data = read_report(path)
         if not isinstance(data.get("versions"), dict):
             raise SceneError(f"file {path!r}: is a report of a suite; name one of `truebreak survey --json`")
+        for key, shape in SHAPE.items():
+            if not fits(data.get(key, [] if key in ("missing", "advice") else None), shape):
+                raise SceneError(f"file {path!r}: {key} = {cut(data.get(key))}; write the report again")
         versions |= data["versions"]
         missing |= set(data.get("missing", ()))
-        seconds = data["max_seconds"]
+        seconds = data.get("max_seconds")
         mine: dict[tuple[str, str], list[Cell]] = {}
         for row in data["cells"]:
             cell = cell_of_row(path, row)
@@ -61,6 +92,11 @@ def cell_of_row(path: str, row: dict[str, Any]) -> Cell:
         values = {name: row[name] for name in wanted}
     except KeyError as error:
         raise SceneError(f"file {path!r}: a cell lacks {error}; write the report again") from None
+    for name, shape in CELL.items():
+        if not fits(values.get(name), shape):
+            raise SceneError(f"file {path!r}: a cell has {name} = {cut(values.get(name))}; write the report again")
+    if values["verdict"] not in VERDICTS:
+        raise SceneError(f"file {path!r}: a cell has verdict = {cut(values['verdict'])}; write the report again")
     return Cell(**{**values, "changed": tuple(values["changed"])})
 
 
@@ -70,7 +106,6 @@ def advised_of(path: str, row: Any) -> Advised:
     Raises:
         SceneError: for what is not that.
     """
-    try:
-        return Advised(**row)
-    except TypeError:
-        raise SceneError(f"file {path!r}: its advice is not what it is to be; write the report again") from None
+    if not fits(row, ADVICE):
+        raise SceneError(f"file {path!r}: its advice is not what it is to be; write the report again")
+    return Advised(**row)

@@ -78,7 +78,7 @@ def page_text(found: Survey) -> str:
     if any(cell.cause is None and cell.verdict == "diverged" for entry in found.entries for cell in entry.shown):
         text += "\nWhere a cause was not looked for, the row was made with `--no-causes`.\n"
     text += "\n## The engines\n\n| engine | version | made for |\n|---|---|---|\n"
-    text += "".join(_engine_row(one, found.versions[one.name]) for one in found.engines)
+    text += "".join(_engine_row(one, found.versions.get(one.name, "version unknown")) for one in found.engines)
     if found.missing:
         text += f"\nNot installed where this page was made: {', '.join(found.missing)}.\n"
     text += "\n## In short\n\n" + _matrix(found, labels)

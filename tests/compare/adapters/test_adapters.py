@@ -197,7 +197,7 @@ def test_settings_out_of_range_are_refused(text: str) -> None:
 
 def test_an_engine_that_is_not_installed_says_how_to_get_it() -> None:
     """One clear error, naming the extra."""
-    with pytest.raises(NotInstalled, match=r"pip install 'truebreak\[box2d\]'"):
+    with pytest.raises(NotInstalled, match=r"pip install '\.\[box2d\]'"):
         package("no_such_package", "box2d")
 
 
@@ -208,7 +208,7 @@ def test_a_comparison_with_an_engine_that_is_not_installed_is_refused(monkeypatc
         raise ModuleNotFoundError(f"No module named {name!r}")
 
     monkeypatch.setattr("truebreak.compare.adapters.base.package.import_module", missing)
-    with pytest.raises(NotInstalled, match=r"pip install 'truebreak\[box2d\]'"):
+    with pytest.raises(NotInstalled, match=r"pip install '\.\[box2d\]'"):
         compare(two(), ["box2d"], events=3)
 
 

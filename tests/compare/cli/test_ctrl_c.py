@@ -5,23 +5,27 @@ from __future__ import annotations
 import json
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
-from command_line import done, interrupted
+from command_line import done, interrupted, start
 from ended import unlike_twins
 from test_interruption import ENDLESS, assert_beginning, endless, finished, patience
 
-from truebreak.compare import compare
+from truebreak.compare import compare, trajectory_json
 from truebreak.compare.deadline import uninterrupted
+from truebreak.compare.ensemble.rows.store import Store
+from truebreak.compare.saved.run_file import load_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.engine import DEFAULT_WORK
-from truebreak.scenarios import StopReason, catalogue
+from truebreak.scenarios import SceneError, StopReason, catalogue
 from truebreak.scenarios.files import load_scene
 from truebreak.scenarios.trajectory import Progress
 
@@ -60,6 +64,61 @@ def test_an_interrupted_comparison_or_search_is_one_line(words: list[str], tmp_p
     code, out, err = interrupted(*words, *file)
     assert (code, out, err) == (130, "", "truebreak: interrupted\n")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_other_signals_end_a_run_as_ctrl_c_does(number: int, tmp_path: Path) -> None:
+    """What is there is saved and shown; a second one, as services and terminals send, changes nothing."""
+    file = tmp_path / "run.json"
+    words = ("run", "gas", "--events", "10000000", "--json", "--save", str(file))
+    code, out, err = interrupted(*words, by=(number, signal.SIGTERM))
+    assert (code, err) == (128 + number, "")
+    kept = load_run(file)
+    assert kept.stop.reason is StopReason.INTERRUPTED
+    assert trajectory_json(kept) == json.loads(out)
+    assert list(tmp_path.iterdir()) == [file]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_other_signals_end_what_has_nothing_to_show_in_one_line(number: int) -> None:
+    code, out, err = interrupted("orders", "gas", "--events", "10000000", by=(number,))
+    assert (code, out, err) == (128 + number, "", f"truebreak: ended by {signal.Signals(number).name}\n")
+
+
+def test_nohup_is_honoured() -> None:
+    words = ("run", "gas", "--events", "10000000", "--json")
+    code, out, err = interrupted(*words, by=(signal.SIGHUP, signal.SIGTERM), before=("nohup",))
+    assert code == 128 + signal.SIGTERM
+    assert json.loads(out)["stop"]["reason"] == "interrupted"
+    assert "nohup" in err or err == ""
+
+
+def test_a_signal_keeps_the_rows_of_a_sweep(tmp_path: Path) -> None:
+    """Those that are there, in a store that the next call goes on with; no worker stays behind."""
+    store = tmp_path / "gas.db"
+    running = start("sweep", "gas:n=3", "--vary", "seed=1..4000", "--jobs", "1", "--store", str(store))
+    while not store.exists() or len(rows_in(store)) < 3:
+        assert running.poll() is None
+        time.sleep(0.05)
+    running.send_signal(signal.SIGTERM)
+    out, err = running.communicate(timeout=60)
+    assert (running.returncode, out, err) == (143, "", "truebreak: ended by SIGTERM\n")
+    assert 3 <= len(rows_in(store)) < 4000
+    for _ in range(100):  # the last of its processes tidies up, and ends too
+        try:
+            os.killpg(running.pid, 0)
+        except ProcessLookupError:
+            return
+        time.sleep(0.1)
+    pytest.fail("a process of it is still there")
+
+
+def rows_in(store: Path) -> list[Any]:
+    """What a sweep has kept by now; nothing while it makes its store."""
+    try:
+        return list(Store(str(store), None).rows())
+    except SceneError:
+        return []
 
 
 def test_an_interrupted_run_is_no_result() -> None:

@@ -22,8 +22,9 @@ from truebreak.compare.ensemble.frames import to_pandas, write_parquet
 from truebreak.compare.ensemble.plots import plot_changed, plot_law, plot_survival
 from truebreak.compare.ensemble.rows import worker
 from truebreak.compare.ensemble.rows.row import COLUMNS
+from truebreak.compare.ensemble.rows.worker import carry_out
 from truebreak.compare.ensemble.survival import summaries, wilson
-from truebreak.compare.ensemble.sweep import sweep
+from truebreak.compare.ensemble.sweep import SweepWarning, sweep
 from truebreak.compare.ensemble.uncertainty import ChangedShare, slope, uncertainty
 from truebreak.compare.report.pictures.engine_style import engine_style
 from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
@@ -268,3 +269,45 @@ def test_no_scheduler_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("truebreak.compare.ensemble.executors.PATIENCE", 1)
     with pytest.raises(SceneError, match="no scheduler answers"), executor_named("dask://127.0.0.1:9"):
         pass
+
+
+# -- in a script
+
+SCRIPT = """\
+from truebreak.compare.ensemble.sweep import sweep
+{guard}rows = sweep("gas:n=3", ["seed=1..2"], ["single"], events=5, jobs=1)
+{guard}print(len(rows))
+"""
+
+
+@pytest.mark.parametrize("guard", ["", "if __name__ == '__main__': "])
+def test_a_script_without_its_guard_is_told_what_to_write(guard: str, tmp_path: Path) -> None:
+    """In one error, by the parent alone: no worker says anything."""
+    script = tmp_path / "mine.py"
+    script.write_text(SCRIPT.format(guard=guard), "utf-8")
+    done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False)
+    if guard:
+        assert (done.returncode, done.stdout, done.stderr) == (0, "2\n", "")
+        return
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.count("Traceback") == 1
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("truebreak.scenarios.errors.SceneError: sweep: no worker process can be started; each")
+    assert '`if __name__ == "__main__":`' in last
+
+
+def test_scenes_that_come_to_nothing_are_warned_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows that are not there would else be missed by nobody."""
+
+    def dying(job: Any) -> Any:
+        if job.index == 1:
+            raise MemoryError("too much")
+        return carry_out(job)
+
+    monkeypatch.setattr("truebreak.compare.ensemble.sweep.carry_out", dying)
+    with (
+        ThreadPoolExecutor(1) as one,
+        pytest.warns(SweepWarning, match="1 scene came to nothing.*scene 1: MemoryError"),
+    ):
+        rows = sweep("gas:n=3", ["seed=1..3"], ["single"], events=5, executor=one)
+    assert [row["index"] for row in rows] == [0, 2]

@@ -56,7 +56,7 @@ def test_what_cannot_be_shown_is_refused() -> None:
 def test_without_anywidget_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "anywidget", None)
     widget._widget_class.cache_clear()
-    with pytest.raises(ImportError, match=r"pip install 'truebreak\[notebook\]'"):
+    with pytest.raises(ImportError, match=r"pip install '\.\[notebook\]'"):
         player(comparison("gas"))
     widget._widget_class.cache_clear()
 

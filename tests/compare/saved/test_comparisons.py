@@ -139,6 +139,6 @@ def test_a_file_is_read_whatever_room_a_class_was_in_when_it_was_written() -> No
 
 def test_no_file_at_all(tmp_path: Path) -> None:
     for path in (tmp_path / "none.json", tmp_path):
-        with pytest.raises(SceneError, match="cannot be read") as error:
+        with pytest.raises(SceneError, match=r"no such file|is a directory") as error:
             tb.load_comparison(path)
         assert "\n" not in str(error.value)

@@ -257,7 +257,7 @@ def refused(path: Path) -> str:
 def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
     file = tmp_path / "x.json"
     assert "no such file" in refused(file)
-    assert "not a regular file" in refused(tmp_path)
+    assert "is a directory; give the path of a saved run" in refused(tmp_path)
     for content in (b"", b"\xff\x00", b"[]", b"{}", b"nonsense", b"[" * 10**6, b'{"schema": "truebreak/trajectory-1"}'):
         file.write_bytes(content)
         assert "is not a saved run" in refused(file)

@@ -10,12 +10,13 @@ from pathlib import Path
 import pytest
 from counted import calls
 
-from truebreak.scenarios import SceneError
+from truebreak.scenarios import Circle, SceneError
 from truebreak.scenarios.files import load_scene, loads_json, loads_toml
 from truebreak.scenarios.files.reader import MAX_JSON, MAX_TOML
 from truebreak.scenarios.numbers import parsing
 from truebreak.scenarios.scene import MAX_CIRCLES
 
+BALL_JSON = '{{"circle": [{{"id": "a", "x": 0, "y": 0, "r": 1, {}}}]}}'
 BALL = '[[circle]]\nid = "a"\nx = 0\ny = 0\nr = 1\n'
 
 
@@ -54,7 +55,7 @@ def json_refusal(text: str) -> str:
         (BALL + "vz = 1", "x.toml: circle 'a': key 'vz' is not known; did you mean 'vy'?"),
         (
             BALL + "colour = 1",
-            "x.toml: circle 'a': key 'colour' is not known; known keys: id, x, y, r, vx, vy, m, point",
+            "x.toml: circle 'a': key 'colour' is not known; known keys: id, x, y, r, vx, vy, m, point, fixed",
         ),
         ("[[circles]]\nx = 1", "x.toml: key 'circles' is not known; did you mean 'circle'?"),
         (
@@ -68,8 +69,30 @@ def json_refusal(text: str) -> str:
         (BALL + "vx = nan", "x.toml: circle 'a': vx = nan is not a finite number"),
         (BALL + "vx = -inf", "x.toml: circle 'a': vx = -inf is not a finite number"),
         (
-            BALL + "m = inf",
-            "x.toml: circle 'a': m = inf is not a finite number; a fixed circle says m = \"oo\"",
+            BALL + "m = -inf",
+            "x.toml: circle 'a': m = -inf is not a finite number; a fixed circle says m = \"oo\"",
+        ),
+        (
+            BALL + "m = 2\nfixed = true",
+            "x.toml: circle 'a': fixed = true with m = 2: a fixed circle has no finite mass; keep one of them",
+        ),
+        (
+            BALL + 'm = "oo"\nfixed = false',
+            "x.toml: circle 'a': fixed = false with m = 'oo': an infinite mass fixes it; keep one of them",
+        ),
+        (BALL + "fixed = 1", "x.toml: circle 'a': fixed = 1 is not true or false"),
+        (
+            "gravity = [0, -10]\n"
+            + BALL
+            + "restitution = 1\n"
+            + BALL.replace('"a"', '"b"')
+            + "restitution = 1\n[[box]]",
+            "x.toml: box, gravity, restitution (of circle 'a'): physics that is not there; "
+            "docs/scenes.md#what-the-world-has says what is: leave them out",
+        ),
+        (
+            "[[arcs]]\nx = 1\n" + BALL,
+            "x.toml: arcs: physics that is not there; docs/scenes.md#what-the-world-has says what is: leave it out",
         ),
         (
             BALL + "vx = true",
@@ -120,6 +143,19 @@ def json_refusal(text: str) -> str:
 )
 def test_bad_toml_is_refused_with_the_reason(text: str, message: str) -> None:
     assert toml_refusal(text) == message
+
+
+@pytest.mark.parametrize(
+    "says", ['m = "oo"', 'm = "inf"', "m = inf", "m = +inf", "fixed = true", 'fixed = true\nm = "oo"']
+)
+def test_a_fixed_circle_may_be_said_in_the_words_of_other_engines(says: str) -> None:
+    (circle,) = loads_toml(BALL + says).circles
+    assert (circle.fixed, circle.m) == (True, "oo")
+    assert loads_toml(BALL + "fixed = false").circles[0].m == Circle(0, 0, fixed=False).m == 1
+    assert Circle(0, 0, fixed=True) == Circle(0, 0, m="inf") == Circle(0, 0, m="oo")
+    assert loads_json(BALL_JSON.format('"m": Infinity')).circles[0].fixed
+    with pytest.raises(SceneError, match="circle: fixed = true with m = 3"):
+        Circle(0, 0, m=3, fixed=True)
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,76 @@
+"""One digest of the histories of the catalogue, by which machines, versions and ways to run are compared.
+
+`python -m truebreak.exact.digest` prints it; with `--each` it prints that of every scene too. It is the same with and
+without compiled parts, whatever the hash seed, SymPy's numbers and the version of Python.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from hashlib import sha256
+
+from ..scenarios import catalogue
+from ..scenarios.numbers.real import Real
+from ..scenarios.trajectory import Trajectory
+from .engine import ExactEngine
+
+EVENTS = 120
+"""Instants of each scene: all kinds of proof that the catalogue has come up by then."""
+
+DIGITS = 30
+"""Of each number: more than doubles have, so that an enclosure of another kind would show."""
+
+
+def history_lines(run: Trajectory) -> Iterator[str]:
+    """What happened in a run of the exact engine, line by line: no counts of how it was decided, which may differ.
+
+    >>> run = ExactEngine().run(catalogue.build("lee"), events=1)
+    >>> next(history_lines(run))
+    '0 1 left+middle middle+right; left+middle middle+right; RATIONAL'
+    """
+    for event in run.events:
+        links = (" ".join(f"{a}+{b}" for a, b in part) for part in (event.contacts, event.impulses))
+        ties = " ".join(tie.proof.name for tie in event.ties)
+        yield f"{event.index} {_digits(event.time)} {'; '.join(links)}; {ties}".rstrip("; ")
+    for entry in run.pocketings:
+        yield f"{entry.circle} in {entry.pocket} at {_digits(entry.time)}"
+    if run.reversal is not None:
+        yield f"reversal after {run.reversal.after} at {_digits(run.reversal.time)}"
+    yield f"{run.stop.reason.name}: {run.stop.message}"
+    for circle in run.final.circles:
+        yield " ".join([circle.id, *(_digits(number) for number in (circle.x, circle.y, circle.vx, circle.vy))])
+
+
+def _digits(number: Real) -> str:
+    return number.digits(DIGITS)
+
+
+def scene_digest(spec: str, events: int = EVENTS) -> tuple[int, str]:
+    """How many events a scene of the catalogue has by then, and SHA-256 of its history."""
+    scene = catalogue.build(spec)
+    run = ExactEngine().run(scene, until=scene.until, events=min(events, scene.events or events))
+    return len(run.events), sha256("\n".join(history_lines(run)).encode()).hexdigest()
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command line."""
+    parser = argparse.ArgumentParser(prog="python -m truebreak.exact.digest", description=__doc__.partition("\n")[0])
+    parser.add_argument("scenes", nargs="*", help="of these scenes; by default of all of the catalogue")
+    parser.add_argument("--each", action="store_true", help="print the digest of every scene too")
+    options = parser.parse_args(arguments)
+    specs = options.scenes or catalogue.names()
+    whole, total = sha256(), 0
+    for spec in specs:
+        count, told = scene_digest(spec)
+        total += count
+        whole.update(f"{spec} {told}\n".encode())
+        if options.each:
+            sys.stdout.write(f"{told}  {spec}: {count} events\n")
+    sys.stdout.write(f"{whole.hexdigest()}  {len(specs)} scenes, {total:,} events\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,169 @@
+"""Files on disk: what a user names is read whole; what is written is there whole or not at all, whoever is killed."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import secrets
+import stat
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import BinaryIO
+from weakref import WeakValueDictionary
+
+from ..errors import SceneError
+
+try:
+    import fcntl
+except ImportError:  # Windows, where nobody can remove a file that another process has open
+    fcntl = None
+
+UNFINISHED = re.compile(r"\.truebreak-[0-9a-f]{16}\.part")
+"""The name of a file while it is written, beside its place."""
+
+
+def text_of(
+    where: str, limit: int | None = None, remedy: str = "give the path of a file", *, strict: bool = True
+) -> str:
+    """The text of a regular file.
+
+    Args:
+        where: its path, as errors name it.
+        limit: its most bytes; None: as many as there are.
+        remedy: what to do instead of naming a folder or a pipe.
+        strict: whether bytes that are not UTF-8 are refused; else they come to be marks that fit nowhere.
+
+    Raises:
+        SceneError: one line that says what is wrong with it.
+    """
+    path = Path(where)
+    try:
+        about = path.stat()
+        regular = stat.S_ISREG(about.st_mode)
+        small = limit is None or about.st_size <= limit
+        raw = path.read_bytes() if regular and small else b""
+    except FileNotFoundError:
+        raise SceneError(f"{where}: no such file; check the path") from None
+    except OSError as error:
+        raise SceneError(f"{where}: cannot be read: {error.strerror or error}") from None
+    except ValueError as error:  # a zero byte in the path
+        raise SceneError(f"{where!r}: cannot be read: {error}") from None
+    if not regular:
+        what = "a directory" if stat.S_ISDIR(about.st_mode) else "not a regular file"
+        raise SceneError(f"{where}: is {what}; {remedy}")
+    if not small:
+        raise SceneError(f"{where}: has {about.st_size} bytes; at most {limit} for {path.suffix.lower()}")
+    try:
+        return raw.decode("utf-8-sig", errors="strict" if strict else "replace")
+    except UnicodeDecodeError as error:
+        raise SceneError(f"{where}: is not UTF-8 text (at byte {error.start}); save it as UTF-8") from None
+
+
+def write_file(target: Path, data: bytes, *, lasting: bool = True) -> None:
+    """Writes a file beside its place, then moves it there: at no time is there half of one.
+
+    What other processes that were killed have left beside it is removed first; what one that is alive is writing stays.
+
+    Args:
+        lasting: whether it is to be there after a power cut too, once this returns; it takes some milliseconds.
+
+    Raises:
+        OSError: if it cannot be written; what was there before stays.
+    """
+    folder = target.parent
+    clear(folder)
+    with _beside(folder) as (file, name):
+        file.write(data)
+        file.flush()
+        if lasting:
+            os.fsync(file.fileno())
+        if fcntl is None:
+            file.close()  # there only what is closed can be moved
+        name.replace(target)
+    if lasting:
+        _sync_folder(folder)
+
+
+def clear(folder: Path) -> None:
+    """Removes unfinished files whose writers have died, however that was, and whatever the clock says."""
+    try:
+        left = [entry.name for entry in os.scandir(folder) if UNFINISHED.fullmatch(entry.name)]
+    except OSError:
+        return
+    for name in left:
+        with contextlib.suppress(OSError):
+            _clear(folder / name)
+
+
+def _clear(path: Path) -> None:
+    """Removes one: its writer has it locked for as long as it lives, and the system takes the lock when it dies."""
+    if fcntl is None:
+        path.unlink()
+        return
+    descriptor = os.open(path, os.O_RDWR)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        path.unlink()
+    finally:
+        os.close(descriptor)
+
+
+@contextmanager
+def _beside(folder: Path) -> Generator[tuple[BinaryIO, Path]]:
+    """A new file that is locked, open for writing; whatever happens, nothing of that name is left."""
+    while True:
+        name = folder / f".truebreak-{secrets.token_hex(8)}.part"
+        file = name.open("xb")
+        try:
+            if fcntl is not None:
+                with contextlib.suppress(OSError):  # a file system without locks: then nobody else gets one either
+                    fcntl.flock(file, fcntl.LOCK_EX)
+                if os.fstat(file.fileno()).st_nlink == 0:  # cleared by another between these two lines
+                    continue
+            yield file, name
+            return
+        finally:
+            with contextlib.suppress(OSError):
+                file.close()
+            with contextlib.suppress(OSError):
+                name.unlink()
+
+
+_HELD: WeakValueDictionary[tuple[int, int], BinaryIO] = WeakValueDictionary()
+"""What this process holds, which it may hold more than once: where an error is looked at, what raised it lives on."""
+
+
+def held(path: Path) -> BinaryIO | None:
+    """A file, open and locked for as long as it is open and this process lives; None if another process has it so.
+
+    Raises:
+        OSError: if it cannot be opened.
+    """
+    file = path.open("r+b")
+    about = os.fstat(file.fileno())
+    mine = _HELD.get((about.st_dev, about.st_ino))
+    if mine is not None:
+        file.close()
+        return mine
+    if fcntl is not None:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            file.close()
+            return None
+        except OSError:  # a file system without locks
+            pass
+    _HELD[about.st_dev, about.st_ino] = file
+    return file
+
+
+def _sync_folder(folder: Path) -> None:
+    """Has the move itself on disk; not every system lets a folder be opened for that."""
+    with contextlib.suppress(OSError):
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(descriptor)
+        finally:
+            os.close(descriptor)

@@ -1,0 +1,102 @@
+"""The same sources give the same distributions, wherever and whenever they are built."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import shutil
+import subprocess
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from truebreak.exact.compiled import predictions
+from truebreak.tools.building import repacked
+
+ROOT = Path(__file__).resolve().parent.parent
+LEFT = shutil.ignore_patterns(
+    *(
+        ".git",
+        ".venv",
+        "build",
+        "dist",
+        "__pycache__",
+        "node_modules",
+        "*.egg-info",
+        ".*_cache",
+        "*.so",
+        "*.pyd",
+        ".h*",
+    ),
+    *("data", "fuzz", "docs"),
+)
+CODE = """\
+import sys
+from setuptools import build_meta
+build_meta.build_wheel(sys.argv[1])
+if sys.argv[2:]:
+    build_meta.build_sdist(sys.argv[1])
+"""
+
+
+def built(folder: Path, *also: str, time: int, **environment: str) -> dict[str, bytes]:
+    """What is built from a copy of the sources, whose files are all of one time."""
+    copy, out = folder / "sources", folder / "out"
+    shutil.copytree(ROOT, copy, ignore=LEFT)
+    out.mkdir()
+    for path in copy.rglob("*"):
+        os.utime(path, (time, time))
+    command = [sys.executable, "-c", CODE, str(out), *also]
+    done = subprocess.run(command, cwd=copy, env={**os.environ, **environment}, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr.decode()
+    return {path.name: path.read_bytes() for path in out.iterdir()}
+
+
+@pytest.mark.slow
+def test_two_builds_are_the_same_bytes(tmp_path: Path) -> None:
+    """In folders of other names and lengths, from files of other times; compiled parts too."""
+    one, other = tmp_path / "one", tmp_path / "another" / "place"
+    for folder in (one, other):
+        folder.mkdir(parents=True)
+    first = built(one, "sdist", time=1_600_000_000, SOURCE_DATE_EPOCH="1700000000")
+    second = built(other, "sdist", time=1_650_000_000, SOURCE_DATE_EPOCH="1700000000")
+    assert len(first) == 2
+    assert {name: hashlib.sha256(data).hexdigest() for name, data in first.items()} == {
+        name: hashlib.sha256(data).hexdigest() for name, data in second.items()
+    }
+    (wheel,) = (name for name in first if name.endswith(".whl"))
+    assert wheel.endswith("-none-any.whl") == (predictions is None)
+
+
+def test_a_wheel_without_compiled_parts_is_of_any_platform(tmp_path: Path) -> None:
+    ((name, data),) = built(tmp_path, time=1_600_000_000, TRUEBREAK_PURE_PYTHON="1").items()
+    assert name.endswith("-py3-none-any.whl")
+    with zipfile.ZipFile(io.BytesIO(data)) as wheel:
+        assert not any(entry.endswith((".so", ".pyd")) for entry in wheel.namelist())
+        (told,) = [wheel.read(entry).decode() for entry in wheel.namelist() if entry.endswith(".dist-info/WHEEL")]
+        assert "Root-Is-Purelib: true" in told
+        assert "truebreak/exact/engine.py" in wheel.namelist()
+
+
+def packed(names: list[str], time: int, owner: str, mode: int) -> bytes:
+    out = io.BytesIO()
+    with tarfile.open(fileobj=out, mode="w:gz") as archive:
+        for name in names:
+            member = tarfile.TarInfo(name)
+            member.size, member.mtime, member.uname, member.uid, member.mode = len(name), time, owner, time % 99, mode
+            archive.addfile(member, io.BytesIO(name.encode()))
+    return out.getvalue()
+
+
+def test_an_archive_of_sources_tells_neither_who_packed_it_nor_when() -> None:
+    one = repacked(packed(["b", "a"], 5, "me", 0o600), 7)
+    assert one == repacked(packed(["a", "b"], 6, "you", 0o664), 7)
+    assert one != repacked(packed(["a", "b"], 6, "you", 0o664), 8)
+    assert one != repacked(packed(["a", "b"], 6, "you", 0o755), 7)  # a program stays one
+    with tarfile.open(fileobj=io.BytesIO(one)) as archive:
+        files = {name: archive.extractfile(name) for name in archive.getnames()}
+        assert {name: file.read() for name, file in files.items() if file} == {"a": b"a", "b": b"b"}
