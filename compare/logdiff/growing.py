@@ -117,6 +117,7 @@ class Unit:
     def __init__(self, bits: int, digits: int | None, decimals: int | None) -> None:
         self.bits, self.digits, self.decimals = bits, digits, decimals
         self.ulp = 2.0 ** (1 - bits)
+        self._ulp_bits = 1.0 - bits
         self.scales: dict[Any, float] = {}
         self.largest = 0.0
 
@@ -147,7 +148,30 @@ class Unit:
         if key[0] is None:
             self.largest = max(self.largest, scale)
             scale = max(scale, self.largest * LEAST)
-        return math.log2(off) - math.log2(scale) - math.log2(self.ulp) if off > 0 else NEVER
+        return math.log2(off) - math.log2(scale) - self._ulp_bits if off > 0 else NEVER
+
+    def most_off(self, one: Sequence[float], other: Sequence[float], key: Any) -> tuple[float, int]:
+        """The same for the numbers of two states: the largest, and which number it is of."""
+        worst, place = 0.0, 0
+        scales = self.scales
+        for j, (x, y) in enumerate(zip(one, other, strict=True)):
+            if x == y:
+                continue
+            off = abs(x - y)
+            if not off < math.inf:
+                if math.isnan(x) and math.isnan(y):
+                    continue
+                return math.inf, j
+            scale = max(scales.get((key, j), 0.0), x, y, -x, -y)
+            scales[key, j] = scale
+            if key is None:
+                if scale > self.largest:
+                    self.largest = scale
+                elif scale < self.largest * LEAST:
+                    scale = self.largest * LEAST
+            if off > worst * scale:
+                worst, place = off / scale, j
+        return (math.log2(worst) - self._ulp_bits if worst else NEVER), place
 
     @property
     def whole(self) -> float:
@@ -233,6 +257,7 @@ class Growing:
         self.same_at: dict[str, int] = {}
         self.first_fresh: Counter[str] = Counter()
         self.onsets = 0
+        self.sated = False
         self.counted: list[tuple[int, int]] = []
         self.compared = 0
         self.differing = 0
@@ -270,19 +295,15 @@ class Growing:
                 f"states of {body!r} have {len(one)} numbers at {a.place()}, and {len(other)} in the other log; "
                 "log the same numbers, or name them (fields)"
             )
-        worst, place = NEVER, 0
-        for j, (x, y) in enumerate(zip(one, other, strict=True)):
-            if x != y:
-                bits = self.unit.bits_off(x, y, (key, j))
-                if bits > worst:
-                    worst, place = bits, j
+        worst, place = self.unit.most_off(one, other, key)
         if worst == NEVER:
             self.same(body, a.number)
             return NEVER
         self.compared += 1
         self.differing += 1
-        places = self.places(len(one))
-        placed = a.time == b.time and all(one[j] == other[j] for j in places)
+        placed = False
+        if len(self.early) < EARLY:
+            placed = a.time == b.time and all(one[j] == other[j] for j in self.places(len(one)))
         name = name or self.name_of(place, len(one))
         self.note(a, b, body, name, one[place], other[place], worst, touching, before, placed)
         return worst
@@ -339,6 +360,7 @@ class Growing:
         if bits - max(before, 0.0) <= least:
             return False
         chance = max(self.largest, 0.0) + math.log2(self.onsets + 1)
+        self.sated = len(self.early) >= EARLY and chance > self.unit.whole
         return chance < self.unit.whole - STEP_BITS - RARE
 
 

@@ -31,6 +31,8 @@ EVENT_KEYS = frozenset({"step", "time", "contact", "contacts", "states", "hash",
 
 HEADER_KEYS = frozenset({"log", "engine", "fields", "bits", "dt"})
 
+PLAIN = frozenset({float, int})
+
 NOT_JSON = re.compile(r"(?<=[\[,:\s])(-?)(nan|inf|infinity)(?:\([^)]*\))?(?=[\],}\s])", re.IGNORECASE)
 """What printf writes for a number that is none."""
 
@@ -94,6 +96,7 @@ class Log:
         end: the time at which it says that it ends; None without an `end`.
         cut: number of a last line that is not whole; None if there is none.
         stride: steps between its records, at least; 0 if there are not two.
+        beside: a log that is read together with this one: a line that is the same in both is parsed once.
         restarts: (line, from, to) for each time that the clock, or the count of steps, begins anew.
 
     Raises:
@@ -120,7 +123,8 @@ class Log:
         self._clock_last = 0.0
         self._clock_gap = 0.0
         self._clock_records = 0
-        self._named_by_line = False
+        self.beside: Log | None = None
+        self.loaded: tuple[str, dict[str, Any]] = "", {}
 
     def __iter__(self) -> Iterator[Record]:
         lines = self._lines()
@@ -164,6 +168,9 @@ class Log:
             if current is not None and record.step is not None and record.step == current.step:
                 self._merge(current, record, record.raw == last)
                 last = record.raw
+                continue
+            if record.step is None:
+                yield self._placed(record)
                 continue
             if current is not None:
                 yield self._placed(current)
@@ -241,9 +248,14 @@ class Log:
         waiting: tuple[int, str] | None = None
         for number, text in chain(lines, [(0, "")]):
             if waiting is not None:
-                value = self._loaded(*waiting, last=number == 0)
-                if value is None:
-                    return
+                beside = self.beside
+                if beside is not None and beside.loaded[0] == waiting[1]:
+                    value = beside.loaded[1]
+                else:
+                    value = self._loaded(*waiting, last=number == 0)
+                    if value is None:
+                        return
+                self.loaded = waiting[1], value
                 record = self._record(waiting[0], waiting[1], value)
                 if record is not None:
                     yield record
@@ -265,7 +277,7 @@ class Log:
                 ) from None
         if not isinstance(value, dict):
             raise self._fail(number, f'{text[:SHOWN]!r} is no object, as in {{"step": 1, ...}}')
-        if text.count('":') + text.count('" :') != _keys(value):
+        if text.count('":') != _keys(value):
             try:
                 json.loads(NOT_JSON.sub(_as_json, text), object_pairs_hook=_once)
             except KeyError as twice:
@@ -288,8 +300,8 @@ class Log:
         record = Record(number, text)
         for key, item in value.items():
             if key == "time":
-                record.time = self._number(number, "time", item)
-                if not math.isfinite(record.time):
+                record.time = time = item if type(item) is float else self._number(number, "time", item)
+                if time - time != 0.0:
                     raise self._fail(number, f"time = {item}; must be finite")
             elif key == "contact":
                 record.contacts.append(self._pair(number, item))
@@ -328,7 +340,7 @@ class Log:
         self.header.update({k: v for k, v in value.items() if k not in ("log", "outlines")})
 
     def _pair(self, number: int, pair: Any) -> tuple[str, str]:
-        if isinstance(pair, list) and len(pair) == 2:
+        if type(pair) is list and len(pair) == 2:
             a, b = pair
             if type(a) is str and type(b) is str:
                 return a, b
@@ -342,12 +354,10 @@ class Log:
         found: dict[str, list[float]] = {}
         for body, row in states.items():
             if type(row) is list:
-                for value in row:
-                    if type(value) is not float and type(value) is not int:
-                        found[body] = [self._number(number, f"states of {body!r}", v) for v in row]
-                        break
-                else:
+                if set(map(type, row)) <= PLAIN:
                     found[body] = row
+                else:
+                    found[body] = [self._number(number, f"states of {body!r}", v) for v in row]
             elif isinstance(row, dict):
                 found[body] = self._named(number, body, row)
             else:
@@ -357,7 +367,7 @@ class Log:
     def _named(self, number: int, body: str, row: dict[str, Any]) -> list[float]:
         """A state whose numbers have names."""
         if self.names is None:
-            self.names, self._named_by_line = list(row), True
+            self.names = list(row)
         if row.keys() != set(self.names):
             other = sorted(row.keys() ^ set(self.names))[0]
             raise self._fail(number, f"states of {body!r}: {other!r} is not in every state; give all the same names")
@@ -481,13 +491,13 @@ def _as_json(match: re.Match[str]) -> str:
     return "NaN" if match[2].lower() == "nan" else f"{match[1]}Infinity"
 
 
-def _keys(value: Any) -> int:
-    """How many keys an object has, with those inside it."""
-    if isinstance(value, dict):
-        return len(value) + sum(_keys(v) for v in value.values() if isinstance(v, dict | list))
-    if isinstance(value, list) and value and isinstance(value[0], dict | list):
-        return sum(_keys(v) for v in value)
-    return 0
+def _keys(value: dict[str, Any]) -> int:
+    """How many keys an object has, with those of the objects in it; what lies deeper is looked at once more."""
+    count = len(value)
+    for item in value.values():
+        if type(item) is dict:
+            count += len(item)
+    return count
 
 
 def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

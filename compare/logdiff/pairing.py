@@ -18,6 +18,9 @@ WAITING = 200_000
 LOOKED_AHEAD = 3
 """Lines in a row whose loss is told from another history."""
 
+SAMPLE = 16
+"""Of so many events one is compared, once differences are too large for a change to be told from chaos."""
+
 CLOSE = 30
 """Bits of difference, of 52, up to which two events in the same place are the same event."""
 
@@ -31,7 +34,8 @@ def pair(one: str | Path, other: str | Path, ignore: frozenset[str] = frozenset(
     Raises:
         EngineError: for a log that cannot be read, and for two that have nothing to be compared.
     """
-    a, b = Side(one), Side(other)
+    a = Side(one)
+    b = Side(other, a.log)
     check(a, b)
     growing = Growing(unit_of((a.log, b.log), (a.head, b.head)), a.log.names or b.log.names)
     renamed = names(a, b)
@@ -40,7 +44,8 @@ def pair(one: str | Path, other: str | Path, ignore: frozenset[str] = frozenset(
     b.rename = renamed
     found.grid = grid(a) and grid(b)
     found.contacts_each = any(r.contacts for side in (a, b) for r in side.head)
-    found.touched_told = found.contacts_each and all(touched_told(side) for side in (a, b))
+    begun = any(side.log.header.get("contacts") == "begun" for side in (a, b))
+    found.touched_told = found.contacts_each and not begun and all(touched_told(side) for side in (a, b))
     (_BySteps if steps else _ByBodies)(a, b, found, ignore).run()
     return found
 
@@ -79,8 +84,6 @@ class _Reader:
             found.final[side].update(record.states)
             if found.first_states is None and side == 0:
                 found.first_states = record.number
-        for pair_ in record.contacts:
-            found.bodies[side].update(pair_)
 
     def others(self, a: Record, b: Record) -> None:
         """Compares what is not of a body: hash, input and free fields."""
@@ -115,7 +118,7 @@ class _Reader:
                 elif not _alike(x, y) and name not in found.fields:
                     found.fields[name] = a, x, y
 
-    def states(self, a: Record, b: Record, body: str, partners: Any) -> float:
+    def states(self, a: Record, b: Record, body: str, partners: Any, before: float | None = None) -> float:
         """Compares one body's states, if both have one; by how many bits they are off."""
         one, other = a.states.get(body), b.states.get(body)
         if one is None or other is None:
@@ -130,9 +133,9 @@ class _Reader:
             if self.found.compared["states"] % 8 == 1:
                 self.growing.unit.widen(one)
             return NEVER
-        if self.found.nans is None and any(math.isnan(v) and math.isnan(w) for v, w in zip(one, other, strict=False)):
-            self.found.nans = a.place()
-        return self.growing.differs(a, b, body, (one, other), bool(partners), self.growing.before(body, partners))
+        if before is None:
+            before = self.growing.before(body, partners)
+        return self.growing.differs(a, b, body, (one, other), bool(partners), before)
 
     def meet(self, meeting: Meeting) -> None:
         """Keeps the earliest difference of partners."""
@@ -297,7 +300,7 @@ class _ByBodies(_Reader):
         self.waiting = 0
         self.shift = 0.0
         self.events: tuple[deque[Record], deque[Record]] = (deque(), deque())
-        self.last_entry: tuple[dict[str, _Entry], dict[str, _Entry]] = ({}, {})
+        self.last_record: tuple[dict[str, Record], dict[str, Record]] = ({}, {})
 
     def run(self) -> None:
         sides = self.a, self.b
@@ -307,6 +310,9 @@ class _ByBodies(_Reader):
             level = not self.waiting and not self.frames[0] and not self.frames[1] and not self.parted
             if level and a is not None and b is not None and a.raw == b.raw and not self.b.rename:
                 self.same(a, b)
+                continue
+            if level and a is not None and b is not None and self.level(a, b):
+                self.after()
                 continue
             for side, record in enumerate(records):
                 if record is not None:
@@ -332,24 +338,59 @@ class _ByBodies(_Reader):
             found.compared["hashes"] += 1
             if found.hash is None:
                 found.hash_same = a.number
-        for pair_ in a.contacts:
-            for body in pair_:
-                growing.same(body, a.number)
+        for body in a.states:
+            growing.same(body, a.number)
         if found.pairs % 8 == 1:
             for row in a.states.values():
                 growing.unit.widen(row)
         if found.nans is None and "NaN" in a.raw:
             found.nans = a.place()
         if a.contacts:
-            for side, (record, reader) in enumerate(((a, self.a), (b, self.b))):
-                for body in {i for p in record.contacts for i in p}:
-                    self.last_entry[side][body] = _Entry(reader.events, (), False, record)
-                reader.events += 1
+            one, other = self.last_record
+            for pair_ in a.contacts:
+                for body in pair_:
+                    one[body], other[body] = a, b
+                    if not a.states:
+                        growing.same(body, a.number)
+            self.a.events += 1
+            self.b.events += 1
         else:
-            for side, record in enumerate((a, b)):
-                self.last_frame[side] = record.clock or 0.0
-            for body in a.states:
-                growing.same(body, a.number)
+            self.last_frame = [a.clock or 0.0, b.clock or 0.0]
+
+    def level(self, a: Record, b: Record) -> bool:
+        """Compares two events of the same contacts at about one time, with nothing waiting; whether they are such."""
+        if a.contacts != b.contacts or not a.contacts or a.clock is None or b.clock is None:
+            return False
+        if abs(b.clock - self.shift - a.clock) > 2.0 ** (CLOSE - 52) * abs(a.clock) or not a.states or not b.states:
+            return False
+        if self.a.events != self.b.events or self.growing.largest > CLOSE or not self.growing.early:
+            return False
+        found, growing = self.found, self.growing
+        self.take(0, a)
+        self.take(1, b)
+        count = len(a.contacts)
+        found.pairs += 2 * count
+        found.last_common = a
+        found.compared["contacts"] += 2 * count
+        growing.onsets += count
+        self.a.events += 1
+        self.b.events += 1
+        partners: dict[str, list[str]] = {}
+        for p, q in a.contacts:
+            partners.setdefault(p, []).append(q)
+            partners.setdefault(q, []).append(p)
+        befores = {body: growing.before(body, others) for body, others in partners.items()}
+        most = NEVER
+        first = None
+        for body, others in partners.items():
+            self.last_record[0][body], self.last_record[1][body] = a, b
+            if body in a.states and body in b.states:
+                first = first or body
+                most = max(most, self.states(a, b, body, others, befores[body]))
+        if first is not None:
+            self.clocks(a, b, first, True, most, befores[first])
+        self.others(a, b)
+        return True
 
     def feed(self, side: int, record: Record) -> None:
         self.take(side, record)
@@ -433,7 +474,7 @@ class _ByBodies(_Reader):
         while one and other and body not in self.parted:
             x, y = one[0], other[0]
             alike = x.partners == y.partners or sorted(x.partners) == sorted(y.partners)
-            if alike and self.near(x, y, body):
+            if alike and (body in self.growing.bodies or self.near(x, y, body)):
                 self.matched(body, one.popleft(), other.popleft())
                 self.waiting -= 2
                 continue
@@ -476,8 +517,8 @@ class _ByBodies(_Reader):
                     for _ in range(k):
                         entry = longer.popleft()
                         self.waiting -= 1
-                        last = self.last_entry[side].get(body)
-                        if last is not None and last.record.raw == entry.record.raw:
+                        last = self.last_record[side].get(body)
+                        if last is not None and last.raw == entry.record.raw:
                             if ("ab"[side], entry.record.line) not in self.found.repeated:
                                 self.found.repeated.append(("ab"[side], entry.record.line))
                         else:
@@ -500,7 +541,9 @@ class _ByBodies(_Reader):
         found.compared["contacts"] += 1
         if found.reordered is None and (x.event != y.event or x.partners != y.partners or x.role != y.role):
             found.reordered = x.event, y.event
-        self.last_entry[0][body], self.last_entry[1][body] = x, y
+        self.last_record[0][body], self.last_record[1][body] = a, b
+        if growing.sated and x.event % SAMPLE:
+            return
         before = growing.before(body, x.partners)
         stated = body in a.states and body in b.states
         off = self.states(a, b, body, x.partners) if stated else NEVER
@@ -593,8 +636,8 @@ class _ByBodies(_Reader):
                 clock = entry.record.clock
                 shift = self.shift if side == 0 else -self.shift
                 if limit is not None and clock is not None and clock + shift < limit:
-                    last = self.last_entry[side].get(body)
-                    if last is not None and last.record.raw == entry.record.raw:
+                    last = self.last_record[side].get(body)
+                    if last is not None and last.raw == entry.record.raw:
                         if ("ab"[side], entry.record.line) not in self.found.repeated:
                             self.found.repeated.append(("ab"[side], entry.record.line))
                     elif self.growing.bodies or self.found.meeting is not None:

@@ -96,7 +96,6 @@ class Found:
     nans: str | None = None
     context: tuple[list[Record], list[Record]] = field(default_factory=lambda: ([], []))
     final: tuple[dict[str, list[float]], dict[str, list[float]]] = field(default_factory=lambda: ({}, {}))
-    bodies: tuple[set[str], set[str]] = field(default_factory=lambda: (set(), set()))
     contacts: list[int] = field(default_factory=lambda: [0, 0])
     times_differ: tuple[Record, Record] | None = None
     contacts_each: bool = False
@@ -109,8 +108,9 @@ class Found:
 class Side:
     """One log as it is read: its head, the rest, the last records, and whether it is at its end."""
 
-    def __init__(self, path: str | Path) -> None:
+    def __init__(self, path: str | Path, beside: Log | None = None) -> None:
         self.log = Log(path)
+        self.log.beside = beside
         self._rest = iter(self.log)
         self.head = list(islice(self._rest, HEAD))
         self._records: Iterator[Record] = chain(self.head, self._rest)

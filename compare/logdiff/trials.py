@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from . import trial_worlds as worlds
+from .growing import NEVER
 from .log_format import FORMAT
 from .pairing import pair
 from .trial_worlds import NONE, Fault, Steps
@@ -394,11 +395,12 @@ class Outcome:
     def mark(self) -> str:
         """`right`, `wrong` or `open`.
 
-        A fault that never makes a difference beyond rounding, as a mass that only meets walls, is rounding.
+        A fault that never makes a difference beyond rounding, as a mass that only meets walls, is rounding; one that
+        makes none at all, as a contact lost of two that part already, leaves the runs identical.
         """
         if self.verdict.name is N:
             return "open"
-        faint = self.verdict.name is G and self.largest < FAINT
+        faint = (self.verdict.name is G and self.largest < FAINT) or (self.verdict.same and self.largest == NEVER)
         return "right" if self.verdict.name in self.trial.true or faint else "wrong"
 
 
