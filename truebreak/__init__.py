@@ -16,12 +16,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .compare.comparison import compare as comparison
     from .compare.documents.values.tables import table
+    from .compare.logdiff.desync import diff
     from .compare.run import run
     from .compare.saved.comparisons import load_comparison, save_comparison
     from .compare.saved.going_on import resume
     from .compare.saved.run_file import load_run
     from .compare.saved.runs import save_run
     from .compare.scene_argument import scene_from as scene
+    from .compare.testing.same import same
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
     from .scenarios.things import Circle, Pocket, Wall
@@ -35,11 +37,13 @@ __all__ = [
     "Wall",
     "__version__",
     "comparison",
+    "diff",
     "load",
     "load_comparison",
     "load_run",
     "resume",
     "run",
+    "same",
     "save_comparison",
     "save_run",
     "scene",
@@ -52,11 +56,13 @@ _HOMES = {
     "Scene": ("scenarios.scene", "Scene"),
     "Wall": ("scenarios.things", "Wall"),
     "comparison": ("compare.comparison", "compare"),
+    "diff": ("compare.logdiff.desync", "diff"),
     "load": ("scenarios.files", "load_scene"),
     "load_comparison": ("compare.saved.comparisons", "load_comparison"),
     "load_run": ("compare.saved.run_file", "load_run"),
     "resume": ("compare.saved.going_on", "resume"),
     "run": ("compare.run", "run"),
+    "same": ("compare.testing.same", "same"),
     "save_comparison": ("compare.saved.comparisons", "save_comparison"),
     "save_run": ("compare.saved.runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),

@@ -258,6 +258,8 @@ class Growing:
         self.first_fresh: Counter[str] = Counter()
         self.onsets = 0
         self.sated = False
+        self.second: Counter[str] = Counter()
+        self._twice: set[str] = set()
         self.counted: list[tuple[int, int]] = []
         self.compared = 0
         self.differing = 0
@@ -272,6 +274,9 @@ class Growing:
         """A body is the same in both at a record."""
         if body not in self.same_at:
             self.first_fresh["same"] += 1
+        elif body not in self._twice:
+            self._twice.add(body)
+            self.second["same"] += 1
         self.same_at[body] = number
         if self.off:
             self.off.pop(body, None)
@@ -324,6 +329,9 @@ class Growing:
             self.counted.append((a.number, self.onsets))
         if fresh and body not in self.bodies:
             self.first_fresh["differs"] += 1
+        elif body not in self._twice:
+            self._twice.add(body)
+            self.second["differs"] += 1
         found = None
         if len(self.early) < EARLY or self.leap_from(bits, before):
             gap = a.number - self.same_at[body] if not fresh else 0

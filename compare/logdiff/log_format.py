@@ -26,10 +26,9 @@ MOST_LINE = 1 << 24
 SHOWN = 60
 """Characters of a strange line that an error repeats."""
 
-EVENT_KEYS = frozenset({"step", "time", "contact", "contacts", "states", "hash", "input", "end", "quiet"})
-"""The keys of a line that have a meaning of their own; all others are free, and compared by name."""
-
-HEADER_KEYS = frozenset({"log", "engine", "fields", "bits", "dt"})
+OWN_KEYS = frozenset({"step", "time", "contact", "contacts", "states", "hash", "input", "end", "quiet", "outline"})
+"""The keys of a line that have a meaning of their own; all others are free, and compared by name. A first line with
+none of them is a header."""
 
 PLAIN = frozenset({float, int})
 
@@ -288,7 +287,7 @@ class Log:
         """What a line says; None for one that is no event: a header, an outline, the end."""
         if self.end is not None:
             raise self._fail(number, "comes after the end; leave it out, or put the end last")
-        if "log" in value or (number == 1 and not value.keys() & {"step", "time", "end", "hash"}):
+        if "log" in value or (number == 1 and not value.keys() & OWN_KEYS):
             self._take_header(number, value)
             return None
         if "outline" in value:

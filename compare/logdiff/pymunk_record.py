@@ -111,7 +111,7 @@ class PymunkRecording:
         self._before = pairs
         ids = np.frombuffer(pairs, np.uintp).tolist()
         now = {(a, b) if a < b else (b, a) for a, b in zip(ids[::2], ids[1::2], strict=True)}
-        begun = sorted(now - self._pairs)
+        begun = now - self._pairs
         self._pairs = now  # those of the last few steps, as pymunk keeps them
         if not begun:
             return ""
@@ -119,7 +119,8 @@ class PymunkRecording:
         names = self._names
         if any(i not in names for i in touched):
             self._meet_bodies()
-        return f', "contacts": {json.dumps([[names.get(a, "static"), names.get(b, "static")] for a, b in begun])}'
+        pairs_of_names = sorted(sorted((names.get(a, "static"), names.get(b, "static"))) for a, b in begun)
+        return f', "contacts": {json.dumps(pairs_of_names)}'
 
     def _rows(self, numbers: Any, touched: list[int] | None) -> str:
         """States of some bodies, or of all."""

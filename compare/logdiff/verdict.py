@@ -154,6 +154,11 @@ def _without_states(found: Found) -> Answer:
             f"states, contacts and hashes are the same, but {name!r} is not, first at {record.place()}: "
             f"{_short(one)} and {_short(other)} (--ignore {name}, if that is no part of the run)"
         )  # fmt: skip
+    if found.reordered is not None and found.grid and not found.compared["states"] + found.compared["hashes"]:
+        return Named.OPEN, None, (
+            f"contacts are the same, but come in another order, first at event {found.reordered[0]}; whether that "
+            "changed anything, contacts alone do not tell: log states"
+        )  # fmt: skip
     if found.reordered is not None:
         return Named.HARMLESS, None, (
             f"for each body the same in both, to the last bit; independent events come in another order, first at "
@@ -258,7 +263,8 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         if top.bits > limits.start[0]:
             return Named.OPEN, _k(top), f"{size}, in the first record of all: another start, or one computed otherwise?"
         return _small(found, first, _k(top), f"{size}, in the first record of all")
-    early = found.first_states is not None and top.number <= found.first_states + 1
+    begun = min([top.number, *(pair[0].number for pair in (found.hash, found.input) if pair is not None)])
+    early = found.first_states is not None and begun <= found.first_states + 1
     if early and top.bits >= limits.free[0] and len(first) * 2 > known:
         if top.bits < limits.free[1]:
             return Named.OPEN, _k(top), f"{size}, in the first step ({_many(first, known)}): a setting, or rounding?"
@@ -267,6 +273,16 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
             _k(top),
             f"{size}, in the first step ({_many(first, known)}): another setting, step or build",
         )
+    if early and top.bits >= limits.touching[1] and not growing.second["same"]:
+        return Named.START, _k(top), f"{size}, and no body is the same in any record after the first"
+    since_start = top.gap > 1 and top.number - top.gap == found.first_states and begun == top.number
+    if since_start and not top.placed and found.touched_told and top.bits >= limits.touching[1]:
+        if not growing.second["same"]:
+            return Named.START, _k(top), f"{size}, and no body is the same in any record after the first"
+        return Named.OPEN, _k(top), (
+            f"{size}, and nothing is logged of {top.body} between the start and there, so that it may have been "
+            "acted on at any time: log states of every step"
+        )  # fmt: skip
     if found.by == "body" and any(d.fresh and not d.placed for d in first):
         top = next(d for d in first if d.fresh and not d.placed)
         if top.bits < limits.touching[1]:
