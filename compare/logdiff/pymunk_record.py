@@ -40,7 +40,7 @@ class PymunkRecording:
         self._body_fields = f.BODY_ID | f.POSITION | f.ANGLE | f.VELOCITY | f.ANGULAR_VELOCITY
         self._arbiter_fields = g.BODY_A_ID | g.BODY_B_ID
         self._names: dict[int, str] = {}
-        self._number, self._time = 0, 0.0
+        self._number, self._time, self._count = 0, 0.0, 0
         self._before: bytes = b""
         self._pairs: set[tuple[int, int]] = set()
         self._input: Any = None
@@ -96,7 +96,9 @@ class PymunkRecording:
         if self._input is not None:
             line += f', "input": {json.dumps(self._input)}'
             self._input = None
-        whole = self._number % self._every == 0
+        count = len(states.int_buf())
+        whole = self._number % self._every == 0 or count != self._count  # and where bodies were added or removed
+        self._count = count
         touched: list[int] = []
         pairs = bytes(arbiters.int_buf())
         if pairs != self._before:
@@ -158,7 +160,8 @@ def record(
     """Logs every step of a space, whatever is in it, while the context lasts.
 
     Each step is a line with a hash of all states, to the last bit; with the contacts that begin in it, and the states
-    of their bodies; and every so many steps with the states of all. Shapes are logged once.
+    of their bodies; and every so many steps, and where bodies come or go, with the states of all. Shapes are logged
+    once.
 
     Args:
         every: steps from one record of all states to the next. 1 costs some ten times as much as stepping.

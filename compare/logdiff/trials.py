@@ -28,10 +28,11 @@ I, H, G, C, S, N = Named  # noqa: E741
 Lines = list[dict[str, Any]]
 TRUE_NAMES = {
     "none": {I}, "ulp": {G}, "moved": {S}, "dt": {S}, "gravity": {S}, "contact": {C}, "warm": {C}, "input": {C},
-    "mass": {C}, "garbage": {C}, "nan": {C}, "push": {C}, "threads": {I, H, G}, "order": {I, H, G, C},
+    "mass": {C}, "garbage": {C}, "nan": {C}, "push": {C}, "threads": {I, H, G, C}, "order": {I, H, G, C},
 }  # fmt: skip
 """What is right to say of each fault; "not determined" is never wrong. A mass that differs from the start may be called
-so, too; bodies in another order change what a solver does that has not converged, or only the rounding, or nothing."""
+so, too; bodies in another order, and threads, change what a solver does that has not converged, or only the rounding,
+or nothing."""
 
 
 @dataclass(frozen=True)

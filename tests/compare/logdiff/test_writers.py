@@ -161,3 +161,33 @@ def test_every_step_tells_whether_rounding_or_a_push_came_first(tmp_path: Path) 
     assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 61), found.line
     with pytest.raises(EngineError, match="every = 0"):
         record(space(1), tmp_path / "c", every=0)
+
+
+@pytest.mark.parametrize("threads", [0, 1])
+def test_an_example_of_pymunks_own_is_recorded_twice_alike(threads: int, tmp_path: Path) -> None:
+    """Its pyramid of 325 boxes; with two threads it is another run each time, as the docs tell."""
+    from pymunk.examples.threaded_space import PyramidDemo
+
+    for name in ("a", "b"):
+        demo = PyramidDemo(threads)
+        with record(demo.space, tmp_path / name):
+            demo.step(40)
+    found = diff(tmp_path / "a", tmp_path / "b")
+    assert found.verdict.name is Named.IDENTICAL, found.line
+    assert found.found.compared["hashes"] == 41
+
+
+def test_bodies_that_come_and_go_are_logged_where_they_do(tmp_path: Path) -> None:
+    for name, place in (("a", 100.0), ("b", 120.0)):
+        made = pymunk.Space()
+        with record(made, tmp_path / name):
+            for k in range(30):
+                if k == 10:
+                    body = pymunk.Body(1, 1)
+                    body.position = place, 50
+                    made.add(body, pymunk.Circle(body, 5))
+                if k == 20:
+                    made.remove(*made.shapes, *made.bodies)
+                made.step(1 / 60)
+    found = diff(tmp_path / "a", tmp_path / "b")
+    assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 11), found.line
