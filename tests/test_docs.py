@@ -16,7 +16,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = ("scenarios", "tools", "exact", "floating", "compare")
-MODULES = ["truebreak", "truebreak.testing"] + [
+MODULES = ["truebreak", "truebreak.testing", "truebreak.pymunk"] + [
     "truebreak." + ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
     for folder in FOLDERS
     for path in sorted((ROOT / folder).rglob("*.py"))

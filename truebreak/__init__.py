@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from .compare.audit.audit import audit_run as audit
     from .compare.comparison import compare as comparison
     from .compare.documents.values.tables import table
+    from .compare.logdiff.desync import diff
     from .compare.run import run
     from .compare.saved.comparisons import load_comparison, save_comparison
     from .compare.saved.going_on import resume
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from .compare.saved.runs import save_run
     from .compare.scene_argument import scene_from as scene
     from .compare.testing.check import check
+    from .compare.testing.same import same
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
     from .scenarios.things import Circle, Pocket, Wall
@@ -40,11 +42,13 @@ __all__ = [
     "audit",
     "check",
     "comparison",
+    "diff",
     "load",
     "load_comparison",
     "load_run",
     "resume",
     "run",
+    "same",
     "save_comparison",
     "save_run",
     "scene",
@@ -64,11 +68,13 @@ _HOMES = {
     "audit": ("compare.audit.audit", "audit_run"),
     "check": ("compare.testing.check", "check"),
     "comparison": ("compare.comparison", "compare"),
+    "diff": ("compare.logdiff.desync", "diff"),
     "load": ("scenarios.files", "load_scene"),
     "load_comparison": ("compare.saved.comparisons", "load_comparison"),
     "load_run": ("compare.saved.run_file", "load_run"),
     "resume": ("compare.saved.going_on", "resume"),
     "run": ("compare.run", "run"),
+    "same": ("compare.testing.same", "same"),
     "save_comparison": ("compare.saved.comparisons", "save_comparison"),
     "save_run": ("compare.saved.runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),

@@ -19,6 +19,7 @@ Examples:
   truebreak run --resume gas-run.json        go on from what --save wrote
   truebreak run lee --certificate lee.json   then: truebreak verify lee.json
   truebreak judge gas log.jsonl              the log of any engine
+  truebreak diff pc.jsonl phone.jsonl        where do two runs part, and why?
   truebreak export gas --floats              the scene for such an engine
   truebreak orders lee                       what orders of impulses lead to
   truebreak chaos gas --events 400           when each engine will be lost
@@ -40,6 +41,7 @@ PLACES = {
     "bench": "bench",
     "chaos": "chaos",
     "compare": "compare",
+    "diff": "diff",
     "export": "foreign",
     "judge": "foreign",
     "minimise": "minimise",

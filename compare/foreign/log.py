@@ -23,6 +23,9 @@ MOST_LINE = 1 << 20
 
 KEYS = frozenset({"time", "contact", "contacts", "states", "end", "quiet"})
 
+BESIDE = frozenset({"step", "hash", "input"})
+"""Keys of the log format that a judge has no use for (docs/log-format.md)."""
+
 COLUMNS = ("time", "a", "b")
 """The columns that every CSV log has. A row without a and b is the end."""
 
@@ -40,7 +43,8 @@ def read_log(
 
     A line of JSON has a `time` and a `contact` of two ids; or `contacts`, several of one instant; perhaps with
     `states`, x, y, vx, vy by circle, as the event leaves them. A line with states alone tells where circles are. The
-    last may be an `end`, perhaps with `"quiet": true`: nothing is left to happen.
+    last may be an `end`, perhaps with `"quiet": true`: nothing is left to happen. Of the log format of
+    `truebreak diff`, headers, outlines, steps, hashes, inputs and free fields are passed over.
 
     Args:
         name: of the engine, for reports; by default the path.
@@ -51,12 +55,19 @@ def read_log(
     """
     shown = str(path)
     recording = Recording(scene, name or shown, bits=bits, step=step, parameters={"log": shown})
-    ended = told = False
+    ended = told = headed = False
     lines = _csv_lines if shown.lower().endswith(".csv") else _json_lines
     for number, line in lines(Path(path), shown):
         recording.where = where = f"file {shown!r}, line {number}"
         if ended:
             raise EngineError(f"{where}: comes after the end; leave it out, or put the end last")
+        if "log" in line or "outline" in line:
+            headed = True
+            continue
+        if headed or line.keys() & BESIDE:
+            line = {key: value for key, value in line.items() if key in KEYS}
+            if line.keys() <= {"time"}:
+                continue  # a hash or an input, or a step in which nothing happened
         ended = _take(recording, line, where)
         told = True
     if not told:

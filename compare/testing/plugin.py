@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Generator
 from pathlib import Path
@@ -28,6 +29,9 @@ SETTINGS = {
     "max_seconds": "seconds after which a check is not decided, as where an engine hangs; else there is no limit",
 }
 
+REGENERATE = "TRUEBREAK_REGEN"
+"""Set in the environment with `--truebreak-regen`, for `truebreak.same`, which has no fixture."""
+
 PROPERTY = "truebreak"
 """Name of the property of a test (JUnit's too) that says what was asserted; its value begins with the verdict."""
 
@@ -45,6 +49,9 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Makes the marker known, and refuses a place for reports that is none."""
     config.addinivalue_line("markers", MARKER)
+    if config.getoption("truebreak_regen"):
+        os.environ[REGENERATE] = "1"
+        config.add_cleanup(lambda: os.environ.pop(REGENERATE, None))
     folder = config.getoption("truebreak_report")
     if folder is not None and Path(folder).exists() and not Path(folder).is_dir():
         raise pytest.UsageError(f"--truebreak-report {folder}: is a file; name a folder")

@@ -12,6 +12,7 @@ NAMES = (
     "orders-1",
     "certificate-2",
     "chaos-1",
+    "diff-1",
     "sweep-1",
     "shadow-1",
     "stress-1",

@@ -78,3 +78,21 @@ def test_an_engine_that_exits_does_not_end_the_command_unsaid(
     code, out, err = said(capsys, "compare", "lee", "--engines", text)
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert words in err
+
+
+def test_a_log_with_a_header_steps_and_hashes_is_judged_by_its_events(tmp_path: Path) -> None:
+    """What `truebreak diff` reads besides is passed over."""
+    from truebreak.compare.foreign.log import read_log
+    from truebreak.scenarios import Circle, Scene
+
+    path = tmp_path / "log.jsonl"
+    path.write_text(
+        '{"log": "truebreak/log-1", "engine": "mine"}\n'
+        '{"body": "a", "outline": [{"circle": 1}]}\n'
+        '{"step": 1, "time": 1.0, "hash": "ab", "input": 3}\n'
+        '{"step": 2, "time": 2.0, "contact": ["a", "b"], "energy": 1.0, "hash": "cd"}\n'
+        '{"end": 3.0}\n',
+        encoding="utf-8",
+    )
+    run = read_log(path, Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")])).trajectory()
+    assert [float(event.time) for event in run.events] == [2.0]

@@ -1,0 +1,1 @@
+"""Two runs of any engine, in any world, compared by their logs."""

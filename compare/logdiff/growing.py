@@ -1,0 +1,406 @@
+"""How two runs part, number by number: the first difference, how it grows by body, and where it leaps."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import Any
+
+import numpy as np
+
+from ..validation import EngineError
+from .log_format import Log, Record
+
+NEVER = -math.inf
+"""The size of no difference, in bits."""
+
+SAMPLED = 2_000
+"""Points of a curve that are kept; beyond that every other one is dropped, and so on."""
+
+CURVES = 48
+"""Bodies whose growth is kept by itself: those that differ first."""
+
+EARLY = 4_000
+"""Differences among which the first is looked for: in a log of events they come nearly in order."""
+
+SPEEDS = ("v", "w", "spin", "omega", "ang_vel", "angular", "lin_vel", "linvel")
+"""How names of velocities begin."""
+
+LEAP_DOUBLE, LEAP_SINGLE = 16.0, 9.0
+"""Bits by which a difference grows within one record at most: in the trials by 7 at a collision that is no graze."""
+
+STEP_BITS = 6.0
+"""Bits below the size of a scene of what a body goes in a step."""
+
+RARE = 6.0
+"""Bits of improbability from which chance is no explanation: one in 64."""
+
+LEAST = 2.0**-6
+"""What is far smaller than the largest numbers of a state, as a spin that is nothing but noise, is measured at this
+share of them: it is reckoned from them."""
+
+FAR = 5
+"""Bits below the whole number at which a difference has grown as far as it can: a 32nd of the scene."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A number that is not the same in both runs.
+
+    Attributes:
+        number: its record, in the first log; `step`, `time` and `lines` say where that is.
+        body, name: whose number, and which.
+        a, b: the two.
+        bits: log2 of their difference in ulps of the largest number of that name.
+        fresh: whether this body had no record before that was the same in both.
+        gap: records since the last one in which the body was the same in both; 0 if it is unknown.
+        touching: whether it is in contact, in either run, at that record.
+        before: bits by which it, and what it is in contact with, were off before; -inf for nothing.
+        placed: whether the time and the numbers that say where it is are the same in both.
+    """
+
+    number: int
+    step: int | None
+    time: float | None
+    lines: tuple[int, int]
+    body: str
+    name: str
+    a: float
+    b: float
+    bits: float
+    fresh: bool
+    gap: int
+    touching: bool
+    before: float
+    placed: bool
+
+
+@dataclass
+class Curve:
+    """Points (record, time, bits), thinned out as they become many."""
+
+    points: list[tuple[int, float, float]] = field(default_factory=list)
+    stride: int = 1
+    seen: int = 0
+
+    def add(self, number: int, time: float, bits: float) -> None:
+        """One more point."""
+        if self.seen % self.stride == 0:
+            self.points.append((number, time, bits))
+            if len(self.points) >= SAMPLED:
+                self.points, self.stride = self.points[::2], self.stride * 2
+        self.seen += 1
+
+
+@dataclass(frozen=True)
+class Rate:
+    """How fast a difference grew: bits a record, and bits a unit of time, each with its standard error."""
+
+    bits_per_record: float
+    record_error: float
+    bits_per_time: float | None
+    time_error: float | None
+    points: int
+
+
+class Unit:
+    """What one rounding is, of each number of a state: its type's ulp at the largest such number so far.
+
+    Attributes:
+        bits: 24 or 53, as declared or as the numbers show.
+        digits: decimal digits of the numbers, where the log has fewer than their type; else None.
+    """
+
+    def __init__(self, bits: int, digits: int | None, decimals: int | None) -> None:
+        self.bits, self.digits, self.decimals = bits, digits, decimals
+        self.ulp = 2.0 ** (1 - bits)
+        self._ulp_bits = 1.0 - bits
+        self.scales: dict[Any, float] = {}
+        self.largest = 0.0
+
+    @property
+    def coarse(self) -> bool:
+        """Whether the log has fewer digits than the engine: a difference that is seen first is one of the log's."""
+        return self.digits is not None or self.decimals is not None
+
+    def widen(self, row: Sequence[float], key: Any = None) -> None:
+        """Takes a state into the largest numbers."""
+        scales = self.scales
+        for j, value in enumerate(row):
+            size = abs(value)
+            if size > scales.get((key, j), 0.0) and size < math.inf:
+                scales[key, j] = size
+                if key is None and size > self.largest:
+                    self.largest = size
+
+    def bits_off(self, a: float, b: float, key: Any) -> float:
+        """log2 of a difference in ulps at the largest such number."""
+        if a == b or (math.isnan(a) and math.isnan(b)):
+            return NEVER
+        off = abs(a - b)
+        if not off < math.inf:
+            return math.inf
+        scale = max(self.scales.get(key, 0.0), abs(a), abs(b))
+        self.scales[key] = scale
+        if key[0] is None:
+            self.largest = max(self.largest, scale)
+            scale = max(scale, self.largest * LEAST)
+        return math.log2(off) - math.log2(scale) - self._ulp_bits if off > 0 else NEVER
+
+    def most_off(self, one: Sequence[float], other: Sequence[float], key: Any) -> tuple[float, int]:
+        """The same for the numbers of two states: the largest, and which number it is of."""
+        worst, place = 0.0, 0
+        scales = self.scales
+        for j, (x, y) in enumerate(zip(one, other, strict=True)):
+            if x == y:
+                continue
+            off = abs(x - y)
+            if not off < math.inf:
+                if math.isnan(x) and math.isnan(y):
+                    continue
+                return math.inf, j
+            scale = max(scales.get((key, j), 0.0), x, y, -x, -y)
+            scales[key, j] = scale
+            if key is None:
+                if scale > self.largest:
+                    self.largest = scale
+                elif scale < self.largest * LEAST:
+                    scale = self.largest * LEAST
+            if off > worst * scale:
+                worst, place = off / scale, j
+        return (math.log2(worst) - self._ulp_bits if worst else NEVER), place
+
+    @property
+    def whole(self) -> float:
+        """Bits of a difference as large as the largest number."""
+        return float(self.bits - 1)
+
+
+def unit_of(logs: Sequence[Log], heads: Sequence[Sequence[Record]]) -> Unit:
+    """The unit of two logs, from what they declare, or from the digits of their first numbers."""
+    declared = {bits for log in logs if isinstance(bits := log.header.get("bits"), int)}
+    strange = declared - {11, 24, 53, 64, 113}
+    if strange:
+        raise EngineError(f"file {logs[0].name!r}: bits = {min(strange)}; must be 24 for floats, 53 for doubles")
+    values = list(_numbers(heads))
+    digits, decimals = _written(values)
+    singles = len(values) >= 8 and all(_single(v) for v in values)
+    bits = min(declared) if declared else 24 if singles else 53
+    if bits <= 24 and (digits is None or digits >= 7):
+        digits = decimals = None
+    return Unit(min(bits, 53), digits, decimals)
+
+
+def _numbers(heads: Sequence[Sequence[Record]]) -> Iterable[float]:
+    """The first numbers of logs that have a fraction: whole ones do not tell their type."""
+    for head in heads:
+        count = 0
+        for record in head:
+            free = [v for v in record.fields.values() if isinstance(v, float)]
+            for row in [*record.states.values(), free]:
+                for value in row:
+                    if value != int(value) if math.isfinite(value) else False:
+                        yield float(value)
+                        count += 1
+            if count > 1000:
+                break
+
+
+def _single(value: float) -> bool:
+    """Whether a number is one of 24 bits, written to the end, or to 9 digits, or as shortly as it can be told."""
+    if abs(value) > 3e38:
+        return False
+    with np.errstate(all="ignore"):
+        near = np.float32(value)
+    return float(near) == value or float(f"{float(near):.9g}") == value or float(str(near)) == value
+
+
+def _written(values: Sequence[float]) -> tuple[int | None, int | None]:
+    """Significant digits, or digits after the point, that all numbers keep to, where that is few; else None."""
+    if len(values) < 50:
+        return None, None
+    digits = decimals = 0
+    for value in values:
+        sign = Decimal(repr(value)).as_tuple()
+        exponent = sign.exponent if isinstance(sign.exponent, int) else 0
+        digits = max(digits, len("".join(map(str, sign.digits)).rstrip("0")))
+        decimals = max(decimals, -exponent)
+        if digits > 14 and decimals > 12:
+            return None, None
+    return (None, decimals) if decimals <= 12 else (digits, None)
+
+
+class Growing:
+    """Takes what differs, record by record, and keeps what a verdict needs.
+
+    Attributes:
+        early: the first differences of all.
+        whole: the largest difference of all bodies over the log.
+        by_body: the same by body.
+        leaps: differences that came from much less in one record, with no more than rounding before them.
+        largest: bits by which any body was ever off.
+        bodies: those that differed at any time.
+    """
+
+    def __init__(self, unit: Unit, names: list[str] | None) -> None:
+        self.unit, self.names = unit, names
+        self.early: list[Difference] = []
+        self.whole = Curve()
+        self.by_body: dict[str, Curve] = {}
+        self.leaps: list[Difference] = []
+        self.largest = NEVER
+        self.bodies: set[str] = set()
+        self.off: dict[str, float] = {}
+        self.same_at: dict[str, int] = {}
+        self.first_fresh: Counter[str] = Counter()
+        self.onsets = 0
+        self.sated = False
+        self.second: Counter[str] = Counter()
+        self._twice: set[str] = set()
+        self.counted: list[tuple[int, int]] = []
+        self.compared = 0
+        self.differing = 0
+
+    def name_of(self, j: int, width: int) -> str:
+        """The name of the j-th number of a state."""
+        if self.names is not None and j < len(self.names):
+            return self.names[j]
+        return ("x", "y", "vx", "vy")[j] if width == 4 else f"number {j + 1}"
+
+    def same(self, body: str, number: int) -> None:
+        """A body is the same in both at a record."""
+        if body not in self.same_at:
+            self.first_fresh["same"] += 1
+        elif body not in self._twice:
+            self._twice.add(body)
+            self.second["same"] += 1
+        self.same_at[body] = number
+        if self.off:
+            self.off.pop(body, None)
+        self.compared += 1
+
+    def before(self, body: str, partners: Iterable[str]) -> float:
+        """Bits by which a body and others were off at their last records."""
+        found = self.off.get(body, NEVER)
+        for other in partners:
+            found = max(found, self.off.get(other, NEVER))
+        return found
+
+    def differs(
+        self, a: Record, b: Record, body: str, rows: tuple[Sequence[float], Sequence[float]], touching: bool,
+        before: float, *, key: Any = None, name: str | None = None,
+    ) -> float:  # fmt: skip
+        """A body's numbers are not the same in both at a record; by how many bits at most."""
+        one, other = rows
+        if len(one) != len(other):
+            raise EngineError(
+                f"states of {body!r} have {len(one)} numbers at {a.place()}, and {len(other)} in the other log; "
+                "log the same numbers, or name them (fields)"
+            )
+        worst, place = self.unit.most_off(one, other, key)
+        if worst == NEVER:
+            self.same(body, a.number)
+            return NEVER
+        self.compared += 1
+        self.differing += 1
+        placed = False
+        if len(self.early) < EARLY:
+            placed = a.time == b.time and all(one[j] == other[j] for j in self.places(len(one)))
+        name = name or self.name_of(place, len(one))
+        self.note(a, b, body, name, one[place], other[place], worst, touching, before, placed)
+        return worst
+
+    def places(self, width: int) -> range | list[int]:
+        """Which numbers of a state say where a body is: all but velocities and spins, as far as names tell."""
+        if self.names is None:
+            return range(width // 2 if width > 1 else 1)
+        return [j for j, name in enumerate(self.names[:width]) if not name.lower().startswith(SPEEDS)]
+
+    def note(
+        self, a: Record, b: Record, body: str, name: str, x: float, y: float, bits: float, touching: bool,
+        before: float, placed: bool = False,
+    ) -> None:  # fmt: skip
+        """One difference, already measured."""
+        fresh = body not in self.same_at
+        if len(self.counted) < EARLY and (not self.counted or self.counted[-1][0] != a.number):
+            self.counted.append((a.number, self.onsets))
+        if fresh and body not in self.bodies:
+            self.first_fresh["differs"] += 1
+        elif body not in self._twice:
+            self._twice.add(body)
+            self.second["differs"] += 1
+        found = None
+        if len(self.early) < EARLY or self.leap_from(bits, before):
+            gap = a.number - self.same_at[body] if not fresh else 0
+            found = Difference(
+                a.number, a.step, a.time, (a.line, b.line), body, name, x, y, bits, fresh, gap, touching, before, placed
+            )
+            if len(self.early) < EARLY:
+                self.early.append(found)
+            if self.leap_from(bits, before) and len(self.leaps) < EARLY:
+                self.leaps.append(found)
+        if body not in self.bodies:
+            self.bodies.add(body)
+            if len(self.by_body) < CURVES:
+                self.by_body[body] = Curve()
+        curve = self.by_body.get(body)
+        shown = min(bits, self.unit.whole + 10)
+        if curve is not None:
+            curve.add(a.number, a.clock or 0.0, shown)
+        self.whole.add(a.number, a.clock or 0.0, shown)
+        self.largest = max(self.largest, bits)
+        self.off[body] = bits
+
+    def contacts_before(self, number: int) -> int:
+        """Contacts that there were in both runs before a record, as far as they were counted."""
+        return next((count for at, count in reversed(self.counted) if at <= number), 0)
+
+    def leap_from(self, bits: float, before: float) -> bool:
+        """Whether a difference is far more than what was there before, and that less than could decide a contact.
+
+        One contact the more or the less follows from a difference of so many bits about once in as many contacts as
+        there are such differences in the way of a step, a few percent of the scene.
+        """
+        least = LEAP_SINGLE if self.unit.bits <= 24 else LEAP_DOUBLE
+        if bits - max(before, 0.0) <= least:
+            return False
+        chance = max(self.largest, 0.0) + math.log2(self.onsets + 1)
+        self.sated = len(self.early) >= EARLY and chance > self.unit.whole
+        return chance < self.unit.whole - STEP_BITS - RARE
+
+
+def rate_of(curve: Curve, unit: Unit) -> Rate | None:
+    """Least squares through the bits of a curve, up to where they first are as large as the scene.
+
+    Points lie one after another along one history, so that the standard errors are of that history alone.
+
+    >>> curve = Curve()
+    >>> for k in range(20):
+    ...     curve.add(k, k / 2, 1.5 * k)
+    >>> rate = rate_of(curve, Unit(53, None, None))
+    >>> rate.bits_per_record, rate.bits_per_time
+    (1.5, 3.0)
+    """
+    taken: list[tuple[int, float, float]] = []
+    for point in curve.points:
+        if point[2] > unit.whole - FAR:
+            break
+        taken.append(point)
+    if len(taken) < 4 or len({number for number, _, _ in taken}) < 3:
+        return None
+    numbers, times, bits = np.array(taken).T
+    by_record = _line(numbers, bits)
+    by_time = _line(times, bits) if times[-1] > times[0] else (None, None)
+    return Rate(*by_record, *by_time, len(taken))
+
+
+def _line(x: Any, y: Any) -> tuple[float, float]:
+    """Slope of the least squares line, and its standard error."""
+    x0, y0 = x - x.mean(), y - y.mean()
+    square = float(x0 @ x0)
+    slope = float(x0 @ y0) / square
+    rest = y0 - slope * x0
+    return slope, math.sqrt(float(rest @ rest) / max(1, len(x) - 2) / square)

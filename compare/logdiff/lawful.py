@@ -1,0 +1,99 @@
+"""Two runs of a known scene: how fast differences grow there by certificate, and whether each run keeps the law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+
+
+@dataclass(frozen=True)
+class Audited:
+    """Whether one run keeps the law: yes, no, or None where that is not known; and a sentence."""
+
+    log: str
+    kept: bool | None
+    sentence: str
+
+
+@dataclass(frozen=True)
+class Lawful:
+    """What a scene says of two runs.
+
+    Attributes:
+        scene: its name.
+        events: of the certified run, over which growth was measured.
+        growth: bits an event by which a difference grows there, as certified; None where that is not known.
+        audits: of each run.
+    """
+
+    scene: str
+    events: int
+    growth: tuple[float, float] | None
+    audits: tuple[Audited, ...]
+
+    @property
+    def sentence(self) -> str:
+        """What the audits come to."""
+        broken = [audit for audit in self.audits if audit.kept is False]
+        if broken:
+            return "; ".join(f"{audit.log} does not keep the law: {audit.sentence}" for audit in broken)
+        if all(audit.kept for audit in self.audits):
+            return "both keep the law; where they part, they part as honest runs do"
+        return "; ".join(f"{audit.log}: {audit.sentence}" for audit in self.audits)
+
+    def lines(self) -> Iterator[str]:
+        """For a report."""
+        yield self.sentence
+        if self.growth is not None:
+            low, high = self.growth
+            yield (
+                f"certified growth in {self.scene}: {low / self.events:.3g} to {high / self.events:.3g} bits an event "
+                f"over its first {self.events} events"
+            )
+
+    def data(self) -> dict[str, Any]:
+        """As JSON."""
+        return {
+            "scene": self.scene,
+            "sentence": self.sentence,
+            "events": self.events,
+            "growth_bits": None if self.growth is None else list(self.growth),
+            "audits": [{"log": a.log, "kept": a.kept, "sentence": a.sentence} for a in self.audits],
+        }
+
+
+MOST_EVENTS = 200
+"""Events over which growth is certified: beyond the horizon of doubles in most scenes of the catalogue."""
+
+
+def lawful_runs(one: str | Path, other: str | Path, scene: Scene) -> Lawful:
+    """Certified growth of a scene, and the audit of two logs of it.
+
+    Raises:
+        EngineError: for a log that is none of this scene.
+    """
+    from ...exact.engine import ExactEngine
+    from ..foreign.log import read_log
+    from ..tangent.growth import certified_growth
+
+    runs = [read_log(path, scene).trajectory() for path in (one, other)]
+    events = max(1, min(MOST_EVENTS, *(len(run.events) for run in runs)))
+    reference = ExactEngine().run(scene, events=events)
+    events = len(reference.events)
+    found = certified_growth(reference, events) if events else None
+    audits = tuple(audited(str(path), run, scene) for path, run in zip((one, other), runs, strict=True))
+    return Lawful(scene.name, events, None if found is None else (found.low, found.high), audits)
+
+
+def audited(log: str, run: Any, scene: Scene) -> Audited:
+    """Whether one run of a scene keeps the law.
+
+    THE PLACE FOR THE AUDIT: `compare.audit.audit_run(run, scene, engine)`, whose `kept` and `sentence` are taken over.
+    Until that is there, energy alone is looked at, which elastic impacts keep.
+    """
+    return Audited(log, None, "not audited")

@@ -1,0 +1,664 @@
+"""Two logs read side by side: steps by number, events by body, so that independent events may come in any order."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter, deque
+from itertools import chain
+from pathlib import Path
+from typing import Any
+
+from .growing import NEVER, Growing, unit_of
+from .log_format import Record
+from .sides import Found, Meeting, Side, check, grid, kinds, names, touched_told
+
+WAITING = 200_000
+"""Events that may wait for their like in the other log; then the body that waits longest has parted."""
+
+LOOKED_AHEAD = 3
+"""Lines in a row whose loss is told from another history."""
+
+SAMPLE = 16
+"""Of so many events one is compared, once differences are too large for a change to be told from chaos."""
+
+CLOSE = 30
+"""Bits of difference, of 52, up to which two events in the same place are the same event."""
+
+
+def pair(one: str | Path, other: str | Path, ignore: frozenset[str] = frozenset()) -> Found:
+    """Reads two logs side by side.
+
+    Args:
+        ignore: free fields that are not compared.
+
+    Raises:
+        EngineError: for a log that cannot be read, and for two that have nothing to be compared.
+    """
+    a = Side(one)
+    b = Side(other, a.log)
+    check(a, b)
+    growing = Growing(unit_of((a.log, b.log), (a.head, b.head)), a.log.names or b.log.names)
+    renamed = names(a, b)
+    steps = all(side.head[0].step is not None for side in (a, b) if side.head)
+    found = Found(a.log, b.log, "step" if steps else "body", growing, names={v: k for k, v in renamed.items()})
+    b.rename = renamed
+    found.grid = grid(a) and grid(b)
+    found.contacts_each = any(r.contacts for side in (a, b) for r in side.head)
+    begun = any(side.log.header.get("contacts") == "begun" for side in (a, b))
+    found.touched_told = found.contacts_each and not begun and all(touched_told(side) for side in (a, b))
+    (_BySteps if steps else _ByBodies)(a, b, found, ignore).run()
+    return found
+
+
+class _Reader:
+    """What both ways of pairing share."""
+
+    def __init__(self, a: Side, b: Side, found: Found, ignore: frozenset[str]) -> None:
+        self.a, self.b, self.found, self.ignore = a, b, found, ignore
+        self.growing = found.growing
+        self.settled = 0
+        perm = None
+        if a.log.names and b.log.names and a.log.names != b.log.names:
+            perm = [b.log.names.index(name) for name in a.log.names]
+        self.perm = perm
+        self.only_fields = not ({"contacts", "states", "hashes"} & kinds(a) & kinds(b))
+
+    def after(self) -> None:
+        """Takes the records around the first difference, once a few after it are read."""
+        found = self.found
+        if found.context[0] or found.context[1]:
+            return
+        differs = self.growing.early or found.meeting or found.hash or found.input
+        if not differs:
+            return
+        self.settled += 1
+        if self.settled >= 2:
+            found.context[0].extend(self.a.ring)
+            found.context[1].extend(self.b.ring)
+
+    def take(self, side: int, record: Record) -> None:
+        """Notes what a record has, for the end."""
+        found = self.found
+        found.contacts[side] += len(record.contacts)
+        if record.states:
+            found.final[side].update(record.states)
+            if found.first_states is None and side == 0:
+                found.first_states = record.number
+
+    def others(self, a: Record, b: Record) -> None:
+        """Compares what is not of a body: hash, input and free fields."""
+        found = self.found
+        if a.hash is not None and b.hash is not None:
+            found.compared["hashes"] += 1
+            if a.hash == b.hash:
+                if found.hash is None:
+                    found.hash_same = a.number
+            elif found.hash is None:
+                found.hash = a, b
+        if a.input != b.input and not (a.input is None and b.input is None):
+            found.compared["inputs"] += 1
+            if found.input is None:
+                found.input = a, b
+        if a.fields or b.fields:
+            for name in a.fields.keys() & b.fields.keys():
+                if name in self.ignore:
+                    continue
+                x, y = a.fields[name], b.fields[name]
+                found.compared["fields"] += 1
+                number = isinstance(x, int | float) and isinstance(y, int | float) and not isinstance(x, bool)
+                if self.only_fields and number:
+                    if _alike(x, y):
+                        self.growing.same(f"({name})", a.number)
+                        self.growing.unit.widen((float(x),), name)
+                    else:
+                        before = self.growing.before(f"({name})", ())
+                        self.growing.differs(
+                            a, b, f"({name})", ((float(x),), (float(y),)), False, before, key=name, name=name
+                        )
+                elif not _alike(x, y) and name not in found.fields:
+                    found.fields[name] = a, x, y
+
+    def states(self, a: Record, b: Record, body: str, partners: Any, before: float | None = None) -> float:
+        """Compares one body's states, if both have one; by how many bits they are off."""
+        one, other = a.states.get(body), b.states.get(body)
+        if one is None or other is None:
+            return NEVER
+        self.found.compared["states"] += 1
+        if self.perm is not None and len(other) == len(self.perm):
+            other = [other[j] for j in self.perm]
+        if one == other:
+            if self.found.nans is None and any(map(math.isnan, one)):
+                self.found.nans = a.place()
+            self.growing.same(body, a.number)
+            if self.found.compared["states"] % 8 == 1:
+                self.growing.unit.widen(one)
+            return NEVER
+        if before is None:
+            before = self.growing.before(body, partners)
+        return self.growing.differs(a, b, body, (one, other), bool(partners), before)
+
+    def meet(self, meeting: Meeting) -> None:
+        """Keeps the earliest difference of partners."""
+        if self.found.meeting is None:
+            self.found.meeting_off, self.found.onsets_then = self.growing.largest, self.growing.onsets
+        if self.found.meeting is None or meeting.number < self.found.meeting.number:
+            self.found.meeting = meeting
+
+
+def _alike(x: Any, y: Any) -> bool:
+    """Whether two values are the same; a number that is none is the same as another such."""
+    return x == y or (isinstance(x, float) and isinstance(y, float) and math.isnan(x) and math.isnan(y))
+
+
+class _BySteps(_Reader):
+    """Records of both logs by their step, continued over restarts."""
+
+    def run(self) -> None:
+        a, b = self.a.next(), self.b.next()
+        while a is not None and b is not None:
+            assert a.step is not None or b.step is not None
+            x, y = _step(a), _step(b)
+            if x == y:
+                self.both(a, b)
+                a, b = self.a.next(), self.b.next()
+            elif x < y:
+                self.one(0, a)
+                a = self.a.next()
+            else:
+                self.one(1, b)
+                b = self.b.next()
+            self.after()
+        if a is not None or b is not None:
+            self.found.longer = "b" if a is None else "a"
+        self.settled += 2
+        self.after()
+        for side, record, rest in ((0, a, self.a), (1, b, self.b)):
+            while record is not None:
+                self.take(side, record)
+                record = rest.next()
+
+    def one(self, side: int, record: Record) -> None:
+        """A step that one log has alone."""
+        self.take(side, record)
+        found = self.found
+        found.alone[side] += 1
+        if found.alone_first[side] is None:
+            found.alone_first[side] = record.place()
+        if record.contacts and len(found.missing) < 20:
+            found.missing.append(("ba"[side], record.place()))
+        found.missing_count += bool(record.contacts)
+
+    def both(self, a: Record, b: Record) -> None:
+        found, growing = self.found, self.growing
+        self.take(0, a)
+        self.take(1, b)
+        found.pairs += 1
+        found.last_common = a
+        if a.repeats != b.repeats:
+            found.repeated.append(("a", a.line) if a.repeats > b.repeats else ("b", b.line))
+        if a.raw == b.raw and not self.b.rename:
+            found.compared["states"] += len(a.states)
+            found.compared["contacts"] += len(a.contacts)
+            found.compared["hashes"] += a.hash is not None
+            found.compared["inputs"] += a.input is not None
+            found.compared["fields"] += len(a.fields)
+            if a.hash is not None and found.hash is None:
+                found.hash_same = a.number
+            for body in a.states:
+                growing.same(body, a.number)
+            if self.only_fields:
+                for name, value in a.fields.items():
+                    if isinstance(value, int | float):
+                        growing.same(f"({name})", a.number)
+                        growing.unit.widen((float(value),), name)
+            if found.pairs % 8 == 1:
+                for row in a.states.values():
+                    growing.unit.widen(row)
+            if found.nans is None and "NaN" in a.raw:
+                found.nans = a.place()
+            growing.onsets += len(a.contacts)
+            return
+        self.times(a, b)
+        self.contacts(a, b)
+        partners: dict[str, set[str]] = {}
+        for p, q in chain(a.contacts, b.contacts):
+            partners.setdefault(p, set()).add(q)
+            partners.setdefault(q, set()).add(p)
+        before = {body: growing.before(body, partners.get(body, ())) for body in a.states}
+        for body, one in a.states.items():
+            other = b.states.get(body)
+            if other is None:
+                continue
+            found.compared["states"] += 1
+            if self.perm is not None and len(other) == len(self.perm):
+                other = [other[j] for j in self.perm]
+            if one == other:
+                growing.same(body, a.number)
+                if found.pairs % 8 == 1:
+                    growing.unit.widen(one)
+            else:
+                growing.differs(a, b, body, (one, other), body in partners, before[body])
+        self.others(a, b)
+
+    def times(self, a: Record, b: Record) -> None:
+        """Compares the clocks of a step, but for how much later one was started."""
+        found = self.found
+        if a.clock is None or b.clock is None:
+            return
+        found.compared["times"] += 1
+        late = b.clock - a.clock
+        if found.clock is None:
+            found.clock = late if abs(late) > 1e-9 * max(abs(a.clock), abs(b.clock)) else 0.0
+        elif abs(late - found.clock) > 1e-6 * max(abs(a.clock), abs(b.clock), 1e-300) and found.times_differ is None:
+            found.times_differ = a, b
+
+    def contacts(self, a: Record, b: Record) -> None:
+        found = self.found
+        if not a.contacts and not b.contacts:
+            return
+        found.compared["contacts"] += max(len(a.contacts), len(b.contacts))
+        self.growing.onsets += max(len(a.contacts), len(b.contacts))
+        if a.contacts == b.contacts:
+            return
+        counts = [Counter(tuple(sorted(p)) for p in r.contacts) for r in (a, b)]
+        if counts[0] == counts[1]:
+            if found.reordered is None:
+                found.reordered = a.number, b.number
+            return
+        if found.meeting is not None:
+            return
+        more = sorted((counts[0] - counts[1]).keys()) or sorted((counts[1] - counts[0]).keys())
+        body = more[0][0]
+        own = [[q if p == body else p for p, q in r.contacts if body in (p, q)] for r in (a, b)]
+        told = [" + ".join(sorted(names)) or None for names in own]
+        self.meet(Meeting(a.number, a.step, a.time, body, told[0], told[1], (a.time, b.time), (a.line, b.line)))
+
+
+def _step(record: Record) -> int:
+    return record.step if record.step is not None else -1
+
+
+class _Entry:
+    """A body's part in one event."""
+
+    __slots__ = ("event", "partners", "record", "role")
+
+    def __init__(self, event: int, partners: tuple[str, ...], role: bool, record: Record) -> None:
+        self.event, self.partners, self.role, self.record = event, partners, role, record
+
+
+class _ByBodies(_Reader):
+    """Events of both logs by body: its k-th meeting in the one with its k-th in the other. Frames go by their times."""
+
+    def __init__(self, a: Side, b: Side, found: Found, ignore: frozenset[str]) -> None:
+        super().__init__(a, b, found, ignore)
+        self.queues: tuple[dict[str, deque[_Entry]], dict[str, deque[_Entry]]] = ({}, {})
+        self.parted: set[str] = set()
+        self.frames: tuple[deque[Record], deque[Record]] = (deque(), deque())
+        self.spacing = math.inf
+        self.last_frame = [math.nan, math.nan]
+        self.waiting = 0
+        self.shift = 0.0
+        self.events: tuple[deque[Record], deque[Record]] = (deque(), deque())
+        self.last_record: tuple[dict[str, Record], dict[str, Record]] = ({}, {})
+
+    def run(self) -> None:
+        sides = self.a, self.b
+        while not (self.a.ended and self.b.ended):
+            records = [side.next() if not side.ended else None for side in sides]
+            a, b = records
+            level = not self.waiting and not self.frames[0] and not self.frames[1] and not self.parted
+            if level and a is not None and b is not None and a.raw == b.raw and not self.b.rename:
+                self.same(a, b)
+                continue
+            if level and a is not None and b is not None and self.level(a, b):
+                self.after()
+                continue
+            for side, record in enumerate(records):
+                if record is not None:
+                    self.feed(side, record)
+            self.after()
+        self.finish()
+        self.settled += 2
+        self.after()
+
+    def same(self, a: Record, b: Record) -> None:
+        """Two records that are the same to the letter, with nothing waiting before them."""
+        found, growing = self.found, self.growing
+        self.take(0, a)
+        self.take(1, b)
+        found.pairs += 1
+        found.last_common = a
+        found.compared["times"] += 1
+        found.compared["contacts"] += len(a.contacts)
+        found.compared["states"] += len(a.states)
+        found.compared["fields"] += len(a.fields)
+        growing.onsets += len(a.contacts)
+        if a.hash is not None:
+            found.compared["hashes"] += 1
+            if found.hash is None:
+                found.hash_same = a.number
+        for body in a.states:
+            growing.same(body, a.number)
+        if found.pairs % 8 == 1:
+            for row in a.states.values():
+                growing.unit.widen(row)
+        if found.nans is None and "NaN" in a.raw:
+            found.nans = a.place()
+        if a.contacts:
+            one, other = self.last_record
+            for pair_ in a.contacts:
+                for body in pair_:
+                    one[body], other[body] = a, b
+                    if not a.states:
+                        growing.same(body, a.number)
+            self.a.events += 1
+            self.b.events += 1
+        else:
+            self.last_frame = [a.clock or 0.0, b.clock or 0.0]
+
+    def level(self, a: Record, b: Record) -> bool:
+        """Compares two events of the same contacts at about one time, with nothing waiting; whether they are such."""
+        if a.contacts != b.contacts or not a.contacts or a.clock is None or b.clock is None:
+            return False
+        if abs(b.clock - self.shift - a.clock) > 2.0 ** (CLOSE - 52) * abs(a.clock) or not a.states or not b.states:
+            return False
+        if self.a.events != self.b.events or self.growing.largest > CLOSE or not self.growing.early:
+            return False
+        found, growing = self.found, self.growing
+        self.take(0, a)
+        self.take(1, b)
+        count = len(a.contacts)
+        found.pairs += 2 * count
+        found.last_common = a
+        found.compared["contacts"] += 2 * count
+        growing.onsets += count
+        self.a.events += 1
+        self.b.events += 1
+        partners: dict[str, list[str]] = {}
+        for p, q in a.contacts:
+            partners.setdefault(p, []).append(q)
+            partners.setdefault(q, []).append(p)
+        befores = {body: growing.before(body, others) for body, others in partners.items()}
+        most = NEVER
+        first = None
+        for body, others in partners.items():
+            self.last_record[0][body], self.last_record[1][body] = a, b
+            if body in a.states and body in b.states:
+                first = first or body
+                most = max(most, self.states(a, b, body, others, befores[body]))
+        if first is not None:
+            self.clocks(a, b, first, True, most, befores[first])
+        self.others(a, b)
+        return True
+
+    def feed(self, side: int, record: Record) -> None:
+        self.take(side, record)
+        if not record.contacts:
+            self.frame(side, record)
+            return
+        reader = (self.a, self.b)[side]
+        event = reader.events
+        reader.events += 1
+        partners: dict[str, list[str]] = {}
+        roles: dict[str, bool] = {}
+        for p, q in record.contacts:
+            partners.setdefault(p, []).append(q)
+            partners.setdefault(q, []).append(p)
+            roles.setdefault(p, True)
+            roles.setdefault(q, False)
+        if side == 0:
+            self.growing.onsets += len(record.contacts)
+        for body, others in partners.items():
+            if body in self.parted:
+                continue
+            self.queues[side].setdefault(body, deque()).append(_Entry(event, tuple(others), roles[body], record))
+            self.waiting += 1
+            self.drain(body, ended=False)
+        if self.waiting > WAITING:
+            self.give_up()
+
+    def frame(self, side: int, record: Record) -> None:
+        """A record of states, a hash or fields alone: goes with the other log's of the same time."""
+        clock = record.clock or 0.0
+        before = self.last_frame[side]
+        if clock > before:
+            self.spacing = min(self.spacing, clock - before)
+        self.last_frame[side] = clock
+        self.frames[side].append(record)
+        one, other = self.frames
+        while one and other:
+            x, y = one[0].clock or 0.0, (other[0].clock or 0.0) - self.shift
+            room = min(0.25 * self.spacing, 1e-6 * max(1.0, abs(x)))
+            if (
+                self.found.pairs == 0
+                and self.found.clock is None
+                and abs(x - y) > room
+                and one[0].states == other[0].states
+            ):
+                self.shift = self.found.clock = (other[0].clock or 0.0) - x
+                continue
+            if abs(x - y) <= room:
+                self.framed(one.popleft(), other.popleft())
+            elif x < y:
+                self.lone(0, one.popleft())
+            else:
+                self.lone(1, other.popleft())
+
+    def lone(self, side: int, record: Record) -> None:
+        found = self.found
+        found.alone[side] += 1
+        if found.alone_first[side] is None:
+            found.alone_first[side] = record.place()
+
+    def framed(self, a: Record, b: Record) -> None:
+        self.found.pairs += 1
+        self.found.last_common = a
+        before = {body: self.growing.before(body, ()) for body in a.states}
+        for body in a.states:
+            if body in b.states:
+                one, other = a.states[body], b.states[body]
+                self.found.compared["states"] += 1
+                if self.perm is not None and len(other) == len(self.perm):
+                    other = [other[j] for j in self.perm]
+                if one == other:
+                    self.growing.same(body, a.number)
+                    self.growing.unit.widen(one)
+                else:
+                    self.growing.differs(a, b, body, (one, other), False, before[body])
+        self.others(a, b)
+
+    def drain(self, body: str, *, ended: bool) -> None:
+        """Compares the meetings of a body that both logs have."""
+        one, other = (queues.get(body) for queues in self.queues)
+        while one and other and body not in self.parted:
+            x, y = one[0], other[0]
+            alike = x.partners == y.partners or sorted(x.partners) == sorted(y.partners)
+            if alike and (body in self.growing.bodies or self.near(x, y, body)):
+                self.matched(body, one.popleft(), other.popleft())
+                self.waiting -= 2
+                continue
+            clean = body not in self.growing.bodies
+            if clean:
+                lost = self.lost(body, one, other)
+                if lost:
+                    continue
+                if not ended and min(len(one), len(other)) <= LOOKED_AHEAD:
+                    return
+            if alike:
+                self.matched(body, one.popleft(), other.popleft())
+                self.waiting -= 2
+            else:
+                self.part(body, x, y)
+
+    def near(self, x: _Entry, y: _Entry, body: str) -> bool:
+        """Whether two meetings with the same partners are one, but for rounding."""
+        p, q = x.record, y.record
+        one, other = p.states.get(body), q.states.get(body)
+        if one is not None and other is not None:
+            if one == other:
+                return True
+            if len(one) != len(other):
+                return True  # refused where they are compared
+            unit, room = self.growing.unit, min(CLOSE, self.growing.unit.whole / 2)
+            return all(
+                u == v or unit.bits_off(u, v, (None, j)) <= room
+                for j, (u, v) in enumerate(zip(one, other, strict=True))
+            )
+        if p.clock is None or q.clock is None:
+            return True
+        return abs(q.clock - self.shift - p.clock) <= 2.0 ** (CLOSE - 52) * max(abs(p.clock), 1e-300)
+
+    def lost(self, body: str, one: deque[_Entry], other: deque[_Entry]) -> bool:
+        """Whether a line was lost from one log, or is there twice: the other goes on exactly as after it."""
+        for side, (longer, shorter) in enumerate(((one, other), (other, one))):
+            for k in range(1, LOOKED_AHEAD + 1):
+                if len(longer) > k and _exact(longer[k], shorter[0], body, self.perm):
+                    for _ in range(k):
+                        entry = longer.popleft()
+                        self.waiting -= 1
+                        last = self.last_record[side].get(body)
+                        if last is not None and last.raw == entry.record.raw:
+                            if ("ab"[side], entry.record.line) not in self.found.repeated:
+                                self.found.repeated.append(("ab"[side], entry.record.line))
+                        else:
+                            self.miss(side, entry.record)
+                    return True
+        return False
+
+    def miss(self, side: int, record: Record) -> None:
+        told = ("ba"[side], record.place())
+        if told not in self.found.missing and len(self.found.missing) < 20:
+            self.found.missing.append(told)
+        self.found.missing_count += 1
+
+    def matched(self, body: str, x: _Entry, y: _Entry) -> None:
+        """One meeting of a body, in both."""
+        found, growing = self.found, self.growing
+        a, b = x.record, y.record
+        found.pairs += 1
+        found.last_common = a
+        found.compared["contacts"] += 1
+        if found.reordered is None and (x.event != y.event or x.partners != y.partners or x.role != y.role):
+            found.reordered = x.event, y.event
+        self.last_record[0][body], self.last_record[1][body] = a, b
+        if growing.sated and x.event % SAMPLE:
+            return
+        before = growing.before(body, x.partners)
+        stated = body in a.states and body in b.states
+        off = self.states(a, b, body, x.partners) if stated else NEVER
+        self.clocks(a, b, body, stated, off, before)
+        if x.event == y.event and body == next(iter(a.contacts))[0]:
+            self.others(a, b)
+
+    def clocks(self, a: Record, b: Record, body: str, stated: bool, off: float, before: float) -> None:
+        """Compares the times of one meeting."""
+        if a.clock is None or b.clock is None:
+            return
+        found, growing = self.found, self.growing
+        found.compared["times"] += 1
+        if a.clock == b.clock or a.clock == b.clock - self.shift:
+            if not stated:
+                growing.same(body, a.number)
+            return
+        late = b.clock - a.clock
+        scale = max(abs(a.clock), abs(b.clock))
+        other_start = abs(late) > 1e-6 * scale and found.clock is None and found.compared["times"] <= 2
+        if other_start and (not stated or off == NEVER):
+            found.clock = self.shift = late  # the second clock was started at another time
+            if not stated:
+                growing.same(body, a.number)
+            return
+        if self.shift and abs(late - self.shift) <= 8 * math.ulp(scale):
+            if not stated:
+                growing.same(body, a.number)
+            return
+        if stated and off == NEVER and abs(late - self.shift) > 1e-6 * scale:
+            if found.times_differ is None:
+                found.times_differ = a, b
+            return
+        bits = growing.unit.bits_off(a.clock, b.clock - self.shift, ("time", 0))
+        if bits > NEVER and bits > off:
+            growing.note(a, b, body, "time", a.clock, b.clock - self.shift, bits, True, before)
+
+    def part(self, body: str, x: _Entry, y: _Entry) -> None:
+        """A body meets another in the one run than in the other."""
+        a, b = x.record, y.record
+        times = a.time, b.time
+        tie = (
+            a.clock is not None
+            and b.clock is not None
+            and abs(a.clock - b.clock + self.shift) <= 2.0**-40 * max(abs(a.clock), abs(b.clock))
+        )
+        first = self.found.meeting is None or a.number < self.found.meeting.number
+        self.meet(
+            Meeting(
+                a.number, a.step, a.time, body, " + ".join(x.partners), " + ".join(y.partners), times, (a.line, b.line)
+            )
+        )
+        if first:
+            self.found.tie = tie
+        self.drop(body)
+
+    def drop(self, body: str) -> None:
+        self.parted.add(body)
+        for queues in self.queues:
+            self.waiting -= len(queues.pop(body, ()))
+
+    def give_up(self) -> None:
+        """Lets the body go that waits longest: the other log has nothing of it."""
+        side, body = max(
+            ((s, i) for s, queues in enumerate(self.queues) for i in queues), key=lambda k: len(self.queues[k[0]][k[1]])
+        )
+        self.alone(side, self.queues[side][body][0], body)
+        self.drop(body)
+
+    def alone(self, side: int, entry: _Entry, body: str) -> None:
+        """A meeting that the other log has not, though it goes on beyond it."""
+        record, told = entry.record, " + ".join(entry.partners)
+        number = record.number
+        pair_ = (told, None) if side == 0 else (None, told)
+        times = (record.time, None) if side == 0 else (None, record.time)
+        lines = (record.line, None) if side == 0 else (None, record.line)
+        self.meet(Meeting(number, record.step, record.time, body, *pair_, times, lines))
+
+    def finish(self) -> None:
+        """What is left when both logs have ended."""
+        for body in sorted(self.queues[0].keys() & self.queues[1].keys()):
+            self.drain(body, ended=True)
+        ends = [side.last.clock if side.last is not None else None for side in (self.a, self.b)]
+        for side, queues in enumerate(self.queues):
+            left = [(queue[0], body) for body, queue in queues.items() if queue]
+            if not left:
+                continue
+            limit = ends[1 - side]
+            for entry, body in left:
+                clock = entry.record.clock
+                shift = self.shift if side == 0 else -self.shift
+                if limit is not None and clock is not None and clock + shift < limit:
+                    last = self.last_record[side].get(body)
+                    if last is not None and last.raw == entry.record.raw:
+                        if ("ab"[side], entry.record.line) not in self.found.repeated:
+                            self.found.repeated.append(("ab"[side], entry.record.line))
+                    elif self.growing.bodies or self.found.meeting is not None:
+                        self.alone(side, entry, body)
+                    else:
+                        self.miss(side, entry.record)
+                else:
+                    self.found.longer = "ab"[side]
+        for side in (0, 1):
+            for record in self.frames[side]:
+                if ends[1 - side] is not None and (record.clock or 0.0) > (ends[1 - side] or 0.0):
+                    self.found.longer = self.found.longer or "ab"[side]
+                else:
+                    self.lone(side, record)
+
+
+def _exact(x: _Entry, y: _Entry, body: str, perm: list[int] | None) -> bool:
+    """Whether two meetings are the same to the last bit."""
+    a, b = x.record, y.record
+    return (
+        sorted(x.partners) == sorted(y.partners)
+        and a.time == b.time
+        and (perm is not None or a.states.get(body) == b.states.get(body))
+    )

@@ -1,0 +1,272 @@
+"""Two logs that are compared: how each is read, what bodies are called in both, and what is found."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import chain, islice, pairwise
+from pathlib import Path
+from typing import Any
+
+from ..validation import EngineError
+from .growing import NEVER, Growing
+from .log_format import Log, Record
+
+HEAD = 400
+"""Records that are read ahead, to learn what a log has."""
+
+AROUND = 3
+"""Records kept for the table, on each side of the first difference."""
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """Whom a body meets first that it does not meet in the other run.
+
+    Attributes:
+        number, step, time: where, in the first log; in the second where the first has none.
+        body: whose.
+        a, b: its partners, joined by " + "; None for nobody.
+        times: when, in each run.
+        lines: of each log.
+    """
+
+    number: int
+    step: int | None
+    time: float | None
+    body: str
+    a: str | None
+    b: str | None
+    times: tuple[float | None, float | None]
+    lines: tuple[int | None, int | None]
+
+
+@dataclass
+class Found:
+    """What two logs have in common and not.
+
+    Attributes:
+        a, b: the logs, read.
+        by: `step` or `body`: how records were paired.
+        growing: the differences of states.
+        compared: what there was to compare: states, contacts, hashes, times, inputs, fields.
+        pairs: records, or meetings of bodies, that were compared.
+        meeting: the first difference of partners.
+        hash, input: the first record in which these differ: its record of each log.
+        fields: free fields that differ: their first difference.
+        reordered: the first (number, number) of what comes at another place.
+        missing: (log, place) of lines that one log has and the other has not, though it goes on as if it had.
+        repeated: (log, line) of lines that are there twice.
+        alone: how many records of each log had none to be compared with.
+        clock: how much later the clock of the second is, where it is otherwise the same.
+        names: bodies of the first by what they are called in the second, where that differs.
+        tie: whether the first difference of partners is one of order, at one instant.
+        meeting_off, onsets_then: by how many bits anything was off before it, and how many contacts there had been.
+        first_states: the first record that has states.
+        contacts_each: whether contacts are logged; `touched_told`, with the states of those in contact.
+        nans: first record with a number that is none, in both logs alike.
+        context: records around the first difference, by log.
+        final: last state of each body, by log.
+    """
+
+    a: Log
+    b: Log
+    by: str
+    growing: Growing
+    compared: Counter[str] = field(default_factory=Counter)
+    pairs: int = 0
+    meeting: Meeting | None = None
+    hash: tuple[Record, Record] | None = None
+    hash_same: int | None = None
+    input: tuple[Record, Record] | None = None
+    fields: dict[str, tuple[Record, Any, Any]] = field(default_factory=dict)
+    reordered: tuple[int, int] | None = None
+    missing: list[tuple[str, str]] = field(default_factory=list)
+    missing_count: int = 0
+    repeated: list[tuple[str, int]] = field(default_factory=list)
+    alone: list[int] = field(default_factory=lambda: [0, 0])
+    alone_first: list[str | None] = field(default_factory=lambda: [None, None])
+    clock: float | None = None
+    names: dict[str, str] = field(default_factory=dict)
+    tie: bool = False
+    meeting_off: float = NEVER
+    onsets_then: int = 0
+    first_states: int | None = None
+    nans: str | None = None
+    context: tuple[list[Record], list[Record]] = field(default_factory=lambda: ([], []))
+    final: tuple[dict[str, list[float]], dict[str, list[float]]] = field(default_factory=lambda: ({}, {}))
+    contacts: list[int] = field(default_factory=lambda: [0, 0])
+    times_differ: tuple[Record, Record] | None = None
+    contacts_each: bool = False
+    touched_told: bool = False
+    grid: bool = False
+    last_common: Record | None = None
+    longer: str | None = None
+
+
+class Side:
+    """One log as it is read: its head, the rest, the last records, and whether it is at its end."""
+
+    def __init__(self, path: str | Path, beside: Log | None = None) -> None:
+        self.log = Log(path)
+        self.log.beside = beside
+        self._rest = iter(self.log)
+        self.head = list(islice(self._rest, HEAD))
+        self._records: Iterator[Record] = chain(self.head, self._rest)
+        self.ring: deque[Record] = deque(maxlen=AROUND + 1)
+        self.rename: dict[str, str] = {}
+        self.ended = False
+        self.last: Record | None = None
+        self.events = 0
+
+    def next(self) -> Record | None:
+        """The next record, with its bodies renamed."""
+        record = next(self._records, None)
+        if record is None:
+            self.ended = True
+            return None
+        if self.rename:
+            names = self.rename
+            record.contacts = [(names.get(a, a), names.get(b, b)) for a, b in record.contacts]
+            record.states = {names.get(body, body): row for body, row in record.states.items()}
+        self.ring.append(record)
+        self.last = record
+        return record
+
+
+def check(a: Side, b: Side) -> None:
+    """Refuses two logs with nothing in common to be compared."""
+    had = [kinds(side) for side in (a, b)]
+    if not had[0] & had[1]:
+        told = [" and ".join(sorted(kind)) or "nothing" for kind in had]
+        raise EngineError(
+            f"files {a.log.name!r} and {b.log.name!r}: the one has {told[0]}, the other {told[1]}: there is nothing to "
+            "compare; log the same things in both"
+        )
+    if bool(a.head and a.head[0].step is not None) != bool(b.head and b.head[0].step is not None) and not (
+        {"contacts", "states"} & had[0] & had[1] and all(r.time is not None for s in (a, b) for r in s.head[:3])
+    ):
+        raise EngineError(
+            f"files {a.log.name!r} and {b.log.name!r}: one has steps, the other has not; log steps, or times, in both"
+        )
+    if a.log.names and b.log.names and sorted(a.log.names) != sorted(b.log.names):
+        raise EngineError(
+            f"files {a.log.name!r} and {b.log.name!r}: states have {', '.join(a.log.names)[:80]} in the one and "
+            f"{', '.join(b.log.names)[:80]} in the other; log the same numbers"
+        )
+
+
+def kinds(side: Side) -> set[str]:
+    """What a log has to compare, from its first records."""
+    found: set[str] = set()
+    for record in side.head:
+        found |= {
+            kind
+            for kind, there in (
+                ("contacts", record.contacts), ("states", record.states), ("hashes", record.hash is not None),
+                ("inputs", record.input is not None), ("fields", record.fields),
+            )
+            if there
+        }  # fmt: skip
+    if side.log.end is not None and not side.head:
+        found |= {"contacts", "states"}
+    return found
+
+
+def grid(side: Side) -> bool:
+    """Whether the times of a log are those of steps: whole multiples of one, which tell nothing of rounding."""
+    if side.head and side.head[0].step is not None:
+        return True
+    times = sorted({record.time for record in side.head if record.time is not None})
+    gaps = [y - x for x, y in pairwise(times) if y > x]
+    if len(gaps) < 8:
+        return False
+    least = min(gaps)
+    return all(abs(gap / least - round(gap / least)) < 1e-3 for gap in gaps) and max(gaps) / least < 1e5
+
+
+def touched_told(side: Side) -> bool:
+    """Whether the states of bodies come with their contacts, those aside that never have any, such as walls."""
+    stated = {body for record in side.head for body in record.states}
+    touching = [{i for p in record.contacts for i in p} & stated for record in side.head]
+    return bool(stated) and all(t <= r.states.keys() for t, r in zip(touching, side.head, strict=True))
+
+
+def _starts(side: Side) -> dict[str, tuple[float, ...]]:
+    """The first state of each body of a log's head."""
+    found: dict[str, tuple[float, ...]] = {}
+    for record in side.head:
+        for body, row in record.states.items():
+            found.setdefault(body, tuple(row))
+    return found
+
+
+def names(a: Side, b: Side) -> dict[str, str]:
+    """What bodies of the second log are called in the first, by where they start, if their ids do not tell.
+
+    Where the ids are the same and the bodies start as those of the same id do, or nearly, there is nothing to rename.
+    """
+    starts = _starts(a), _starts(b)
+    ids = [
+        {i for r in side.head for p in r.contacts for i in p} | set(s) for side, s in zip((a, b), starts, strict=True)
+    ]
+    if not starts[0] or not starts[1]:
+        return _names_by_order(a, b, ids)
+    common = starts[0].keys() & starts[1].keys()
+    if len(common) * 2 > max(len(starts[0]), len(starts[1])) and any(starts[0][i] == starts[1][i] for i in common):
+        own = sum(starts[0][i] == starts[1][i] for i in common)
+    else:
+        own = 0
+    places = [_unique(s) for s in starts]
+    alike = {places[1][row]: places[0][row] for row in places[0].keys() & places[1].keys()}
+    if len(alike) <= own or (common and own * 2 >= len(common)):
+        return {}
+    moved = {theirs: ours for theirs, ours in alike.items() if theirs != ours}
+    if not moved or (common and len(alike) * 2 < len(common)):
+        return {}
+    if any(i not in alike and i in moved.values() for i in ids[1]):
+        return {}
+    return {**moved, **_names_of_others(a, b, ids, moved)}
+
+
+def _names_of_others(a: Side, b: Side, ids: list[set[str]], moved: dict[str, str]) -> dict[str, str]:
+    """What things without states, such as walls, are called in the first log: by whom bodies meet in both."""
+    found: dict[str, str] = {}
+    met: list[dict[str, list[str]]] = [{}, {}]
+    for partners, side, names in zip(met, (a, b), ({}, moved), strict=True):
+        for record in side.head:
+            for p, q in record.contacts:
+                partners.setdefault(names.get(p, p), []).append(names.get(q, q))
+                partners.setdefault(names.get(q, q), []).append(names.get(p, p))
+    for body in met[0].keys() & met[1].keys():
+        for ours, theirs in zip(met[0][body], met[1][body], strict=False):
+            if ours == theirs:
+                continue
+            if theirs in ids[0] or ours in ids[1] or found.setdefault(theirs, ours) != ours:
+                break
+    return found if len(set(found.values())) == len(found) else {}
+
+
+def _unique(starts: dict[str, tuple[float, ...]]) -> dict[tuple[float, ...], str]:
+    """Bodies by their first state, where no other has it."""
+    counts = Counter(starts.values())
+    return {row: body for body, row in starts.items() if counts[row] == 1}
+
+
+def _names_by_order(a: Side, b: Side, ids: list[set[str]]) -> dict[str, str]:
+    """Names of logs of contacts alone that share none: by the order in which they come, where that fits throughout."""
+    if ids[0] & ids[1] or not ids[0]:
+        return {}
+    found: dict[str, str] = {}
+    taken: set[str] = set()
+    for one, other in zip(a.head, b.head, strict=False):
+        for p, q in zip(one.contacts, other.contacts, strict=False):
+            for x, y in zip(p, q, strict=True):
+                if found.setdefault(y, x) != x or (y not in found and x in taken):
+                    raise EngineError(
+                        f"files {a.log.name!r} and {b.log.name!r}: no body has the same id in both, and they cannot be "
+                        "told by their order; name bodies alike, or log states at the start"
+                    )
+                taken.add(x)
+    return found

@@ -1,0 +1,472 @@
+"""What the first difference of two runs says of its cause; and when it does not say enough."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from .growing import NEVER, Difference, Rate, rate_of
+
+if TYPE_CHECKING:
+    from .log_format import Record
+    from .sides import Found
+
+
+class Named(Enum):
+    """The six verdicts; the value is how the first line of a report begins."""
+
+    IDENTICAL = "identical"
+    HARMLESS = "harmless order"
+    GREW = "grew from rounding at event {k}"
+    CHANGED = "changed at event {k} by more than rounding"
+    START = "different from the start"
+    OPEN = "not determined"
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """Sizes of a first difference, in bits above one ulp, in one number type.
+
+    Up to the first number of each pair it is rounding, from the second on it is none, between them it may be either.
+    They lie on both sides of what the trials show (docs/desync.md).
+
+    Attributes:
+        start: in the first record of all, which no solver has touched.
+        free: of a body that is in contact with nothing.
+        touching: of a body in contact, which a solver has passed on from others, or where contacts are not logged.
+    """
+
+    start: tuple[float, float]
+    free: tuple[float, float]
+    touching: tuple[float, float]
+
+
+DOUBLES = Thresholds(start=(4, 10), free=(6, 14), touching=(8, 20))
+FLOATS = Thresholds(start=(4, 8), free=(5, 10), touching=(6, 13))
+
+SETTLED = 40
+"""Contacts that are the same to the last bit in both, after which a build that rounds otherwise had shown itself."""
+
+PER_STEP = 1.0
+"""Bits by which a difference may grow in a step that was not logged, where the log does not tell more."""
+
+SHIFTED = 20.0
+"""Bits of improbability from which other partners are no matter of chance, in a log of events."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is said of two runs.
+
+    Attributes:
+        name: which of the six.
+        event: k: the step, in logs with steps, else the number of the event, from 0; None where there is none.
+        why: what that rests on, in a sentence.
+        spread: where the first difference is: "everywhere at once", "in one body", ...; None without one.
+        first: the first difference of states, and those of the same record.
+        rate: how it grew.
+        notes: what else is to be known, a sentence each.
+    """
+
+    name: Named
+    event: int | None
+    why: str
+    spread: str | None = None
+    first: tuple[Difference, ...] = ()
+    rate: Rate | None = None
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def line(self) -> str:
+        """The verdict as the first line of a report has it.
+
+        >>> Verdict(Named.GREW, 12, "").line
+        'grew from rounding at event 12'
+        """
+        return self.name.value.format(k=self.event)
+
+    @property
+    def same(self) -> bool:
+        """Whether nothing is different that matters."""
+        return self.name in (Named.IDENTICAL, Named.HARMLESS)
+
+
+def decide(found: Found) -> Verdict:
+    """The verdict of two logs that have been read."""
+    growing = found.growing
+    notes = tuple(_notes(found))
+    if not growing.early:
+        name, event, why = _without_states(found)
+        return Verdict(name, event, why, notes=notes)
+    number = min(d.number for d in growing.early)
+    first = tuple(sorted((d for d in growing.early if d.number == number), key=lambda d: -d.bits))
+    rate = rate_of(growing.whole, growing.unit)
+    name, event, why = _with_states(found, first, rate)
+    return Verdict(name, event, why, _spread(found, first), first, rate, notes)
+
+
+Answer = tuple[Named, int | None, str]
+
+
+def _event(record: Record) -> int:
+    return record.step if record.step is not None else record.number
+
+
+def _k(d: Difference) -> int:
+    return d.step if d.step is not None else d.number
+
+
+def _without_states(found: Found) -> Answer:
+    """Where no number of any body differs."""
+    meeting = found.meeting
+    states = found.compared["states"]
+    if found.hash is not None:
+        k = _event(found.hash[0])
+        since = "" if found.hash_same is None else "; all hashes before it are the same"
+        if states:
+            return Named.OPEN, k, (
+                f"hashes differ from {found.hash[0].place()} on, though all states that are logged are the same: "
+                "what is hashed has something in it that is not logged (a random state, a cache of the solver, padding)"
+            )  # fmt: skip
+        return Named.OPEN, k, (
+            f"hashes differ from {found.hash[0].place()} on{since}. A hash does not tell how much differs: log states "
+            "from a few steps before it to a few after it"
+        )  # fmt: skip
+    if meeting is not None:
+        return _partners_alone(found)
+    if found.input is not None:
+        return Named.OPEN, _event(found.input[0]), (
+            f"inputs differ first at {found.input[0].place()}, and nothing else that is logged does"
+        )  # fmt: skip
+    gone = _incomplete(found)
+    if gone:
+        return Named.OPEN, None, f"all that both logs have is the same, but {gone}"
+    if found.times_differ is not None:
+        a, b = found.times_differ
+        return Named.OPEN, _event(a), (
+            f"all states and contacts are the same, but clocks are not: {a.time!r} and {b.time!r} at {a.place()}"
+        )  # fmt: skip
+    if found.fields:
+        name, (record, one, other) = next(iter(found.fields.items()))
+        return Named.OPEN, _event(record), (
+            f"states, contacts and hashes are the same, but {name!r} is not, first at {record.place()}: "
+            f"{_short(one)} and {_short(other)} (--ignore {name}, if that is no part of the run)"
+        )  # fmt: skip
+    if found.reordered is not None and found.grid and not found.compared["states"] + found.compared["hashes"]:
+        return Named.OPEN, None, (
+            f"contacts are the same, but come in another order, first at event {found.reordered[0]}; whether that "
+            "changed anything, contacts alone do not tell: log states"
+        )  # fmt: skip
+    if found.reordered is not None:
+        return Named.HARMLESS, None, (
+            f"for each body the same in both, to the last bit; independent events come in another order, first at "
+            f"event {found.reordered[0]}"
+        )  # fmt: skip
+    if not found.pairs:
+        return Named.OPEN, None, "no record of the one log has its like in the other"
+    return Named.IDENTICAL, None, f"{_what(found)} the same to the last bit"
+
+
+def _partners_alone(found: Found) -> Answer:
+    """Where bodies meet others, and no number differed before."""
+    meeting = found.meeting
+    assert meeting is not None
+    k = meeting.step if meeting.step is not None else meeting.number
+    told = f"{meeting.body} meets {meeting.a or 'nobody'} in the one and {meeting.b or 'nobody'} in the other"
+    if found.by == "step":
+        if found.compared["states"]:
+            return Named.OPEN, k, f"{told}, and all states that are logged are the same, then and after"
+        return Named.OPEN, k, f"{told}; contacts alone do not tell how far apart the runs were by then: log states"
+    if found.tie:
+        return Named.OPEN, k, f"{told}, at one instant but for rounding: a tie that each resolves in its own order"
+    if not found.compared["states"] and found.grid:
+        return Named.OPEN, k, f"{told}; times of steps do not tell how far apart the runs were by then: log states"
+    if meeting.number < 2 or found.pairs < 4:
+        return Named.OPEN, k, f"{told}, and there is nothing before it to tell whether the start was the same"
+    return Named.CHANGED, k, f"{told}, and up to then everything is the same to the last bit"
+
+
+def _incomplete(found: Found) -> str | None:
+    """What a log lacks, in words; None if nothing is known to be missing."""
+    logs = {"a": found.a, "b": found.b}
+    for side, log in logs.items():
+        if log.cut is not None:
+            return f"{log.name} is cut off in line {log.cut}"
+        repeats = [line for which, line in found.repeated if which == side]
+        if repeats:
+            return f"line {repeats[0]} of {log.name} repeats the one before it"
+    if found.missing:
+        side, place = found.missing[0]
+        return f"{logs[side].name} has nothing for {place} of the other: was a line lost, or a contact without effect?"
+    if found.longer is not None:
+        ended = logs["b" if found.longer == "a" else "a"]
+        last = f", after {found.last_common.place()}" if found.last_common else ""
+        return f"{ended.name} ends before the other{last}: the rest cannot be compared"
+    few = [side for side in (0, 1) if 0 < found.alone[side] <= max(1, found.pairs // 20)]
+    if few and found.pairs:
+        log = (found.b, found.a)[few[0]]
+        return f"{log.name} has nothing for {found.alone_first[few[0]]} of the other: were lines lost?"
+    if all(found.alone) and found.pairs:
+        return f"each has records that the other has not, first {found.alone_first[0]}"
+    ends = found.a.end, found.b.end
+    if ends[0] is not None and ends[1] is not None and ends[0] != ends[1] and not found.clock:
+        return f"the one says that it ends at {ends[0]!r} and the other at {ends[1]!r}"
+    return None
+
+
+def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None) -> Answer:
+    """Where numbers differ."""
+    growing = found.growing
+    top = first[0]
+    if growing.unit.coarse:
+        return _coarse(found, top)
+    single = growing.unit.bits <= 24
+    limits = FLOATS if single else DOUBLES
+    size = _size(top)
+    start = _start(found, first, limits, size)
+    if start is not None:
+        return start
+    onset, gap = _onset(found, top)
+    allowance = _allowance(found, gap, rate)
+    if allowance is None:
+        return Named.OPEN, onset, (
+            f"{size}, but that may be of any age: it is as large as it can be in the first record that has it, and "
+            "records are far apart; log states of every step"
+        )  # fmt: skip
+    free = not top.touching and found.contacts_each and found.by == "step" and gap <= 1
+    low, high = limits.free if free else limits.touching
+    if top.bits >= high + allowance:
+        return _large(found, first, onset, size)
+    if top.bits > low + min(allowance, 2.0):
+        return Named.OPEN, onset, f"{size}: more than one rounding, and less than is sure to be none"
+    return _small(found, first, onset, size)
+
+
+def _size(d: Difference) -> str:
+    """How large a first difference is, in words."""
+    if d.bits == math.inf:
+        return f"{d.name} of {d.body} is {d.a!r} in the one and {d.b!r} in the other"
+    ulps = 2.0**d.bits
+    told = "less than one ulp" if ulps < 0.75 else "one ulp" if ulps < 1.5 else f"{ulps:.3g} ulps"
+    return f"the first difference is {abs(d.a - d.b):.3g} in {d.name} of {d.body}, {told} of the largest such number"
+
+
+def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size: str) -> Answer | None:
+    """Where the first records differ already; None if they do not."""
+    growing, top = found.growing, first[0]
+    known = len(growing.same_at | dict.fromkeys(growing.bodies))
+    if top.number == found.first_states and all(d.fresh for d in first) and not top.touching:
+        if top.bits >= limits.start[1]:
+            return Named.START, _k(top), f"{size}, in the first record of all ({_many(first, known)})"
+        if top.bits > limits.start[0]:
+            return Named.OPEN, _k(top), f"{size}, in the first record of all: another start, or one computed otherwise?"
+        return _small(found, first, _k(top), f"{size}, in the first record of all")
+    begun = min([top.number, *(pair[0].number for pair in (found.hash, found.input) if pair is not None)])
+    early = found.first_states is not None and begun <= found.first_states + 1
+    if early and top.bits >= limits.free[0] and len(first) * 2 > known:
+        if top.bits < limits.free[1]:
+            return Named.OPEN, _k(top), f"{size}, in the first step ({_many(first, known)}): a setting, or rounding?"
+        return (
+            Named.START,
+            _k(top),
+            f"{size}, in the first step ({_many(first, known)}): another setting, step or build",
+        )
+    if early and top.bits >= limits.touching[1] and not growing.second["same"]:
+        return Named.START, _k(top), f"{size}, and no body is the same in any record after the first"
+    since_start = top.gap > 1 and top.number - top.gap == found.first_states and begun == top.number
+    if since_start and not top.placed and found.touched_told and top.bits >= limits.touching[1]:
+        if not growing.second["same"]:
+            return Named.START, _k(top), f"{size}, and no body is the same in any record after the first"
+        return Named.OPEN, _k(top), (
+            f"{size}, and nothing is logged of {top.body} between the start and there, so that it may have been "
+            "acted on at any time: log states of every step"
+        )  # fmt: skip
+    if found.by == "body" and any(d.fresh and not d.placed for d in first):
+        top = next(d for d in first if d.fresh and not d.placed)
+        if top.bits < limits.touching[1]:
+            return None
+        if top.number < max(3, known):
+            return Named.START, _k(top), (
+                f"{size}, and that is the first that is logged of {top.body}: it came there at another time or place"
+            )  # fmt: skip
+        return Named.OPEN, _k(top), (
+            f"{size}, and nothing is logged of {top.body} before: it may have started elsewhere, or been moved since; "
+            "log states at the start"
+        )  # fmt: skip
+    return None
+
+
+def _onset(found: Found, top: Difference) -> tuple[int, int]:
+    """The event from which on something differs, and records from there to the first difference of states."""
+    earlier = [pair[0] for pair in (found.hash, found.input) if pair is not None and pair[0].number < top.number]
+    if earlier:
+        record = min(earlier, key=lambda r: r.number)
+        return _event(record), top.number - record.number + 1
+    return _k(top), max(1, top.gap)
+
+
+def _allowance(found: Found, gap: int, rate: Rate | None) -> float | None:
+    """Bits by which rounding may have grown unseen before the first difference; None if nobody knows."""
+    stride = _stride(found)
+    if found.touched_told and (found.by == "body" or stride == 1):
+        return 0.0  # whatever happens to a body is in a record of its own
+    if stride is None:
+        stride = 1 if rate is not None else 64
+    unseen = gap * stride - 1
+    if unseen <= 0:
+        return 0.0
+    grown = PER_STEP * unseen
+    if rate is not None:
+        grown = max(0.0, rate.bits_per_record + 2 * rate.record_error) * gap
+    if grown > found.growing.unit.whole / 2:
+        return None
+    return grown
+
+
+def _stride(found: Found) -> int | None:
+    """Steps from record to record; None where there are no steps."""
+    if found.by != "step":
+        return None
+    return max(found.a.stride, found.b.stride, 1)
+
+
+def _large(found: Found, first: tuple[Difference, ...], onset: int, size: str) -> Answer:
+    """A first difference that is no rounding."""
+    if found.tie and found.meeting is not None and found.meeting.number <= first[0].number:
+        return Named.OPEN, onset, "simultaneous contacts were resolved in another order, and rounding may decide that"
+    since = "; up to then everything is the same to the last bit"
+    if found.input is not None and _event(found.input[0]) <= onset:
+        return Named.CHANGED, onset, f"{size}; the inputs differ, first at {found.input[0].place()}"
+    return Named.CHANGED, onset, size + since
+
+
+def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -> Answer:
+    """A first difference as small as rounding: how it went on decides."""
+    growing, top = found.growing, first[0]
+    later = [d for d in growing.leaps if d.number > top.number and _allowance(found, 1, None) == 0.0]
+    free = [d for d in later if not d.touching and found.contacts_each and found.by == "step" and d.gap <= 1]
+    if top.number == found.first_states and top.fresh and not free:
+        later = []  # that the start was another explains what leaps there are: contacts that come a step earlier
+    if later:
+        leap = min(later, key=lambda d: d.number)
+        told = (
+            f"{leap.body} leaps from {_bits(leap.before)} to {_bits(leap.bits)} at {_place(leap)}, "
+            f"where rounding had brought nothing"
+        )
+        if leap in free and leap.bits >= _limits(found).free[1] + 4:
+            return (
+                Named.CHANGED,
+                _k(leap),
+                f"runs were off by rounding before, but {told}, and it touches nothing there",
+            )
+        return Named.OPEN, onset, f"{size}; but {told} near enough to decide that: a near tie, or a change"
+    if found.by == "body" and found.meeting is not None:
+        chance = max(found.meeting_off, 0.0) + math.log2(found.onsets_then + 1)
+        if chance < growing.unit.whole - SHIFTED:
+            m = found.meeting
+            return Named.OPEN, onset, (
+                f"{size}; but {m.body} meets {m.a or 'nobody'} instead of {m.b or 'nobody'} at event {m.number}, when "
+                f"nothing was off by more than {_bits(found.meeting_off)}: a near tie, or a change"
+            )  # fmt: skip
+    known = len(growing.same_at | dict.fromkeys(growing.bodies))
+    late = growing.contacts_before(top.number) >= SETTLED
+    if late and len(first) >= 3 and len(first) * 2 >= known:
+        return Named.OPEN, onset, (
+            f"{size}: of the size of rounding, but in {_many(first, known)} at once, after all contacts before came "
+            "out the same to the last bit: a cache or a setting that was lost, rather than arithmetic"
+        )  # fmt: skip
+    return Named.GREW, onset, size
+
+
+def _limits(found: Found) -> Thresholds:
+    return FLOATS if found.growing.unit.bits <= 24 else DOUBLES
+
+
+def _coarse(found: Found, top: Difference) -> Answer:
+    """Where the logs have fewer digits than the engines."""
+    unit = found.growing.unit
+    digits = f"{unit.decimals} digits after the point" if unit.decimals is not None else f"{unit.digits} digits"
+    scale = unit.scales.get((None, 0), 1.0) or 1.0
+    last = (
+        10.0**-unit.decimals
+        if unit.decimals is not None
+        else 10.0 ** (math.ceil(math.log10(scale)) - (unit.digits or 0))
+    )
+    onset, gap = _onset(found, top)
+    if not abs(top.a - top.b) < COARSE * last and gap <= 1 and (_stride(found) or 1) == 1 and last < 1e-5 * scale:
+        if found.first_states == top.number:
+            return Named.START, onset, f"{_size(top)}, in the first record of all"
+        return Named.CHANGED, onset, (
+            f"{top.name} of {top.body} is {top.a!r} and {top.b!r}, {abs(top.a - top.b) / last:.3g} of the last digit "
+            "that is logged, and was the same to all digits before"
+        )  # fmt: skip
+    return Named.OPEN, onset, (
+        f"the logs have {digits}, so that nothing is seen of a difference before it is {last:.0e}: log 17"
+    )  # fmt: skip
+
+
+COARSE = 2.0**12
+"""How many of a log's last digits a first difference has to be, to have come at once."""
+
+
+def _spread(found: Found, first: tuple[Difference, ...]) -> str:
+    """Where the first difference is."""
+    known = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
+    if len(first) * 2 > known > 2:
+        return f"everywhere at once ({_many(first, known)})"
+    if len(first) == 1:
+        return "in one body, in contact" if first[0].touching else "in one body, in contact with nothing"
+    if len(first) == 2 and all(d.touching for d in first):
+        return f"in one contact ({first[0].body} and {first[1].body})"
+    return f"in {_many(first, known)}"
+
+
+def _many(first: tuple[Difference, ...], known: int) -> str:
+    return f"{len(first)} of {known} bodies"
+
+
+def _bits(bits: float) -> str:
+    return "nothing" if bits == NEVER else "no number" if bits == math.inf else f"2**{bits:.0f} ulps"
+
+
+def _place(d: Difference) -> str:
+    return f"step {d.step}" if d.step is not None else f"event {d.number}"
+
+
+def _what(found: Found) -> str:
+    """What was compared, in words."""
+    names = [f"{count:,} {kind}" for kind in ("states", "contacts", "hashes") if (count := found.compared[kind])]
+    names = names or [f"{found.compared['fields']:,} fields"]
+    return f"{' and '.join([', '.join(names[:-1]), names[-1]] if len(names) > 1 else names)}:"
+
+
+def _short(value: object) -> str:
+    return str(value)[:40]
+
+
+def _notes(found: Found) -> list[str]:
+    """What else is to be known of the logs."""
+    told: list[str] = []
+    if found.names:
+        pairs = list(found.names.items())
+        shown = ", ".join(f"{ours} is {theirs}" for ours, theirs in pairs[:3])
+        told.append(f"Ids differ: {shown}{f', and {len(pairs) - 3} more' if len(pairs) > 3 else ''} in {found.b.name}.")
+    if found.clock:
+        told.append(f"The clock of {found.b.name} is {found.clock:.9g} later throughout; that is not counted.")
+    for log in (found.a, found.b):
+        for line, before, after in log.restarts[:2]:
+            told.append(
+                f"In line {line} of {log.name} the count goes from {before:.9g} back to {after:.9g}; it is counted on."
+            )
+    if found.nans is not None:
+        told.append(f"Both have numbers that are none (NaN), first at {found.nans}.")
+    settings = [
+        f"{key} is {_short(found.a.header[key])} and {_short(found.b.header[key])}"
+        for key in sorted(found.a.header.keys() & found.b.header.keys())
+        if found.a.header[key] != found.b.header[key] and key != "fields"
+    ]
+    if settings:
+        told.append(f"What the logs say of themselves differs: {', '.join(settings[:4])}.")
+    return told

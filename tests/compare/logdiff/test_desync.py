@@ -1,0 +1,203 @@
+"""What is named of two logs is right, and where they do not tell, that is said."""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from command_line import done as truebreak
+
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.logdiff.desync import diff, report_json
+from truebreak.compare.logdiff.trial_worlds import NONE, Fault, PymunkWorld, run
+from truebreak.compare.logdiff.trials import (
+    contacts_only,
+    every,
+    full,
+    hashes,
+    hashes_and_states,
+    states_only,
+    touching,
+)
+from truebreak.compare.logdiff.verdict import Named
+from truebreak.compare.validation import EngineError
+
+Lines = list[dict[str, Any]]
+FAULTS = {
+    Fault("none"): Named.IDENTICAL,
+    Fault("ulp", 0, 3): Named.GREW,
+    Fault("moved", 0, 3, 1e-6): Named.START,
+    Fault("dt", 0, 0, 0.5): Named.START,
+    Fault("gravity", 0, 0, 1e-3): Named.START,
+    Fault("garbage", 60, 5, 0.37): Named.CHANGED,
+    Fault("push", 60, 5, 1e-7): Named.CHANGED,
+    Fault("warm", 70): Named.CHANGED,
+    Fault("nan", 60, 2): Named.CHANGED,
+}
+
+
+def pile(fault: Fault = NONE, seed: int = 2) -> Any:
+    return run(PymunkWorld, seed, 12, "pile", 100, fault)
+
+
+@pytest.fixture
+def compared(tmp_path: Path) -> Callable[..., Any]:
+    def compare(one: Lines | str, other: Lines | str, **options: Any) -> Any:
+        paths = [tmp_path / name for name in ("a.jsonl", "b.jsonl")]
+        for path, lines in zip(paths, (one, other), strict=True):
+            text = lines if isinstance(lines, str) else "".join(json.dumps(line) + "\n" for line in lines)
+            path.write_text(text, encoding="utf-8")
+        return diff(*paths, **options)
+
+    return compare
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.kind)
+def test_each_fault_of_a_pile_is_named(fault: Fault, compared: Any) -> None:
+    found = compared(full(pile()), full(pile(fault)))
+    assert found.verdict.name is FAULTS[fault], found.line
+    if fault.at:
+        assert found.verdict.event == fault.at
+    jsonschema.validate(report_json([found]), schema("diff-1"))
+    json.dumps(report_json([found]), allow_nan=False)
+
+
+@pytest.mark.parametrize("style", [every(8), states_only, touching, hashes, hashes_and_states, contacts_only])
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.kind)
+def test_a_log_of_less_names_the_same_or_nothing(style: Any, fault: Fault, compared: Any) -> None:
+    one, other = style(pile()), style(pile(fault))
+    found = compared(one, other)
+    allowed = (Named.IDENTICAL,) if one == other else (FAULTS[fault], Named.OPEN)
+    assert found.verdict.name in allowed, found.line
+
+
+def test_order_names_and_clock_are_no_difference(compared: Any) -> None:
+    told = full(pile())
+    mixed = json.loads(json.dumps(told))
+    for line in mixed:
+        random.Random(1).shuffle(line.get("contacts", []))
+    assert compared(told, mixed).verdict.name is Named.HARMLESS
+    renamed = json.loads(json.dumps(told).replace('"b', '"entity-').replace('"wall', '"side-'))
+    found = compared(told, renamed)
+    assert found.verdict.name is Named.IDENTICAL and found.found.names["b3"] == "entity-3", found.line
+    later = [{**line, "time": line["time"] + 50.0} if "time" in line else line for line in told]
+    assert compared(told, later).verdict.name is Named.IDENTICAL
+    again = [{**line, "step": line["step"] - 60} if line.get("step", 0) >= 60 else line for line in told]
+    assert compared(told, again).verdict.name is Named.IDENTICAL
+
+
+def test_what_a_log_lacks_is_said(compared: Any) -> None:
+    told = full(pile())
+    for other, why in (
+        (told[:50], "ends before the other"),
+        (told[:40] + told[41:], "has nothing for step 39"),
+        (told[:41] + told[40:], "line 41 of"),
+    ):
+        found = compared(told, other)
+        assert found.verdict.name is Named.OPEN and why in found.verdict.why, found.line
+    text = "".join(json.dumps(line) + "\n" for line in told)
+    assert "is cut off in line 102" in compared(text, text[:-50]).verdict.why
+
+
+def test_hashes_tell_where_and_no_more(compared: Any) -> None:
+    found = compared("aa\nbb\ncc\n", "aa\nbb\ncd\n")
+    assert (found.verdict.name, found.verdict.event) == (Named.OPEN, 2)
+    assert compared("0 aa\n1 bb\n", "0 aa\n1 bb\n").verdict.name is Named.IDENTICAL
+
+
+def test_a_hash_that_differs_alone_is_something_that_is_not_logged(compared: Any) -> None:
+    lines = [{"step": k, "hash": f"{k:x}", "states": {"a": [k / 3]}} for k in range(9)]
+    other = [{**line, "hash": "f"} if line["step"] > 4 else line for line in lines]
+    found = compared(lines, other)
+    assert (found.verdict.name, found.verdict.event) == (Named.OPEN, 5) and "not logged" in found.verdict.why
+
+
+def test_a_dropped_input_is_named(compared: Any) -> None:
+    one = run(PymunkWorld, 3, 12, "pile", 100, NONE, inputs=True)
+    other = run(PymunkWorld, 3, 12, "pile", 100, Fault("input", 60), inputs=True)
+    found = compared(full(one), full(other))
+    assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, other.hit) and "inputs" in found.verdict.why
+
+
+def test_free_fields_are_compared_by_name(compared: Any) -> None:
+    lines = [{"step": k, "states": {"a": [k / 3]}, "ms": 1.5} for k in range(9)]
+    other = [{**line, "ms": 2.5} for line in lines]
+    assert "--ignore ms" in compared(lines, other).verdict.why
+    assert compared(lines, other, ignore=["ms"]).verdict.name is Named.IDENTICAL
+
+
+def test_no_number_on_both_sides_is_the_same_and_is_told(compared: Any) -> None:
+    lines = [{"step": k, "states": {"a": [k / 3, math.nan]}} for k in range(9)]
+    found = compared(lines, lines)
+    assert found.verdict.name is Named.IDENTICAL and "NaN" in found.verdict.notes[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("", "is empty"),
+        ('{"time": 1, "contact": ["a"]}\n', "must be two ids"),
+        ('{"time": 1, "contact": ["a", "b"]}\n{"time": 2, "contact"\n{"time": 3, "contact": ["a", "b"]}\n', "line 2"),
+        ('{"time": 1, "time": 2, "contact": ["a", "b"]}\n', "has 'time' twice"),
+        ('{"step": 1, "states": {"a": ["x"]}}\n', "is no number"),
+        ('{"step": 5, "hash": "a"}\n{"step": 9, "hash": "b"}\n{"step": 7, "hash": "c"}\n', "comes after step 9"),
+        ('{"log": "truebreak/log-9"}\n{"step": 1, "hash": "a"}\n', "this version reads"),
+        ('{"contact": ["a", "b"]}\n', "neither a step nor a time"),
+        ("one two three\n", "neither a JSON object nor a hash"),
+        ("step,hash\n1\n2,b\n", "has 1 cells"),
+    ],
+)
+def test_a_log_that_cannot_be_read_is_refused_in_a_line(text: str, why: str, tmp_path: Path) -> None:
+    name = "log.csv" if text.startswith("step,") else "log.jsonl"
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    with pytest.raises(EngineError, match=why) as error:
+        diff(tmp_path / name, tmp_path / name)
+    assert "\n" not in str(error.value)
+
+
+def test_logs_with_nothing_in_common_are_refused(compared: Any) -> None:
+    with pytest.raises(EngineError, match="there is nothing to compare"):
+        compared("0 aa\n1 bb\n", [{"time": 1.0, "contact": ["a", "b"]}])
+
+
+def test_csv_is_read(compared: Any, tmp_path: Path) -> None:
+    rows = ["step,id,x,y", *(f"{k},{i},{k / 3!r},{k / 7!r}" for k in range(9) for i in "ab")]
+    paths = tmp_path / "one.csv", tmp_path / "two.csv"
+    paths[0].write_text("\n".join(rows), encoding="utf-8")
+    paths[1].write_text("\n".join(rows).replace("5,b,1.66", "5,b,1.76"), encoding="utf-8")
+    found = diff(*paths)
+    assert (found.verdict.name, found.verdict.event, found.verdict.first[0].body) == (Named.CHANGED, 5, "b")
+
+
+def test_a_lost_contact_in_a_log_of_events_is_a_change(compared: Any) -> None:
+    rng = random.Random(4)
+    lines = [{"time": k + rng.random(), "contact": rng.sample("abcdefg", 2)} for k in range(60)]
+    other = [*lines[:30], *({**line, "time": line["time"] + 0.1 * rng.random()} for line in lines[31:])]
+    found = compared(lines, other)
+    assert found.verdict.name in (Named.CHANGED, Named.OPEN), found.line
+    lost = compared(lines, lines[:30] + lines[31:])
+    assert lost.verdict.name is Named.OPEN and "event 30" in lost.verdict.why, lost.line
+
+
+def test_the_command_says_the_verdict_first_and_exits_with_it(tmp_path: Path) -> None:
+    paths = [str(tmp_path / name) for name in ("a.jsonl", "b.jsonl", "c.jsonl")]
+    for path, fault in zip(paths, (NONE, NONE, Fault("garbage", 60, 5, 0.4)), strict=True):
+        Path(path).write_text("".join(json.dumps(line) + "\n" for line in full(pile(fault))), encoding="utf-8")
+    finished = truebreak("diff", *paths[:2])
+    assert finished.returncode == 0 and finished.stdout.startswith("identical: ")
+    finished = truebreak("diff", *paths)
+    assert finished.returncode == 1 and finished.stdout.startswith("changed at event 60 by more than rounding: ")
+    finished = truebreak("diff", paths[0], paths[2], "--json", "--html", str(tmp_path / "page.html"))
+    data = json.loads(finished.stdout)
+    jsonschema.validate(data, schema("diff-1"))
+    assert (finished.returncode, data["verdict"], data["pairs"][0]["event"]) == (1, "changed", 60)
+    assert "changed at event 60" in (tmp_path / "page.html").read_text(encoding="utf-8")
+    for words in (("diff", paths[0]), ("diff", paths[0], str(tmp_path / "none"))):
+        finished = truebreak(*words)
+        assert finished.returncode == 2 and finished.stderr.count("\n") == 1
