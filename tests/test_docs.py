@@ -145,6 +145,19 @@ def test_acceptance_runs_the_readme_s_test_command() -> None:
     assert command in shell.replace("$ ", ""), f"the README must show the command that .ci/run runs: {command}"
 
 
+UNLOCKS = re.compile(r"skipif\(found\(\) is None|find_spec\((PACKAGES|OPTIONAL)\[|find_spec\(\"Box2D|in installed\(\)")
+"""How a module of tests says that it needs other people's engines or a browser."""
+
+
+def test_acceptance_runs_again_all_that_engines_and_a_browser_unlock() -> None:
+    _, _, again = (ROOT / ".ci" / "run").read_text("utf-8").partition("the tests that they unlock")
+    modules = {path.relative_to(ROOT): path.read_text("utf-8") for path in (ROOT / "tests").rglob("test_*.py")}
+    unlocked = {
+        path.as_posix() for path, text in modules.items() if UNLOCKS.search(text) and path.name != "test_docs.py"
+    }
+    assert {*re.findall(r"tests/\S+\.py", again)} == unlocked
+
+
 def test_make_and_the_readme_run_the_same_tests() -> None:
     script = (ROOT / ".ci" / "run").read_text("utf-8")
     makefile = (ROOT / "Makefile").read_text("utf-8")

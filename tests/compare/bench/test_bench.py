@@ -24,10 +24,12 @@ from truebreak.scenarios.catalogue import build
 OPTIONAL = {
     "gas-billiards": "billiards",
     "double-billiards": "billiards",
+    "gas-long-billiards": "billiards",
     "crowd-exact": "billiards",
     "crowd-double": "billiards",
     "galperin-perfect-physics": "perfect_physics",
 }
+"""The benchmarks that need an extra, with the package that it brings."""
 
 
 @pytest.mark.parametrize(
@@ -95,13 +97,24 @@ def test_perfect_physics_ends_with_the_same_exact_velocities() -> None:
     assert [float(vx) for vx, _ in ends] == [float(circle.vx) for circle in exact.circles]
 
 
-def test_missing_packages_are_named_with_the_command_that_installs_them(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+@pytest.fixture
+def fresh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine without any extra."""
+
     def missing(name: str) -> None:
         raise ModuleNotFoundError(name)
 
     monkeypatch.setattr(package, "import_module", missing)
+
+
+@pytest.mark.usefixtures("fresh")
+@pytest.mark.parametrize("name", BENCHMARKS)
+def test_every_benchmark_that_needs_an_extra_is_listed(name: str) -> None:
+    assert ({*measure(TINY, only=[name]).skipped} == {name}) == (name in OPTIONAL)
+
+
+@pytest.mark.usefixtures("fresh")
+def test_missing_packages_are_named_with_the_command_that_installs_them(capsys: pytest.CaptureFixture[str]) -> None:
     report, _ = bench.run(only=list(OPTIONAL), size=TINY)
     assert report.figures == ()
     assert set(report.skipped) == set(OPTIONAL)
