@@ -10,7 +10,7 @@ NAMES = (
     "trajectory-1",
     "comparison-2",
     "orders-1",
-    "certificate-2",
+    "certificate-3",
     "chaos-1",
     "sweep-1",
     "shadow-1",
