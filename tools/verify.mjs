@@ -1,12 +1,12 @@
 // Checks certificates of runs of hard discs: node verify.mjs FILE... [--work=N], a line for each
-// Exit code 0: verified, 1: refuted, 2: no certificate, 4: not decided; of several files, the greatest.
+// Exit code 0: verified, 1: refuted, 2: no certificate, 4: not decided, or declined; of several files, the greatest.
 import { closeSync, constants, fstatSync, openSync, readSync } from 'node:fs';
 import { Verdict, TooMuch, Work, malformed } from './second/base.mjs';
 import { readJson } from './second/json.mjs';
 import { readCertificate } from './second/shape.mjs';
 import { Run } from './second/run.mjs';
 
-const MOST_BYTES = 2 ** 24, MOST_WORK = 1e11;
+const MOST_BYTES = 2 ** 24, MOST_PARTS = 4e6;
 
 function read(path) {
   let file;
@@ -24,18 +24,32 @@ function read(path) {
   } finally { if (file !== undefined) closeSync(file); }
 }
 
+/** A file of too many parts would take too much memory. */
+function count(bytes) {
+  let parts = 0;
+  for (const b of bytes) if (b === 0x2c || b === 0x3a || b === 0x5b || b === 0x7b) parts++; // , : [ {
+  if (parts > MOST_PARTS) throw new TooMuch(MOST_PARTS, 'parts');
+}
+
 /** @returns {[number, string]} exit code and line */
 function verify(path, limit) {
-  const work = new Work(limit);
+  let work;
   const attempt = (certificate, factor) => {
     const verdict = e => e instanceof Verdict ? e : new Verdict(4, `the checker failed: ${String(e).slice(0, 200)}`);
+    work.kept = 0;
     try {
       return new Verdict(0, new Run(certificate, certificate.bits * factor, work).check());
     } catch (e) { return verdict(e); }
   };
   let certificate;
-  try { certificate = readCertificate(readJson(read(path)), work); } catch (e) {
-    if (e instanceof Verdict) return e.code === 2 ? [2, `no certificate: ${e.message}`] : [4, `not decided: ${e.message}`];
+  const open = e => [4, `${e instanceof TooMuch ? 'declined' : 'not decided'}: ${e.message}`];
+  try {
+    const bytes = read(path);
+    work = new Work(limit, bytes.length);
+    if (limit === undefined) count(bytes);
+    certificate = readCertificate(readJson(bytes), work);
+  } catch (e) {
+    if (e instanceof Verdict) return e.code === 2 ? [2, `no certificate: ${e.message}`] : open(e);
     throw e;
   }
   const first = attempt(certificate, 1);
@@ -49,7 +63,7 @@ function verify(path, limit) {
     more = `; with ${certificate.bits * factor} bits it is ${code ? 'refuted' : 'verified'}`;
     break;
   }
-  return [4, `not decided: ${first.message}${more}`];
+  return first instanceof TooMuch ? open(first) : [4, `not decided: ${first.message}${more}`];
 }
 
 const args = process.argv.slice(2), options = args.filter(a => a.startsWith('--')), files = args.filter(a => !a.startsWith('--'));
@@ -59,7 +73,7 @@ if (!asked) console.log('no certificate: usage: node verify.mjs FILE... [--work=
 let worst = asked ? 0 : 2;
 for (const file of asked ? files : []) {
   let code, line;
-  try { [code, line] = verify(file, given.length ? Number(given[0]) : MOST_WORK); } catch (e) {
+  try { [code, line] = verify(file, given.length ? Number(given[0]) : undefined); } catch (e) {
     // nothing may pass for a verdict on the certificate that is none
     [code, line] = [4, `not decided: the checker failed: ${String(e)}`];
   }

@@ -102,12 +102,43 @@ def write_certificate(trajectory: Trajectory, path: str) -> None:
     write_whole(path, certificate_json(certificate_of(trajectory)))
 
 
-def verdict_on(path: str) -> tuple[int, str]:
-    """The checker's exit code and sentence for a file; it runs by itself, as anybody else would run it."""
+def verdict_of_scene(path: str, scene: str | None, work: int | None = None) -> tuple[int, str]:
+    """As `verdict_on`; what is verified is compared with a scene, or the sentence says that none was given.
+
+    Args:
+        path: the certificate.
+        scene: the scene that it should be of: a name, a name with settings, or a file.
+        work: as for `verdict_on`.
+
+    Raises:
+        SceneError: if there is no such scene, or two numbers cannot be told from each other within counted work.
+    """
+    from ..scene_argument import scene_from
+    from .same_scene import difference
+
+    meant = None if scene is None else scene_from(scene)
+    code, sentence = verdict_on(path, work)
+    if code:
+        return code, sentence
+    if meant is None:
+        return code, f"{sentence}; no scene was given"
+    found = difference(json.loads(Path(path).read_text(encoding="utf-8"))["scene"], meant)
+    if found:
+        return 1, f"refuted: its scene is not {scene}: {found}"
+    return code, f"{sentence}; its scene is {scene}"
+
+
+def verdict_on(path: str, work: int | None = None) -> tuple[int, str]:
+    """The checker's exit code and sentence for a file; it runs by itself, as anybody else would run it.
+
+    Args:
+        path: the certificate.
+        work: what checking may cost, in units of about a nanosecond; None: by the size of the file.
+    """
     from ...tools import verify
 
-    done = subprocess.run(
-        [sys.executable, "-I", str(Path(verify.__file__)), path], capture_output=True, text=True, check=False
-    )
+    more = [] if work is None else [f"--work={work}"]
+    command = [sys.executable, "-I", str(Path(verify.__file__)), path, *more]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     told = done.stdout.strip() or f"the checker failed: {done.stderr.strip().rpartition(chr(10))[2]}"
     return (done.returncode, told) if done.stdout else (2, told)

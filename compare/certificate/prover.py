@@ -51,6 +51,9 @@ class Lazy:
     def at(self, _: int) -> Lazy:
         return self
 
+    def sign(self) -> None:
+        """Not known: whether it is zero is asked of `Prover.zero`."""
+
     def tell(self) -> None:
         """Marks it, and all that it comes about from, as what is to be told."""
         todo = [self]
@@ -62,11 +65,19 @@ class Lazy:
 
 
 class Recorded(World):
-    """A world of such numbers that keeps the impulses of its rounds, by instants."""
+    """A world of such numbers that keeps the impulses of its rounds, by instants, and the time of the last hit."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.struck: dict[int, list[list[Lazy]]] = {}
+        self.last: tuple[Any, Any] = (None, None)
+
+    def hit(self, c: Contact) -> Any:
+        """As in any world; asked again, it is the same number."""
+        asked = (c, len(self.times), self.start(c))
+        if self.last[0] != asked:
+            self.last = asked, super().hit(c)
+        return self.last[1]
 
     def blow(self, age: int, push: Any, others: Any, s: Any) -> Any:
         """As in any world."""
@@ -94,11 +105,6 @@ class Prover(Checker):
         told = self.form
         self.form = Recorded(self.n, self.things, told.sides, told.limits, lambda form: Lazy(Exact.of(form)))
         self.worlds = self.ball, self.form
-        self.of: dict[int, list[Contact]] = {i: [] for i in range(self.n)}
-        for c in self.meets:
-            for i in c:
-                if 0 <= i < self.n:
-                    self.of[i].append(c)
 
     @property
     def meets(self) -> Set[Contact]:
@@ -128,7 +134,7 @@ class Prover(Checker):
             for push, s in zip(entry["rounds"], self.form.struck.get(age, ()), strict=True):
                 if any(x.told for x in s):
                     push[:] = [[i, j, self._text(x)] for (i, j), x in zip(push, s, strict=True)]
-        self.told["roots"] = [text_of(root) for root in Exact.roots]
+        self.told["roots"] = [text_of(root) for root in Exact.roots[len(self.told["scene"].get("roots", ())) :]]
 
     def _text(self, x: Lazy) -> str:
         Exact.most, Exact.budget = len(Exact.roots) + 20, Exact.work + DEEP_WORK

@@ -75,7 +75,7 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     for circle in scene.circles:
         weight = ZERO if isinstance(circle.m, str) else ONE / exact_number(circle.m)
         circles.append({**row(circle, ("x", "y", "r", "vx", "vy")), "w": text_of(weight)})
-    told: dict[str, Any] = {"name": scene.name, "tie_policy": str(scene.tie_policy), "digest": scene.digest}
+    told: dict[str, Any] = {"tie_policy": str(scene.tie_policy)}
     if scene.reverse_after is not None:
         told["reverse_after"] = scene.reverse_after
     if scene.reverse_at is not None:
@@ -88,4 +88,6 @@ def scene_part(scene: Scene) -> dict[str, Any]:
     if scene.pockets:
         told["pockets"] = [row(pocket, ("x", "y", "r")) for pocket in scene.pockets]
         told["capture"] = scene.capture
+    if Exact.roots:
+        told["roots"] = [text_of(root) for root in Exact.roots]
     return told

@@ -12,9 +12,9 @@ export const malformed = text => { throw new Verdict(2, text); };
 /** @returns {never} */
 export const undecided = text => { throw new Verdict(4, text); };
 
-/** Thrown where the limit of work is exceeded: never a verdict on the certificate. */
+/** Thrown where a limit of cost is exceeded: never a verdict on the certificate. */
 export class TooMuch extends Verdict {
-  constructor(limit) { super(4, `more than ${limit} units of work (--work)`); }
+  constructor(limit, what) { super(4, `costs more than ${limit} ${what}; --work=N`); }
 }
 
 const POWERS = [1n << 64n]; // 2 ** (64 * 2 ** k)
@@ -27,12 +27,21 @@ export function words(x) {
 }
 
 /** Work is counted, not timed: about one unit for each product of two words, 64 for each operation. */
-const EACH = 64;
+const EACH = 64, MOST_WORK = 2e9, MOST_WORK_A_BYTE = 4000, MOST_BYTES = 2e8;
 
+/** One account over all that is tried with a file: what is done, and what is kept. */
 export class Work {
-  constructor(limit) { this.limit = limit; this.done = 0; }
+  /** @param {number} [limit] if it is left out, by the size of the file, in bytes, and what is kept has a limit too */
+  constructor(limit, size = 0) {
+    this.limit = limit ?? MOST_WORK + MOST_WORK_A_BYTE * size;
+    this.room = limit === undefined ? MOST_BYTES : Infinity;
+    this.done = 0;
+    this.kept = 0;
+  }
   /** To be called before the work is done. */
-  charge(units) { this.done += EACH + units; if (this.done > this.limit) throw new TooMuch(this.limit); }
+  charge(units) { this.done += EACH + units; if (this.done > this.limit) throw new TooMuch(this.limit, 'units of work'); }
+  /** So many bytes are kept from now on. */
+  keep(bytes) { this.kept += bytes; if (this.kept > this.room) throw new TooMuch(this.room, 'bytes'); }
   /** Before a * b. */
   product(a, b) { this.charge(words(a) * words(b)); }
 }

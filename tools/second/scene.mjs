@@ -36,12 +36,16 @@ export class Scene {
     this.n = this.circles.length;
     this.size = this.n + this.walls.length;
     this.reverseAt = scene.reverse_at && this.number(scene.reverse_at);
+    this.until = certificate.end.reason === 'horizon' ? this.number(certificate.end.until) : null;
     this.check();
   }
 
   /** An exact number in all worlds. */
   number(e) {
-    if (!this.seen.has(e)) this.seen.set(e, this.worlds.map(world => world.of(e)));
+    if (!this.seen.has(e)) {
+      this.full.work.keep(300 + Number(this.full.bits) / 4);
+      this.seen.set(e, this.worlds.map(world => world.of(e)));
+    }
     return this.seen.get(e);
   }
 
@@ -69,6 +73,7 @@ export class Scene {
       return s;
     };
     if (this.reverseAt) demand(this.reverseAt, [1], 'reverse_at is positive');
+    if (this.until) demand(this.until, [1], 'the end is positive');
     for (const [k, c] of this.circles.entries()) {
       c.point = demand(c.r, [0, 1], `the radius of circle ${k} is not negative`) === 0;
       c.fixed = demand(c.w, [0, 1], `w of circle ${k} is not negative`) === 0;
@@ -80,11 +85,13 @@ export class Scene {
       wall.n = [this.worlds.map((A, w) => A.sub(wall.y0[w], wall.y1[w])), this.worlds.map((A, w) => A.sub(wall.x1[w], wall.x0[w]))];
       demand((A, w) => A.sub(A.add(A.square(wall.n[0][w]), A.square(wall.n[1][w])), A.square(wall.length[w])), [0],
         `the length of wall ${k} is the distance of its points`);
+    }
+    for (const wall of this.walls) {
       wall.side = this.circles.map((c, i) => {
         if (c.fixed) return 0;
         const side = this.sign((A, w) => A.add(A.mul(wall.n[0][w], A.sub(c.x[w], wall.x0[w])),
           A.mul(wall.n[1][w], A.sub(c.y[w], wall.y0[w]))));
-        return (side ?? undecided(`whether circle ${i} is on wall ${k}`)) || refute(`the centre of circle ${i} is on wall ${k}`);
+        return (side ?? undecided(`whether circle ${i} is on wall ${wall.id}`)) || refute(`the centre of circle ${i} is on wall ${wall.id}`);
       });
     }
   }

@@ -1,8 +1,9 @@
 // From JSON to a certificate: shapes, the texts of numbers, and limits. All that is wrong here is "no certificate".
+import { createHash } from 'node:crypto';
 import { malformed } from './base.mjs';
 import { ExactWorld } from './exact.mjs';
 
-const LIMITS = { circles: 1000, roots: 99, bits: 1 << 20, pairs: 2 ** 22, work: 2 ** 30 };
+const LIMITS = { circles: 1000, roots: 99, bits: 1 << 20, pairs: 2 ** 20, work: 2 ** 30 };
 
 const text = (v, where) => typeof v === 'string' ? v : malformed(`${where} is no text`);
 const list = (v, where) => Array.isArray(v) ? v : malformed(`${where} is no list`);
@@ -38,6 +39,14 @@ function zero(v, where) {
   return { question, contact: contact(c, where), how, other: v.length === 4 ? contact(other, where) : null };
 }
 
+/** A value of JSON in canonical form (RFC 8785): keys in order, no spaces. Numbers are whole. */
+function canonical(v) {
+  if (v instanceof Map) return `{${[...v.keys()].sort().map(k => `${canonical(k)}:${canonical(v.get(k))}`).join()}}`;
+  if (Array.isArray(v)) return `[${v.map(canonical).join()}]`;
+  if (typeof v === 'string' && !v.isWellFormed()) malformed('half a character in a text of the scene');
+  return JSON.stringify(v);
+}
+
 /**
  * @param {unknown} json @param {import('./base.mjs').Work} work
  * @returns the certificate, its numbers exact, and the exact world they belong to
@@ -47,16 +56,20 @@ export function readCertificate(json, work) {
   /** Short texts are read once: a file of 16 MiB may repeat them a million times. */
   const once = (read, seen = new Map()) => (v, where) => {
     if (text(v, where).length > 40) return read(v);
-    if (!seen.has(v)) seen.set(v, read(v));
+    if (!seen.has(v)) { work.keep(500); seen.set(v, read(v)); }
     return seen.get(v);
   };
   const number = once(v => exact.parse(v)), decimal = once(v => exact.decimal(v));
+  const ofScene = once(v => exact.parse(v, own));
   const isTrue = (v, where) => v === true || malformed(`${where} is not true`);
 
   if (!(json instanceof Map)) malformed('it is no object');
-  if (json.get('format') !== 'truebreak/certificate-2') malformed('the format is not truebreak/certificate-2');
-  // The roots come first: each number may use all of them, and the k-th root those before it.
-  const roots = list(json.get('roots'), 'roots');
+  if (json.get('format') !== 'truebreak/certificate-3') malformed('the format is not truebreak/certificate-3');
+  // The roots come first, those of the scene before the others: a number of the scene may use the former, any other all of
+  // them, and the k-th root those before it.
+  if (!(json.get('scene') instanceof Map)) malformed('the scene is no object');
+  const rootsOfScene = list(json.get('scene').get('roots') ?? [], 'scene.roots'), own = rootsOfScene.length;
+  const roots = [...rootsOfScene, ...list(json.get('roots'), 'roots')];
   if (roots.length > LIMITS.roots) malformed('more than 99 roots');
   for (const [k, v] of roots.entries()) exact.roots.push(exact.parse(text(v, 'roots'), k));
 
@@ -64,9 +77,14 @@ export function readCertificate(json, work) {
     if (list(v, where).length !== 3) return { contact: contact(v, where), impulse: null };
     return { contact: contact(v.slice(0, 2), where), impulse: number(v[2], where) };
   };
-  const round = listOf(push, 1);
+  const pushes = listOf(push, 1);
+  const round = (v, where) => {
+    const read = pushes(v, where);
+    if (new Set(read.map(p => p.impulse === null)).size > 1) malformed(`${where} tells some impulses, not all`);
+    return read;
+  };
   const of = fields => (v, where) => record(v, where, fields);
-  const numbers = names => Object.fromEntries(names.split(' ').map(name => [name, number]));
+  const numbers = names => Object.fromEntries(names.split(' ').map(name => [name, ofScene]));
   const reason = v => ['quiet', 'horizon', 'return', 'events', 'stopped'].includes(v) ? v : malformed('no such end');
   const policy = (v, where) => {
     const parts = /^(?:(simultaneous)|sequential(?::order=scene|:seed=([0-9]{1,18}))?)$/.exec(text(v, where));
@@ -80,8 +98,8 @@ export function readCertificate(json, work) {
     writer: text,
     roots: v => v,
     scene: of({
-      'name?': text, 'digest?': text, tie_policy: policy,
-      'reverse_after?': (v, where) => whole(v, where, 1), 'reverse_at?': number,
+      'roots?': v => v, tie_policy: policy,
+      'reverse_after?': (v, where) => whole(v, where, 1), 'reverse_at?': ofScene,
       'capture?': (v, where) => typeof v === 'boolean' ? v : malformed(`${where} is neither true nor false`),
       circles: listOf(of({ id: text, ...numbers('x y r vx vy w') }), 1),
       'walls?': listOf(of({ id: text, ...numbers('x0 y0 x1 y1 length') })),
@@ -113,5 +131,10 @@ export function readCertificate(json, work) {
   if (c.final.circles.length !== n) malformed('final tells of other circles than the scene');
   const ids = [...scene.circles, ...scene.walls, ...scene.pockets].map(x => x.id);
   if (new Set(ids).size !== ids.length) malformed('an id comes twice');
-  return { ...c, exact };
+  if (c.instants.some((e, k) => k && !(e.met || e.exact || e.turn))) malformed('an instant with neither `met` nor `exact` nor `turn`');
+  for (const { zeros = [] } of [...c.instants, end]) {
+    for (const { how } of zeros) if (how !== 'back' && how >= c.isometries.length) malformed(`there is no isometry ${how}`);
+  }
+  const digest = createHash('sha256').update(canonical(json.get('scene')), 'utf8').digest('hex');
+  return { ...c, exact, digest };
 }

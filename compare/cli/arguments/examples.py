@@ -19,7 +19,7 @@ LINES = {
         "truebreak run gas --events 200 --save gas-run.json",
         "truebreak run --resume gas-run.json --events 400 --save gas-run.json",
     ),
-    "verify": ("truebreak run lee --certificate lee.json", "truebreak verify lee.json"),
+    "verify": ("truebreak run lee --certificate lee.json", "truebreak verify lee.json --scene lee"),
     "compare": (
         "truebreak compare cradle --engines double",
         "truebreak compare gas --events 200 --html report.html",
@@ -60,7 +60,7 @@ def examples(command: str) -> str:
     """The end of a command's help.
 
     >>> examples("verify").splitlines()[1:]
-    ['Examples:', '  truebreak run lee --certificate lee.json', '  truebreak verify lee.json']
+    ['Examples:', '  truebreak run lee --certificate lee.json', '  truebreak verify lee.json --scene lee']
     """
     shown = "\n".join(["\b", "Examples:", *(f"  {line}" for line in LINES[command])])
     if command in CODES:

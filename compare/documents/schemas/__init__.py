@@ -10,7 +10,7 @@ NAMES = (
     "trajectory-1",
     "comparison-3",
     "orders-1",
-    "certificate-2",
+    "certificate-3",
     "chaos-1",
     "diff-1",
     "sweep-1",

@@ -41,7 +41,7 @@ def by_node(paths: Iterable[Path]) -> list[tuple[int, str]]:
     done = subprocess.run([NODE, str(TOOLS / "verify.mjs"), *words], capture_output=True, text=True, check=False)
     lines = done.stdout.splitlines()
     assert done.stderr == "" and len(lines) == len(words)
-    codes = {"verified": 0, "refuted": 1, "no certificate": 2, "not decided": 4}
+    codes = {"verified": 0, "refuted": 1, "no certificate": 2, "not decided": 4, "declined": 4}
     return [(codes[line.partition(":")[0]], line) for line in lines]
 
 

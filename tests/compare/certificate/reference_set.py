@@ -50,13 +50,13 @@ README = """# Hard-disc reference histories, version 1
 {count} scenes of hard discs, straight walls, fixed discs and pockets, each with its exact history. The initial data
 are exact numbers; every event, its partners and its order are proved; times and the final state are given to {digits}
 decimals, each off by less than one unit of the last. `index.json` lists them: name, file, SHA-256 of the file, digest
-of the scene, circles, walls, pockets, events, what ends it.
+of the scene (SHA-256 of `scene` in canonical JSON, RFC 8785), circles, walls, pockets, events, what ends it.
 
 To test an engine, in any language, read a file (JSON):
 
 1. `scene.circles`: `x`, `y`, `r`, `vx`, `vy`, `w` (one over the mass; 0: fixed); `scene.walls`: two points of an
    infinite line. A number is a sum of terms like `3/4*r1`; r1 is the square root of the first entry of
-   `roots`, and so on. Round it as you do.
+   `scene.roots`, and so on. Round it as you do.
 2. Run to `final.time`. The collisions are perfectly elastic and without friction; at an instant
    with `turn` every velocity is negated once.
 3. Hold your events against `instants`, in order: `met` are the pairs at gap zero at `time` (two circles by
@@ -87,6 +87,12 @@ def certificate(maker: tuple[str, str, int | None]) -> str:
     return certificate_json(certificate_of(run, digits=DIGITS))
 
 
+def digest(scene: dict[str, Any]) -> str:
+    """The digest of a scene block: SHA-256 of its canonical form, as the checkers print it."""
+    text = json.dumps(scene, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
 def archive() -> bytes:
     """The set, as the bytes of a zip file."""
     rows, files = [], {}
@@ -100,7 +106,7 @@ def archive() -> bytes:
             "name": name,
             "file": file,
             "sha256": hashlib.sha256(text.encode()).hexdigest(),
-            "digest": scene["digest"],
+            "digest": digest(scene),
         }
         rows.append({**row, **sizes, "events": events, "end": told["end"]["reason"]})
     index = json.dumps({"version": 1, "digits": DIGITS, "histories": rows}, indent=1) + "\n"

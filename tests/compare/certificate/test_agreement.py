@@ -22,7 +22,7 @@ from truebreak.scenarios import Circle, Scene
 
 VERIFIED, REFUTED, NO_CERTIFICATE, UNDECIDED = 0, 1, 2, 4
 
-SCHEMA = jsonschema.Draft202012Validator(schema("certificate-2"))
+SCHEMA = jsonschema.Draft202012Validator(schema("certificate-3"))
 LEE = certificate_of(built("lee"))
 MIRROR = {"matrix": ["1", "0", "0", "-1"], "shift": ["0", "0"], "map": [[0, 1]]}
 
@@ -77,12 +77,24 @@ CASES: dict[str, tuple[int, Told | str]] = {
     "another witness beside a false one": (
         VERIFIED, with_first(BY_SHIFT, zeros=[["gap", [0, 1], "back"], ["gap", [0, 1], 0]]),
     ),
-    "a needed witness by a false way": (REFUTED, with_first(BY_SHIFT, zeros=[["gap", [0, 1], "back"]])),
+    "a needed witness by a false way": (UNDECIDED, with_first(BY_SHIFT, zeros=[["gap", [0, 1], "back"]])),
     "a needed witness by an isometry that there is not": (
         NO_CERTIFICATE, with_first(BY_SHIFT, zeros=[["gap", [0, 1], 5]]),
     ),
+    "a witness that nothing needs, by an isometry that there is not": (
+        NO_CERTIFICATE, with_first(zeros=[["gap", [0, 1], len(LEE["isometries"])]]),
+    ),
+    "a name": (NO_CERTIFICATE, with_scene(name="lee")),
+    "a digest": (NO_CERTIFICATE, with_scene(digest="0" * 64)),
+    "roots of the scene's own": (VERIFIED, with_scene(roots=["2"])),
+    "a number of the scene in a root that is not the scene's": (
+        NO_CERTIFICATE, {**with_circle(0, x="-3+0*r1"), "roots": ["2"]},
+    ),
+    "a time in a root of the scene": (
+        VERIFIED, {**with_first(exact="1+1*r1-1*r1"), "scene": {**LEE["scene"], "roots": ["2"]}},
+    ),
     "a needed witness by a contact that there is not": (
-        REFUTED, with_first(BY_SHIFT, zeros=[["gap", [0, 1], 0, [0, 7]]]),
+        UNDECIDED, with_first(BY_SHIFT, zeros=[["gap", [0, 1], 0, [0, 7]]]),
     ),
     "a time that is not the one": (REFUTED, with_first(exact="2")),
     "a time that is the one": (VERIFIED, with_first(exact="1")),
@@ -140,12 +152,15 @@ CASES: dict[str, tuple[int, Told | str]] = {
     "no meeting": (NO_CERTIFICATE, with_first(met=None)),
     "a root without a number": (NO_CERTIFICATE, with_circle(0, x="1*r0")),
     "a root with a nought before": (NO_CERTIFICATE, {**with_circle(0, x="-3+0*r01"), "roots": ["2"]}),
-    "a root that is there": (VERIFIED, {**with_circle(0, x="-3+0*r1"), "roots": ["2"]}),
+    "a root that is there": (
+        VERIFIED, {**LEE, "scene": {**with_circle(0, x="-3+0*r1")["scene"], "roots": ["2"]}},
+    ),
     "a circle of a name": (NO_CERTIFICATE, with_circle(0, name="left")),
     "a key that there is not": (NO_CERTIFICATE, {**LEE, "more": "text"}),
     "a key that there is, and a question mark": (NO_CERTIFICATE, {**LEE, "end": {**LEE["end"], "limit?": 1}}),
     "a long id": (VERIFIED, with_circle(0, id="left" * 100_000)),
-    "an id of other letters": (VERIFIED, with_circle(0, id="\u00e9\ud800\n\"")),
+    "an id of other letters": (VERIFIED, with_circle(0, id="\u00e9\U0001f41d\u007f\u2028\n\"\\/")),
+    "an id of half a letter": (NO_CERTIFICATE, with_circle(0, id="\ud800")),
     "many digits": (VERIFIED, with_circle(0, x="-" + "0" * 99_999 + "3")),
     "too many digits": (NO_CERTIFICATE, with_circle(0, x="-" + "0" * 100_000 + "3")),
     "too many digits of a decimal": (

@@ -5,23 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from math import isqrt
+from operator import add, mul, sub, truediv
 from random import Random
+from typing import Any
 
 import pytest
 
 from truebreak.compare.certificate.scene_text import text_of
 from truebreak.compare.certificate.tower import WORK, Exact
-from truebreak.tools.verify import UNTOLD, Ball, Form, Undecided, enclosed, number
-from truebreak.tools.verify import WORK as MOST_WORK
+from truebreak.tools.verify import UNTOLD, Ball, Cost, Declined, Form, Undecided, enclosed, number
 
 
 @pytest.fixture(autouse=True)
 def numbers_of_its_own() -> Iterator[None]:
-    saved = Ball.bits, Ball.roots, Form.squares, Form.work
-    Ball.bits, Ball.roots, Form.squares, Form.work = 40, [], [], 0
+    saved = Ball.bits, Ball.roots, Form.squares, Cost.work, Cost.most
+    Ball.bits, Ball.roots, Form.squares, Cost.work, Cost.most = 40, [], [], 0, 1 << 40
     Exact.roots, Exact.most, Exact.work, Exact.budget = [], 16, 0, WORK
     yield
-    Ball.bits, Ball.roots, Form.squares, Form.work = saved
+    Ball.bits, Ball.roots, Form.squares, Cost.work, Cost.most = saved
 
 
 def of(x: int | str | Fraction) -> Ball:
@@ -101,11 +102,46 @@ def test_what_is_not_told_is_never_zero() -> None:
     assert UNTOLD * Form() == Form() == Form() * UNTOLD
 
 
-@pytest.mark.parametrize("product", [lambda: number("2") * number("3"), lambda: Ball(2, 0, 64) * Ball(3, 1, 64)])
-def test_products_are_bounded_in_work(product: Callable[[], object], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Form, "work", MOST_WORK)
-    with pytest.raises(Undecided, match="too much work"):
-        product()
+LAWS: tuple[Callable[[Any, Any], Any], ...] = (add, sub, mul, truediv)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_all_that_is_computed_is_charged(law: Callable[[Any, Any], Any]) -> None:
+    Cost.work = Cost.most
+    with pytest.raises(Declined, match=r"costs more than \d+ units of work; --work=N"):
+        law(Ball(2, 0, 64), Ball(3, 1, 64))
+    one, other = Form({frozenset(): Fraction(2)}), Form({frozenset(): Fraction(3)})
+    if law is not truediv:
+        with pytest.raises(Declined):
+            law(one, other)
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_numbers_of_unlike_bits_are_refused(law: Callable[[Any, Any], Any]) -> None:
+    with pytest.raises(Undecided, match="unlike bits"):
+        law(Ball(2, 0, 64), Ball(3, 0, 65))
+
+
+@pytest.mark.parametrize("bits", [1, 7, 40, 200])
+def test_an_interval_is_zero_only_if_the_number_is(bits: int) -> None:
+    """Whatever is computed, and rounded to fewer bits: what has no width is the number itself."""
+    draw, exact_ones = Random(f"zero {bits}"), 0
+    Ball.bits = bits
+    for _ in range(400):
+        pairs = [(of(x), x) for x in (Fraction(draw.randrange(-9, 10), draw.choice([1, 2, 3, 4])) for _ in "abc")]
+        for _ in range(8):
+            (a, x), (b, y) = draw.choice(pairs), draw.choice(pairs)
+            law = draw.choice(LAWS)
+            if law is truediv and (b.sign() not in (1, -1) or not y):
+                continue
+            found, value = law(a, b), law(x, y)
+            fewer = found.at(draw.randrange(1, bits + 1))
+            for ball in (found, fewer):
+                assert ball.r or Fraction(ball.m, 1 << ball.bits) == value
+                assert ball.sign() != 0 or value == 0
+                exact_ones += ball.r == 0
+            pairs.append((found, value))
+    assert exact_ones > 400
 
 
 def test_numbers_as_they_are_written() -> None:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 from collections.abc import Callable
+from math import isqrt
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 
-from certificate.checkers import TOOLS
-from certificate.forging import SAME, TINY, Told, refused_by_both, told
+from certificate.checkers import NODE, TOOLS, needs_node
+from certificate.forging import SAME, Told, refused_by_both, told
 from certificate.test_loopholes import (
     an_entry_hidden_by_the_leaving,
     nothing_told_up_to_a_horizon,
@@ -19,6 +22,7 @@ from truebreak.compare.certificate import certificate_json
 from truebreak.scenarios import Circle, Pocket, Scene, Wall
 
 SOURCE = (TOOLS / "verify.py").read_text(encoding="utf-8")
+SECOND = "\n".join(path.read_text(encoding="utf-8") for path in sorted((TOOLS / "second").glob("*.mjs")))
 PAIR = [Circle(0, 0, vx=1), Circle(9, 0)]
 
 
@@ -30,13 +34,24 @@ def lax(condition: str, instead: str) -> Any:
     return module
 
 
+def lax_second(condition: str, instead: str, folder: Path) -> Path:
+    """The second checker with one condition replaced, as a program in a folder."""
+    assert SECOND.count(condition) == 1, condition
+    shutil.copytree(TOOLS / "second", folder / "second")
+    shutil.copy(TOOLS / "verify.mjs", folder / "verify.mjs")
+    for path in (folder / "second").glob("*.mjs"):
+        text = path.read_text(encoding="utf-8")
+        path.write_text(text.replace(condition, instead), encoding="utf-8")
+    return folder / "verify.mjs"
+
+
 def completed(cert: Told, checker: Any) -> Told:
     """A certificate with the times and the final state that a checker would have."""
     values: list[str] = []
 
     class Telling(checker.Checker):
-        def said(self, value: Any, text: str) -> None:
-            nearest = (2 * value.m * 10**12 + (1 << checker.Ball.bits)) >> (checker.Ball.bits + 1)
+        def said(self, value: Any, _: str) -> None:
+            nearest = (2 * value.m * 10**12 + (1 << value.bits)) >> (value.bits + 1)
             values.append(f"{'-' if nearest < 0 else ''}{abs(nearest) // 10**12}.{abs(nearest) % 10**12:012d}")
 
     Telling(cert, 1).check()
@@ -71,7 +86,8 @@ def into_two_points() -> Told:
 def held_to_a_floor() -> Told:
     """A disc flies into a floor, by very little; that it is mapped to itself is no sign that it does not."""
     cert = told(Scene([Circle(0, 0, vx=1)], [Wall(0, -1, 1, -1)]))
-    cert["scene"]["circles"][0]["vy"] = f"-{TINY}"
+    cert["scene"]["roots"] = ["2"]
+    cert["scene"]["circles"][0]["vy"] = f"{isqrt(2 * 10**140)}/{10**70}-1*r1"
     cert["isometries"] = [{**SAME, "map": [[0, 0]]}]
     cert["instants"][0]["zeros"] = [["closing", [0, 1], 0]]
     return cert
@@ -79,20 +95,13 @@ def held_to_a_floor() -> Told:
 
 def nearly_turned() -> Told:
     """Two that touch, the one's velocity the other's turned by very little: no shift maps the one to the other."""
-    cert = told(Scene([Circle(0, 0, vx=1), Circle(0, 2, vx=1)]))
+    cert = told(Scene([Circle(0, 0, vx=1), Circle(1, "sqrt(3)", vx=1)]))
     large = 10**70
     a, b = f"{large * large - 1}/{large * large + 1}", f"{2 * large}/{large * large + 1}"
     cert["scene"]["circles"][1] |= {"vx": a, "vy": f"-{b}"}
-    cert["isometries"] = [{"matrix": [a, b, f"-{b}", a], "shift": ["0", "2"], "map": [[0, 1]]}]
+    cert["isometries"] = [{"matrix": [a, b, f"-{b}", a], "shift": ["1", "1*r1"], "map": [[0, 1]]}]
     cert["instants"][0]["zeros"] = [["closing", [0, 1], 0], ["speed", [0, 1], 0]]
     cert["end"] = {"reason": "stopped"}
-    return cert
-
-
-def touching_again() -> Told:
-    """Two that touch all the time are said to come to it when another strikes."""
-    cert = told(Scene([*PAIR, Circle(11, 0)]))
-    cert["instants"][1]["met"].append([1, 2])
     return cert
 
 
@@ -110,69 +119,251 @@ def through_each_other() -> Told:
     return cert
 
 
+def later_than_it_touches() -> Told:
+    """Two that touch from the start, and rest, are said to come to it at 1; of time 0 nothing is told."""
+    cert = touching_all_along()
+    cert["instants"][0] = {"time": "0"}
+    return cert
+
+
+def touching_all_along() -> Told:
+    """As before; what is said of time 0 is true: two that touch, and rest. That they meet again is not."""
+    cert = told(Scene([Circle(0, 0), Circle(2, 0)]))
+    cert["instants"].append({"time": "0", "exact": "1", "met": [[0, 1]]})
+    cert["end"] = STOPPED
+    return cert
+
+
+def sooner() -> Told:
+    """The instant after the first is not after it."""
+    return of(
+        Scene([*PAIR, Circle(0, 50, vx=1), Circle(9, 50)]),
+        {"exact": "7", **MEET},
+        {"exact": "7", "met": [[2, 3]], "rounds": [[[2, 3]]]},
+        end=STOPPED,
+    )
+
+
+def no_gap_zero() -> Told:
+    """Two are said to meet which are apart."""
+    return of(
+        Scene([*PAIR, Circle(50, 50, vx=1, vy=1), Circle(60, 60)]),
+        {"met": [[0, 1], [2, 3]], "rounds": [[[0, 1]], [[2, 3]]]},
+        end=STOPPED,
+    )
+
+
+def one_by_one() -> Told:
+    """Of three in a line, the middle one is struck from one side, then from the other, where both push at once."""
+    cert = of(Scene([Circle(-3, 0, vx=1), Circle(0, 0), Circle(3, 0, vx=-1)]), end=STOPPED)
+    cert["instants"][1]["rounds"] = [[[0, 1]], [[1, 2]], [[0, 1]]]
+    return cert
+
+
+def nobody_enters() -> Told:
+    """A circle that enters a pocket is not said to."""
+    cert = told(Scene([Circle(0, 0, vx=1), Circle(50, 50)], pockets=[Pocket(9, 0, 1)]))
+    del cert["instants"][1]["enter"]
+    return cert
+
+
+def no_isometry(**values: Any) -> Told:
+    """An isometry that nothing needs is none."""
+    cert = told(Scene(PAIR))
+    cert["isometries"] = [{**SAME, "map": [[0, 0]], **values}]
+    return cert
+
+
+def events(limit: int) -> Told:
+    """There are not so many events."""
+    return of(Scene(PAIR), end={"reason": "events", "limit": limit})
+
+
+def shifted(**values: Any) -> Told:
+    """One circle is said to be another shifted, from which it differs."""
+    cert = told(Scene([Circle(0, 0, vx=1, **values), Circle(9, 0, vx=1)]))
+    cert["isometries"] = [{**SAME, "shift": ["9", "0"], "map": [[0, 1]]}]
+    return cert
+
+
+def beside_a_wall(**values: Any) -> Told:
+    """A wall is said to be its own image, and is not."""
+    cert = told(Scene([Circle(0, 0)], [Wall(9, 0, 9, 1)]))
+    cert["isometries"] = [{**SAME, "map": [[1, 1]], **values}]
+    return cert
+
+
+def two_to_one() -> Told:
+    """Two fixed circles at one place are said to be mapped to the one of them."""
+    cert = told(Scene([Circle(0, 0), Circle(9, 0, m="oo"), Circle(19, 0, m="oo")]))
+    cert["scene"]["circles"][2]["x"] = "9"
+    cert["isometries"] = [{**SAME, "map": [[1, 1], [2, 1]]}]
+    return cert
+
+
 STOPPED = {"reason": "stopped"}
 MEET = {"met": [[0, 1]], "rounds": [[[0, 1]]]}
 TURN = ({"exact": "12"}, {"turn": True})
-CONDITIONS: dict[str, tuple[str, str, Callable[[], Told]]] = {
-    "there is an instant": (' or not told["instants"]', "", nothing_told_up_to_a_horizon),
-    "a pocket is left by what was in it": (
-        "if age and self.met[c] > 0: self.clear(c, last=True)", "pass", an_entry_hidden_by_the_leaving,
+Change = tuple[str, str]
+CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
+    "there is an instant": (
+        (' or not told["instants"]', ""),
+        None,  # at the end the second one takes all flights up again
+        nothing_told_up_to_a_horizon,
     ),
-    "what lasts does not come again": (" - self.lasting.keys()", "", touching_again),
+    "what is listed comes to gap zero": (
+        ("refuse(stays, ", "refuse(0, "), ("sign === 0 && this.signed(law('speed')", "0 && this.signed(law('speed')"),
+        touching_all_along,
+    ),
+    "what is listed had not been at gap zero": (
+        ("refuse(stays, ", "refuse(0, "), ("sign === 0 && this.signed(law('speed')", "0 && this.signed(law('speed')"),
+        later_than_it_touches,
+    ),
+    "instants come one after the other": (
+        ("if age and not turn: positive(", "if 0: positive("),
+        ("if (s <= 0) refute('it does not come after", "if (0) refute('it does not come after"), sooner,
+    ),
+    "what is listed has gap zero": (
+        ("if self.met or told or not age: refuse(", "if 0: refuse("),
+        ("refute(`${c.name} is not at gap zero`)", "void 0"), no_gap_zero,
+    ),
+    "a pocket is left by what was in it": (
+        ("if age and self.met[c] > 0: self.clear(c, last=True)", "pass"),
+        ("refute(`${c.name} leaves without having entered`)", "void 0"), an_entry_hidden_by_the_leaving,
+    ),
     "flights end at the reversal": (
-        "if turn: self.settle(self.movable)", "pass", lambda: of(Scene(PAIR, reverse_at=12), *TURN, end=STOPPED),
+        ("if turn: self.settle(self.movable)", "pass"),
+        ("this.endFlights(this.flights.keys(), known)", "for (const i of this.flights.keys()) this.fresh(i)"),
+        lambda: of(Scene(PAIR, reverse_at=12), *TURN, end=STOPPED),
     ),
     "flights end where they are taken": (
-        "            self.settle(taken)\n", "",
+        ("            self.settle(taken)\n", ""), ("this.endFlights([i], known)", "this.fresh(i)"),
         lambda: of(
             Scene(PAIR, pockets=[Pocket(30, 0, 1)], capture=True), {"met": [[0, -1]], "enter": [[0, -1]]}, end=STOPPED
         ),
     ),
     "the reversal comes when it is due": (
-        "due != turn or ", "", lambda: of(Scene([*PAIR, Circle(20, 0)]), reverse_after=1),
+        ("due != turn or ", ""), ("if (k && this.due !== turn) refute(", "if (0) refute("),
+        lambda: of(Scene([*PAIR, Circle(20, 0)]), reverse_after=1),
     ),
     "nothing comes after the last event": (
-        " or self.count == self.last:", ":",
+        (" or self.count == self.last, ", ", "),
+        ("if (end.reason === 'events' && this.events >= end.limit) refute(", "if (0) refute("),
         lambda: of(
             Scene(PAIR, pockets=[Pocket(30, 0, 1)]), MEET, {"met": [[1, -1]], "enter": [[1, -1]]},
             end={"reason": "events", "limit": 1},
         ),
     ),
-    "no instant is after the set time": ("if sign < 0: raise", "if 0: raise", lambda: of(
-        Scene(PAIR), MEET, end=STOPPED, reverse_at="5")),
+    "there are as many events as are said": (
+        ("refuse(self.last not in (None, self.count), ", "refuse(0, "),
+        ("if (last && run.events !== end.limit) refute(", "if (0) refute("), lambda: events(2),
+    ),
+    "no instant is after the set time": (
+        ('refuse(sign < 0, "the end', 'refuse(0, "the end'),
+        ("if (s < 0) refute(`it is not so", "if (0) refute(`it is not so"),
+        lambda: of(Scene(PAIR), MEET, end=STOPPED, reverse_at="5"),
+    ),
     "no end is before the set time": (
-        'if reason not in ("events", "stopped") and', "if reason == 0 and", lambda: of(Scene(PAIR), reverse_at="50"),
+        ('if reason not in ("events", "stopped") and', "if reason == 0 and"),
+        ("if (end.reason === 'quiet' && reverseAt && !run.turnTime) refute(", "if (0) refute("),
+        lambda: of(Scene(PAIR), reverse_at="50"),
     ),
     "signs turn with the velocities": (
-        "{c: -sign for c, sign in self.known.items()} if turn", "dict(self.known) if turn", through_each_other,
+        ("turned = {c: -sign for c, sign in self.known.items()}", "turned = dict(self.known)"),
+        ("sign: turn ? -x.sign : x.sign", "sign: x.sign"), through_each_other,
     ),
-    "impulses push": ("for impulse in balls:", "for impulse in ():", into_two_points),
+    "impulses push": (
+        ("for impulse in balls:", "for impulse in ():"),
+        ("if (sign <= 0) refute(`${contacts[a].name} does not push`)", ""), into_two_points,
+    ),
     "impulses turn the closing speed round": (
-        "if s and any(self.form.rest[c] for c in push):", "if 0:",
+        ('positive(sign if sign is None else 1 - abs(sign), f"the impulse', 'positive(1, f"the impulse'),
+        ("if (s) refute(`the impulse of", "if (0) refute(`the impulse of"),
         lambda: of(Scene(PAIR), {"exact": "7", "met": [[0, 1]], "rounds": [[[0, 1, "2"]]]}),
     ),
+    "who does not push is not pushed into": (
+        ('w.rest[c]()) < 0, f"', 'w.rest[c]()) < -1, f"'), ("if (slack < 0) refute(", "if (0) refute("), one_by_one,
+    ),
     "one after the other is one after the other": (
-        'if self.policy != "simultaneous":', "if 0:",
+        ('if self.policy != "simultaneous":', "if 0:"), ("if (!simultaneous) {", "if (0) {"),
         lambda: of(Scene([Circle(-3, 0, vx=1), Circle(0, 0), Circle(3, 0, vx=-1)]), tie_policy="sequential"),
     ),
-    "only the mirror holds to a wall": (
-        "return not (a * nx + b * ny + nx or d * nx + e * ny + ny) and", "return", held_to_a_floor,
+    "who enters is told": (
+        ('refuse(enter != sorted(map(tuple, entry.get("enter", ()))), ', "refuse(0, "),
+        ("refute('not these circles enter pockets');", ""), nobody_enters,
     ),
-    "only a shift holds two together": (" and not any((a - ONE, b, d, e - ONE))", "", nearly_turned),
+    "only the mirror holds to a wall": (
+        ("return turned and images", "return images"), ("return [0, 1].every(k => isZero(", "return true || [0].every(k => isZero("),  # noqa: E501
+        held_to_a_floor,
+    ),
+    "only a shift holds two together": (
+        (" and not any((a - ONE, b, d, e - ONE))", ""),
+        ("if (![b, d, A.sub(a, one), A.sub(e, one)].every(x => A.sign(x) === 0)) return false;", ""), nearly_turned,
+    ),
     "what is taken is met no more": (
-        "if not taken & {*c}}\n        self.known", "if c[1] >= 0 or not taken & {*c}}\n        self.known",
-        taken_and_yet_there,
+        ("self.meets = {c for c in self.meets if not", "self.meets = {c for c in self.meets if c[1] >= 0 or not"),
+        ("if (!c || this.movers(c).some(x => this.captured[x])) refute(", "if (!c) refute("), taken_and_yet_there,
+    ),
+    "an isometry's first column is of length 1": (
+        ("a * a + d * d - ONE, ", ""), ("zero((A, w) => A.sub(A.add(A.square(a[w]), A.square(c[w])), one[w])", "void ((A, w) => 0"),  # noqa: E501
+        lambda: no_isometry(matrix=["2", "0", "0", "1"], map=[]),
+    ),
+    "an isometry's second column is of length 1": (
+        ("b * b + e * e - ONE, ", ""), ("zero((A, w) => A.sub(A.add(A.square(b[w]), A.square(d[w])), one[w])", "void ((A, w) => 0"),  # noqa: E501
+        lambda: no_isometry(matrix=["1", "0", "0", "2"]),
+    ),
+    "an isometry's columns are at right angles": (
+        (", a * b + d * e]", "]"), ("zero((A, w) => A.add(A.mul(a[w], b[w]), A.mul(c[w], d[w]))", "void ((A, w) => 0"),
+        lambda: no_isometry(matrix=["1", "3/5", "0", "4/5"]),
+    ),
+    "an isometry maps places": (
+        ("else: zeros += [x, y, vx", "else: zeros += [vx"),
+        ("same((A, w) => this.image(A, w, [p.x[w], p.y[w]], shift)[k], [q.x, q.y][k], what);", ""),
+        lambda: no_isometry(shift=["1", "0"]),
+    ),
+    "an isometry maps velocities": (
+        ("[x, y, vx - wx, vy - wy, *map", "[x, y, *map"),
+        ("if (kind === 'circle') same((A, w) => this.image(A, w, [p.vx[w], p.vy[w]])[k], [q.vx, q.vy][k], what);", ""),
+        lambda: no_isometry(matrix=["-1", "0", "0", "1"]),
+    ),
+    "an isometry maps radii": (
+        ("*map(sub, k, m)]", "*map(sub, k[1:], m[1:])]"), ("same((A, w) => p.r[w], q.r, what);", ""),
+        lambda: shifted(r="1/2"),
+    ),
+    "an isometry maps masses": (
+        ("*map(sub, k, m)]", "*map(sub, k[:1], m[:1])]"), ("if (kind === 'circle') same((A, w) => p.w[w], q.w, what);", ""),  # noqa: E501
+        lambda: shifted(m=2),
+    ),
+    "an isometry maps walls to parallel ones": (
+        ("[vx * wy - vy * wx, x * wx", "[x * wx"),
+        ("zero((A, w) => across(A, w, this.image(A, w, [A.sub(p.x1[w], p.x0[w]), A.sub(p.y1[w], p.y0[w])])), what);", ""),  # noqa: E501
+        lambda: beside_a_wall(matrix=["0", "-1", "1", "0"], shift=["9", "-9"]),
+    ),
+    "an isometry maps walls to where they are": (
+        ("[vx * wy - vy * wx, x * wx + y * wy]", "[vx * wy - vy * wx]"),
+        ("return across(A, w, [A.sub(x, q.x0[w]), A.sub(y, q.y0[w])]);", "return A.sub(x, x);"),
+        lambda: beside_a_wall(shift=["1", "0"]),
+    ),
+    "an isometry takes no two to one": (
+        ("refuse(twice or signs", "refuse(signs"),
+        ("if (this.inverse.size !== given.map.length) refute(", "if (0) refute("), two_to_one,
     ),
 }  # fmt: skip
 
 
+@needs_node
 @pytest.mark.parametrize("name", CONDITIONS)
 def test_no_condition_is_idle(name: str, tmp_path: Path) -> None:
-    condition, instead, forged = CONDITIONS[name]
-    checker = lax(condition, instead)
+    first, second, forged = CONDITIONS[name]
+    checker = lax(*first)
     cert = completed(forged(), checker)
     path = tmp_path / "lax.json"
     path.write_text(certificate_json(cert), encoding="utf-8")
     code, sentence = checker.verdict(path)
     assert code == 0, sentence
+    if second is not None:
+        assert NODE is not None
+        command = [NODE, str(lax_second(*second, tmp_path / "lax")), str(path)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
     refused_by_both(cert, tmp_path / "forged.json")

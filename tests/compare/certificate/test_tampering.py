@@ -176,7 +176,8 @@ def exact_text(text: str, roots: list[str]) -> str:
 
 def run_again(told: Told) -> Told:
     """The certificate of the engine's own run of a certificate's scene, to the same end."""
-    scene, end, roots = told["scene"], told["end"], told["roots"]
+    scene, end = told["scene"], told["end"]
+    roots = scene.get("roots", []) + told["roots"]
 
     def things(kind: Any, name: str, **more: Any) -> list[Any]:
         rows = (
