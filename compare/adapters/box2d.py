@@ -50,6 +50,13 @@ class Box2DEngine(SteppedAdapter):
         super().__post_init__()
         self.check_count("iterations")
 
+    def allows(self, scene: Scene) -> dict[str, float]:
+        """The speed below which nothing bounces, 1 m/s of its own (b2_velocityThreshold), in the scene's units.
+
+        Its slop of 1/200 m is of the correction of positions, which is off.
+        """
+        return {"threshold": 1 / (metres(scene, self) * QUICK)}
+
     def world(self, scene: Scene) -> Box2DWorld:
         """The scene in Box2D.
 

@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from ..foreign.runs.recording import Recording
 
 
+SPACER = 1e-9
+"""Metres: before every impulse pooltool moves the two along their line until they are so far apart (`make_kiss`, by its
+constants.EPS_SPACE), whatever they were."""
+
 TURNED = complex(math.cos(1.0), math.sin(1.0))
 """Scenes are turned by one radian, so that no wall lies along an axis, for which pooltool has a case of its own."""
 
@@ -65,6 +69,10 @@ class PooltoolEngine(Adapted):
         """Walls, and pockets that take nothing: it tells no time of a collision as near as one is after a reversal."""
         return frozenset({"wall", "pocket"})
 
+    def allows(self, scene: Scene) -> dict[str, float]:
+        """The margin that it keeps between what has met, in the scene's units."""
+        return {"margin": SPACER / metres_of(scene, self)}
+
     def play(self, scene: Scene, recording: Recording) -> None:
         """Goes from event to event.
 
@@ -99,7 +107,7 @@ class Shot:
         radius = check_balls(scene)
         self._loop: Any = package("pooltool.evolution.event_based.simulate", "pooltool")
         self._pt: Any = package("pooltool", "pooltool")
-        self._metres = engine.metres * power_of_two(1 / radius)
+        self._metres = metres_of(scene, engine)
         self._radius = radius * self._metres
         self._stretches = stretches(scene)
         self._names = scene.ids
@@ -198,6 +206,12 @@ class Shot:
             state.rvw[2] = [SPIN * self._metres / self._radius, 0.0, 0.0]
             state.s = const.sliding if vx or vy else const.stationary
         self._transitions = self._loop.TransitionCache.create(self._shot)
+
+
+def metres_of(scene: Scene, engine: PooltoolEngine) -> float:
+    """Pooltool's metres for a unit of length of the scene: a power of two times those asked for."""
+    radii = [float(circle.r) for circle in scene.circles if not circle.fixed]
+    return engine.metres * power_of_two(1 / (radii[0] if radii else 1.0))
 
 
 def check_balls(scene: Scene) -> float:

@@ -19,6 +19,7 @@ from .transcript import Transcript
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
+    from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
 
 TOLD = 2.0**-53
@@ -146,9 +147,13 @@ def unit_of(engine: Engine, transcript: Transcript) -> float:
     return max(declared, LEAST_UNIT if transcript.wide else TOLD)
 
 
-def allowances(engine: Any) -> dict[str, float]:
-    """What an engine declares that its contacts may do beyond rounding (`ALLOWANCES`), in its attribute `allows`."""
+def allowances(engine: Any, scene: Scene) -> dict[str, float]:
+    """What an engine declares that its contacts may do beyond rounding (`ALLOWANCES`), in its attribute `allows`.
+
+    Lengths and speeds are in the scene's units; one whose own follow the scene has a method `allows` of the scene.
+    """
     told: Any = getattr(engine, "allows", None)
+    told = told(scene) if callable(told) else told
     if not isinstance(told, Mapping):
         return {}
     found: dict[str, float] = {}
@@ -179,7 +184,7 @@ def audit_run(run: Trajectory, engine: Engine) -> Audit:
     unit = unit_of(engine, transcript)
     with ball.precision(AUDIT_BITS if unit >= TOLD else 2 * AUDIT_BITS):
         laws = Laws(run.scene, unit, engine.rounds_input or not transcript.wide)
-        return _audited(transcript, laws, run, allowances(engine))
+        return _audited(transcript, laws, run, allowances(engine, run.scene))
 
 
 class _Notes:
@@ -280,7 +285,7 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     if not transcript.states:
         return Audit(None, "the record has no states, so that only times and partners can be compared")
     unit, step = unit_of(engine, transcript), engine.step or 0.0
-    allows = allowances(engine)
+    allows = allowances(engine, run.scene)
     measures, declared = _without_declared(measured(run, unit, step, engine.rounds_input), allows)
     with ball.precision(AUDIT_BITS):
         laws = Laws(run.scene, unit, engine.rounds_input, step)
