@@ -8,8 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.doubles import Double
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
@@ -278,5 +276,7 @@ class _Still:
 
     def sample(self, times: Sequence[float]) -> Any:
         """Shape (times, circles, 4): the same as doubles."""
+        import numpy as np  # here, since a comparison needs it nowhere else
+
         row = [[float(value) for value in values] for values in self.state(0)]
         return np.array([row for _ in times])

@@ -56,7 +56,9 @@ def scene_digest(spec: str, events: int = EVENTS) -> tuple[int, str]:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line."""
-    parser = argparse.ArgumentParser(prog="python -m truebreak.exact.digest", description=__doc__.partition("\n")[0])
+    parser = argparse.ArgumentParser(
+        prog="python -m truebreak.exact.digest", description=(__doc__ or "").partition("\n")[0]
+    )
     parser.add_argument("scenes", nargs="*", help="of these scenes; by default of all of the catalogue")
     parser.add_argument("--each", action="store_true", help="print the digest of every scene too")
     options = parser.parse_args(arguments)

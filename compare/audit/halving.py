@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
-from ..study import series_steps
 from .fits import NEAR, Drift, Sample, drifts, sampled
 from .passages import Passage, passages
 from .residuals import AUDIT_BITS, Laws, Residual
@@ -170,6 +169,8 @@ def series(
         firmer: the engine with twice the iterations of its solver, if it iterates.
         play: runs an engine on the scene up to a time.
     """
+    from ..study import series_steps  # here, since it loads numpy, which engines of events do without
+
     step = engine.step or 0.0
     found = defects(engine, measures)
     known = {kind for kind, size in found.items() if kind == "lateness" and size <= LATE * step}

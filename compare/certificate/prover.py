@@ -81,7 +81,7 @@ class Recorded(World):
 
     def blow(self, age: int, push: Any, others: Any, s: Any) -> Any:
         """As in any world."""
-        found = super().blow(age, push, others, s)
+        found: Any = super().blow(age, push, others, s)
         self.struck.setdefault(age, []).append(found)
         return found
 

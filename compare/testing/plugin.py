@@ -51,10 +51,15 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", MARKER)
     if config.getoption("truebreak_regen"):
         os.environ[REGENERATE] = "1"
-        config.add_cleanup(lambda: os.environ.pop(REGENERATE, None))
+        config.add_cleanup(_regenerated)
     folder = config.getoption("truebreak_report")
     if folder is not None and Path(folder).exists() and not Path(folder).is_dir():
         raise pytest.UsageError(f"--truebreak-report {folder}: is a file; name a folder")
+
+
+def _regenerated() -> None:
+    """Golden runs are written anew for as long as these tests run."""
+    os.environ.pop(REGENERATE, None)
 
 
 class Truebreak:

@@ -153,7 +153,7 @@ def _displaced(scene: Scene, exact: State, given: State, own: State, share: Quan
         }
         circles.append(
             Circle(
-                **(values if not circle.fixed else {"x": circle.x, "y": circle.y}),
+                **(values if not circle.fixed else {"x": circle.x, "y": circle.y}),  # pyright: ignore[reportArgumentType]
                 r=circle.r,
                 m=circle.m,
                 id=circle.id,

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import random
 import shlex
+import subprocess
+import sys
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -301,3 +303,30 @@ def test_a_check_that_requires_nothing_of_the_history_says_so_and_may_fail() -> 
     assert "2 impacts and 3 flights audited" in told
     with pytest.raises(NotDecided, match="nothing required"):
         check("double", "lee", require_history=True)
+
+
+BLOCKED = """
+import sys
+
+class Blocker:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in ("numpy", "sympy", "mpmath", "jinja2"):
+            raise ImportError(name)
+
+sys.meta_path.insert(0, Blocker())
+from truebreak.compare.alignment.align import align
+from truebreak.compare.audit.audit import audit_run
+from truebreak.exact.engine import ExactEngine
+from truebreak.floating.double import DoubleEngine
+from truebreak.scenarios.catalogue import build
+
+engine = DoubleEngine()
+run, exact = engine.run(build("gas"), events=50), ExactEngine().run(build("gas"), events=50)
+print(audit_run(run, engine).kept, align(exact, run).verdict)
+"""
+
+
+def test_audit_alignment_and_the_two_engines_need_no_large_package() -> None:
+    """A browser runs them: neither numpy nor SymPy, mpmath or jinja2 is imported."""
+    told = subprocess.run([sys.executable, "-P", "-c", BLOCKED], capture_output=True, text=True, check=False)
+    assert (told.stdout.strip(), told.returncode) == ("True agree", 0), told.stderr
