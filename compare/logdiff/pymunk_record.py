@@ -140,7 +140,8 @@ class PymunkRecording:
         """Names bodies that are new, in the order in which they were added, and logs their shapes once."""
         for body in self._space.bodies:
             if body.id not in self._names:
-                name = self._name(body) if self._name else f"body{len(self._names)}"
+                numbered = len(self._names) - (self._space.static_body.id in self._names)
+                name = self._name(body) if self._name else f"body{numbered}"
                 self._names[body.id] = name
                 self._write({"body": name, "outline": [_outline(shape) for shape in body.shapes]})
         static = self._space.static_body

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
+from math import inf, nextafter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -88,7 +89,10 @@ def log_of(run: Trajectory) -> str:
         {"log": FORMAT, "engine": run.engine, "scene": run.scene.name, "fields": ["x", "y", "vx", "vy"]}
     ]
     times = [float(event.time) for event in run.events]
-    rows = run.sample([min(time, float(run.final_time)) for time in times]) if times else []
+    end = float(run.final_time)
+    after = [nextafter(time, inf) for time in times]  # a time is rounded: just after it is what the event leaves
+    rows = list(run.sample([time for time in after if time < end]))
+    rows += [run.final.array()] * (len(times) - len(rows))
     for event, time, row in zip(run.events, times, rows, strict=True):
         pairs = [[str(name) for name in pair] for pair in event.impulses]
         states = {i: row[places[i]].tolist() for pair in pairs for i in pair if i in places}

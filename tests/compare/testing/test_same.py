@@ -33,3 +33,14 @@ def test_golden_logs_are_written_anew_where_pytest_is_asked_to(tmp_path: Path, m
     golden.write_text("stale", encoding="utf-8")
     monkeypatch.setenv("TRUEBREAK_REGEN", "1")
     assert same(run, golden) is None and golden.read_text("utf-8") == log_of(run)
+
+
+def test_doubles_differ_from_the_certified_run_by_rounding(tmp_path: Path) -> None:
+    scene = tb.scene("gas:n=5")
+    for name, engine in (("one", "exact"), ("two", "double")):
+        (tmp_path / name).write_text(log_of(tb.run(scene, engine, events=40)), encoding="utf-8")
+    found = tb.diff(tmp_path / "one", tmp_path / "two", scene=scene)
+    assert found.verdict.line.startswith("grew from rounding at event"), found.line
+    assert found.lawful is not None and found.lawful.growth is not None
+    low, high = found.lawful.growth
+    assert 10 < low <= high < 40
