@@ -150,10 +150,7 @@ def align(
     span = Span.of(reference) if span is None else span
     patience = patience_for(reference.scene, step) if patience is None else patience
     mine, theirs = history(reference), history(candidate)
-    walks = {
-        body: walk(mine.meetings[body], theirs.meetings.get(body, []), mine.times, theirs.times, step or 0.0, patience)
-        for body in mine.meetings
-    }
+    walks = _walks(mine, theirs, step or 0.0, patience)
     groups = clusters(walks, reference, candidate)
     judge = _Judge(reference, candidate, mine, theirs, span, patience)
     judge.look_round(groups, step or 0.0)
@@ -188,6 +185,38 @@ def align(
         whole=frozenset(whole),
         walks=walks,
     )
+
+
+def _walks(mine: Streams, theirs: Streams, step: float, patience: Patience) -> dict[str, Walk]:
+    """Each body's meetings, matched one for one; with a time step, by absorbing where that goes on longer.
+
+    Rounds of one instant that come in several steps are no meetings of their own. But a contact that comes again soon
+    is one, so that absorbing is tried only where the sequences are not equal, and kept only where it goes on longer.
+    What is kept does not depend on the span.
+    """
+
+    def walked(absorbing: float) -> dict[str, Walk]:
+        return {
+            body: walk(met, theirs.meetings.get(body, []), mine.times, theirs.times, absorbing, patience)
+            for body, met in mine.meetings.items()
+        }
+
+    plain = walked(0.0)
+    if not step or (parted := _parted(plain, mine, theirs)) == math.inf:
+        return plain
+    absorbed = walked(step)
+    return absorbed if _parted(absorbed, mine, theirs) > parted else plain
+
+
+def _parted(walks: dict[str, Walk], mine: Streams, theirs: Streams) -> float:
+    """When some body's sequences of partners first part, by the reference's clock where it has the meeting."""
+    times: list[float] = []
+    for parting in (walked.mismatch for walked in walks.values()):
+        if parting is not None and parting.mine is not None:
+            times.append(mine.times[parting.mine])
+        elif parting is not None and parting.theirs is not None:
+            times.append(theirs.times[parting.theirs])
+    return min(times, default=math.inf)
 
 
 def _matches(walks: dict[str, Walk]) -> dict[int, int]:

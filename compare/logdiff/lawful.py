@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
+    from ..foreign.runs.recording import Recording
 
 
 @dataclass(frozen=True)
@@ -81,20 +82,21 @@ def lawful_runs(one: str | Path, other: str | Path, scene: Scene) -> Lawful:
     from ..foreign.log import read_log
     from ..tangent.growth import certified_growth
 
-    runs = [read_log(path, scene).trajectory() for path in (one, other)]
+    recordings = [read_log(path, scene) for path in (one, other)]
+    runs = [recording.trajectory() for recording in recordings]
     events = max(1, min(MOST_EVENTS, *(len(run.events) for run in runs)))
     reference = ExactEngine().run(scene, events=events)
     events = len(reference.events)
     found = certified_growth(reference, events) if events else None
-    audits = tuple(audited(str(path), run, scene) for path, run in zip((one, other), runs, strict=True))
+    audits = tuple(audited(str(path), told) for path, told in zip((one, other), recordings, strict=True))
     return Lawful(scene.name, events, None if found is None else (found.low, found.high), audits)
 
 
-def audited(log: str, run: Any, scene: Scene) -> Audited:
-    """Whether one run of a scene keeps the law.
+def audited(log: str, recording: Recording) -> Audited:
+    """Whether one run of a scene keeps the law, step by step (docs/audit.md)."""
+    from ..audit.audit import audit_run
+    from ..foreign.log_engine import LogEngine
 
-    THE PLACE FOR THE AUDIT: `compare.audit.audit_run(run, scene, engine)`, whose `kept` and `sentence` are taken over.
-    Until that is there, nothing is said of it.
-    """
-    del run, scene
-    return Audited(log, None, "not audited")
+    found = audit_run(recording.trajectory(), LogEngine(recording, log))
+    since = "" if found.first is None else f", from event {found.first.event} on"
+    return Audited(log, found.kept, f"{found.finding}{since}" if found.kept is False else found.sentence)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ...validation import falls
 from ..diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
@@ -19,6 +20,6 @@ def law(lab: Laboratory, found: SoFar) -> list[Experiment]:
     if laws is None or laws.kept is not False:
         return []
     latest = max(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
-    if laws.first is not None and laws.first.time > latest:
+    if laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
         return []
     return [Experiment(CAUSE, laws.finding, None, True)]
