@@ -310,9 +310,8 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     if off is None and parted is not None and parted.event < reach.events:
         off = f"event {parted.event} (t = {parted.time:.9g}): {parted.body} meets another partner"
     horizon = f"event {reach.events:,}, the certified horizon of its rounding"
-    if off is not None:
-        return replace(found, kept=False, reason=f"{off}; up to {horizon}, it has to agree", horizon=reach.events)
-    return replace(found, reason=f"{found.reason}; they are right up to {horizon}", horizon=reach.events)
+    told = f"they are right up to {horizon}" if off is None else f"up to {horizon}, they have to agree: {off}"
+    return replace(found, reason=f"{found.reason}; {told}", horizon=reach.events)
 
 
 def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: Study) -> bool:

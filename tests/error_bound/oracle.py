@@ -10,8 +10,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple, TypeVar
 
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat
 
+from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import AtWall, Entry, Pair
 from truebreak.exact.replay.steps import Flip, Go, Kick, Step, Take
 from truebreak.scenarios import Scene
@@ -98,7 +99,7 @@ class Table(NamedTuple):
 
 def table_of(scene: Scene) -> Table:
     """The table of a scene, at the precision in use."""
-    bits = ctx.prec
+    bits = ball.bits_in_use()
 
     def of(*numbers: Any) -> tuple[arb, ...]:
         return tuple(number.ball(bits) for number in numbers)
@@ -160,7 +161,7 @@ class Truth:
     """
 
     def __init__(self, scene: Scene, steps: Sequence[Step]) -> None:
-        with ctx.workprec(BITS):
+        with ball.precision(BITS):
             self._table = table_of(scene)
             zero = arb(0)
             starts = [[number.ball(BITS) for number in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]

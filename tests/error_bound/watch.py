@@ -10,13 +10,14 @@ from operator import add
 from typing import Any
 from unittest.mock import patch
 
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat
 
 from error_bound.oracle import BITS, Line, Truth, table_of
 from error_bound.zonotope import BITS as MATRIX_BITS
 from error_bound.zonotope import Zonotope
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import decider, precision
+from truebreak.exact.numbers import ball
 from truebreak.exact.replay import refinable
 from truebreak.exact.replay.body import Body
 from truebreak.exact.replay.centred.centred_state import CentredState
@@ -95,7 +96,7 @@ class Watch:
         self._ended = False
         self._loose: float | None = None
         self._twins: dict[int, tuple[Deviations, Zonotope]] = {}
-        with ctx.workprec(MATRIX_BITS):
+        with ball.precision(MATRIX_BITS):
             self._table = table_of(scene)
 
     @contextmanager
@@ -179,10 +180,10 @@ class Watch:
 
     def carry_out(self, steps: Sequence[Step], bits: int) -> None:
         """Carries out a log step by step, with sets."""
-        with ctx.workprec(bits):
+        with ball.precision(bits):
             state = CentredState(self._scene)
             for done, step in enumerate(steps):
-                ctx.prec = bits
+                ball.use_bits(bits)
                 self._steps = done
                 state.do(step)
                 self.look(state, circles_of(step, state.n), done + 1)
@@ -192,7 +193,7 @@ class Watch:
     def hold_instant(self, of: str, instant: arb, done: int) -> None:
         """Holds an instant against the truth."""
         self.tally.instants += 1
-        with ctx.workprec(BITS):
+        with ball.precision(BITS):
             if not instant.overlaps(true := self._truth.times[done]):
                 self._fault(f"after {done} steps the {of} is at {instant.str(20)}, not {true.str(20)}")
 
@@ -201,7 +202,7 @@ class Watch:
         tally, held = self.tally, state._deviations
         if went:
             self.hold_instant("instant", state.instant, done)
-        with ctx.workprec(BITS):
+        with ball.precision(BITS):
             for i in circles:
                 if i in state.outside:
                     continue
@@ -247,7 +248,7 @@ class Watch:
     def _compare(self, held: Deviations, done: int) -> None:
         """Each circle's bound against the hull; after a block, the box too, along each of its edges."""
         twin, errors = self._twins[id(held)][1], held.errors
-        with ctx.workprec(MATRIX_BITS):
+        with ball.precision(MATRIX_BITS):
             unit, scale = arb(held.unit), arb((1, errors.shift))
             for i, place in held.place.items():
                 x, y, vx, vy = twin.hull(i)

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from flint import arb, arb_mat, ctx
+from flint import arb, arb_mat
 
 from error_bound.oracle import Dual, Line, Table, collided, rebounded
+from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import AtWall, Pair, Touch
 
 BITS = 1024
@@ -62,7 +63,7 @@ class Zonotope:
             truth: before it, the true lines of all its circles.
             radii: the roundings of the new midpoints.
         """
-        with ctx.workprec(BITS):
+        with ball.precision(BITS):
             ends = link.circles if isinstance(link, Pair) else moved
             duals: dict[int, Line] = {}
             width = 4 * len(moved)
@@ -100,7 +101,7 @@ class Zonotope:
 
     def hull(self, i: int) -> list[arb]:
         """The largest deviation of each of a circle's four numbers."""
-        with ctx.workprec(BITS):
+        with ball.precision(BITS):
             return [sum((abs(value) for value in row), arb(0)) for row in self._rows[i]]
 
     def along(self, basis: arb_mat, order: Sequence[int], unit: float) -> list[arb]:
@@ -111,7 +112,7 @@ class Zonotope:
             order: the circles.
             unit: the time in which velocities are counted.
         """
-        with ctx.workprec(BITS):
+        with ball.precision(BITS):
             rows: list[list[arb]] = []
             for i in order:
                 for k, row in enumerate(self._rows[i]):

@@ -11,12 +11,12 @@ from ..exit_codes import ExitCode
 EPILOG = """
 \b
 The first line of the report begins with one of:
-  identical                                    to the last bit
-  harmless order                               independent events come in another order
-  grew from rounding at event K                what differs first is rounding
-  changed at event K by more than rounding     what differs first is no rounding
-  different from the start                     another start, setting, step or build
-  not determined                               the logs do not tell, and why not
+  identical                                 to the last bit
+  harmless order                            independent events are reordered
+  grew from rounding at event K             what differs first is rounding
+  changed at event K by more than rounding  what differs first is no rounding
+  different from the start                  another start, setting or step
+  not determined                            the logs do not tell, and why not
 K is the step, where logs have steps, else the number of the event, from 0.
 
 \b
@@ -29,7 +29,7 @@ Examples:
 
 \b
 Exit codes:
-  0 identical, or harmless order      1 anything else      2 a log that cannot be read
+  0 identical, or harmless order   1 anything else   2 a log not to be read
 """
 
 
@@ -43,7 +43,7 @@ Exit codes:
 def diff(
     logs: tuple[str, ...], ignore: str | None, scene: str | None, exit_zero: bool, as_json: bool, html: str | None
 ) -> int:
-    """Compare the logs of two or more runs, of any engine and any world.
+    """Compare the logs of runs of any engine, in any world.
 
     Says where they part first, to the last bit, how the difference grew, and whether it began as rounding, as a change,
     or from the start; "not determined" where the logs do not tell. A log is a file of JSON lines, CSV, or a list of

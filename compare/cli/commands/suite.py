@@ -35,7 +35,7 @@ Examples:
 \b
 Exit codes:
   0 all agree, and none is known to break a law
-  1 an engine diverged, or does not keep the law (with --only-changes: something changed)
+  1 an engine diverged, or breaks the law (--only-changes: something changed)
   2 bad input
   4 none diverged, but something is undecided or not settled
 """

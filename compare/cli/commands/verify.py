@@ -12,7 +12,12 @@ from ..exit_codes import ExitCode
 
 @click.command(epilog=examples("verify"))
 @click.argument("file", metavar="FILE", shell_complete=completion.files)
-@click.option("--scene", metavar="SCENE", help="The scene that it should be of: a name, or a file.")
+@click.option(
+    "--scene",
+    metavar="SCENE",
+    shell_complete=completion.scenes,
+    help="The scene that it should be of: a name, or a file.",
+)
 @click.option("--work", type=Whole(), metavar="N", help="Units of work that checking may cost (by the size of FILE).")
 def verify(file: str, scene: str | None, work: int | None) -> int:
     """Check a certificate by a program of its own.

@@ -119,7 +119,7 @@ def test_missing_packages_are_named_with_the_command_that_installs_them(capsys: 
     assert report.figures == ()
     assert set(report.skipped) == set(OPTIONAL)
     notes = capsys.readouterr().err
-    assert "truebreak[billiards]" in notes
+    assert "'.[billiards]'" in notes
     assert "perfect-physics" in notes
 
 

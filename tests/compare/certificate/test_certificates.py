@@ -62,7 +62,9 @@ def test_the_checker_is_a_program_of_its_own(tmp_path: Path) -> None:
 
 
 def test_the_checker_is_one_file_that_imports_the_standard_library_alone() -> None:
-    assert [file.name for file in TOOLS.glob("*.py") if file.read_bytes()] == ["verify.py"]
+    assert [file.name for file in TOOLS.glob("*.py") if file.read_bytes() and file.name != "building.py"] == [
+        "verify.py"
+    ]
     text = (TOOLS / "verify.py").read_text(encoding="utf-8")
     assert len(text.splitlines()) <= LINES and max(map(len, text.splitlines())) <= COLUMNS
     for node in ast.walk(ast.parse(text)):

@@ -142,7 +142,7 @@ def test_the_marker_and_settings_are_checked(pytester: pytest.Pytester) -> None:
     done = pytester.runpytest("--strict-markers")
     done.assert_outcomes(errors=1, failed=1, passed=1)
     done.stdout.fnmatch_lines(
-        ["*marker truebreak: 'horizn' is not known; it has horizon, undecided, work, max_seconds"]
+        ["*marker truebreak: 'horizn' is not known; it has horizon, undecided, work, require_history, max_seconds"]
     )
     done.stdout.fnmatch_lines(["E *truebreak: engine 'duoble' is not known; did you mean 'double'?"])
     assert "undecided = 'mabye'; must be fail or skip" in pytester.runpytest("--truebreak-undecided=mabye").stdout.str()
