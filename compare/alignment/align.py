@@ -188,11 +188,11 @@ def align(
 
 
 def _walks(mine: Streams, theirs: Streams, step: float, patience: Patience) -> dict[str, Walk]:
-    """Each body's meetings, matched one for one; with a time step, by absorbing where that goes on longer.
+    """Each body's meetings, matched; with a time step, by absorbing rounds, or one for one where that goes on longer.
 
     Rounds of one instant that come in several steps are no meetings of their own. But a contact that comes again soon
-    is one, so that absorbing is tried only where the sequences are not equal, and kept only where it goes on longer.
-    What is kept does not depend on the span.
+    is one, so that sequences that are equal longer than absorbing finds them are matched one for one. What is kept
+    does not depend on the span.
     """
 
     def walked(absorbing: float) -> dict[str, Walk]:
@@ -201,11 +201,11 @@ def _walks(mine: Streams, theirs: Streams, step: float, patience: Patience) -> d
             for body, met in mine.meetings.items()
         }
 
-    plain = walked(0.0)
-    if not step or (parted := _parted(plain, mine, theirs)) == math.inf:
-        return plain
     absorbed = walked(step)
-    return absorbed if _parted(absorbed, mine, theirs) > parted else plain
+    if not step or (parted := _parted(absorbed, mine, theirs)) == math.inf:
+        return absorbed
+    plain = walked(0.0)
+    return plain if _parted(plain, mine, theirs) > parted else absorbed
 
 
 def _parted(walks: dict[str, Walk], mine: Streams, theirs: Streams) -> float:

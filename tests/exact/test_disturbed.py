@@ -184,6 +184,14 @@ def noise() -> None:
     time.sleep(random.choice([0.0005, 0.02, 0.2]))
 
 
+@pytest.fixture(autouse=True)
+def quiet_afterwards() -> Iterator[None]:
+    """What a noisy thread has set is as it was for other tests."""
+    precise, bits = mpmath.mp.prec, flint.ctx.prec
+    yield
+    mpmath.mp.prec, flint.ctx.prec = precise, bits
+
+
 def test_a_noisy_thread_disturbs_runs_or_leaves_them_the_same() -> None:
     assert stress(5, noise)["disturbed"] > 0
 

@@ -49,8 +49,9 @@ def witness(run: Trajectory, family: Family, place: MapPlace) -> Testimony:
     >>> from truebreak.exact import ExactEngine
     >>> one = family("near-ties")
     >>> place = one.place(20)
-    >>> witness(ExactEngine().run(one.scene(place)), one, place)
-    Testimony(mark=<MapMark.RIGHT: 'right'>, told='verified: 4 events, to the end: quiet', closed_form=True)
+    >>> found = witness(ExactEngine().run(one.scene(place)), one, place)
+    >>> found.mark.value, found.told.partition(";")[0], found.closed_form
+    ('right', 'verified: 4 events, to the end: quiet', True)
     """
     if run.stop.reason in UNKNOWING:
         return Testimony(MapMark.UNDECIDED, run.stop.message, None)
