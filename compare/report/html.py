@@ -130,12 +130,11 @@ def _row(number: int, candidate: Candidate) -> dict[str, Any]:
 
 
 def _law(candidate: Candidate) -> dict[str, str]:
-    """Whether an engine keeps the law: a word, the class of its colour, and a sentence where it is not plainly so."""
+    """Whether an engine keeps the law, in a sentence."""
     laws = candidate.laws
     if laws is None:
-        return {"law": "", "law_class": "", "law_told": ""}
-    word, colour = {True: ("kept", "agree"), False: ("not kept", "diverged"), None: ("unknown", "undecided")}[laws.kept]
-    return {"law": word, "law_class": colour, "law_told": "" if laws.kept else laws.sentence}
+        return {"law_told": ""}
+    return {"law_told": laws.sentence}
 
 
 def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> dict[str, Any]:
