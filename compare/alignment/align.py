@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from ...exact.numbers import ball
@@ -37,6 +37,10 @@ UNKNOWING = (StopReason.UNDECIDED, StopReason.BUDGET, StopReason.INTERRUPTED)
 
 SAME_BITS = 1024
 """Bits to which a time is compared with the end of a span: an event on the end itself agrees with it to any number."""
+
+
+EARLIER = 1 / 32
+"""Share of a time by which an engine may be late for an event, where it is asked whether it lacks that one too."""
 
 
 @dataclass(frozen=True)
@@ -164,23 +168,31 @@ def align(
         if tie is not None and (first is None or (tie.time, tie.event) <= (first.time, first.event)):
             first, before = tie, (tie.time, tie.event)
     matches = _matches(walks)
-    kept = {c: r for c, r in matches.items() if ((mine.times[r], r) < before if first else r < span.events)}
-    open_ones = [w for w in judge.open if w.before(before)]
+    event = min(judge.lacked, first.event) if first else span.events
+    kept = {c: r for c, r in matches.items() if r < event}
+    open_ones = [w for w in judge.open if w.inside and w.before(before)]
     wanted = Wanted(
         max((w.until for w in open_ones if w.of_reference), default=None),
-        max([*(w.until for w in open_ones if not w.of_reference), *judge.uncovered(first)], default=None),
+        max(
+            [
+                *(w.until for w in open_ones if not w.of_reference),
+                *judge.uncovered(first),
+                *(judge.earlier(event) if first else []),
+            ],
+            default=None,
+        ),
     )
     whole = _complete(walks, {r for w in walks.values() for r, c in w.pairs if c in kept}, span.events)
     stuck = candidate.stop.reason in UNKNOWING and wanted.candidate is not None
     more = wanted.reference is not None or (wanted.candidate is not None and not stuck)
     return Alignment(
-        divergence=first,
+        divergence=None if first is None else replace(first, event=event, own_event=first.event),
         undecided=stuck and first is None,
         unsettled=more and first is None,
         wanted=wanted,
         agreed=len(whole),
         harmless_swaps=_overtaken(kept),
-        harmless_splits=len({r for w in walks.values() for r in w.split if (mine.times[r], r) <= before}),
+        harmless_splits=len({r for w in walks.values() for r in w.split if r <= event}),
         merged=len({c for w in walks.values() for c in w.merged if c in kept}),
         whole=frozenset(whole),
         walks=walks,
@@ -250,12 +262,17 @@ def _overtaken(matches: dict[int, int]) -> int:
 
 @dataclass(frozen=True)
 class _Open:
-    """A meeting inside the span that one run has and the other may still come to."""
+    """A meeting that one run has and the other may still come to.
+
+    Attributes:
+        inside: whether it lies in the span.
+    """
 
     time: float
     event: int
     of_reference: bool
     until: float
+    inside: bool = True
 
     def before(self, place: tuple[float, int]) -> bool:
         """Whether it could be the first divergence, in place of one that is known."""
@@ -267,6 +284,8 @@ class _Judge:
 
     Attributes:
         open: the mismatches that more of a run would settle.
+        lacked: the first event of the reference that the candidate is known to lack, or before which it has one too
+            many, in the span or beyond: the span says whether there is a divergence, and never which.
     """
 
     def __init__(
@@ -282,6 +301,7 @@ class _Judge:
         self.mine, self.theirs = mine, theirs
         self.span, self.patience = span, patience
         self.open: list[_Open] = []
+        self.lacked = len(mine.times)
         self._mine: set[tuple[int, str]] = set()
         self._theirs: set[tuple[int, str]] = set()
 
@@ -315,8 +335,6 @@ class _Judge:
         met = mismatch.theirs is not None and (
             self.span.holds(self.candidate.events[mismatch.theirs].time) or (mismatch.theirs, body) in self._theirs
         )
-        if not inside and not met:
-            return None
         time = min(t for t in (mine, theirs) if t is not None)
         event = mismatch.mine
         if event is None:  # where it would be: after all that the body has had before
@@ -324,8 +342,11 @@ class _Judge:
         if not mismatch.final:
             waits, until = (self.candidate if theirs is None else self.reference), self.patience.latest(time)
             if waits.stop.reason is not StopReason.QUIET and float(waits.final_time) < until:
-                self.open.append(_Open(time, event, waits is self.reference, until))
+                self.open.append(_Open(time, event, waits is self.reference, until, inside or met))
                 return None
+        self.lacked = min(self.lacked, event)
+        if not inside and not met:
+            return None
         kind = Kind.MISSING if theirs is None else Kind.EXTRA if mine is None else Kind.DIFFERENT
         return Divergence(event, time, body, mismatch.expected, mismatch.got, kind, mine, theirs, mismatch.theirs)
 
@@ -334,3 +355,10 @@ class _Judge:
         end = self.span.time if first is None else min(first.time, self.span.time)
         over = self.candidate.stop.reason is StopReason.QUIET
         return [] if over or float(self.candidate.final_time) >= end else [self.patience.latest(end)]
+
+    def earlier(self, event: int) -> list[float]:
+        """How far the candidate tells whether it lacks an event before the one known, which may lie past the span."""
+        if event >= len(self.mine.times) or not any(not one.inside and one.event < event for one in self.open):
+            return []
+        end = self.mine.times[event] * (1 + EARLIER)
+        return [] if float(self.candidate.final_time) >= end else [end]

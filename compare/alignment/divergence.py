@@ -25,14 +25,17 @@ class Divergence:
     """The first event at which the histories differ.
 
     Attributes:
-        event: index in the reference of the expected event; for an extra one, the index that it would have.
-        time: the earlier of the two times.
-        body: the circle whose next partner differs.
+        event: the first event of the reference that the candidate lacks, or before which it has one too many.
+        time: when the histories part, by the earlier of the two clocks.
+        body: the circle whose next partner differs then.
         expected: the partner in the reference; None for an extra meeting; for a tie, `b2 + b3` (at once).
         got: the candidate's partner; None for a missing meeting; for a tie, `b2 then b3`.
         kind: how they differ.
         expected_time, got_time: when each run has its meeting.
         candidate_event: index in the candidate of the event got, if there is one.
+        own_event: index in the reference of the event that the body comes to next; for an extra one, the index that it
+            would have. What one meeting too many leads to may be an earlier event that is missing, of other circles:
+            `event` is then before it. None: the same.
     """
 
     event: int
@@ -44,6 +47,12 @@ class Divergence:
     expected_time: float | None = None
     got_time: float | None = None
     candidate_event: int | None = None
+    own_event: int | None = None
+
+    @property
+    def expected_event(self) -> int:
+        """Index in the reference of the event that the body comes to next, or would."""
+        return self.event if self.own_event is None else self.own_event
 
     @property
     def partners(self) -> list[str]:

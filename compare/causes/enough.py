@@ -62,7 +62,7 @@ def bits_enough(lab: Laboratory) -> BitsEnough:
     if replayed is None:
         return BitsEnough(told=f"none of up to {most:,} bits do")
     bits, short = replayed
-    if lab.divergence.event < MOST_EVENTS:
+    if lab.divergence.expected_event < MOST_EVENTS:
         ran = fewest(lambda bits: _runs(lab, bits), bits, FARTHER * bits)
         if ran is not None:
             return BitsEnough(*ran, "run")
@@ -77,7 +77,7 @@ def _replays(lab: Laboratory, decision: DecidingNumber, bits: int) -> bool:
 
 def _runs(lab: Laboratory, bits: int) -> bool:
     """Whether a run in balls of so many bits comes past the divergence."""
-    study, event = lab.study, lab.divergence.event
+    study, event = lab.study, lab.divergence.expected_event
     until = max(study.until_event(event), study.past(lab.divergence.time))
     with time_limit(study.watch.left(study.share), study.watch.seconds) as watch:
         done, stop = BallRun(bits).run(study.scene, until, event + 1, watch.watched(lab.progress))

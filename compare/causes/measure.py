@@ -31,7 +31,7 @@ def margin_of(lab: Laboratory) -> Margin:
     elif lab.decision is None and lab.tied:
         gap = distance = (0.0, 0.0)
     error = lab.tried(lambda: _error(lab), None)
-    growth = lab.tried(lambda: error_growth(lab.reference, divergence.event), None)
+    growth = lab.tried(lambda: error_growth(lab.reference, divergence.expected_event), None)
     enough = lab.tried(lambda: bits_enough(lab), BitsEnough(told=NO_TIME))
     return Margin(gap, distance, ulps, error, growth, enough, cut=enough.told == NO_TIME)
 

@@ -8,7 +8,6 @@ from itertools import pairwise
 from math import atan2
 from typing import TypeAlias
 
-import numpy as np
 from flint import arb, arb_mat
 
 from ...exact.numbers import ball
@@ -16,7 +15,7 @@ from ...scenarios import catalogue
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ..tangent.growth import Displacements, unit_displacements
+from ..tangent.growth import Displacements, unit_rows
 from ..tangent.impacts import Impact
 
 BITS = 320
@@ -234,14 +233,14 @@ def _proved(path: _Path, angles: Sequence[arb], word: str, bits: int) -> list[ar
 
 
 def _multiplier(scene: Scene, path: _Path, legs: Sequence[tuple[arb, Vector]], normals: Sequence[Vector]) -> arb:
-    carried = Displacements(scene, np.vectorize(arb, otypes=[object])(unit_displacements(scene)))
+    carried = Displacements(scene, unit_rows(scene))
     time = arb(0)
     for (length, (ux, uy)), (nx, ny), disc in zip(legs, normals[1:], path.discs[1:], strict=False):
         time += length
         carried.through([Impact(time, 0, disc + 1, -nx, -ny, -ux, -uy, arb(1), arb(1), arb(0))])
     back = path.turn.inv()
     columns = carried.columns[0]
-    trace = sum((back[i, j] * columns[2 * half + j, 2 * half + i]
+    trace = sum((back[i, j] * columns[2 * half + j][0, 2 * half + i]
                  for half in (0, 1) for i in (0, 1) for j in (0, 1)), arb(0))  # fmt: skip
     rest = trace - 2
     root = (rest * rest - 4).sqrt()

@@ -40,7 +40,8 @@ def failure(
     if divergence is not None and off is None:
         events = comparison.reference.events
         if divergence.expected is not None and divergence.expected_time is not None:
-            told = events[divergence.event].time.digits(DIGITS) if divergence.event < len(events) else "later"
+            own = divergence.expected_event
+            told = events[own].time.digits(DIGITS) if own < len(events) else "later"
             lines.append(f"  expected: {divergence.body} meets {divergence.expected} at t = {told}")
         if divergence.got is not None:
             lines.append(f"  got:      {divergence.body} meets {divergence.got} at t = {divergence.got_time!r}")
@@ -87,7 +88,7 @@ def _size(comparison: Comparison) -> float:
     """The largest coordinate at the divergence."""
     (candidate,) = comparison.candidates
     divergence, reference = candidate.alignment.divergence, comparison.reference
-    known = divergence is not None and divergence.event < len(reference.events)
-    event = reference.events[divergence.event] if divergence is not None and known else None
+    known = divergence is not None and divergence.expected_event < len(reference.events)
+    event = reference.events[divergence.expected_event] if divergence is not None and known else None
     state = reference.final if event is None else reference.at(event.time)
     return max(abs(float(place)) for circle in state.circles for place in (circle.x, circle.y))

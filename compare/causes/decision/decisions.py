@@ -30,7 +30,7 @@ def decisions(reference: Trajectory, candidate: Trajectory, alignment: Alignment
         return _of_tie(reference, candidate, alignment, divergence)
     expected = got = None
     if divergence.expected is not None:
-        expected = _pairing(reference, walks, body, divergence.expected, divergence.event, None)
+        expected = _pairing(reference, walks, body, divergence.expected, divergence.expected_event, None)
     if divergence.got is not None and divergence.candidate_event is not None:
         got = _pairing(reference, walks, body, divergence.got, None, divergence.candidate_event)
     hits = [(divergence.got_time, got), (divergence.expected_time, expected)]
@@ -87,7 +87,8 @@ def _of_tie(
         told = divergence.got or ""
     names = list(dict.fromkeys(told.replace(" + ", " then ").split(" then ")))
     pairings = [
-        _pairing(reference, alignment.walks, divergence.body, name, divergence.event, None) for name in names[:2]
+        _pairing(reference, alignment.walks, divergence.body, name, divergence.expected_event, None)
+        for name in names[:2]
     ]
     if len(pairings) < 2 or pairings[0] is None or pairings[1] is None:
         return []
@@ -96,7 +97,7 @@ def _of_tie(
 
 def _next_of_group(reference: Trajectory, alignment: Alignment, divergence: Divergence) -> DecidingNumber | None:
     """The order of the first of several instants taken as one and of the one after it, to which it leads."""
-    group = next((g for g in instants(alignment.walks) if divergence.event in g.mine), None)
+    group = next((g for g in instants(alignment.walks) if divergence.expected_event in g.mine), None)
     if group is None or len(group.mine) < 2:
         return None
     first = reference.events[group.mine[0]]

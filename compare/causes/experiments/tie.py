@@ -29,7 +29,7 @@ def resolved_otherwise(lab: Laboratory) -> Experiment:
         names = {lab.decision.first.partner, lab.decision.second.partner}
     else:
         names = {*divergence.partners} & {*lab.study.scene.ids}
-    here = events[divergence.event] if divergence.event < len(events) else None
+    here = events[divergence.expected_event] if divergence.expected_event < len(events) else None
     cluster = _cluster(lab, [] if here is None or not here.coupled else here.contacts)
     together = {name for pair in cluster for name in pair}
     if len(cluster) < 2 or not names or not names <= together:

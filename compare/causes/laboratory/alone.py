@@ -103,7 +103,7 @@ def _moment(lab: Laboratory, given: Trajectory) -> tuple[int, Fraction] | None:
     None if there is no such moment at which the engine's arithmetic has come to anything.
     """
     events = lab.reference.events
-    low, high, found = 0, min(lab.divergence.event, len(events) - 1), None
+    low, high, found = 0, min(lab.divergence.expected_event, len(events) - 1), None
     while low < high:  # displacements grow, by and large; what is found is looked at
         middle = (low + high) // 2
         time = Fraction((float(events[middle].time) + float(events[middle + 1].time)) / 2)
@@ -172,7 +172,7 @@ def _number(value: object) -> Quantity:
 def _goes_on(lab: Laboratory, run: Trajectory, after: int) -> bool:
     """Whether a run taken up after some events has those that follow, up to the one in question."""
     last = max([a for p in lab.pairings for a in p.anchors.values() if a is not None], default=-1)
-    wanted = [event.impulses for event in lab.reference.events[after : max(last + 1, lab.divergence.event)]]
+    wanted = [event.impulses for event in lab.reference.events[after : max(last + 1, lab.divergence.expected_event)]]
     return [event.impulses for event in run.events[: len(wanted)]] == wanted
 
 

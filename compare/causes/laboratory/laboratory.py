@@ -60,7 +60,7 @@ class Laboratory:
         self.bits = judged.bits or DOUBLE_BITS
         self.given = rounded_or_none(study.scene, self.bits) if judged.rounds_input else study.scene
         turned = self.reference.reversal
-        self.turned = None if turned is None or turned.after > divergence.event else turned.after
+        self.turned = None if turned is None or turned.after > divergence.expected_event else turned.after
         self.truth = RunReader(self.reference, turned_after=self.turned)
         self.own = RunReader(candidate.trajectory, candidate.alignment.walks, self.given, self.turned)
         self.decision = self._decision()
@@ -103,7 +103,7 @@ class Laboratory:
     @property
     def tied(self) -> bool:
         """Whether what is in question is an order of meetings that the reference has at one instant."""
-        events, event, divergence = self.reference.events, self.divergence.event, self.divergence
+        events, event, divergence = self.reference.events, self.divergence.expected_event, self.divergence
         if event >= len(events):
             return False
         pairs = {frozenset(pair) for pair in events[event].contacts}
@@ -144,7 +144,7 @@ class Laboratory:
     @property
     def span(self) -> Span:
         """Up to the divergence."""
-        return Span(min(self.divergence.event + 1, len(self.reference.events)), self.divergence.time)
+        return Span(min(self.divergence.expected_event + 1, len(self.reference.events)), self.divergence.time)
 
     def until(self, step: float | None) -> float:
         """How far an experiment has to run: past both meetings, by what an error may delay them."""

@@ -28,14 +28,14 @@ def gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
     found = alignment.divergence
     if lab.divergence.kind is Kind.MISSING or lab.divergence.kind is Kind.DIFFERENT:
         walked = alignment.walks[lab.divergence.body]
-        if lab.divergence.event not in {m for m, _ in walked.pairs}:
+        if lab.divergence.expected_event not in {m for m, _ in walked.pairs}:
             return False
     return found is None or found.event > lab.divergence.event
 
 
 def _difference(lab: Laboratory, run: Trajectory, alignment: Alignment) -> float | None:
     """How far the velocities after the instant in question are from the exact ones; None if it is not one instant."""
-    event = lab.divergence.event
+    event = lab.divergence.expected_event
     for found in instants(alignment.walks):
         if event in found.mine:
             return velocity_difference(lab.reference, run, found) if len(found.mine) == 1 else None

@@ -208,7 +208,7 @@ def _told(scene: Scene, candidate: Candidate) -> dict[str, Any]:
         names = _names((divergence.body, divergence.expected, divergence.got))
         told["divergence"] = {
             "time": _instant(divergence),
-            "expected": divergence.event if divergence.expected is not None else None,
+            "expected": divergence.expected_event if divergence.expected is not None else None,
             "got": divergence.candidate_event,
             "bodies": [places[name] for name in names if name in places],
             "walls": [k for k, wall in enumerate(scene.walls) if wall.id in names],

@@ -79,9 +79,9 @@ def enough(candidate: Candidate) -> list[tuple[str, str]]:
     elif margin is not None and margin.enough.told:
         rows.append(("bits that decide it", margin.enough.told))
     if margin is not None and divergence is not None and not candidate.stepped:
-        foreseen = foreseen_bits(margin.growth, divergence.event, margin.distance, candidate.separation.scale)
+        foreseen = foreseen_bits(margin.growth, divergence.expected_event, margin.distance, candidate.separation.scale)
         if foreseen is not None:
-            told = f"about {foreseen:,}: {margin.growth:.3g} bits an event over {divergence.event:,} events"
+            told = f"about {foreseen:,}: {margin.growth:.3g} bits an event over {divergence.expected_event:,} events"
             rows.append(("bits, foreseen", told))
     if candidate.diagnosis is not None:
         rows += [(e.cause.value, e.result) for e in candidate.diagnosis.experiments if e.cause.entry.settings]

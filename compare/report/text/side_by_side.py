@@ -42,10 +42,10 @@ def side_by_side(comparison: Comparison, candidate: Candidate) -> list[MeetingRo
         return []
     mine = _meetings(comparison.reference, divergence.body)
     theirs = _meetings(candidate.trajectory, divergence.body)
-    at_mine = _place(mine, divergence.event if divergence.expected is not None else None)
+    at_mine = _place(mine, divergence.expected_event if divergence.expected is not None else None)
     at_theirs = _place(theirs, divergence.candidate_event)
     if divergence.expected is None:
-        at_mine = next((p for p, m in enumerate(mine) if m[0] >= divergence.event), len(mine))
+        at_mine = next((p for p, m in enumerate(mine) if m[0] >= divergence.expected_event), len(mine))
     if divergence.candidate_event is None:
         at_theirs = len(theirs)
     before_mine = mine[max(0, at_mine - BEFORE) : at_mine]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...tangent.growth import Displacements
 from ...tangent.impacts import NoTangentMap, moving, rounds
-from ...tangent.together import push_together
+from .together import push_together
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

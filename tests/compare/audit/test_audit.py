@@ -316,6 +316,7 @@ class Blocker:
 sys.meta_path.insert(0, Blocker())
 from truebreak.compare.alignment.align import align
 from truebreak.compare.audit.audit import audit_run
+from truebreak.compare.tangent.growth import certified_growth, error_growth
 from truebreak.exact.engine import ExactEngine
 from truebreak.floating.double import DoubleEngine
 from truebreak.scenarios.catalogue import build
@@ -323,10 +324,12 @@ from truebreak.scenarios.catalogue import build
 engine = DoubleEngine()
 run, exact = engine.run(build("gas"), events=50), ExactEngine().run(build("gas"), events=50)
 print(audit_run(run, engine).kept, align(exact, run).verdict)
+told = certified_growth(exact, 50)
+print(told.low <= 50 * error_growth(exact, 50) <= told.high + 1e-9)
 """
 
 
-def test_audit_alignment_and_the_two_engines_need_no_large_package() -> None:
+def test_audit_alignment_tangent_map_and_the_two_engines_need_no_large_package() -> None:
     """A browser runs them: neither numpy nor SymPy, mpmath or jinja2 is imported."""
     told = subprocess.run([sys.executable, "-P", "-c", BLOCKED], capture_output=True, text=True, check=False)
-    assert (told.stdout.strip(), told.returncode) == ("True agree", 0), told.stderr
+    assert (told.stdout.strip(), told.returncode) == ("True agree\nTrue", 0), told.stderr

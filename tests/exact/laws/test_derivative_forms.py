@@ -120,8 +120,7 @@ def test_displacements_go_through_a_contact_by_the_derived_map():
     """`compare/tangent/growth.py`: a flight, a collision, a flight and a wall."""
     world = w = contact()
     columns = np.array([w.a, w.b], dtype=object).reshape(2, 4, 1)
-    carried = Displacements(Scene([Circle(0, 0), Circle(9, 0)]), columns)
-    carried.time = w.flown_b
+    carried = Displacements(Scene([Circle(0, 0), Circle(9, 0)]), columns, w.flown_b)
     carried.through([Impact(w.flown_b + w.flown_a, 0, 1, w.dx, w.dy, w.vx, w.vy, w.reach, w.wa, w.wb)])
     flown = [[px + qx * w.flown_a, py + qy * w.flown_a, qx, qy] for px, py, qx, qy in (w.a, w.b)]
     one, other = after_impact(world, *flown)

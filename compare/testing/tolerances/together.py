@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from .impacts import Impact
+    from ...tangent.impacts import Impact
 
 
 @dataclass(frozen=True)
