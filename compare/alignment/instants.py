@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -195,6 +196,8 @@ def first_changed_instant(
             continue
         if step:
             several = len(instant.mine) > 1
+            if several and _has_all(reference, candidate, instant):
+                continue
             changed = (_matters(reference, candidate, instant, same) if several
                        else not _blurred(reference, candidate, instant, step, finer, same))  # fmt: skip
             if changed:
@@ -209,6 +212,13 @@ def first_changed_instant(
         if alone and not _explained(reference, candidate, instant, step, same):
             return _tie(reference, candidate, instant)
     return None
+
+
+def _has_all(reference: Trajectory, candidate: Trajectory, instant: SharedInstant) -> bool:
+    """Whether a step that takes several of the reference's instants has every contact as often as they have."""
+    own = Counter(frozenset(pair) for pairs in _impulses(reference, instant, instant.mine) for pair in pairs)
+    told = Counter(frozenset(pair) for pairs in _impulses(candidate, instant, instant.theirs) for pair in pairs)
+    return own == told
 
 
 def _taken_apart(walks: dict[str, Walk], instant: SharedInstant, sequential: bool) -> bool:

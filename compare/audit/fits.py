@@ -39,6 +39,8 @@ class Sample(NamedTuple):
         gap: between the surfaces at the contact; 0 by the law.
         room: what rounding may make of each ratio.
         loose: what it may make of the gap.
+        slide: how fast they pass each other across the line of centres.
+        reach: from centre to centre as they touch; infinite for a wall.
     """
 
     event: int
@@ -53,11 +55,23 @@ class Sample(NamedTuple):
     gap: float
     room: float
     loose: float
+    slide: float = 0.0
+    reach: float = math.inf
 
     @property
     def late(self) -> float:
-        """How late the contact is told by its gap."""
-        return -self.gap / self.speed if self.speed else 0.0
+        """How late the contact is told: how long before, in straight flight, the two touched.
+
+        In a graze, overlaps grow with the square of the time: that time is far less than the gap over the speed.
+        """
+        if not self.speed:
+            return 0.0
+        if math.isfinite(self.reach):
+            far, over = self.reach + self.gap, self.gap * (2 * self.reach + self.gap)
+            square = (far * self.speed) ** 2 - over * (self.speed**2 + self.slide**2)
+            if square >= 0:
+                return -over / (far * self.speed + math.sqrt(square))
+        return -self.gap / self.speed
 
     @property
     def defect(self) -> float:
@@ -143,6 +157,7 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: Instant, events: int, ba
     nx, ny, opening = met.nx, met.ny, met.opening
     ax, ay = la.vx - a.vx, la.vy - a.vy
     if wall:
+        b = lb = a
         bx, by, vx, vy, ux, uy = 0 * ax, 0 * ay, -a.vx, -a.vy, -la.vx, -la.vy
     else:
         b = instant.before[j]
@@ -165,22 +180,27 @@ def _sample(laws: Laws, pair: tuple[int, int], instant: Instant, events: int, ba
     free = laws.moving[i] and not wall and laws.moving[j]
     kick = 2 * abs(closing) / (1.0 if wall else wa + wb)
     share = 1.0 if wall else wa
-    pushed = [(ax, ay, share)] if laws.moving[i] else []
+    pushed = [(ax, ay, share, a.speed + la.speed)] if laws.moving[i] else []
     if not wall and laws.moving[j]:
-        pushed.append((bx, by, wb))
-    aside = max((float(length_of(nx * y - ny * x, 0 * x)) / (kick * w) for x, y, w in pushed), default=0.0)
+        pushed.append((bx, by, wb, b.speed + lb.speed))
+    aside = max((float(length_of(nx * y - ny * x, 0 * x)) / (kick * w) for x, y, w, _ in pushed), default=0.0)
     masses, lost = math.nan, 0.0
+    # a heavy circle's velocity hardly changes: its last bit is more of the change than of the speed
+    heavy = NEAR * 64 * laws.unit * max((fast / w for _, _, w, fast in pushed), default=0.0) / kick
     if free:
         one = -float((nx * ax + ny * ay).mid())
         other = float((nx * bx + ny * by).mid())
         masses = (other / wb) / (one / wa) if one and wa and wb else math.nan
         lost = math.hypot(float((ax / wa + bx / wb).mid()), float((ay / wa + by / wb).mid())) / kick
+        lost, masses = (lost if lost > heavy else 0.0), (1.0 if abs(masses - 1) <= heavy else masses)
+    aside = aside if aside > heavy else 0.0
     speeds = a.speed + la.speed + (0.0 if wall else instant.before[j].speed)
     room = (64 * laws.unit * speeds + met.bent) / abs(closing)
     slid = then / across if across else math.nan
     yield Sample(
         instant.events[0] if instant.events else events, instant.time, pair, -closing, -after / closing, slid, aside,
-        masses, lost, float(met.gap.mid()), room, met.room,
+        masses, lost, float(met.gap.mid()), room, met.room, abs(across),
+        math.inf if wall else float((laws.things[i].r + laws.things[j].r).mid()),
     )  # fmt: skip
 
 

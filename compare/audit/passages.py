@@ -217,6 +217,8 @@ def _enclosed(
     far = away + speed * (time - start)
     room = laws.unit * (2 * FLIGHT_UNITS * sizes + ROOT_UNITS * (far * (far / wide) + wide)) + LEAST
     room += sum(one.apart + one.turned * (time - one.t) for one in (leg, other) if one.apart)
+    beside = float(abs((x * (other.vy - leg.vy) - y * (other.vx - leg.vx)).mid())) / speed
+    room += laws.underflown(speed, speed * math.sqrt(max(0.0, (wide - beside) * (wide + beside))))
     size = size_of(deeper) if deeper > 0 else 0.0
     if size <= room:
         return None

@@ -35,6 +35,12 @@ IMPULSE_UNITS = 16.0
 """The normal, the approach, the share of the masses, the product and the sum, by impulse along the line of centres, in
 the frame of the centre of mass, or by angles. Measured: at most 3.9."""
 
+UNDERFLOW = {2.0**-11: 2.0**-24, 2.0**-24: 2.0**-149, 2.0**-53: 2.0**-1074}
+"""The least positive number of the formats of IEEE 754, by their units; others have no least number."""
+
+UNDERFLOWS = 8
+"""Products of fourth order that a discriminant has, each of which may underflow."""
+
 LEAST = 2.0**-1070
 """Below the normal doubles a rounding is no longer relative: 16 of their least differences are granted."""
 
@@ -278,9 +284,21 @@ class Laws:
         room = blur + ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide)
         nx, ny, gap = dx / distance, dy / distance, distance - reach
         opening = nx * vx + ny * vy
+        room += self.underflown(speed, abs(float(opening.mid())) * wide)
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
         bent = 4 * speed * min(1.0, blur / near) + 4 * abs(float(opening.mid())) * stretched
         return Meeting(nx, ny, gap, opening, speed, room, bent)
+
+    def underflown(self, speed: float, root: float) -> float:
+        """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.
+
+        Its root is the speed of approach times the reach; an error e of it moves the time by e / (2 root speed**2), or
+        by sqrt(e) / speed**2 at most.
+        """
+        least = UNDERFLOW.get(self.unit, 0.0) * UNDERFLOWS
+        if not least or not speed:
+            return 0.0
+        return min(math.sqrt(least), least / (2 * root) if root else math.inf) / speed
 
     def _there(self, k: int, instant: Instant) -> tuple[Flight, arb, arb]:
         """A circle's flight before an instant, and its place at it: as reported, or flown to where nothing is."""

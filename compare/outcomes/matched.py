@@ -40,8 +40,8 @@ def matched_history(
     """The candidate's history over the span.
 
     A meeting that is matched across the end counts in both runs or in neither, by where the reference has it. An
-    instant that is matched wholly has the reference's impulses, in one event: an engine that takes its rounds in one
-    step, or in several, reports another number of them for the same thing.
+    instant that is matched wholly, as far as the span has it, has the reference's impulses, in one event: an engine
+    that takes its rounds in one step, or in several, reports another number of them for the same thing.
 
     Args:
         only: the reference's events that alone count, as far as they are matched.
@@ -56,16 +56,18 @@ def matched_history(
             inside[index] = event
     outside = [event for index, event in enumerate(candidate.events) if index not in inside]
     for group in instants(alignment.walks):
-        if not alignment.whole.issuperset(group.mine) or max(group.mine) >= span.events:
+        within = [m for m in group.mine if m < span.events]
+        if not within or not alignment.whole.issuperset(within):
             continue
-        told = [reference.events[m] for m in group.mine]
+        told = [reference.events[m] for m in within]
+        theirs = sorted({c for m, c in group.pairs if m < span.events})
         impulses = tuple(pair for event in told for pair in event.impulses)
-        others = Counter(p for c in group.theirs for p in candidate.events[c].impulses)
-        if Counter(impulses) != others or len(group.mine) == 1 < len(group.theirs):
+        others = Counter(p for c in theirs for p in candidate.events[c].impulses)
+        if Counter(impulses) != others or len(within) == 1 < len(theirs):
             contacts = tuple(dict.fromkeys(pair for event in told for pair in event.contacts))
-            for c in group.theirs:
+            for c in theirs:
                 inside.pop(c, None)
-            last = max(group.theirs)
+            last = max(theirs)
             inside[last] = replace(candidate.events[last], contacts=contacts, impulses=impulses)
     inside = dict(sorted(inside.items()))
     events = tuple(replace(event, index=place) for place, event in enumerate(inside.values()))
