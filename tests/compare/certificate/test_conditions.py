@@ -220,7 +220,7 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         later_than_it_touches,
     ),
     "instants come one after the other": (
-        ("if age and not turn: positive(", "if 0: positive("),
+        ("if age and not turn: demand(", "if 0: demand("),
         ("if (s <= 0) refute('it does not come after", "if (0) refute('it does not come after"), sooner,
     ),
     "what is listed has gap zero": (
@@ -277,7 +277,7 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         ("if (sign <= 0) refute(`${contacts[a].name} does not push`)", ""), into_two_points,
     ),
     "impulses turn the closing speed round": (
-        ('positive(sign if sign is None else 1 - abs(sign), f"the impulse', 'positive(1, f"the impulse'),
+        ('demand(sign, [0], f"the impulse', 'demand(0, [0], f"the impulse'),
         ("if (s) refute(`the impulse of", "if (0) refute(`the impulse of"),
         lambda: of(Scene(PAIR), {"exact": "7", "met": [[0, 1]], "rounds": [[[0, 1, "2"]]]}),
     ),
@@ -322,16 +322,16 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         lambda: no_isometry(shift=["1", "0"]),
     ),
     "an isometry maps velocities": (
-        ("[x, y, vx - wx, vy - wy, *map", "[x, y, *map"),
+        ("[x, y, vx - wx, vy - wy, *(r", "[x, y, *(r"),
         ("if (kind === 'circle') same((A, w) => this.image(A, w, [p.vx[w], p.vy[w]])[k], [q.vx, q.vy][k], what);", ""),
         lambda: no_isometry(matrix=["-1", "0", "0", "1"]),
     ),
     "an isometry maps radii": (
-        ("*map(sub, k, m)]", "*map(sub, k[1:], m[1:])]"), ("same((A, w) => p.r[w], q.r, what);", ""),
+        ("zip(k, m, strict=False)", "zip(k[1:], m[1:], strict=False)"), ("same((A, w) => p.r[w], q.r, what);", ""),
         lambda: shifted(r="1/2"),
     ),
     "an isometry maps masses": (
-        ("*map(sub, k, m)]", "*map(sub, k[:1], m[:1])]"), ("if (kind === 'circle') same((A, w) => p.w[w], q.w, what);", ""),  # noqa: E501
+        ("zip(k, m, strict=False)", "zip(k[:1], m[:1], strict=False)"), ("if (kind === 'circle') same((A, w) => p.w[w], q.w, what);", ""),  # noqa: E501
         lambda: shifted(m=2),
     ),
     "an isometry maps walls to parallel ones": (
