@@ -201,6 +201,33 @@ def two_to_one() -> Told:
     return cert
 
 
+def centre_on_a_wall() -> Told:
+    """A point starts on a wall, and so on neither side of it; it is said to leave."""
+    cert = told(Scene([Circle(0, 0, vx=1), Circle(50, 50)], [Wall(-9, -1, -9, 1)]))
+    cert["scene"]["walls"][0] |= {"x0": "0", "x1": "0"}
+    cert["scene"]["circles"][0]["r"] = "0"
+    cert["instants"] = [{"time": "0", "met": [[0, 2]]}]
+    return cert
+
+
+def circle_to_pocket() -> Told:
+    """A fixed circle is said to be mapped to a pocket of its size where it is."""
+    cert = told(Scene([Circle(0, 0), Circle(9, 0, m="oo")], pockets=[Pocket(20, 0, 1)]))
+    cert["scene"]["pockets"][0]["x"] = "9"
+    cert["isometries"] = [{**SAME, "map": [[1, -1]]}]
+    return cert
+
+
+def a_blow_that_is_not_mapped() -> Told:
+    """Two heavy pairs alike, but that something light has struck one of them: they do not meet at the same time."""
+    heavy = [Circle(x, y, vx=int(m > 1), m=m) for y in (0, 50) for x, m in ((0, 10**60), (9, 1))]
+    discs = [*heavy, Circle(-3, 50, vx=5)]
+    both = {"met": [[0, 1], [2, 3]], "rounds": [[[0, 1]], [[2, 3]]], "zeros": [["gap", [2, 3], 0]]}
+    cert = of(Scene(discs), {"met": [[2, 4]], "rounds": [[[2, 4]]]}, both, end=STOPPED)
+    cert["isometries"] = [{**SAME, "shift": ["0", "-50"], "map": [[2, 0], [3, 1]]}]
+    return {**cert, "bits": 160}
+
+
 STOPPED = {"reason": "stopped"}
 MEET = {"met": [[0, 1]], "rounds": [[[0, 1]]]}
 TURN = ({"exact": "12"}, {"turn": True})
@@ -344,6 +371,19 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         ("return across(A, w, [A.sub(x, q.x0[w]), A.sub(y, q.y0[w])]);", "return A.sub(x, x);"),
         lambda: beside_a_wall(shift=["1", "0"]),
     ),
+    "no centre is on a wall": (
+        ("demand(sign, [1, -1], f\"the centre", "demand(1, [1, -1], f\"the centre"),
+        (" || refute(`the centre of circle ${i} is on wall ${wall.id}`)", ""), centre_on_a_wall,
+    ),
+    "an isometry maps circles to circles": (
+        ("            zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))\n", ""),
+        None,  # the second one has no circle by that number then
+        circle_to_pocket,
+    ),
+    "whose row is not mapped is struck out": (
+        ("while bad := {i for i in hit & kept if strays(i)}: kept", "while bad := (): kept"),
+        ("if (!this.rowMapped(", "if (0 && !this.rowMapped("), a_blow_that_is_not_mapped,
+    ),
     "an isometry takes no two to one": (
         ("refuse(twice or signs", "refuse(signs"),
         ("if (this.inverse.size !== given.map.length) refute(", "if (0) refute("), two_to_one,
@@ -366,4 +406,19 @@ def test_no_condition_is_idle(name: str, tmp_path: Path) -> None:
         command = [NODE, str(lax_second(*second, tmp_path / "lax")), str(path)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
+    refused_by_both(cert, tmp_path / "forged.json")
+
+
+@needs_node
+def test_the_final_state_is_as_its_decimals_say(tmp_path: Path) -> None:
+    cert = told(Scene(PAIR))
+    path = tmp_path / "final.json"
+    cert["final"]["circles"][1][0] = "9.5"
+    path.write_text(certificate_json(cert), encoding="utf-8")
+    checker = lax("                self.said(value, text)\n", "                pass\n")
+    assert checker.verdict(path)[0] == 0
+    second = lax_second("run.decimal(p, row[a], `${'xy'[a]} of circle ${i}`);", "", tmp_path / "lax")
+    assert NODE is not None
+    done = subprocess.run([NODE, str(second), str(path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
     refused_by_both(cert, tmp_path / "forged.json")
