@@ -9,67 +9,69 @@ not at all, and of exact numbers (`Form`), sums of fractions times roots. When a
 missed. What is listed has gap zero, and had not before: nothing is invented. What touches is
 resolved by the policy, whose impulses are unique. A number is zero as a form, or by a witness.
 """
-import hashlib, json, random, re, sys
+import copy, hashlib, json, random, re, sys
 from collections import defaultdict, namedtuple
-from copy import copy
 from fractions import Fraction
-from functools import cached_property, reduce
+from functools import cached_property
 from itertools import product
-from math import isqrt
-from operator import mul, sub
+from math import isqrt, prod
 from pathlib import Path
 
-FORMAT, BYTES, CIRCLES, BITS, PAIRS = "truebreak/certificate-3", 1 << 24, 1000, 1 << 20, 1 << 20
-SIZE, DIGITS, ROOTS, FEW, KEEP = 1 << 30, 100_000, 99, 128, 256
+FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-3", 1 << 24, 1000, 1 << 20
+PAIRS, SIZE, DIGITS, ROOTS, FEW, KEEP = 1 << 20, 1 << 30, 100_000, 99, 128, 256
 WORK, EACH, ROOM, PARTS = 8 * 10**9, 16_000, 2 * 10**8, 4 * 10**6
-TERM, COUNT, ANY = r"\d+(?:/\d+)?(?:\*r\d+)*", r"[1-9]\d{0,14}", '".*"'
+ROW, COUNT, ANY = rf"\d{{1,{DIGITS}}}+", r"[1-9]\d{0,14}", '".*"'
 CONTACT, PAIR = r"\[\d{1,15},-?\d{1,15}\]", r"\[-?\d{1,15},-?\d{1,15}\]"
-ROW, POLICY = rf"\d{{1,{DIGITS}}}+", r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"'
 DECIMAL, REASON = rf'"-?{ROW}(?:\.{ROW})?"', '"(events|stopped|horizon|return|quiet)"'
+MORE = "costs more than %s; --work=N"
+POLICY = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"'
+QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|\d{1,15})'
 THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r"}
+OPTIONAL = {"capture", "reverse_after", "reverse_at", "roots", "walls", "pockets", "met", "exact",
+            "turn", "rounds", "enter", "zeros", "until", "limit"}
 def each(item, times="*+"): return rf"\[(?:{item},?){times}\]"
-ZEROS = each(rf'\["(?:gap|closing|disc|speed|slack|until|reverse)",{CONTACT},'
-             rf'(?:"back"|\d{{1,15}})(?:,{CONTACT})?\]')
 def spelt(roots):  # how a number is spelt that uses so many roots
     name = "|".join(f"r{k}" for k in range(roots, 0, -1)) or "none"
     term = rf"{ROW}(?:/(?=0*+[1-9]){ROW})?(?:\*(?:{name}))*+"
     return f'"[+-]?{term}(?:[+-]{term})*+"'
-def shape(own, all):  # of each part what there has to be, and how it is spelt; then what may be
-    own, any, pushes = spelt(own), spelt(all), each(CONTACT, "++")
+def shape(own, all):  # what the parts of a certificate are, and how they are spelt
+    own, any, pushes, map = spelt(own), spelt(all), each(CONTACT, "++"), each(PAIR)
     told = each(CONTACT.replace(r"\]", rf",{any}\]"), "++")
-    put = {kind: ({"id": ANY} | dict.fromkeys(keys.split(), own), {}) for kind, keys in THINGS.items()}
-    put |= {"capture": "true|false", "reverse_after": COUNT, "reverse_at": own, "roots": each(own)}
-    four, map = each(any, "{4}"), each(PAIR)
-    instant = {"met": pushes, "exact": any, "turn": "true", "rounds": each(f"(?:{pushes}|{told})"),
-               "enter": each(CONTACT), "zeros": ZEROS}
+    zeros, rounds = each(rf"\[{QUESTION},{CONTACT},{HOW}(?:,{CONTACT})?\]"), f"(?:{pushes}|{told})"
+    scene = {"capture": "true|false", "reverse_after": COUNT, "reverse_at": own, "roots": each(own)}
+    for kind, names in THINGS.items(): scene[kind] = {"id": ANY} | dict.fromkeys(names.split(), own)
     return {"format": ANY, "writer": ANY, "bits": COUNT, "roots": each(any),
-            "scene": ({"tie_policy": POLICY}, put), "instants": ({"time": DECIMAL}, instant),
-            "isometries": ({"matrix": four, "shift": each(any, "{2}"), "map": map}, {}),
-            "end": ({"reason": REASON}, {"limit": COUNT, "until": any, "zeros": ZEROS}),
-            "final": ({"time": DECIMAL, "circles": each(each(DECIMAL, "{4}"))}, {})}, {}
+            "scene": scene | {"tie_policy": POLICY},
+            "isometries": {"matrix": each(any, "{4}"), "shift": each(any, "{2}"), "map": map},
+            "instants": {"time": DECIMAL, "met": pushes, "exact": any, "turn": "true",
+                         "rounds": each(rounds), "enter": each(CONTACT), "zeros": zeros},
+            "end": {"reason": REASON, "limit": COUNT, "until": any, "zeros": zeros},
+            "final": {"time": DECIMAL, "circles": each(each(DECIMAL, "{4}"))}}
 def fits(value, shape):  # refuses a part, or a list of parts, of another shape
     for part in value if isinstance(value, list) else [value]:
-        for key in {*part, *shape[0]}:
-            found, inner = part[key], (shape[0] | shape[1])[key]
-            if isinstance(inner, tuple): fits(found, inner)
+        for key in part.keys() | (shape.keys() - OPTIONAL):
+            found, inner = part[key], shape[key]
+            if isinstance(inner, dict): fits(found, inner)
             elif not re.fullmatch(inner, json.dumps(found, separators=(",", ":")), re.ASCII):
                 raise Malformed(f"its {key} is not of its shape")
 Flight = namedtuple("Flight", "x y vx vy age seen")  # at (x, y) at `age`; `seen`: where else it was
-class Malformed(Exception): """This is no certificate."""
+class Malformed(ValueError): """This is no certificate."""
 class Refuted(Exception): code, word = 1, "refuted"
 class Undecided(Exception): code, word = 4, "not decided"  # intervals too wide, or nothing shows it
 class Declined(Exception): code, word = 4, "declined"
-BROKEN = Malformed, LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
+BROKEN = LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError
 def refuse(wrong, text, fault=Refuted):
     if wrong: raise fault(text)
-def positive(sign, text, fault=Refuted):  # goes on if a sign is 1
-    if sign != 1: raise (Undecided if sign is None else fault)(text)
-class Cost:
+def demand(sign, wanted, text, fault=Refuted):  # goes on if a sign is among those wanted
+    if sign not in wanted: raise (Undecided if sign is None else fault)(text)
+class Account:
     work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes that are kept
-def charge(units, room=0):
-    Cost.work, Cost.room = Cost.work + units, Cost.room + room
-    if Cost.work > Cost.most: raise Declined(f"costs more than {Cost.most} units of work; --work=N")
-    if Cost.room > Cost.rooms: raise Declined(f"costs more than {Cost.rooms} bytes; --work=N")
+    def charge(self, units, room=0):
+        self.work, self.room = self.work + units, self.room + room
+        if self.work > self.most: raise Declined(MORE % f"{self.most} units of work")
+        if self.room > self.rooms: raise Declined(MORE % f"{self.rooms} bytes")
+cost = Account()
+charge = cost.charge
 class Form(dict):
     """An exact number: a sum of terms {roots: factor}; zero if it has none. What takes a division
     or a root, and is not told, is `UNTOLD`, and stays so."""
@@ -90,10 +92,8 @@ class Form(dict):
             charge(20_000 + ((size(x) + size(y)) ** 2 >> 4))
             parts[j & k][j ^ k] += x * y
         sums = {ks: Form((k, x) for k, x in part.items() if x) for ks, part in parts.items()}
-        return sum((reduce(mul, (Form.squares[n] for n in ks), x) for ks, x in sums.items()), NONE)
-    def sqrt(self): return UNTOLD
+        return sum((prod((Form.squares[n] for n in ks), start=x) for ks, x in sums.items()), NONE)
     def at(self, _): return self
-    def __truediv__(self, _): return UNTOLD
     def sign(self):  # where it is known without an interval: roots are positive
         (k, x), *more = self.items() or [(0, 0)]
         return None if more or k is None else (x > 0) - (x < 0)
@@ -104,9 +104,9 @@ class Ball:
     def __neg__(self): return Ball(-self.m, self.r, self.bits)
     def meet(self, o, times=0):  # before two are computed with
         if self.bits != o.bits: raise Undecided("numbers of unlike bits meet")
-        long = self.m.bit_length()
-        Cost.work += 2_000 + (long >> 3) + (times * long * (o.m.bit_length() + self.bits) >> 12)
-        return self.bits if Cost.work <= Cost.most else charge(0)
+        long = self.m.bit_length() + self.r.bit_length()
+        cost.work += 2_000 + (long >> 3) + (times * long * (o.m.bit_length() + self.bits) >> 12)
+        return self.bits if cost.work <= cost.most else charge(0)
     def __add__(self, o): return Ball(self.m + o.m, self.r + o.r, self.meet(o))
     def __sub__(self, o): return Ball(self.m - o.m, self.r + o.r, self.meet(o))
     def __mul__(self, o):
@@ -130,24 +130,20 @@ class Ball:
         return (self.m > self.r) - (self.m < -self.r) or (None if self.r else 0)
 def shifted(m, r, drop, bits):  # by so many bits less, rounded outward; what is exact stays so
     return Ball(m >> drop, (r >> drop) + 2 if r or m & ((1 << drop) - 1) else 0, bits)
+def whole(n): return Ball(n << Ball.bits, 0, Ball.bits)
 def enclosed(form):  # as a ball
-    total = Ball(0, 0, Ball.bits)
-    for ks, x in form.items():
-        root = reduce(mul, (Ball.roots[n] for n in ks), Ball(1 << Ball.bits, 0, Ball.bits))
-        charge(2_000 + (size(x) * (root.m.bit_length() + size(x)) >> 10))
-        m, rest = divmod(root.m * x.numerator, x.denominator)
-        off = root.r * abs(x.numerator) // x.denominator + 2 if rest or root.r else 0
-        total += Ball(m, off, Ball.bits)
-    return total
+    return sum((prod((Ball.roots[n] for n in ks), start=whole(x.numerator)) / whole(x.denominator)
+                for ks, x in form.items()), whole(0))
 def sign_of(form): return enclosed(form).sign() if (sign := form.sign()) is None else sign
 NONE, ONE, UNTOLD = Form(), Form({frozenset(): Fraction(1)}), Form({None: float("nan")})
 def size(x): return x.numerator.bit_length() + x.denominator.bit_length()
 def number(text):  # reads a sum of terms such as 3/4*r1*r2
     total = NONE
-    for x, *ks in (found[0].split("*r") for found in re.finditer(f"[+-]?{TERM}", text)):
+    for x, *ks in (term.split("*r") for term in re.findall("[+-]?[^+-]+", text)):
         charge(5_000 + (len(x) ** 2 >> 5))
-        roots = (Form.squares[int(k) - 1] and Form({frozenset({int(k) - 1}): Fraction(1)}) for k in ks)
-        total += reduce(mul, roots, Form({frozenset(): x} if (x := Fraction(x)) else {}))
+        roots = [frozenset({int(k) - 1}) for k in ks if Form.squares[int(k) - 1]]
+        factor = Form({frozenset(): x} if (x := Fraction(x)) else {})
+        total += prod((Form({k: Fraction(1)}) for k in roots), start=factor)
     return total
 class Meeting:
     """Two at one instant, `arms` the directions in which they are pushed; computed as it is asked
@@ -171,15 +167,17 @@ class World:
         self.times, self.limits = [self.none], {key: of(x) for key, x in limits.items()}
     def put(self, i, age):  # a flight, told from where it is at an instant
         if (found := (flight := self.flights[i]).seen.get((age, self.bits))) is None:
-            x, y, vx, vy = self.at(*flight[:4])
-            if age != flight.age:
-                x, y = (q + v * self.wait(flight.age, age) for q, v in ((x, vx), (y, vy)))
+            if age == flight.age: x, y, vx, vy = self.at(*flight[:4])
+            else:
+                (x, y, vx, vy, *_), wait = self.put(i, flight.age), self.wait(flight.age, age)
+                x, y = x + vx * wait, y + vy * wait
             if len(flight.seen) > 9 + 9_999 // self.n: flight.seen.clear()
             found = flight.seen[age, self.bits] = Flight(x, y, vx, vy, age, {})
         return found
     def at(self, *numbers): return [x.at(self.bits) for x in numbers]  # as the world has them now
     def of(self, form): return self.read(form).at(self.bits)
-    def wait(self, start, age): return sub(*self.at(self.times[age], self.times[start]))
+    def less(self, x, y): return x.at(self.bits) - y.at(self.bits)
+    def wait(self, start, age): return self.less(self.times[age], self.times[start])
     def start(self, c): return max(self.flights[k].age for k in c if k < self.n)
     def reach(self, c):  # of two circles the sum of their radii
         return self.things[c[1]][4] if c[1] < 0 else self.things[c[0]][4] + self.things[c[1]][4]
@@ -191,30 +189,28 @@ class World:
             return Meeting(d, (p - vx, q - vy), reach, {i: (-d[0], -d[1]), j: d})
         u, v, p, q, length, r, none = self.at(*self.things[j], self.things[i][4], self.none)
         d = (p, q) if self.sides[c] > 0 else (-p, -q)
-        found, half = Bounce(d, (vx, vy), none, {i: d}), d[0] * (x - u) + d[1] * (y - v) - r * length
-        found.gap, found.speed = half + half, none
+        found, gap = Bounce(d, (vx, vy), none, {i: d}), d[0] * (x - u) + d[1] * (y - v) - r * length
+        found.gap, found.speed = gap + gap, none
         return found
     def hit(self, c):  # when the gap of two falls through zero
         if self.read is Form: return UNTOLD
         m = self.meeting(c, start := self.start(c))
         return self.times[start].at(self.bits) + m.gap / (m.disc.sqrt() - m.closing)
-    def solve(self, rows):  # the x with G x = y, by elimination; each row is one of G, and then of y
-        done, low = [], []
-        while rows:
-            (pivot, *top), *rest = rows
-            done.append((pivot, top))
-            rest = [(row[0] / pivot, row[1:]) for row in rest]
-            rows = [[x - f * y for x, y in zip(row, top, strict=True)] for f, row in rest]
-        for pivot, (*top, y) in reversed(done):
+    def solve(self, rows):  # the x with G x = y, by elimination; a row is one of G, and then of y
+        low = []
+        for k, (pivot, *top) in enumerate(rows):  # of the rows below one number less, each time
+            rest = [(row[0] / pivot, row[1:]) for row in rows[k + 1:]]
+            rows[k + 1:] = [[x - f * y for x, y in zip(row, top, strict=True)] for f, row in rest]
+        for pivot, *top, y in reversed(rows):
             low = [sum((-(g * x) for g, x in zip(top, low, strict=True)), y) / pivot, *low]
         return low
     def blow(self, age, push, others, s):  # a round with impulses s, if untold by G s = -2u
         met, _ = {c: self.meeting(c, age) for c in (*push, *others)}, charge(2_000 * len(push) ** 2)
         twice = {c: m.closing + m.closing for c, m in met.items()}
         def effect(c, o):  # an entry of G
-            both = ((self.things[i][5].at(self.bits), met[c].arms[i], met[o].arms[i])
-                    for i in met[c].arms if i in met[o].arms)
-            return sum(((a[0] * b[0] + a[1] * b[1]) * w for w, a, b in both), self.none.at(self.bits))
+            both = ((i, *met[c].arms[i], *met[o].arms[i]) for i in met[c].arms if i in met[o].arms)
+            parts = ((x * p + y * q) * self.things[i][5].at(self.bits) for i, x, y, p, q in both)
+            return sum(parts, self.none.at(self.bits))
         if s: s = [*map(self.of, s)]
         elif self.read is Form: s = [UNTOLD] * len(push)
         else: s = self.solve([[*(effect(c, o) for o in push), -twice[c]] for c in push])
@@ -235,32 +231,32 @@ class Checker:
     way out with impulses, if not undone; of an instant `met`, contacts listed, and `known`, all at
     gap zero, with the signs of closing, and all blows."""
     def __init__(self, told, factor):  # takes up a certificate and its scene
-        self.told, self.end, scene, final = told, told["end"], told["scene"], told["final"]["circles"]
+        self.told, self.end, scene, maps = told, told["end"], told["scene"], told["isometries"]
         self.n, bits, self.policy = (n := len(scene["circles"])), told["bits"], scene["tie_policy"]
-        own, self.due, self.way = scene.get("roots", []), False, False
+        own, parts = scene.get("roots", []), [*told["instants"], self.end]
         refuse(len(roots := own + told["roots"]) > ROOTS, f"it has over {ROOTS} roots", Malformed)
         fits(told, shape(len(own), len(roots)))
-        self.last = self.end["limit"] if self.end["reason"] == "events" else None
         things = [thing for kind in THINGS for thing in scene.get(kind, ())]
         area, ids = n * len(things), {thing["id"] for thing in things}
+        hows = {zero[2] for part in parts for zero in part.get("zeros", ())} - {"back"}
         large = n > CIRCLES or area > PAIRS or bits > min(BITS, SIZE // area)
-        refuse(large, "it has too many circles, walls, pockets or bits", Malformed)
-        twice = len(ids) < len(things) or {"reverse_at", "reverse_after"} <= scene.keys()
-        less = len(final) != n or not told["instants"]
-        refuse(twice or less, "an id or reversal too many, a state or instant too few", Malformed)
-        zeros = [zero for part in (*told["instants"], self.end) for zero in part.get("zeros", ())]
-        strange = {how for _, _, how, *_ in zeros} - {"back", *range(len(told["isometries"]))}
-        refuse(strange, "a witness names an isometry that there is not", Malformed)
+        for wrong, text in (
+                (large, "it has too many circles, walls, pockets or bits"),
+                (len(ids) < len(things) or not told["instants"], "an id twice, or no instant"),
+                ({"reverse_at", "reverse_after"} <= scene.keys(), "it has two reversals"),
+                (len(told["final"]["circles"]) != n, "of other circles than those the end is told"),
+                (hows - {*range(len(maps))}, "a witness names no isometry that there is")):
+            refuse(wrong, text, Malformed)
         text = json.dumps(scene, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
         self.digest = hashlib.sha256(text.encode()).hexdigest()
-        Ball.bits, Form.squares, Ball.roots, Cost.room = bits * factor, [], [], 0
+        Ball.bits, Form.squares, Ball.roots, cost.room = bits * factor, [], [], 0
         charge(3_000 * area, 300 * area + 2 * len(things) * Ball.bits)
         for text in roots:
             Form.squares.append(number(text))
-            positive(sign_of(Form.squares[-1]), "what has a root is not positive", Malformed)
+            demand(sign_of(Form.squares[-1]), [1], "what has a root is not positive", Malformed)
             Ball.roots.append(enclosed(Form.squares[-1]).sqrt())
-        def rows(kind): return [[*map(number, map(thing.get, THINGS[kind].split()))] for thing in scene.get(kind, ())]
-        circles, walls, pockets = map(rows, THINGS)
+        circles, walls, pockets = ([[number(thing[name]) for name in THINGS[kind].split()]
+                                    for thing in scene.get(kind, ())] for kind in THINGS)
         lines = [[x, y, y - v, u - x, length] for x, y, u, v, length in walls]
         rims = [[x, y, NONE, NONE, r, NONE] for x, y, r in reversed(pockets)]
         self.things = dict(enumerate(circles + lines)) | dict(enumerate(rims, -len(rims)))
@@ -268,25 +264,28 @@ class Checker:
         limits = {"reverse": number(scene["reverse_at"])} if "reverse_at" in scene else {}
         if self.end["reason"] == "horizon": limits["until"] = number(self.end["until"])
         for *_, p, q, r in lines:
-            sign = sign_of(p * p + q * q - r * r)
-            positive(sign if sign is None else 1 - abs(sign), "a wall's length differs", Malformed)
-        for row in circles: refuse((row[2] or row[3]) and not row[5], "a fixed circle moves", Malformed)
+            demand(sign_of(p * p + q * q - r * r), [0], "a wall's length differs", Malformed)
+        moves = any((vx or vy) and not w for _, _, vx, vy, _, w in circles)
+        refuse(moves, "a fixed circle moves", Malformed)
         sizes = [x for row in circles for x in row[4:] if x] + [row[4] for row in lines + rims]
-        for x in (*sizes, *limits.values()): positive(sign_of(x), "a size or a time", Malformed)
+        for x in (*sizes, *limits.values()): demand(sign_of(x), [1], "a size or a time", Malformed)
         pairs = ((i, j) for j in range(n) for i in range(j) if circles[i][4] or circles[j][4])
         others = product(self.movable, self.things.keys() - range(n))
-        self.meets, self.of = {c for c in (*pairs, *others) if self.movable & {*c}}, defaultdict(list)
+        self.meets = {c for c in (*pairs, *others) if self.movable & {*c}}
+        self.of = defaultdict(list)  # the contacts of each
         for c, i in ((d, i) for d in self.meets for i in d): self.of[i].append(c)
         sides = {(i, k): sign_of(p * (circles[i][0] - x) + q * (circles[i][1] - y))
                  for i in self.movable for k, (x, y, p, q, _) in enumerate(lines, n)}
-        for c, sign in sides.items(): positive(sign and sign * sign, f"the centre of {c} is on the wall")
-        self.draw = random.Random(int(self.policy[16:])) if ":seed=" in self.policy else None
-        worlds = [World(n, self.things, sides, limits, of) for of in (enclosed, Form)]
-        self.worlds = self.ball, self.form = worlds
-        self.few, self.few.bits = copy(self.ball), min(FEW, Ball.bits)  # the same, with few bits
+        for c, sign in sides.items(): demand(sign, [1, -1], f"the centre of {c} is on the wall")
+        self.worlds = [World(n, self.things, sides, limits, of) for of in (enclosed, Form)]
+        self.ball, self.form = self.worlds
+        self.few, self.few.bits = copy.copy(self.ball), min(FEW, Ball.bits)
         self.few.things = {k: self.few.at(*row) for k, row in self.ball.things.items()}
-        self.isometries, self.parted = [self.isometry(g) for g in told["isometries"]], set()
+        self.isometries, self.parted = [self.isometry(g) for g in maps], set()
         self.age, self.count, self.out, self.known, self.lasting = -1, 0, [], {}, {}
+        self.last = self.end["limit"] if self.end["reason"] == "events" else None
+        self.draw = random.Random(int(self.policy[16:])) if ":seed=" in self.policy else None
+        self.due = self.way = False
     def isometry(self, told):  # its linear part, its map, as the data have it, and whose flights
         (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
         images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
@@ -296,15 +295,14 @@ class Checker:
             vx, vy = a * vx + b * vy, d * vx + e * vy
             zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))
             if i >= self.n: zeros += [vx * wy - vy * wx, x * wx + y * wy]
-            else: zeros += [x, y, vx - wx, vy - wy, *map(sub, k, m)]
+            else: zeros += [x, y, vx - wx, vy - wy, *(r - s for r, s in zip(k, m, strict=False))]
         signs, twice = {sign_of(x) for x in zeros}, len({*images.values()}) < len(told["map"])
         refuse(twice or signs & {1, -1}, "an isometry maps otherwise")
         refuse(None in signs, "whether an isometry maps otherwise", Undecided)
         return (a, b, d, e), images, {i for i in images if 0 <= i < self.n}
     def image(self, images, c):  # the image of a contact
-        i, j = images.get(c[0]), images.get(c[1])
-        if i is None or j is None: return None
-        return (min(i, j), max(i, j)) if 0 <= j < self.n else (i, j)
+        i, j = (images.get(k) for k in c)
+        return tuple(sorted((i, j))) if None not in (i, j) and 0 <= j < self.n else (i, j)
     def mapped(self, g):  # the circles whose flights an isometry maps, and so all that hits them
         _, images, kept = g
         charge(200 * len(kept))
@@ -320,8 +318,8 @@ class Checker:
         (i, j), other = c, tuple(other) if other else self.clock
         if how == "back":
             late = question == "until" and self.end["reason"] == "return" and len(self.out) == 1
-            due = self.way and self.out and (late or question == "gap") and self.met.get(other, 0) < 0
-            return due and {c, other} <= self.out[-1][1]
+            due = self.way and self.out and (late or question == "gap")
+            return due and self.met.get(other, 0) < 0 and {c, other} <= self.out[-1][1]
         (a, b, d, e), images, _ = g = self.isometries[how]
         kept, first = self.mapped(g), question == "closing" and not self.rows
         alike = other in self.met and self.image(images, c) == other
@@ -342,33 +340,34 @@ class Checker:
         if self.zero(question, c, law): return 0
         raise Undecided(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
     def apart(self, c, start, age):  # as `clear`, of circles, in whole numbers at most `off` off
+        few, ends = self.few, ((1, start), (-1, age))[:1 + (age is not None)]
         if c[1] >= self.n:
-            return age and all(self.few.meeting(c, at).gap.sign() == 1 for at in (start, age))
-        for turn, at in ((1, start), (-1, age))[:1 + (age is not None)]:
-            a, b = (self.few.put(i, at)[:4] for i in c)
-            (x, y, vx, vy), reach = (q.m - p.m for p, q in zip(a, b, strict=True)), self.few.reach(c)
-            off = reach.r + sum([p.r for p in a]) + sum([p.r for p in b])
-            far, reach = abs(x) + abs(y) + abs(vx) + abs(vy) + reach.m, reach.m
+            return age is not None and all(few.meeting(c, at).gap.sign() == 1 for _, at in ends)
+        for turn, at in ends:
+            a, b, reach = few.put(c[0], at)[:4], few.put(c[1], at)[:4], few.reach(c)
+            x, y, vx, vy = (q.m - p.m for p, q in zip(a, b, strict=True))
+            off, reach = reach.r + sum([p.r for p in (*a, *b)]), reach.m
+            far = abs(x) + abs(y) + abs(vx) + abs(vy) + reach
             charge(15_000 + (far.bit_length() ** 2 >> 10))
             off *= 4 * (far + off)  # and so is what comes of them
             gap, closing = x * x + y * y - reach * reach - off, turn * (x * vx + y * vy) - off
             if gap <= 0 or closing >= 0: return gap > 0  # at least as large
-            wait = age is not None and self.few.wait(start, age)
+            wait = age is not None and few.wait(start, age)
             if wait and (gap << wait.bits) + 2 * closing * (wait.m + wait.r) > 0: return True
             cross, speed = abs(x * vy - y * vx) - off, vx * vx + vy * vy + off
             if cross > 0 and speed * (reach * reach + off) < cross * cross: return True
         return False
-    def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights, or ever
+    def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
         start, after = self.ball.start(c), None
         if c in self.parted or self.apart(c, start, age): return
-        for w in self.few, self.ball:
-            m = w.meeting(c, start)
-            gap, closing, disc = m.gap.sign(), m.closing.sign(), m.disc.sign()
-            if gap is None and c[1] < 0: continue  # the centre may be in the pocket from the start
-            if (gap == -1 and c[1] < 0) or (gap == 1 and (closing in (0, 1) or disc == -1)): return
-            refuse(gap in (-1, 0) or (age is None and (closing, disc) == (-1, 1)), f"{c} overlap, or meet")
-            if age is None: continue
-            end, wait = w.meeting(c, age), w.wait(start, age)
+        m, doubt = self.ball.meeting(c, start), Undecided(f"whether {c} meet before it")
+        gap, closing, disc = m.gap.sign(), m.closing.sign(), m.disc.sign()
+        if gap is None and c[1] < 0: raise doubt  # the centre may be in the pocket from the start
+        if (gap == -1 and c[1] < 0) or (gap == 1 and (closing in (0, 1) or disc == -1)): return
+        ever = age is None and (closing, disc) == (-1, 1)
+        refuse(gap in (-1, 0) or ever, f"{c} overlap, or meet")
+        if age is not None:
+            end, wait = self.ball.meeting(c, age), self.ball.wait(start, age)
             if gap == 1 and (m.gap + m.closing * wait + m.closing * wait).sign() == 1: return
             back, after = end.gap - end.closing * wait - end.closing * wait, end.gap.sign()
             if (gap, after, back.sign()) == (1, 1, 1): return
@@ -376,11 +375,12 @@ class Checker:
             refuse(after == -1 or late, f"{c} meet before it")
         for x in ("closing", "disc") if gap == 1 and (last or after == 1) else ():
             if self.zero(x, c, lambda w, x=x: getattr(w.meeting(c, start), x)): return
-        raise Undecided(f"whether {c} meet before it")
+        raise doubt
     def take(self, entry, where):  # takes up the witnesses of an entry
         Checker.where, self.witnesses, self.clock = where, defaultdict(list), None
         self.met, self.rows = {}, {}
-        for question, c, *how in entry.get("zeros", ()): self.witnesses[question, tuple(c)].append(how)
+        for question, c, *how in entry.get("zeros", ()):
+            self.witnesses[question, tuple(c)].append(how)
     def instant(self, entry):  # its time; what meets at it, or the reversal; what follows
         self.age, turn, told, due = self.age + 1, "turn" in entry, "exact" in entry, self.due
         age, times, met = self.age, self.ball.times, [*map(tuple, entry.get("met", ()))]
@@ -393,7 +393,7 @@ class Checker:
             if turn: w.times.append(w.times[-1])
             else: w.times.append(w.of(number(entry["exact"])) if told else w.hit(met[0]))
         self.said(times[age], entry["time"])
-        if age and not turn: positive(self.ball.wait(age - 1, age).sign(), "it does not come later")
+        if age and not turn: demand(self.ball.wait(age - 1, age).sign(), [1], "it comes no later")
         for c in met:
             self.clock = self.clock or c
             if self.met or told or not age: refuse(self.sign("gap", c), f"{c} do not meet at it")
@@ -410,7 +410,7 @@ class Checker:
             if self.end["reason"] == "return": w.limits["until"] = w.times[age] + w.times[age]
         self.due = False
         for name in self.ball.limits:
-            sign = self.sign(name, self.clock, lambda w, k=name: sub(*w.at(w.limits[k], w.times[age])))
+            sign = self.sign(name, self.clock, lambda w, k=name: w.less(w.limits[k], w.times[age]))
             refuse(sign < 0, "the end, or the reversal, comes before it")
             self.due |= name == "reverse" and sign == 0
         refuse(not (met or turn or self.due or age == 0), "nothing falls on it")
@@ -418,7 +418,7 @@ class Checker:
         self.due |= not self.way and 0 < self.count == self.told["scene"].get("reverse_after")
         sharp = (x.bits - x.r.bit_length() for i in self.movable for x in self.ball.flights[i][:4])
         bits = max(max(sharp, default=0) + KEEP + Ball.bits // 32, self.few.bits)
-        self.ball.bits = min(self.ball.bits, bits)
+        if self.ball.bits - bits >= KEEP // 4: self.ball.bits = bits
     def settle(self, circles):  # proves that they have met nothing but what is known
         found = {c for i in circles for c in self.of[i] if c not in self.known}
         charge(500 * sum(len(self.of[i]) for i in circles))
@@ -437,21 +437,24 @@ class Checker:
                     many = self.draw and len(coming) > 1
                     coming = [coming[self.draw.randrange(len(coming)) if many else 0]]
                 told = rounds.pop(0) if rounds else []
-                push, s = [(i, j) for i, j, *_ in told], [number(x) for _, _, *by in told for x in by]
+                push = [(i, j) for i, j, *_ in told]
+                s = [number(x) for _, _, *by in told for x in by]
                 twice = len({*push}) < len(push)
                 refuse(not push or twice or {*push} - {*coming}, f"{push} cannot push")
                 others = [c for c in coming if c not in push]
                 balls, _ = (w.blow(self.age, push, others, s) for w in self.worlds)
                 hit = self.movable & {i for c in push for i in c}
                 for c in push if s else ():
-                    if (sign := self.ball.rest[c]().sign()) is None: sign = self.form.rest[c]().sign()
-                    positive(sign if sign is None else 1 - abs(sign), f"the impulse of {c} is another")
-                for impulse in balls: positive(impulse.sign(), f"{push} do not push, or may not")
+                    sign = self.ball.rest[c]().sign()
+                    if sign is None: sign = self.form.rest[c]().sign()
+                    demand(sign, [0], f"the impulse of {c} is another")
+                for impulse in balls: demand(impulse.sign(), [1], f"{push} do not push, or may not")
                 for c in others:
                     refuse(self.sign("slack", c, lambda w, c=c: w.rest[c]()) < 0, f"{c} push too")
                 for i in circles & self.movable:
                     for rows, contacts in ((self.rows, coming), (pushes, push)):
-                        if row := {c for c in contacts if i in c}: rows.setdefault(i, []).append(row)
+                        row = {c for c in contacts if i in c}
+                        if row: rows.setdefault(i, []).append(row)
                 moved |= hit
                 known |= {c: self.sign("closing", c) for c in sorted(group) if hit & {*c}}
         enter = sorted(c for c in known if c[1] < 0 and known[c] < 0)
@@ -468,11 +471,13 @@ class Checker:
         charge(1_000 * (len(self.parted) + len(known)), 200 * len(known))
         self.parted = {c for c in self.parted if not moved & {*c}} | known.keys()
         maps = [(g, self.mapped(g)) for g in self.isometries]
-        self.isometries = [(*g[:2], {i for i in kept if not taken & {i, g[1][i]}}) for g, kept in maps]
+        self.isometries = [(matrix, images, {i for i in kept if not taken & {i, images[i]}})
+                           for (matrix, images, _), kept in maps]
         hits, here = {i: rows[::-1] for i, rows in pushes.items()}, {c for c in known if c[1] >= 0}
         if not self.way and (hits or not self.age): self.out.append((hits, here))
-        if self.way and hits: self.out = self.out[:-1] if [pushes] == [x for x, _ in self.out[-1:]] else []
-    def said(self, value, text):  # that a number is as the decimal says, to a unit of its last digit
+        if self.way and hits:
+            self.out = self.out[:-1] if [pushes] == [x for x, _ in self.out[-1:]] else []
+    def said(self, value, text):  # that a number is as its decimal says, to one unit of its end
         charge(5_000 + (len(text) ** 2 >> 5) + (len(text) * value.m.bit_length() >> 8))
         scale, at = 10 ** len(text.partition(".")[2]), int(text.replace(".", ""))
         least, most = (value.m - value.r) * scale, (value.m + value.r) * scale
@@ -488,14 +493,15 @@ class Checker:
         refuse(left, "no reversal is told")
         if reason not in ("events", "stopped") and "reverse" in limits:
             sign = (limits["reverse"] - limits["until"]).sign() if "until" in limits else 0
-            positive(sign, "the reversal is first")
+            demand(sign, [1], "the reversal is first")
         for w in self.worlds if "until" in limits else (): w.times.append(w.limits["until"])
         self.age += "until" in limits
         charge(500 * len(self.meets))
         for c in self.meets: self.clear(c, None if reason == "quiet" else self.age, last=True)
         self.said(self.ball.times[self.age], self.told["final"]["time"])
         for i, row in enumerate(self.told["final"]["circles"]):
-            for value, text in zip(self.ball.put(i, self.age), row, strict=False): self.said(value, text)
+            for value, text in zip(self.ball.put(i, self.age)[:4], row, strict=True):
+                self.said(value, text)
         many = [f"{len(self.told['scene'].get(kind, ()))} {kind}" for kind in THINGS]
         events = f"{self.count} event{'s' * (self.count != 1)}, to the end: {reason}"
         return f"{events}; {', '.join(many)}; scene sha256:{self.digest}"
@@ -504,8 +510,9 @@ def judged(told, factor):  # the exit code for a certificate with so many times 
     try: return 0, f"verified: {Checker(told, factor).check()}"
     except (Refuted, Undecided, Declined) as x: return x.code, f"{x.word}: {Checker.where}: {x}"
 def once(pairs):  # an object of JSON whose keys differ
-    return refuse(len({k for k, _ in pairs}) < len(pairs), "a key comes twice", Malformed) or dict(pairs)
-def whole(text):  # a number of JSON, which has to be whole
+    refuse(len(found := dict(pairs)) < len(pairs), "a key comes twice", Malformed)
+    return found
+def integer(text):  # a number of JSON, which has to be whole
     return refuse(len(text) > 16, "a number of over 15 digits", Malformed) or int(text)
 def verdict(path, work=None):  # the exit code for a file, and a sentence
     sys.set_int_max_str_digits(DIGITS + 1)
@@ -513,10 +520,10 @@ def verdict(path, work=None):  # the exit code for a file, and a sentence
         refuse(Path(path).exists() and not Path(path).is_file(), "it is no regular file", Malformed)
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
         refuse(len(text) > BYTES, f"it is longer than {BYTES} bytes", Malformed)
-        Cost.work, Cost.most = 0, work or WORK + EACH * len(text)
-        Cost.rooms, parts = 1 << 60 if work else ROOM, sum(map(text.count, (b",", b"[", b"{", b":")))
+        cost.work, cost.most = 0, work or WORK + EACH * len(text)
+        cost.rooms, parts = 1 << 60 if work else ROOM, sum(text.count(x) for x in b",[{:")
         if not work and parts > PARTS: return 4, f"declined: more than {PARTS} parts; --work=N"
-        numbers = dict.fromkeys(("parse_int", "parse_float", "parse_constant"), whole)
+        numbers = dict.fromkeys(("parse_int", "parse_float", "parse_constant"), integer)
         told = json.loads(text.decode(), object_pairs_hook=once, **numbers)
         refuse(told["format"] != FORMAT, f"the format is not {FORMAT}", Malformed)
         timed = all({"met", "exact", "turn"} & entry.keys() for entry in told["instants"][1:])
@@ -528,7 +535,8 @@ def verdict(path, work=None):  # the exit code for a file, and a sentence
         return code, sentence
     except MemoryError: return 4, "declined: there is not so much memory"
     except OSError as error: return 2, f"no certificate: it cannot be read: {error.strerror}"
-    except BROKEN as x: return 2, f"no certificate: {type(x).__name__}: {' '.join(str(x).split())[:200]}"
+    except BROKEN as error:
+        return 2, f"no certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}"
 if __name__ == "__main__":
     given = re.fullmatch(r"(?:--work=(\d{1,15}))?", sys.argv[2] if len(sys.argv) == 3 else "")
     code, said = 2, "no certificate: usage: verify.py FILE [--work=N]"

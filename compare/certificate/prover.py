@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Set
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...tools.verify import Ball, Checker, Undecided, World
+from ...tools.verify import Ball, Checker, Undecided, World, enclosed
 from .isometries import Contact, Isometries
 from .scene_text import text_of
 from .tower import Exact
@@ -64,12 +64,11 @@ class Lazy:
                 todo += now.by[1:]
 
 
-class Recorded(World):
-    """A world of such numbers that keeps the impulses of its rounds, by instants, and the time of the last hit."""
+class Remembering(World):
+    """A world that keeps the time of the last hit, which is asked for twice: to gather an instant, and to check it."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
-        self.struck: dict[int, list[list[Lazy]]] = {}
         self.last: tuple[Any, Any] = (None, None)
 
     def hit(self, c: Contact) -> Any:
@@ -78,6 +77,14 @@ class Recorded(World):
         if self.last[0] != asked:
             self.last = asked, super().hit(c)
         return self.last[1]
+
+
+class Recorded(Remembering):
+    """A world of such numbers that keeps the impulses of its rounds, by instants."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.struck: dict[int, list[list[Lazy]]] = {}
 
     def blow(self, age: int, push: Any, others: Any, s: Any) -> Any:
         """As in any world."""
@@ -104,6 +111,9 @@ class Prover(Checker):
         self.likely = Isometries(self.things_exact, self.n)
         told = self.form
         self.form = Recorded(self.n, self.things, told.sides, told.limits, lambda form: Lazy(Exact.of(form)))
+        balls = Remembering(self.n, self.things, told.sides, told.limits, enclosed)
+        balls.flights, balls.times = self.few.flights, self.few.times  # those that `few` reads with few bits
+        self.ball = balls
         self.worlds = self.ball, self.form
 
     @property
@@ -247,6 +257,8 @@ class Prover(Checker):
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
         if c in self.lasting or c in self.met or c not in self.meets or (c in self.parted and not leaving):
             return False
+        if self._far(c):
+            return False
         for world in (self.few, self.ball):
             m = world.meeting(c, self.age)
             if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
@@ -255,6 +267,15 @@ class Prover(Checker):
             return False
         self._list(entry, c)
         return True
+
+    def _far(self, c: Contact) -> bool:
+        """Whether two circles are apart at the instant: most are, and whole numbers show it at least cost."""
+        if not 0 <= c[1] < self.n:
+            return False
+        a, b, reach = self.few.put(c[0], self.age), self.few.put(c[1], self.age), self.few.reach(c)
+        off = reach.r + a.x.r + a.y.r + b.x.r + b.y.r
+        x, y = abs(b.x.m - a.x.m), abs(b.y.m - a.y.m)
+        return x > reach.m + off or y > reach.m + off or x * x + y * y > (reach.m + off) ** 2 + 2 * off * (x + y)
 
     # -- witnesses
 

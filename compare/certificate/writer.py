@@ -13,7 +13,7 @@ from ...exact.certified.precision import FIRST_BITS
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason, Trajectory
-from ...tools.verify import BITS, CIRCLES, FORMAT, Cost, Refuted, Undecided
+from ...tools.verify import BITS, CIRCLES, FORMAT, Refuted, Undecided, cost
 from .log import Contact, instants
 from .prover import Prover
 from .scene_text import exact_number, scene_part, text_of
@@ -35,7 +35,7 @@ EACH = 4
 LONG = 500
 """A run of more instants is followed over its first part, and the bits lost there tell how many the whole takes."""
 
-PART = 8
+PART = 16
 """Which part of it that is. (`gas` loses 1,125 bits in its first 1,000 events, and 4,931 in its first 4,500.)"""
 
 MARGIN = 32
@@ -90,12 +90,12 @@ def _long_numbers() -> Iterator[None]:
 @contextmanager
 def _without_limit() -> Iterator[None]:
     """What the checker's own program may cost is not bounded here: the run that it follows has bounds of its own."""
-    saved = Cost.most, Cost.rooms
-    Cost.most = Cost.rooms = 1 << 200
+    saved = cost.most, cost.rooms
+    cost.most = cost.rooms = 1 << 200
     try:
         yield
     finally:
-        Cost.most, Cost.rooms = saved
+        cost.most, cost.rooms = saved
 
 
 def _certified(trajectory: Trajectory, digits: int) -> dict[str, Any]:

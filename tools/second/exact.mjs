@@ -2,6 +2,8 @@
 import { malformed, undecided } from './base.mjs';
 
 const MOST_TERMS = 4096, MOST_DIGITS = 100000;
+/** Parts of a product that are kept before they are summed; and units of work that a term costs which is copied. */
+const MOST_REST = 8, COPIED = 64;
 
 /**
  * (sum of terms.get(m) * product of the roots whose bits are set in m) / den; no term is 0, den is positive.
@@ -32,6 +34,7 @@ export class ExactWorld {
     const { work } = this, same = a.den === b.den;
     if (!same) work.product(a.den, b.den);
     const terms = new Map();
+    work.charge(COPIED * (a.terms.size + b.terms.size));
     for (const [m, x] of a.terms) { if (!same) work.product(x, b.den); terms.set(m, same ? x : x * b.den); }
     for (const [m, y] of b.terms) {
       work.product(y, a.den);
@@ -62,6 +65,7 @@ export class ExactWorld {
         let p = { den: 1n, terms: new Map([[m ^ l, n]]) };
         for (let k = 0; k < this.roots.length; k++) if (common >> BigInt(k) & 1n) p = this.mul(p, this.roots[k]);
         rest.push(p);
+        if (rest.length === MOST_REST) rest.push(rest.splice(0).reduce((x, y) => this.add(x, y)));
       }
     }
     const den = a.den * b.den;

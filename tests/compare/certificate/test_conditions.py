@@ -201,6 +201,33 @@ def two_to_one() -> Told:
     return cert
 
 
+def centre_on_a_wall() -> Told:
+    """A point starts on a wall, and so on neither side of it; it is said to leave."""
+    cert = told(Scene([Circle(0, 0, vx=1), Circle(50, 50)], [Wall(-9, -1, -9, 1)]))
+    cert["scene"]["walls"][0] |= {"x0": "0", "x1": "0"}
+    cert["scene"]["circles"][0]["r"] = "0"
+    cert["instants"] = [{"time": "0", "met": [[0, 2]]}]
+    return cert
+
+
+def circle_to_pocket() -> Told:
+    """A fixed circle is said to be mapped to a pocket of its size where it is."""
+    cert = told(Scene([Circle(0, 0), Circle(9, 0, m="oo")], pockets=[Pocket(20, 0, 1)]))
+    cert["scene"]["pockets"][0]["x"] = "9"
+    cert["isometries"] = [{**SAME, "map": [[1, -1]]}]
+    return cert
+
+
+def a_blow_that_is_not_mapped() -> Told:
+    """Two heavy pairs alike, but that something light has struck one of them: they do not meet at the same time."""
+    heavy = [Circle(x, y, vx=int(m > 1), m=m) for y in (0, 50) for x, m in ((0, 10**60), (9, 1))]
+    discs = [*heavy, Circle(-3, 50, vx=5)]
+    both = {"met": [[0, 1], [2, 3]], "rounds": [[[0, 1]], [[2, 3]]], "zeros": [["gap", [2, 3], 0]]}
+    cert = of(Scene(discs), {"met": [[2, 4]], "rounds": [[[2, 4]]]}, both, end=STOPPED)
+    cert["isometries"] = [{**SAME, "shift": ["0", "-50"], "map": [[2, 0], [3, 1]]}]
+    return {**cert, "bits": 160}
+
+
 STOPPED = {"reason": "stopped"}
 MEET = {"met": [[0, 1]], "rounds": [[[0, 1]]]}
 TURN = ({"exact": "12"}, {"turn": True})
@@ -220,7 +247,7 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         later_than_it_touches,
     ),
     "instants come one after the other": (
-        ("if age and not turn: positive(", "if 0: positive("),
+        ("if age and not turn: demand(", "if 0: demand("),
         ("if (s <= 0) refute('it does not come after", "if (0) refute('it does not come after"), sooner,
     ),
     "what is listed has gap zero": (
@@ -277,7 +304,7 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         ("if (sign <= 0) refute(`${contacts[a].name} does not push`)", ""), into_two_points,
     ),
     "impulses turn the closing speed round": (
-        ('positive(sign if sign is None else 1 - abs(sign), f"the impulse', 'positive(1, f"the impulse'),
+        ('demand(sign, [0], f"the impulse', 'demand(0, [0], f"the impulse'),
         ("if (s) refute(`the impulse of", "if (0) refute(`the impulse of"),
         lambda: of(Scene(PAIR), {"exact": "7", "met": [[0, 1]], "rounds": [[[0, 1, "2"]]]}),
     ),
@@ -322,16 +349,16 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         lambda: no_isometry(shift=["1", "0"]),
     ),
     "an isometry maps velocities": (
-        ("[x, y, vx - wx, vy - wy, *map", "[x, y, *map"),
+        ("[x, y, vx - wx, vy - wy, *(r", "[x, y, *(r"),
         ("if (kind === 'circle') same((A, w) => this.image(A, w, [p.vx[w], p.vy[w]])[k], [q.vx, q.vy][k], what);", ""),
         lambda: no_isometry(matrix=["-1", "0", "0", "1"]),
     ),
     "an isometry maps radii": (
-        ("*map(sub, k, m)]", "*map(sub, k[1:], m[1:])]"), ("same((A, w) => p.r[w], q.r, what);", ""),
+        ("zip(k, m, strict=False)", "zip(k[1:], m[1:], strict=False)"), ("same((A, w) => p.r[w], q.r, what);", ""),
         lambda: shifted(r="1/2"),
     ),
     "an isometry maps masses": (
-        ("*map(sub, k, m)]", "*map(sub, k[:1], m[:1])]"), ("if (kind === 'circle') same((A, w) => p.w[w], q.w, what);", ""),  # noqa: E501
+        ("zip(k, m, strict=False)", "zip(k[:1], m[:1], strict=False)"), ("if (kind === 'circle') same((A, w) => p.w[w], q.w, what);", ""),  # noqa: E501
         lambda: shifted(m=2),
     ),
     "an isometry maps walls to parallel ones": (
@@ -343,6 +370,19 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         ("[vx * wy - vy * wx, x * wx + y * wy]", "[vx * wy - vy * wx]"),
         ("return across(A, w, [A.sub(x, q.x0[w]), A.sub(y, q.y0[w])]);", "return A.sub(x, x);"),
         lambda: beside_a_wall(shift=["1", "0"]),
+    ),
+    "no centre is on a wall": (
+        ("demand(sign, [1, -1], f\"the centre", "demand(1, [1, -1], f\"the centre"),
+        (" || refute(`the centre of circle ${i} is on wall ${wall.id}`)", ""), centre_on_a_wall,
+    ),
+    "an isometry maps circles to circles": (
+        ("            zeros += [ONE] * ((i < 0, i < self.n) != (j < 0, j < self.n))\n", ""),
+        None,  # the second one has no circle by that number then
+        circle_to_pocket,
+    ),
+    "whose row is not mapped is struck out": (
+        ("while bad := {i for i in hit & kept if strays(i)}: kept", "while bad := (): kept"),
+        ("if (!this.rowMapped(", "if (0 && !this.rowMapped("), a_blow_that_is_not_mapped,
     ),
     "an isometry takes no two to one": (
         ("refuse(twice or signs", "refuse(signs"),
@@ -366,4 +406,19 @@ def test_no_condition_is_idle(name: str, tmp_path: Path) -> None:
         command = [NODE, str(lax_second(*second, tmp_path / "lax")), str(path)]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
+    refused_by_both(cert, tmp_path / "forged.json")
+
+
+@needs_node
+def test_the_final_state_is_as_its_decimals_say(tmp_path: Path) -> None:
+    cert = told(Scene(PAIR))
+    path = tmp_path / "final.json"
+    cert["final"]["circles"][1][0] = "9.5"
+    path.write_text(certificate_json(cert), encoding="utf-8")
+    checker = lax("                self.said(value, text)\n", "                pass\n")
+    assert checker.verdict(path)[0] == 0
+    second = lax_second("run.decimal(p, row[a], `${'xy'[a]} of circle ${i}`);", "", tmp_path / "lax")
+    assert NODE is not None
+    done = subprocess.run([NODE, str(second), str(path)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
     refused_by_both(cert, tmp_path / "forged.json")

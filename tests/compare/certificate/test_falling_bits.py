@@ -52,5 +52,5 @@ def test_a_long_run_is_followed_once_with_the_bits_that_its_first_part_tells(mon
     monkeypatch.setattr(writer.Prover, "run", watched)
     monkeypatch.setattr(writer, "LONG", 200)
     told = certificate_of(ExactEngine().run(catalogue.build("gas"), events=400))
-    assert [instants for instants, _ in tried] == [50, 401]
+    assert [instants for instants, _ in tried] == [25, 401]
     assert told["bits"] == tried[-1][1] + writer.MARGIN < 900

@@ -16,7 +16,7 @@ from certificate.checkers import NODE, by_node, by_python, needs_node
 from certificate.samples import samples
 from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Pocket, Scene, Wall
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Wall
 from truebreak.scenarios.errors import SceneError
 
 Told = dict[str, Any]
@@ -185,7 +185,7 @@ def run_again(told: Told) -> Told:
             | ({"m": "oo" if row["w"] == "0" else f"1/({exact_text(row['w'], roots)})"} if "w" in row else {})
             for row in scene.get(name, ())
         )
-        return [kind(**row, **(more if row.get("r") == "0" else {})) for row in rows]
+        return [kind(**row, **(more if Quantity.of(row.get("r", "1")) == Quantity.of(0) else {})) for row in rows]
 
     built = Scene(
         things(Circle, "circles", point=True),
