@@ -10,9 +10,11 @@ import copy
 import json
 import math
 import re
+from binascii import a2b_base64
 from collections.abc import Callable, Iterator
 from itertools import chain
 from pathlib import Path
+from struct import unpack
 from typing import Any
 
 from ..foreign.lines import cells_of, once, text_lines
@@ -27,13 +29,15 @@ MOST_LINE = 1 << 24
 SHOWN = 60
 """Characters of a strange line that an error repeats."""
 
-OWN_KEYS = frozenset({"step", "time", "contact", "contacts", "states", "hash", "input", "end", "quiet", "outline"})
+OWN_KEYS = frozenset(
+    {"step", "time", "contact", "contacts", "states", "hash", "input", "end", "quiet", "outline", "order", "packed"}
+)
 """The keys of a line that have a meaning of their own; all others are free, and compared by name. A first line with
 none of them is a header."""
 
 LISTS, FLOATS = frozenset({list}), frozenset({float})
 
-TELLS = frozenset({"log", "outline", "end"})
+TELLS = frozenset({"log", "outline", "order", "end"})
 """Keys of lines that are no events."""
 
 KEPT = 256
@@ -148,6 +152,7 @@ class Log:
         self._clock_records = 0
         self._hashes = 0
         self._width = 0
+        self._order: list[str] = []
         self._columns: list[str] = []
         self._own: set[str] = set()
         self._row_pending: Record | None = None
@@ -323,7 +328,7 @@ class Log:
                     if type(pair) is list and len(pair) == 2 and type(pair[0]) is str and type(pair[1]) is str:
                         record.contacts.append((pair[0], pair[1]))
                     else:
-                        record.contacts.append(self._pair(number, pair))
+                        record.contacts.append(_pair(self, number, pair))
             elif key == "states":
                 record.states = self._states(number, item)
             elif key == "step":
@@ -332,11 +337,13 @@ class Log:
                 record.step = item
             elif key == "hash":
                 record.hash = str(item)
+            elif key == "packed":
+                record.states = _unpacked(self, number, item)
             elif key in TELLS:
                 self._tell(number, value)
                 return None
             elif key == "contact":
-                record.contacts.append(self._pair(number, item))
+                record.contacts.append(_pair(self, number, item))
             elif key == "input":
                 record.input = item
             else:
@@ -367,6 +374,11 @@ class Log:
             self._take_header(number, value)
         elif "outline" in value:
             self.outlines[str(value.get("body", ""))] = value["outline"]
+        elif "order" in value:
+            order = value["order"]
+            if not isinstance(order, list) or not order or not all(isinstance(body, str) for body in order):
+                raise self._fail(number, f"order = {str(order)[:SHOWN]}; must be a list of ids")
+            self._order = order
         else:
             self.end, self.quiet = self._number(number, "end", value["end"]), bool(value.get("quiet", False))
 
@@ -383,15 +395,6 @@ class Log:
         if isinstance(outlines, dict):
             self.outlines.update(outlines)
         self.header.update({k: v for k, v in value.items() if k not in ("log", "outlines")})
-
-    def _pair(self, number: int, pair: Any) -> tuple[str, str]:
-        if type(pair) is list and len(pair) == 2:
-            a, b = pair
-            if type(a) is str and type(b) is str:
-                return a, b
-            if isinstance(a, str | int) and isinstance(b, str | int):
-                return str(a), str(b)
-        raise self._fail(number, f'contact = {str(pair)[:SHOWN]}; must be two ids, as in ["a", "b"]')
 
     def _states(self, number: int, states: Any) -> dict[str, list[float]]:
         if type(states) is not dict:
@@ -503,7 +506,7 @@ class Log:
             except ValueError:
                 raise self._fail(number, f"step = {row['step'][:SHOWN]!r}; must be a whole number") from None
         if "time" in row:
-            record.time = self._cell(number, row, "time")
+            record.time = _cell(self, number, row, "time")
         if "a" in row and "b" in row:
             if not row["a"] and not row["b"]:
                 self.end = record.time
@@ -512,9 +515,9 @@ class Log:
             for side in "ab":
                 keys = [f"{key}{side}" for key in ("x", "y", "vx", "vy")]
                 if all(row.get(key) for key in keys):
-                    record.states[row[side]] = [self._cell(number, row, key) for key in keys]
+                    record.states[row[side]] = [_cell(self, number, row, key) for key in keys]
         if "id" in row:
-            record.states[row["id"]] = [self._cell(number, row, name) for name in self.names or []]
+            record.states[row["id"]] = [_cell(self, number, row, name) for name in self.names or []]
         else:
             for name in row.keys() - own:
                 try:
@@ -523,12 +526,6 @@ class Log:
                     record.fields[name] = row[name]
         record.hash = row.get("hash")
         return record
-
-    def _cell(self, number: int, row: dict[str, str], key: str) -> float:
-        try:
-            return float(row[key].replace("_", " "))
-        except ValueError:
-            raise self._fail(number, f"{key} = {row[key][:SHOWN]!r}; must be a number") from None
 
 
 def _as_json(match: re.Match[str]) -> str:
@@ -550,3 +547,35 @@ def _keys(value: Any) -> int:
     if isinstance(value, dict):
         return len(value) + sum(map(_keys, value.values()))
     return sum(map(_keys, value)) if isinstance(value, list) else 0
+
+
+def _pair(log: Log, number: int, pair: Any) -> tuple[str, str]:
+    if type(pair) is list and len(pair) == 2:
+        a, b = pair
+        if type(a) is str and type(b) is str:
+            return a, b
+        if isinstance(a, str | int) and isinstance(b, str | int):
+            return str(a), str(b)
+    raise log._fail(number, f'contact = {str(pair)[:SHOWN]}; must be two ids, as in ["a", "b"]')
+
+
+def _unpacked(log: Log, number: int, text: Any) -> dict[str, list[float]]:
+    """States of all bodies, in their order: doubles in base64."""
+    try:
+        raw = a2b_base64(text, strict_mode=True) if isinstance(text, str) else b""
+    except ValueError:
+        raw = b""
+    count = 8 * len(log._order)
+    if not raw or not count or len(raw) % count:
+        raise log._fail(
+            number, f"packed = {str(text)[:SHOWN]!r}; must be base64 of as many doubles for each body of an order"
+        )
+    values, wide = unpack(f"<{len(raw) // 8}d", raw), len(raw) // count
+    return {body: list(values[wide * k : wide * (k + 1)]) for k, body in enumerate(log._order)}
+
+
+def _cell(log: Log, number: int, row: dict[str, str], key: str) -> float:
+    try:
+        return float(row[key].replace("_", " "))
+    except ValueError:
+        raise log._fail(number, f"{key} = {row[key][:SHOWN]!r}; must be a number") from None
