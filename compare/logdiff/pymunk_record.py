@@ -121,7 +121,7 @@ class PymunkRecording:
         if not begun:
             return ""
         self._meet(self._read.ids())
-        named = [sorted(self._names.get(i, "static") for i in memoryview(key).cast("N").tolist()) for key in begun]
+        named = [sorted(self._names.get(i, "static") for i in memoryview(key).cast("N").tolist()) for key in begun]  # pyright: ignore[reportCallIssue, reportArgumentType]
         return f', "contacts": {json.dumps(sorted(named))}'
 
     def _meet(self, ids: list[int]) -> None:
@@ -185,7 +185,7 @@ class _Readings:
 
     def ids(self) -> list[int]:
         """Whose they are."""
-        return memoryview(self._states.int_buf()).cast("N").tolist()
+        return memoryview(self._states.int_buf()).cast("N").tolist()  # pyright: ignore[reportCallIssue, reportArgumentType]
 
     def pairs(self) -> bytes:
         """The ids of pairs of bodies in contact."""
