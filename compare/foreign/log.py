@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 import json
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ..validation import EngineError
+from .lines import cells_of, once, text_lines
 from .runs.recording import Recording
 
 if TYPE_CHECKING:
@@ -113,34 +112,10 @@ def _pair(pair: Any, where: str) -> tuple[str, str]:
     return pair[0], pair[1]
 
 
-def _text_lines(path: Path, shown: str) -> Iterator[tuple[int, str]]:
-    """The lines of a file that are not empty, with their numbers; a mark of byte order at the start is none of it."""
-    read, long = 0, f"the log is longer than {MOST_BYTES:,} bytes; judge its beginning, or leave out states"
-    try:
-        with path.open("rb") as file:
-            if os.fstat(file.fileno()).st_size > MOST_BYTES:
-                raise EngineError(f"file {shown!r}: {long}")
-            for number, raw in enumerate(iter(lambda: file.readline(MOST_LINE + 1), b""), 1):
-                read += len(raw)
-                if len(raw) > MOST_LINE:
-                    raise EngineError(
-                        f"file {shown!r}, line {number}: is longer than {MOST_LINE:,} bytes; is it a log?"
-                    )
-                if read > MOST_BYTES:  # of a pipe, whose length is not known before
-                    raise EngineError(f"file {shown!r}, line {number}: {long}")
-                text = raw.decode("utf-8").removeprefix("\ufeff" if number == 1 else "").strip()
-                if text:
-                    yield number, text
-    except UnicodeDecodeError:
-        raise EngineError(f"file {shown!r}: is not text in UTF-8; is it a log?") from None
-    except OSError as error:
-        raise EngineError(f"file {shown!r}: {error.strerror or error}; name a log that can be read") from None
-
-
 def _json_lines(path: Path, shown: str) -> Iterator[Numbered]:
-    for number, text in _text_lines(path, shown):
+    for number, text in text_lines(path, shown, MOST_LINE, MOST_BYTES):
         try:
-            line = json.loads(text, object_pairs_hook=_once)
+            line = json.loads(text, object_pairs_hook=once)
         except KeyError as twice:
             raise EngineError(f"file {shown!r}, line {number}: has {twice} twice; keep one") from None
         except (ValueError, RecursionError):
@@ -152,22 +127,8 @@ def _json_lines(path: Path, shown: str) -> Iterator[Numbered]:
         yield number, line
 
 
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """An object of JSON, each key of which is there once.
-
-    Raises:
-        KeyError: for one that is there again.
-    """
-    found: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in found:
-            raise KeyError(key[:60])
-        found[key] = value
-    return found
-
-
 def _csv_lines(path: Path, shown: str) -> Iterator[Numbered]:
-    rows = _text_lines(path, shown)
+    rows = text_lines(path, shown, MOST_LINE, MOST_BYTES)
     number, head = next(rows, (0, ""))
     if number == 0:
         return
@@ -179,10 +140,7 @@ def _csv_lines(path: Path, shown: str) -> Iterator[Numbered]:
         )
     for number, text in rows:
         where = f"file {shown!r}, line {number}"
-        try:
-            cells = [cell.strip() for cell in next(csv.reader([text]))]
-        except csv.Error as error:
-            raise EngineError(f"{where}: {text[:60]!r} is no row of CSV: {error}") from None
+        cells = cells_of(text, where)
         if len(cells) != len(names):
             raise EngineError(f"{where}: has {len(cells)} cells, and {len(names)} columns; was the log cut off?")
         yield number, _csv_line(dict(zip(names, cells, strict=True)), where)

@@ -255,14 +255,11 @@ class Growing:
         self.bodies: set[str] = set()
         self.off: dict[str, float] = {}
         self.same_at: dict[str, int] = {}
-        self.first_fresh: Counter[str] = Counter()
         self.onsets = 0
         self.sated = False
         self.second: Counter[str] = Counter()
         self._twice: set[str] = set()
         self.counted: list[tuple[int, int]] = []
-        self.compared = 0
-        self.differing = 0
 
     def name_of(self, j: int, width: int) -> str:
         """The name of the j-th number of a state."""
@@ -272,15 +269,12 @@ class Growing:
 
     def same(self, body: str, number: int) -> None:
         """A body is the same in both at a record."""
-        if body not in self.same_at:
-            self.first_fresh["same"] += 1
-        elif body not in self._twice:
+        if body not in self._twice and body in self.same_at:
             self._twice.add(body)
             self.second["same"] += 1
         self.same_at[body] = number
         if self.off:
             self.off.pop(body, None)
-        self.compared += 1
 
     def before(self, body: str, partners: Iterable[str]) -> float:
         """Bits by which a body and others were off at their last records."""
@@ -304,8 +298,6 @@ class Growing:
         if worst == NEVER:
             self.same(body, a.number)
             return NEVER
-        self.compared += 1
-        self.differing += 1
         placed = False
         if len(self.early) < EARLY:
             placed = a.time == b.time and all(one[j] == other[j] for j in self.places(len(one)))
@@ -327,9 +319,7 @@ class Growing:
         fresh = body not in self.same_at
         if len(self.counted) < EARLY and (not self.counted or self.counted[-1][0] != a.number):
             self.counted.append((a.number, self.onsets))
-        if fresh and body not in self.bodies:
-            self.first_fresh["differs"] += 1
-        elif body not in self._twice:
+        if (not fresh or body in self.bodies) and body not in self._twice:
             self._twice.add(body)
             self.second["differs"] += 1
         found = None

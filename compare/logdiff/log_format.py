@@ -6,15 +6,18 @@ docs/log-format.md has every key.
 
 from __future__ import annotations
 
-import csv
+import copy
 import json
 import math
 import re
-from collections.abc import Iterator
+from binascii import a2b_base64
+from collections.abc import Callable, Iterator
 from itertools import chain
 from pathlib import Path
+from struct import unpack
 from typing import Any
 
+from ..foreign.lines import cells_of, once, text_lines
 from ..validation import EngineError
 
 FORMAT = "truebreak/log-1"
@@ -26,11 +29,23 @@ MOST_LINE = 1 << 24
 SHOWN = 60
 """Characters of a strange line that an error repeats."""
 
-OWN_KEYS = frozenset({"step", "time", "contact", "contacts", "states", "hash", "input", "end", "quiet", "outline"})
+OWN_KEYS = frozenset(
+    {"step", "time", "contact", "contacts", "states", "hash", "input", "end", "quiet", "outline", "order", "packed"}
+)
 """The keys of a line that have a meaning of their own; all others are free, and compared by name. A first line with
 none of them is a header."""
 
-PLAIN = frozenset({float, int})
+LISTS, FLOATS = frozenset({list}), frozenset({float})
+
+TELLS = frozenset({"log", "outline", "order", "end"})
+"""Keys of lines that are no events."""
+
+KEPT = 256
+"""Parsed lines that are kept for the other log: so far apart independent events usually are."""
+
+DECODE = json.JSONDecoder().raw_decode
+
+WORDS = re.compile(r"[\s,;:=]+")
 
 NOT_JSON = re.compile(r"(?<=[\[,:\s])(-?)(nan|inf|infinity)(?:\([^)]*\))?(?=[\],}\s])", re.IGNORECASE)
 """What printf writes for a number that is none."""
@@ -51,15 +66,15 @@ class Record:
         input: whatever was fed in.
         fields: free fields by name.
         repeats: how many of its lines repeat the line before them.
-        raw: its text.
+        texts: its lines.
     """
 
     __slots__ = (
-        "clock", "contacts", "fields", "hash", "input", "line", "number", "raw", "repeats", "states", "step", "time",
+        "clock", "contacts", "fields", "hash", "input", "line", "number", "repeats", "states", "step", "texts", "time",
     )  # fmt: skip
 
-    def __init__(self, line: int, raw: str) -> None:
-        self.line, self.number, self.raw, self.repeats = line, 0, raw, 0
+    def __init__(self, line: int, text: str) -> None:
+        self.line, self.number, self.texts, self.repeats = line, 0, [text], 0
         self.step: int | None = None
         self.time: float | None = None
         self.clock: float | None = None
@@ -68,6 +83,13 @@ class Record:
         self.hash: str | None = None
         self.input: Any = None
         self.fields: dict[str, Any] = {}
+
+    def copied(self) -> Record:
+        """Another record of the same, to which lines can be added."""
+        other = copy.copy(self)
+        other.texts, other.contacts = list(self.texts), list(self.contacts)
+        other.states, other.fields = dict(self.states), dict(self.fields)
+        return other
 
     def place(self) -> str:
         """Where it is, for a person: its step or number, its time and its line.
@@ -83,9 +105,9 @@ class Record:
 
 
 class Log:
-    """A log that is read from its beginning to its end, once.
+    """A log that is read from its beginning to its end, once, line by line: `take` each, then `finish`.
 
-    Iterating gives its records. What stands before the first of them is known as soon as that is read.
+    Iterating reads the file and gives its records.
 
     Attributes:
         name: its path, as given.
@@ -95,7 +117,8 @@ class Log:
         end: the time at which it says that it ends; None without an `end`.
         cut: number of a last line that is not whole; None if there is none.
         stride: steps between its records, at least; 0 if there are not two.
-        beside: a log that is read together with this one: a line that is the same in both is parsed once.
+        count: how many records there have been.
+        parsed: lines that another log, read beside this one, has had lately: what is in both is parsed once.
         restarts: (line, from, to) for each time that the clock, or the count of steps, begins anew.
 
     Raises:
@@ -112,8 +135,13 @@ class Log:
         self.cut: int | None = None
         self.restarts: list[tuple[int, float, float]] = []
         self.count = 0
-        self._last_step: tuple[int, int] | None = None  # as written, as continued
         self.stride = 0
+        self.parsed: dict[str, dict[str, Any]] = {}
+        self._form: Callable[[Log, int, str], Record | None] | None = None
+        self._pending: Record | None = None  # a step that may have further lines
+        self._last = ""
+        self._damaged: tuple[int, str] | None = None
+        self._last_step: tuple[int, int] | None = None  # as written, as continued
         self._last_gap = 1
         self._first_step = 0
         self._step_base = 0
@@ -122,62 +150,83 @@ class Log:
         self._clock_last = 0.0
         self._clock_gap = 0.0
         self._clock_records = 0
-        self.beside: Log | None = None
-        self.loaded: tuple[str, dict[str, Any]] = "", {}
+        self._hashes = 0
+        self._width = 0
+        self._order: list[str] = []
+        self._columns: list[str] = []
+        self._own: set[str] = set()
+        self._row_pending: Record | None = None
 
     def __iter__(self) -> Iterator[Record]:
-        lines = self._lines()
-        first = next(lines, None)
-        if first is None:
+        for number, text in text_lines(Path(self.name), self.name, MOST_LINE):
+            record = self.take(number, text)
+            if record is not None:
+                yield record
+        yield from self.finish()
+
+    def follow(self, other: Log) -> None:
+        """Takes over what another log has said up to now, whose lines were the same."""
+        own = {"name": self.name, "parsed": self.parsed}
+        self.__dict__.update(other.__dict__ | own)
+        self.header, self.outlines, self.restarts = dict(other.header), dict(other.outlines), list(other.restarts)
+        self._pending = other._pending and other._pending.copied()
+        self._row_pending = other._row_pending and other._row_pending.copied()
+
+    def take(self, number: int, text: str) -> Record | None:
+        """One more line that is not empty; the record that is whole with it, if one is."""
+        form = self._form
+        if form is None:
+            form = Log._csv if self.name.lower().endswith(".csv") else Log._json if text[0] == "{" else Log._hash
+            self._form = form
+        elif self._damaged is not None:
+            raise self._damage()
+        record = form(self, number, text)
+        if record is None:
+            return None
+        if record.step is None:
+            return self._placed(record)
+        current = self._pending
+        if current is not None and record.step == current.step:
+            self._merge(current, record, text == self._last)
+            self._last = text
+            return None
+        self._pending, self._last = record, text
+        return None if current is None else self._placed(current)
+
+    def finish(self) -> list[Record]:
+        """The log is at its end: the records that only that has made whole."""
+        if self._form is None:
             raise EngineError(f"file {self.name!r}: is empty; was anything recorded?")
-        lines = chain([first], lines)
-        if self.name.lower().endswith(".csv"):
-            parsed = self._csv(lines)
-        elif first[1].lstrip().startswith("{"):
-            parsed = self._json(lines)
-        else:
-            parsed = self._hashes(lines)
-        yield from self._grouped(parsed)
+        if self._damaged is not None:
+            number, text = self._damaged
+            if self._form is Log._json and not text.startswith("{"):
+                raise self._damage()
+            self.cut = number
+        left: list[Record] = []
+        row, self._row_pending = self._row_pending, None
+        if row is not None and row.step is None:
+            left.append(self._placed(row))
+        if self._pending is not None:
+            left.append(self._placed(self._pending))
+            self._pending = None
         if self.count == 0 and self.end is None:
             raise EngineError(f"file {self.name!r}: has no event, state or hash in it; was anything recorded?")
+        return left
 
     def _fail(self, line: int, message: str) -> EngineError:
         return EngineError(f"file {self.name!r}, line {line}: {message}")
 
-    def _lines(self) -> Iterator[tuple[int, str]]:
-        """The lines that are not empty, with their numbers."""
-        try:
-            with Path(self.name).open("rb") as file:
-                for number, raw in enumerate(iter(lambda: file.readline(MOST_LINE + 1), b""), 1):
-                    if len(raw) > MOST_LINE:
-                        raise self._fail(number, f"is longer than {MOST_LINE:,} bytes; is it a log?")
-                    text = raw.decode("utf-8").removeprefix("\ufeff" if number == 1 else "").strip()
-                    if text:
-                        yield number, text
-        except UnicodeDecodeError:
-            raise EngineError(f"file {self.name!r}: is not text in UTF-8; is it a log?") from None
-        except OSError as error:
-            raise EngineError(f"file {self.name!r}: {error.strerror or error}; name a log that can be read") from None
-
-    def _grouped(self, parsed: Iterator[Record]) -> Iterator[Record]:
-        """Records with their places, the lines of one step put together."""
-        current: Record | None = None
-        last = ""
-        for record in parsed:
-            if current is not None and record.step is not None and record.step == current.step:
-                self._merge(current, record, record.raw == last)
-                last = record.raw
-                continue
-            if record.step is None:
-                yield self._placed(record)
-                continue
-            if current is not None:
-                yield self._placed(current)
-            current, last = record, record.raw
-        if current is not None:
-            yield self._placed(current)
+    def _damage(self) -> EngineError:
+        """A line that is not whole, and not the last."""
+        assert self._damaged is not None
+        number, text = self._damaged
+        if self._form is Log._csv:
+            cells = len(cells_of(text, self.name))
+            return self._fail(number, f"has {cells} cells, and {len(self._columns)} columns; is a line damaged?")
+        return self._fail(number, f"{text[:SHOWN]!r} is not a whole JSON object; is a line of the log damaged?")
 
     def _merge(self, into: Record, record: Record, repeated: bool) -> None:
+        """One more line of a step."""
         if repeated:
             into.repeats += 1
             return
@@ -186,13 +235,15 @@ class Log:
                 record.line,
                 f"step {record.step} has a second hash; of steps that were computed twice, log the last alone",
             )
+        if len(into.texts) == 1:
+            into.states = dict(into.states)  # what was parsed may be another log's, too
         into.contacts += record.contacts
         into.states.update(record.states)
         into.fields.update(record.fields)
         into.hash = into.hash or record.hash
         into.input = record.input if into.input is None else into.input
         into.time = record.time if into.time is None else into.time
-        into.raw = f"{into.raw}\n{record.raw}"
+        into.texts += record.texts
 
     def _placed(self, record: Record) -> Record:
         record.number = self.count
@@ -210,8 +261,10 @@ class Log:
         else:
             before, counted = self._last_step
             if step > before:
-                self.stride = min(self.stride or step - before, step - before)
-                self._last_gap = step - before
+                gap = step - before
+                if not self.stride or gap < self.stride:
+                    self.stride = gap
+                self._last_gap = gap
             elif step <= self._first_step + 1:
                 self._step_base = counted + self._last_gap - step
                 self.restarts.append((line, before, step))
@@ -226,103 +279,108 @@ class Log:
 
     def _clocked(self, time: float, line: int, told: bool) -> float:
         """A time counted on over restarts: a fall back to near the first time of all, not a swap of neighbours."""
+        last = self._clock_last
         if self._clock_first is None:
             self._clock_first = time
-        elif time < self._clock_last:
-            elapsed = self._clock_last - self._clock_first
+        elif time < last:
+            elapsed = last - self._clock_first
             if self._clock_records >= 5 and time <= self._clock_first + 0.1 * elapsed:
-                self._clock_base += self._clock_last + self._clock_gap - time
+                self._clock_base += last + self._clock_gap - time
                 if told:
-                    self.restarts.append((line, self._clock_last, time))
+                    self.restarts.append((line, last, time))
                 self._clock_first, self._clock_records = time, 0
-                self._clock_last = time
-        if time > self._clock_last and self._clock_records:
-            self._clock_gap = time - self._clock_last
-        self._clock_last = max(self._clock_last, time) if self._clock_records else time
+                self._clock_last = last = time
+        if not self._clock_records:
+            self._clock_last = time
+        elif time > last:
+            self._clock_gap = time - last
+            self._clock_last = time
         self._clock_records += 1
         return time + self._clock_base
 
-    def _json(self, lines: Iterator[tuple[int, str]]) -> Iterator[Record]:
-        """Records of JSON lines; a last line that is not whole is where the log was cut off."""
-        waiting: tuple[int, str] | None = None
-        for number, text in chain(lines, [(0, "")]):
-            if waiting is not None:
-                beside = self.beside
-                if beside is not None and beside.loaded[0] == waiting[1]:
-                    value = beside.loaded[1]
-                else:
-                    value = self._loaded(*waiting, last=number == 0)
-                    if value is None:
-                        return
-                self.loaded = waiting[1], value
-                record = self._record(waiting[0], waiting[1], value)
-                if record is not None:
-                    yield record
-            waiting = number, text
-
-    def _loaded(self, number: int, text: str, last: bool) -> dict[str, Any] | None:
-        """One object; None for a last line that is cut off."""
-        try:
-            value = json.loads(text)
-        except (ValueError, RecursionError):
+    def _json(self, number: int, text: str) -> Record | None:
+        """What a line of JSON says; None for one that is no event: a header, an outline, the end."""
+        value = self.parsed.pop(text, None)
+        if value is None:
             try:
-                value = json.loads(NOT_JSON.sub(_as_json, text))
+                value, stop = DECODE(text)
             except (ValueError, RecursionError):
-                if last and text.startswith("{"):
-                    self.cut = number
+                stop = -1
+            if stop != len(text) or type(value) is not dict or not _each_key_once(text, value):
+                value = self._loaded(number, text)
+                if value is None:
                     return None
-                raise self._fail(
-                    number, f"{text[:SHOWN]!r} is not a whole JSON object; is a line of the log damaged?"
-                ) from None
-        if not isinstance(value, dict):
-            raise self._fail(number, f'{text[:SHOWN]!r} is no object, as in {{"step": 1, ...}}')
-        if text.count('":') != _keys(value):
-            try:
-                json.loads(NOT_JSON.sub(_as_json, text), object_pairs_hook=_once)
-            except KeyError as twice:
-                raise self._fail(number, f"has {twice} twice; keep one") from None
-        return value
-
-    def _record(self, number: int, text: str, value: dict[str, Any]) -> Record | None:
-        """What a line says; None for one that is no event: a header, an outline, the end."""
+            if len(self.parsed) > KEPT:
+                self.parsed.clear()
+            self.parsed[text] = value
         if self.end is not None:
             raise self._fail(number, "comes after the end; leave it out, or put the end last")
-        if "log" in value or (number == 1 and not value.keys() & OWN_KEYS):
-            self._take_header(number, value)
-            return None
-        if "outline" in value:
-            self.outlines[str(value.get("body", ""))] = value["outline"]
-            return None
-        if "end" in value:
-            self.end, self.quiet = self._number(number, "end", value["end"]), bool(value.get("quiet", False))
-            return None
         record = Record(number, text)
         for key, item in value.items():
             if key == "time":
                 record.time = time = item if type(item) is float else self._number(number, "time", item)
                 if time - time != 0.0:
                     raise self._fail(number, f"time = {item}; must be finite")
-            elif key == "contact":
-                record.contacts.append(self._pair(number, item))
+            elif key == "contacts":
+                if type(item) is not list:
+                    raise self._fail(number, f"contacts = {str(item)[:SHOWN]}; must be a list of pairs of ids")
+                for pair in item:
+                    if type(pair) is list and len(pair) == 2 and type(pair[0]) is str and type(pair[1]) is str:
+                        record.contacts.append((pair[0], pair[1]))
+                    else:
+                        record.contacts.append(_pair(self, number, pair))
             elif key == "states":
                 record.states = self._states(number, item)
             elif key == "step":
                 if isinstance(item, bool) or not isinstance(item, int):
                     raise self._fail(number, f"step = {str(item)[:SHOWN]}; must be a whole number")
                 record.step = item
-            elif key == "contacts":
-                if not isinstance(item, list):
-                    raise self._fail(number, f"contacts = {str(item)[:SHOWN]}; must be a list of pairs of ids")
-                record.contacts += [self._pair(number, pair) for pair in item]
             elif key == "hash":
                 record.hash = str(item)
+            elif key == "packed":
+                record.states = _unpacked(self, number, item)
+            elif key in TELLS:
+                self._tell(number, value)
+                return None
+            elif key == "contact":
+                record.contacts.append(_pair(self, number, item))
             elif key == "input":
                 record.input = item
             else:
                 record.fields[key] = item
         if record.step is None and record.time is None:
+            if number == 1 and not value.keys() & OWN_KEYS:
+                self._take_header(number, value)
+                return None
             raise self._fail(number, "has neither a step nor a time; write one of them in every line")
         return record
+
+    def _loaded(self, number: int, text: str) -> dict[str, Any] | None:
+        """One object that is not plainly one; None for one that is cut off, which only a last line may be."""
+        try:
+            value = json.loads(NOT_JSON.sub(_as_json, text), object_pairs_hook=once)
+        except KeyError as twice:
+            raise self._fail(number, f"has {twice} twice; keep one") from None
+        except (ValueError, RecursionError):
+            self._damaged = number, text
+            return None
+        if not isinstance(value, dict):
+            raise self._fail(number, f'{text[:SHOWN]!r} is no object, as in {{"step": 1, ...}}')
+        return value
+
+    def _tell(self, number: int, value: dict[str, Any]) -> None:
+        """Takes a line that is no event: a header, an outline, or the end."""
+        if "log" in value:
+            self._take_header(number, value)
+        elif "outline" in value:
+            self.outlines[str(value.get("body", ""))] = value["outline"]
+        elif "order" in value:
+            order = value["order"]
+            if not isinstance(order, list) or not order or not all(isinstance(body, str) for body in order):
+                raise self._fail(number, f"order = {str(order)[:SHOWN]}; must be a list of ids")
+            self._order = order
+        else:
+            self.end, self.quiet = self._number(number, "end", value["end"]), bool(value.get("quiet", False))
 
     def _take_header(self, number: int, value: dict[str, Any]) -> None:
         version = value.get("log", FORMAT)
@@ -338,25 +396,16 @@ class Log:
             self.outlines.update(outlines)
         self.header.update({k: v for k, v in value.items() if k not in ("log", "outlines")})
 
-    def _pair(self, number: int, pair: Any) -> tuple[str, str]:
-        if type(pair) is list and len(pair) == 2:
-            a, b = pair
-            if type(a) is str and type(b) is str:
-                return a, b
-            if isinstance(a, str | int) and isinstance(b, str | int):
-                return str(a), str(b)
-        raise self._fail(number, f'contact = {str(pair)[:SHOWN]}; must be two ids, as in ["a", "b"]')
-
     def _states(self, number: int, states: Any) -> dict[str, list[float]]:
-        if not isinstance(states, dict):
+        if type(states) is not dict:
             raise self._fail(number, f'states = {str(states)[:SHOWN]}; must be numbers by id, as in {{"a": [0, 0]}}')
+        rows = states.values()
+        if set(map(type, rows)) <= LISTS and set(map(type, chain.from_iterable(rows))) <= FLOATS:
+            return states
         found: dict[str, list[float]] = {}
         for body, row in states.items():
             if type(row) is list:
-                if set(map(type, row)) <= PLAIN:
-                    found[body] = row
-                else:
-                    found[body] = [self._number(number, f"states of {body!r}", v) for v in row]
+                found[body] = [self._number(number, f"states of {body!r}", v) for v in row]
             elif isinstance(row, dict):
                 found[body] = self._named(number, body, row)
             else:
@@ -389,33 +438,53 @@ class Log:
                 pass
         raise self._fail(number, f"{what}: {str(value)[:SHOWN]!r} is no number; write 17 digits, or C's %a in quotes")
 
-    def _hashes(self, lines: Iterator[tuple[int, str]]) -> Iterator[Record]:
-        """Records of a list of hashes: `HASH`, or `STEP HASH`, a line."""
-        width: int | None = None
-        for hashes, (number, text) in enumerate(lines):
-            words = re.split(r"[\s,;:=]+", text)
-            if len(words) > 2 or len(text) > 300 or not text.isprintable():
-                raise self._fail(
-                    number, f"{text[:SHOWN]!r} is neither a JSON object nor a hash, nor a step and a hash; is it a log?"
-                )
-            if width not in (None, len(words)):
-                raise self._fail(number, f"{text[:SHOWN]!r}: other lines have {width} words; is a line damaged?")
-            width = len(words)
-            record = Record(number, text)
-            try:
-                record.step = int(words[0]) if width == 2 else hashes
-            except ValueError:
-                raise self._fail(number, f"{words[0][:SHOWN]!r} is no step; write STEP HASH") from None
-            record.hash = words[-1]
-            yield record
+    def _hash(self, number: int, text: str) -> Record:
+        """A line of a list of hashes: `HASH`, or `STEP HASH`."""
+        words = WORDS.split(text)
+        if len(words) > 2 or len(text) > 300 or not text.isprintable():
+            raise self._fail(
+                number, f"{text[:SHOWN]!r} is neither a JSON object nor a hash, nor a step and a hash; is it a log?"
+            )
+        self._width = self._width or len(words)
+        if self._width != len(words):
+            raise self._fail(number, f"{text[:SHOWN]!r}: other lines have {self._width} words; is a line damaged?")
+        record = Record(number, text)
+        try:
+            record.step = int(words[0]) if len(words) == 2 else self._hashes
+        except ValueError:
+            raise self._fail(number, f"{words[0][:SHOWN]!r} is no step; write STEP HASH") from None
+        self._hashes += 1
+        record.hash = words[-1]
+        return record
 
-    def _csv(self, lines: Iterator[tuple[int, str]]) -> Iterator[Record]:
-        """Records of a table with a line of names.
+    def _csv(self, number: int, text: str) -> Record | None:
+        """A line of a table with a line of names.
 
         `time,a,b` and perhaps states, an event a row; or `step` or `time`, `id` and numbers, a body a row; or `step`
         and `hash`; other columns are free.
         """
-        number, head = next(lines)
+        if not self._columns:
+            self._take_columns(number, text)
+            return None
+        cells = cells_of(text, f"file {self.name!r}, line {number}")
+        if len(cells) != len(self._columns):
+            self._damaged = number, text
+            return None
+        if self.end is not None:
+            raise self._fail(number, "comes after the end; leave it out, or put the end last")
+        row = dict(zip(self._columns, cells, strict=True))
+        record = self._row(number, text, row, self._own)
+        if record is None or record.step is not None or "id" not in row:
+            return record
+        last = self._row_pending
+        if last is not None and record.time == last.time:  # a body a row: all of one time are one frame
+            last.states.update(record.states)
+            last.texts += record.texts
+            return None
+        self._row_pending = record
+        return last
+
+    def _take_columns(self, number: int, head: str) -> None:
         names = [name.strip() for name in head.split(",")]
         known = set(names)
         if len(known) != len(names) or not known & {"step", "time"} or not known - {"step", "time"}:
@@ -427,28 +496,7 @@ class Log:
         if "id" in known:
             own -= {f"{k}{s}" for k in ("x", "y", "vx", "vy") for s in "ab"}
             self.names = [name for name in names if name not in own]
-        last: Record | None = None
-        for number, text in lines:
-            cells = [cell.strip() for cell in next(csv.reader([text]))]
-            if len(cells) != len(names):
-                following = next(lines, None)
-                if following is None:
-                    self.cut = number
-                    break
-                raise self._fail(number, f"has {len(cells)} cells, and {len(names)} columns; is a line damaged?")
-            row = dict(zip(names, cells, strict=True))
-            record = self._row(number, text, row, own)
-            if record is None:
-                continue
-            if last is not None and record.step is None and "id" in row and record.time == last.time:
-                last.states.update(record.states)  # a body a row: all of one time are one frame
-                last.raw = f"{last.raw}\n{record.raw}"
-                continue
-            if last is not None:
-                yield last
-            last = record
-        if last is not None:
-            yield last
+        self._columns, self._own = names, own
 
     def _row(self, number: int, text: str, row: dict[str, str], own: set[str]) -> Record | None:
         record = Record(number, text)
@@ -458,7 +506,7 @@ class Log:
             except ValueError:
                 raise self._fail(number, f"step = {row['step'][:SHOWN]!r}; must be a whole number") from None
         if "time" in row:
-            record.time = self._cell(number, row, "time")
+            record.time = _cell(self, number, row, "time")
         if "a" in row and "b" in row:
             if not row["a"] and not row["b"]:
                 self.end = record.time
@@ -467,9 +515,9 @@ class Log:
             for side in "ab":
                 keys = [f"{key}{side}" for key in ("x", "y", "vx", "vy")]
                 if all(row.get(key) for key in keys):
-                    record.states[row[side]] = [self._cell(number, row, key) for key in keys]
+                    record.states[row[side]] = [_cell(self, number, row, key) for key in keys]
         if "id" in row:
-            record.states[row["id"]] = [self._cell(number, row, name) for name in self.names or []]
+            record.states[row["id"]] = [_cell(self, number, row, name) for name in self.names or []]
         else:
             for name in row.keys() - own:
                 try:
@@ -479,35 +527,55 @@ class Log:
         record.hash = row.get("hash")
         return record
 
-    def _cell(self, number: int, row: dict[str, str], key: str) -> float:
-        try:
-            return float(row[key].replace("_", " "))
-        except ValueError:
-            raise self._fail(number, f"{key} = {row[key][:SHOWN]!r}; must be a number") from None
-
 
 def _as_json(match: re.Match[str]) -> str:
     return "NaN" if match[2].lower() == "nan" else f"{match[1]}Infinity"
 
 
-def _keys(value: dict[str, Any]) -> int:
-    """How many keys an object has, with those of the objects in it; what lies deeper is looked at once more."""
+def _each_key_once(text: str, value: dict[str, Any]) -> bool:
+    """Whether no key was there twice, which a dictionary does not tell; False also where that is not plain."""
     count = len(value)
     for item in value.values():
         if type(item) is dict:
             count += len(item)
-    return count
+    told = text.count('":')
+    return told == count or told == _keys(value)
 
 
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """An object each key of which is there once.
+def _keys(value: Any) -> int:
+    """How many keys an object has, with those of all that is in it."""
+    if isinstance(value, dict):
+        return len(value) + sum(map(_keys, value.values()))
+    return sum(map(_keys, value)) if isinstance(value, list) else 0
 
-    Raises:
-        KeyError: for one that is there again.
-    """
-    found: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in found:
-            raise KeyError(key[:SHOWN])
-        found[key] = value
-    return found
+
+def _pair(log: Log, number: int, pair: Any) -> tuple[str, str]:
+    if type(pair) is list and len(pair) == 2:
+        a, b = pair
+        if type(a) is str and type(b) is str:
+            return a, b
+        if isinstance(a, str | int) and isinstance(b, str | int):
+            return str(a), str(b)
+    raise log._fail(number, f'contact = {str(pair)[:SHOWN]}; must be two ids, as in ["a", "b"]')
+
+
+def _unpacked(log: Log, number: int, text: Any) -> dict[str, list[float]]:
+    """States of all bodies, in their order: doubles in base64."""
+    try:
+        raw = a2b_base64(text, strict_mode=True) if isinstance(text, str) else b""
+    except ValueError:
+        raw = b""
+    count = 8 * len(log._order)
+    if not raw or not count or len(raw) % count:
+        raise log._fail(
+            number, f"packed = {str(text)[:SHOWN]!r}; must be base64 of as many doubles for each body of an order"
+        )
+    values, wide = unpack(f"<{len(raw) // 8}d", raw), len(raw) // count
+    return {body: list(values[wide * k : wide * (k + 1)]) for k, body in enumerate(log._order)}
+
+
+def _cell(log: Log, number: int, row: dict[str, str], key: str) -> float:
+    try:
+        return float(row[key].replace("_", " "))
+    except ValueError:
+        raise log._fail(number, f"{key} = {row[key][:SHOWN]!r}; must be a number") from None

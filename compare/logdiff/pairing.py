@@ -6,11 +6,11 @@ import math
 from collections import Counter, deque
 from itertools import chain
 from pathlib import Path
-from typing import Any
 
 from .growing import NEVER, Growing, unit_of
 from .log_format import Record
-from .sides import Found, Meeting, Side, check, grid, kinds, names, touched_told
+from .record_pairs import RecordPairs
+from .sides import Found, Meeting, Side, TwoLogs, check, grid, names, touched_told
 
 WAITING = 200_000
 """Events that may wait for their like in the other log; then the body that waits longest has parted."""
@@ -34,8 +34,7 @@ def pair(one: str | Path, other: str | Path, ignore: frozenset[str] = frozenset(
     Raises:
         EngineError: for a log that cannot be read, and for two that have nothing to be compared.
     """
-    a = Side(one)
-    b = Side(other, a.log)
+    a, b = TwoLogs(one, other).sides()
     check(a, b)
     growing = Growing(unit_of((a.log, b.log), (a.head, b.head)), a.log.names or b.log.names)
     renamed = names(a, b)
@@ -50,107 +49,7 @@ def pair(one: str | Path, other: str | Path, ignore: frozenset[str] = frozenset(
     return found
 
 
-class _Reader:
-    """What both ways of pairing share."""
-
-    def __init__(self, a: Side, b: Side, found: Found, ignore: frozenset[str]) -> None:
-        self.a, self.b, self.found, self.ignore = a, b, found, ignore
-        self.growing = found.growing
-        self.settled = 0
-        perm = None
-        if a.log.names and b.log.names and a.log.names != b.log.names:
-            perm = [b.log.names.index(name) for name in a.log.names]
-        self.perm = perm
-        self.only_fields = not ({"contacts", "states", "hashes"} & kinds(a) & kinds(b))
-
-    def after(self) -> None:
-        """Takes the records around the first difference, once a few after it are read."""
-        found = self.found
-        if found.context[0] or found.context[1]:
-            return
-        differs = self.growing.early or found.meeting or found.hash or found.input
-        if not differs:
-            return
-        self.settled += 1
-        if self.settled >= 2:
-            found.context[0].extend(self.a.ring)
-            found.context[1].extend(self.b.ring)
-
-    def take(self, side: int, record: Record) -> None:
-        """Notes what a record has, for the end."""
-        found = self.found
-        found.contacts[side] += len(record.contacts)
-        if record.states:
-            found.final[side].update(record.states)
-            if found.first_states is None and side == 0:
-                found.first_states = record.number
-
-    def others(self, a: Record, b: Record) -> None:
-        """Compares what is not of a body: hash, input and free fields."""
-        found = self.found
-        if a.hash is not None and b.hash is not None:
-            found.compared["hashes"] += 1
-            if a.hash == b.hash:
-                if found.hash is None:
-                    found.hash_same = a.number
-            elif found.hash is None:
-                found.hash = a, b
-        if a.input != b.input and not (a.input is None and b.input is None):
-            found.compared["inputs"] += 1
-            if found.input is None:
-                found.input = a, b
-        if a.fields or b.fields:
-            for name in a.fields.keys() & b.fields.keys():
-                if name in self.ignore:
-                    continue
-                x, y = a.fields[name], b.fields[name]
-                found.compared["fields"] += 1
-                number = isinstance(x, int | float) and isinstance(y, int | float) and not isinstance(x, bool)
-                if self.only_fields and number:
-                    if _alike(x, y):
-                        self.growing.same(f"({name})", a.number)
-                        self.growing.unit.widen((float(x),), name)
-                    else:
-                        before = self.growing.before(f"({name})", ())
-                        self.growing.differs(
-                            a, b, f"({name})", ((float(x),), (float(y),)), False, before, key=name, name=name
-                        )
-                elif not _alike(x, y) and name not in found.fields:
-                    found.fields[name] = a, x, y
-
-    def states(self, a: Record, b: Record, body: str, partners: Any, before: float | None = None) -> float:
-        """Compares one body's states, if both have one; by how many bits they are off."""
-        one, other = a.states.get(body), b.states.get(body)
-        if one is None or other is None:
-            return NEVER
-        self.found.compared["states"] += 1
-        if self.perm is not None and len(other) == len(self.perm):
-            other = [other[j] for j in self.perm]
-        if one == other:
-            if self.found.nans is None and any(map(math.isnan, one)):
-                self.found.nans = a.place()
-            self.growing.same(body, a.number)
-            if self.found.compared["states"] % 8 == 1:
-                self.growing.unit.widen(one)
-            return NEVER
-        if before is None:
-            before = self.growing.before(body, partners)
-        return self.growing.differs(a, b, body, (one, other), bool(partners), before)
-
-    def meet(self, meeting: Meeting) -> None:
-        """Keeps the earliest difference of partners."""
-        if self.found.meeting is None:
-            self.found.meeting_off, self.found.onsets_then = self.growing.largest, self.growing.onsets
-        if self.found.meeting is None or meeting.number < self.found.meeting.number:
-            self.found.meeting = meeting
-
-
-def _alike(x: Any, y: Any) -> bool:
-    """Whether two values are the same; a number that is none is the same as another such."""
-    return x == y or (isinstance(x, float) and isinstance(y, float) and math.isnan(x) and math.isnan(y))
-
-
-class _BySteps(_Reader):
+class _BySteps(RecordPairs):
     """Records of both logs by their step, continued over restarts."""
 
     def run(self) -> None:
@@ -190,34 +89,15 @@ class _BySteps(_Reader):
 
     def both(self, a: Record, b: Record) -> None:
         found, growing = self.found, self.growing
+        if a.repeats != b.repeats:
+            found.repeated.append(("a", a.line) if a.repeats > b.repeats else ("b", b.line))
+        if a is b or (self.plain and a.texts == b.texts):
+            self.alike(a, b)
+            return
         self.take(0, a)
         self.take(1, b)
         found.pairs += 1
         found.last_common = a
-        if a.repeats != b.repeats:
-            found.repeated.append(("a", a.line) if a.repeats > b.repeats else ("b", b.line))
-        if a.raw == b.raw and not self.b.rename:
-            found.compared["states"] += len(a.states)
-            found.compared["contacts"] += len(a.contacts)
-            found.compared["hashes"] += a.hash is not None
-            found.compared["inputs"] += a.input is not None
-            found.compared["fields"] += len(a.fields)
-            if a.hash is not None and found.hash is None:
-                found.hash_same = a.number
-            for body in a.states:
-                growing.same(body, a.number)
-            if self.only_fields:
-                for name, value in a.fields.items():
-                    if isinstance(value, int | float):
-                        growing.same(f"({name})", a.number)
-                        growing.unit.widen((float(value),), name)
-            if found.pairs % 8 == 1:
-                for row in a.states.values():
-                    growing.unit.widen(row)
-            if found.nans is None and "NaN" in a.raw:
-                found.nans = a.place()
-            growing.onsets += len(a.contacts)
-            return
         self.times(a, b)
         self.contacts(a, b)
         partners: dict[str, set[str]] = {}
@@ -287,7 +167,7 @@ class _Entry:
         self.event, self.partners, self.role, self.record = event, partners, role, record
 
 
-class _ByBodies(_Reader):
+class _ByBodies(RecordPairs):
     """Events of both logs by body: its k-th meeting in the one with its k-th in the other. Frames go by their times."""
 
     def __init__(self, a: Side, b: Side, found: Found, ignore: frozenset[str]) -> None:
@@ -303,20 +183,21 @@ class _ByBodies(_Reader):
         self.last_record: tuple[dict[str, Record], dict[str, Record]] = ({}, {})
 
     def run(self) -> None:
-        sides = self.a, self.b
-        while not (self.a.ended and self.b.ended):
-            records = [side.next() if not side.ended else None for side in sides]
-            a, b = records
-            level = not self.waiting and not self.frames[0] and not self.frames[1] and not self.parted
-            if level and a is not None and b is not None and a.raw == b.raw and not self.b.rename:
-                self.same(a, b)
-                continue
-            if level and a is not None and b is not None and self.level(a, b):
-                self.after()
-                continue
-            for side, record in enumerate(records):
-                if record is not None:
-                    self.feed(side, record)
+        one, other = self.a, self.b
+        while not (one.ended and other.ended):
+            a = None if one.ended else one.next()
+            b = None if other.ended else other.next()
+            if a is not None and b is not None and not (self.waiting or self.parted or any(self.frames)):
+                if a is b or (self.plain and a.texts == b.texts):
+                    self.same(a, b)
+                    continue
+                if self.level(a, b):
+                    self.after()
+                    continue
+            if a is not None:
+                self.feed(0, a)
+            if b is not None:
+                self.feed(1, b)
             self.after()
         self.finish()
         self.settled += 2
@@ -324,38 +205,19 @@ class _ByBodies(_Reader):
 
     def same(self, a: Record, b: Record) -> None:
         """Two records that are the same to the letter, with nothing waiting before them."""
-        found, growing = self.found, self.growing
-        self.take(0, a)
-        self.take(1, b)
-        found.pairs += 1
-        found.last_common = a
-        found.compared["times"] += 1
-        found.compared["contacts"] += len(a.contacts)
-        found.compared["states"] += len(a.states)
-        found.compared["fields"] += len(a.fields)
-        growing.onsets += len(a.contacts)
-        if a.hash is not None:
-            found.compared["hashes"] += 1
-            if found.hash is None:
-                found.hash_same = a.number
-        for body in a.states:
-            growing.same(body, a.number)
-        if found.pairs % 8 == 1:
-            for row in a.states.values():
-                growing.unit.widen(row)
-        if found.nans is None and "NaN" in a.raw:
-            found.nans = a.place()
-        if a.contacts:
-            one, other = self.last_record
-            for pair_ in a.contacts:
-                for body in pair_:
-                    one[body], other[body] = a, b
-                    if not a.states:
-                        growing.same(body, a.number)
-            self.a.events += 1
-            self.b.events += 1
-        else:
+        self.alike(a, b)
+        self.found.compared["times"] += 1
+        if not a.contacts:
             self.last_frame = [a.clock or 0.0, b.clock or 0.0]
+            return
+        one, other = self.last_record
+        for contact in a.contacts:
+            for body in contact:
+                one[body], other[body] = a, b
+                if not a.states:
+                    self.growing.same(body, a.number)
+        self.a.events += 1
+        self.b.events += 1
 
     def level(self, a: Record, b: Record) -> bool:
         """Compares two events of the same contacts at about one time, with nothing waiting; whether they are such."""
@@ -393,30 +255,88 @@ class _ByBodies(_Reader):
         return True
 
     def feed(self, side: int, record: Record) -> None:
+        """One more record of one log, which may wait for its like in the other."""
         self.take(side, record)
-        if not record.contacts:
+        contacts = record.contacts
+        if not contacts:
             self.frame(side, record)
             return
         reader = (self.a, self.b)[side]
         event = reader.events
         reader.events += 1
-        partners: dict[str, list[str]] = {}
-        roles: dict[str, bool] = {}
-        for p, q in record.contacts:
-            partners.setdefault(p, []).append(q)
-            partners.setdefault(q, []).append(p)
-            roles.setdefault(p, True)
-            roles.setdefault(q, False)
         if side == 0:
-            self.growing.onsets += len(record.contacts)
-        for body, others in partners.items():
-            if body in self.parted:
+            self.growing.onsets += len(contacts)
+        own, theirs, parted = self.queues[side], self.queues[1 - side], self.parted
+        if len(contacts) == 1 and contacts[0][0] != contacts[0][1]:
+            p, q = contacts[0]
+            if p in parted and q in parted:
+                return
+            if self.whole(side, event, record, p, q):
+                return
+            entries = [(p, _Entry(event, (q,), True, record)), (q, _Entry(event, (p,), False, record))]
+        else:
+            partners: dict[str, list[str]] = {}
+            roles: dict[str, bool] = {}
+            for p, q in contacts:
+                partners.setdefault(p, []).append(q)
+                partners.setdefault(q, []).append(p)
+                roles.setdefault(p, True)
+                roles.setdefault(q, False)
+            entries = [(body, _Entry(event, tuple(o), roles[body], record)) for body, o in partners.items()]
+        for body, entry in entries:
+            if body in parted:
                 continue
-            self.queues[side].setdefault(body, deque()).append(_Entry(event, tuple(others), roles[body], record))
+            queue = own.get(body)
+            if queue is None:
+                queue = own[body] = deque()
+            queue.append(entry)
             self.waiting += 1
-            self.drain(body, ended=False)
+            if theirs.get(body):
+                self.drain(body, ended=False)
         if self.waiting > WAITING:
             self.give_up()
+
+    def whole(self, side: int, event: int, record: Record, p: str, q: str) -> bool:
+        """Compares at once an event of two bodies that comes next for both in the other log, to the letter the same."""
+        own, theirs = self.queues[side], self.queues[1 - side]
+        mine, other = theirs.get(p), theirs.get(q)
+        if not mine or not other or own.get(p) or own.get(q) or not self.plain or self.growing.off:
+            return False
+        entry = mine[0]
+        twin = entry.record
+        if twin is not other[0].record or twin.texts != record.texts or twin.clock != record.clock:
+            return False
+        mine.popleft()
+        other.popleft()
+        self.waiting -= 2
+        a, b = (record, twin) if side == 0 else (twin, record)
+        found, growing = self.found, self.growing
+        found.pairs += 2
+        found.last_common = a
+        found.compared["contacts"] += 2
+        found.compared["times"] += 2
+        if event != entry.event:
+            if found.reordered is None:
+                found.reordered = (event, entry.event) if side == 0 else (entry.event, event)
+        else:
+            self.others(a, b)
+        one, two = self.last_record
+        one[p] = one[q] = a
+        two[p] = two[q] = b
+        states = a.states
+        for body in (p, q):
+            row = states.get(body)
+            if row is None:
+                if not states:
+                    growing.same(body, a.number)
+                continue
+            found.compared["states"] += 1
+            growing.same(body, a.number)
+            if found.compared["states"] % 8 == 1:
+                growing.unit.widen(row)
+                if found.nans is None and any(map(math.isnan, row)):
+                    found.nans = a.place()
+        return True
 
     def frame(self, side: int, record: Record) -> None:
         """A record of states, a hash or fields alone: goes with the other log's of the same time."""
@@ -494,6 +414,8 @@ class _ByBodies(_Reader):
     def near(self, x: _Entry, y: _Entry, body: str) -> bool:
         """Whether two meetings with the same partners are one, but for rounding."""
         p, q = x.record, y.record
+        if p.texts == q.texts:
+            return True
         one, other = p.states.get(body), q.states.get(body)
         if one is not None and other is not None:
             if one == other:
@@ -518,7 +440,7 @@ class _ByBodies(_Reader):
                         entry = longer.popleft()
                         self.waiting -= 1
                         last = self.last_record[side].get(body)
-                        if last is not None and last.raw == entry.record.raw:
+                        if last is not None and last.texts == entry.record.texts:
                             if ("ab"[side], entry.record.line) not in self.found.repeated:
                                 self.found.repeated.append(("ab"[side], entry.record.line))
                         else:
@@ -637,7 +559,7 @@ class _ByBodies(_Reader):
                 shift = self.shift if side == 0 else -self.shift
                 if limit is not None and clock is not None and clock + shift < limit:
                     last = self.last_record[side].get(body)
-                    if last is not None and last.raw == entry.record.raw:
+                    if last is not None and last.texts == entry.record.texts:
                         if ("ab"[side], entry.record.line) not in self.found.repeated:
                             self.found.repeated.append(("ab"[side], entry.record.line))
                     elif self.growing.bodies or self.found.meeting is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter, deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -9,9 +10,10 @@ from itertools import chain, islice, pairwise
 from pathlib import Path
 from typing import Any
 
+from ..foreign.lines import text_lines
 from ..validation import EngineError
 from .growing import NEVER, Growing
-from .log_format import Log, Record
+from .log_format import MOST_LINE, Log, Record
 
 HEAD = 400
 """Records that are read ahead, to learn what a log has."""
@@ -106,14 +108,12 @@ class Found:
 
 
 class Side:
-    """One log as it is read: its head, the rest, the last records, and whether it is at its end."""
+    """One of two logs as it is read: its head, the rest, the last records, and whether it is at its end."""
 
-    def __init__(self, path: str | Path, beside: Log | None = None) -> None:
-        self.log = Log(path)
-        self.log.beside = beside
-        self._rest = iter(self.log)
-        self.head = list(islice(self._rest, HEAD))
-        self._records: Iterator[Record] = chain(self.head, self._rest)
+    def __init__(self, log: Log, records: Iterator[Record]) -> None:
+        self.log = log
+        self.head = list(islice(records, HEAD))
+        self._records = chain(self.head, records)
         self.ring: deque[Record] = deque(maxlen=AROUND + 1)
         self.rename: dict[str, str] = {}
         self.ended = False
@@ -128,11 +128,65 @@ class Side:
             return None
         if self.rename:
             names = self.rename
+            record = copy.copy(record)
             record.contacts = [(names.get(a, a), names.get(b, b)) for a, b in record.contacts]
             record.states = {names.get(body, body): row for body, row in record.states.items()}
         self.ring.append(record)
         self.last = record
         return record
+
+
+class TwoLogs:
+    """Two logs that are read side by side: what both begin with, to the letter, is parsed once.
+
+    Records of that beginning are the same objects in both.
+    """
+
+    def __init__(self, one: str | Path, other: str | Path) -> None:
+        self.logs = Log(one), Log(other)
+        self.logs[1].parsed = self.logs[0].parsed
+        self._as_one = len({log.name.lower().endswith(".csv") for log in self.logs}) == 1
+        self._waiting: tuple[deque[Record], deque[Record]] = (deque(), deque())
+        self._lines: list[Iterator[tuple[int, str]]] = [
+            text_lines(Path(log.name), log.name, MOST_LINE) for log in self.logs
+        ]
+
+    def sides(self) -> tuple[Side, Side]:
+        """Both, with their heads read."""
+        found = Side(self.logs[0], self._records(0)), Side(self.logs[1], self._records(1))
+        if self._as_one:
+            self.logs[1].follow(self.logs[0])
+        return found
+
+    def _records(self, which: int) -> Iterator[Record]:
+        """The records of one log, those first that were read with the other."""
+        waiting, log = self._waiting[which], self.logs[which]
+        while True:
+            while waiting:
+                yield waiting.popleft()
+            if not self._as_one:
+                break
+            self._read_both()
+        for number, text in self._lines[which]:
+            record = log.take(number, text)
+            if record is not None:
+                yield record
+        yield from log.finish()
+
+    def _read_both(self) -> None:
+        """Reads one more line of each: the same, or where they part."""
+        lines = self._lines
+        x, y = next(lines[0], None), next(lines[1], None)
+        if x == y and x is not None:
+            record = self.logs[0].take(*x)
+            if record is not None:
+                self._waiting[0].append(record)
+                self._waiting[1].append(record)
+            return
+        self._as_one = False
+        self.logs[1].follow(self.logs[0])
+        for side, line in enumerate((x, y)):
+            lines[side] = chain([line], lines[side]) if line is not None else iter(())
 
 
 def check(a: Side, b: Side) -> None:

@@ -1,4 +1,4 @@
-"""Two runs that are to be the same: a log, or a run, held against a golden log."""
+"""Two runs that are to be the same: a log, or a run, compared with a golden log."""
 
 from __future__ import annotations
 

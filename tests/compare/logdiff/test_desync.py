@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import random
+import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -201,3 +202,44 @@ def test_the_command_says_the_verdict_first_and_exits_with_it(tmp_path: Path) ->
     for words in (("diff", paths[0]), ("diff", paths[0], str(tmp_path / "none"))):
         finished = truebreak(*words)
         assert finished.returncode == 2 and finished.stderr.count("\n") == 1
+
+
+def test_numbers_in_another_order_are_compared_by_their_names(compared: Any) -> None:
+    lines = [{"step": k, "states": {"a": [k / 3, k / 7]}} for k in range(9)]
+    heads = [{"log": "truebreak/log-1", "fields": names} for names in (["x", "y"], ["y", "x"])]
+    assert compared([heads[0], *lines], [heads[1], *lines]).verdict.name is not Named.IDENTICAL
+    other = [{**line, "states": {"a": line["states"]["a"][::-1]}} for line in lines]
+    assert compared([heads[0], *lines], [heads[1], *other]).verdict.name is Named.IDENTICAL
+
+
+def test_whole_numbers_of_any_length_are_numbers(compared: Any) -> None:
+    lines = [{"step": k, "states": {"a": [k, 10**400]}} for k in range(9)]
+    assert compared(lines, lines).verdict.name is Named.IDENTICAL
+    assert compared(lines, [{"step": k, "states": {"a": [k, -(10**400)]}} for k in range(9)]).verdict.event == 0
+
+
+def test_logs_are_read_in_memory_that_does_not_grow_with_them(tmp_path: Path) -> None:
+    """Equal logs, and such with independent events in another order throughout."""
+
+    def peak(events: int, swapped: bool) -> int:
+        rng, lines = random.Random(1), []
+        for k in range(events):
+            pair = ("abcd", "efgh")[k % 2]
+            row = {i: [rng.random(), rng.random()] for i in rng.sample(pair, 2)}
+            lines.append(json.dumps({"time": k + rng.random() / 2, "contact": list(row), "states": row}))
+        one, other = tmp_path / "a.jsonl", tmp_path / "b.jsonl"
+        one.write_text("\n".join(lines), encoding="utf-8")
+        if swapped:
+            lines = [lines[k ^ 1] for k in range(events)]
+        other.write_text("\n".join(lines), encoding="utf-8")
+        del lines
+        tracemalloc.start()
+        found = diff(one, other)
+        most = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert found.verdict.name is (Named.HARMLESS if swapped else Named.IDENTICAL), found.line
+        return most
+
+    for swapped in (False, True):
+        peak(1_000, swapped)  # loads what is loaded once
+        assert peak(16_000, swapped) < 1.1 * peak(8_000, swapped) + 50_000
