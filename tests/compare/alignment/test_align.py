@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from truebreak.compare import engine
+from truebreak.compare import compare, engine
 from truebreak.compare.alignment.align import VERDICTS, Span, Wanted, align
 from truebreak.compare.alignment.divergence import Kind
 from truebreak.compare.alignment.impulse_order import order_reproduces, same_velocity
@@ -234,3 +234,13 @@ def test_long_histories_are_compared_in_linear_time() -> None:
     events = [(float(k), pairs[(k * k + k // 3) % 6]) for k in range(1, 100_000)]
     run = told(*events, end=200_000.0)
     assert align(run, run).agreed == 99_999
+
+
+def test_event_n_is_the_first_that_the_reference_has_alone_by_its_own_count() -> None:
+    """Two circles meet too early in the other run; of the reference, an earlier event of others is missing already."""
+    (candidate,) = compare(catalogue.build("gas:seed=341"), ["single"], causes=False).candidates
+    divergence = candidate.alignment.divergence
+    assert divergence is not None
+    assert (divergence.event, divergence.own_event, candidate.alignment.agreed) == (58, 73, 58)
+    assert (divergence.body, divergence.expected, divergence.got) == ("c5", "c8", "c9")
+    assert divergence.got_time == divergence.time < float(candidate.trajectory.events[59].time)

@@ -16,7 +16,7 @@ import pytest
 
 import truebreak
 from audit.planted import FAULTS, Planted
-from truebreak.compare import engine
+from truebreak.compare import compare, engine
 from truebreak.compare.audit.audit import Audit, audit_run
 from truebreak.compare.audit.passages import FEW, passages
 from truebreak.compare.audit.residuals import AUDIT_BITS, Laws, strengths_of
@@ -25,6 +25,9 @@ from truebreak.compare.cli.entry import main
 from truebreak.compare.foreign import Recording
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.scene_argument import scene_from
+from truebreak.compare.stress.families.mass_ratios import kick
+from truebreak.compare.stress.families.scaled import scaled
+from truebreak.compare.stress.families.slow_fast import drift
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.exact.numbers import ball
 from truebreak.floating import DoubleEngine
@@ -140,6 +143,21 @@ def recorded(scene: Scene, time: float, pairs: Any, **states: tuple[float, float
     recording.end(quiet=True)
     run = recording.trajectory()
     return audit_run(run, LogEngine(recording, "told"))
+
+
+@pytest.mark.parametrize(
+    ("scene", "name"),
+    [
+        (drift(8, "in", 0), "pymunk"),  # a graze within one step, which halved steps do not tell
+        (kick(10, "left", 0), "pymunk"),  # a change by 4e-10 of a velocity of 1
+        (kick(7, "right", 0), "pymunk"),
+        (scaled(11, "down", 1), "single"),  # fourth powers are below the least number of 32 bits
+    ],
+)
+def test_what_an_honest_engine_cannot_help_breaks_no_law(scene: Scene, name: str) -> None:
+    (candidate,) = compare(scene, [name], causes=False).candidates
+    assert candidate.laws is not None
+    assert candidate.laws.kept is True, candidate.laws.sentence
 
 
 @pytest.mark.parametrize("velocities", [(-2.0, -1.0, 0.0), (-2.2, -0.32, -0.12), (-1.6, -1.56, 0.04)])
