@@ -39,10 +39,6 @@ SAME_BITS = 1024
 """Bits to which a time is compared with the end of a span: an event on the end itself agrees with it to any number."""
 
 
-EARLIER = 1 / 32
-"""Share of a time by which an engine may be late for an event, where it is asked whether it lacks that one too."""
-
-
 @dataclass(frozen=True)
 class Span:
     """What is compared: a beginning of the reference's history.
@@ -357,8 +353,5 @@ class _Judge:
         return [] if over or float(self.candidate.final_time) >= end else [self.patience.latest(end)]
 
     def earlier(self, event: int) -> list[float]:
-        """How far the candidate tells whether it lacks an event before the one known, which may lie past the span."""
-        if event >= len(self.mine.times) or not any(not one.inside and one.event < event for one in self.open):
-            return []
-        end = self.mine.times[event] * (1 + EARLIER)
-        return [] if float(self.candidate.final_time) >= end else [end]
+        """How far the candidate tells whether it lacks events before the one known, which may lie past the span."""
+        return [one.until for one in self.open if not one.of_reference and one.event < event]

@@ -220,8 +220,8 @@ def record(
     >>> with record(space, file) as log:
     ...     for _ in range(3):
     ...         space.step(0.25)
-    >>> len(file.read_text().splitlines())  # header, shape, start, a step, end
-    5
+    >>> len(file.read_text().splitlines())  # header, shape, order, start, a step, end
+    6
     """
     return PymunkRecording(space, file, every, name)
 

@@ -122,8 +122,7 @@ class FixedOrder:
     def tangent(self, k: int, struck: Sequence[Impact]) -> NDArray[np.float64]:
         """The tangent map of segment k, in doubles: shape (4 moving circles, the same)."""
         segment = self.chain[k]
-        carried = Displacements(self.scene, unit_displacements(self.scene))
-        carried.time = segment.begin
+        carried = Displacements(self.scene, unit_displacements(self.scene), segment.begin)
         carried.through(struck)
         carried.fly(segment.end)
         return carried.matrix * 2.0**carried.scale

@@ -41,7 +41,7 @@ def test_the_jump_lands_on_the_first_divergence(browser: Browser, files: Files) 
     marks = browser.ask(
         "[...document.querySelectorAll('#player li.first')].map((row) => row.textContent.split(' ')[0])"
     )
-    assert [int(mark) for mark in marks] == [divergence.event, divergence.candidate_event]
+    assert [int(mark) for mark in marks] == [divergence.expected_event, divergence.candidate_event]
 
 
 @pytest.mark.parametrize("kind", ["break", "pinball", "thirty"])
