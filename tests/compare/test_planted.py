@@ -53,10 +53,10 @@ class Faulty(Declared):
     def run(self, scene: Scene, *, until: Any = None, events: int | None = None, progress: Any = None) -> Trajectory:
         told = self.fault(scene)
         kept = [e for e in told.events if until is None or float(e.time) <= float(until)][:events]
-        reason, end = StopReason.BUDGET, float(told.final_time)
+        reason, end = StopReason.BUDGET, told.final_time  # as it is: the nearest double may be past it
         if len(kept) == events:
             reason, end = StopReason.EVENTS, float(kept[-1].time)
-        elif until is not None and float(until) <= end:
+        elif until is not None and float(until) <= float(told.final_time):
             reason, end = StopReason.HORIZON, float(until)
         cut = tuple(replace(event, index=k) for k, event in enumerate(kept))
         return replace(told, scene=scene, events=cut, stop=Stop(reason, "as it was made"), final_time=end)
