@@ -17,7 +17,7 @@ from ...scenarios.numbers.real import real
 from ...scenarios.trajectory import StopReason
 from .divergence import Divergence, Kind
 from .impulse_order import same_velocity
-from .instants import Finer, SharedInstant, clusters, first_changed_instant
+from .instants import Finer, SharedInstant, clusters, first_changed_instant, first_lacked
 from .patience import Patience, patience_for
 from .streams import Streams, history
 from .walk import REPEATED, Walk, walk
@@ -157,14 +157,18 @@ def align(
     found = [d for body, walked in walks.items() if (d := judge.divergence(body, walked)) is not None]
     first = min(found, key=lambda d: (d.time, d.event), default=None)
     before = (first.time, first.event) if first else (span.time, span.events - 1)
+    lacks = None
     if instants:
-        tie = first_changed_instant(
+        changed = first_changed_instant(
             reference, candidate, walks, groups, before, step or 0.0, finer, same_velocity(bits)
         )
-        if tie is not None and (first is None or (tie.time, tie.event) <= (first.time, first.event)):
-            first, before = tie, (tie.time, tie.event)
+        if changed is not None:
+            tie, instant = changed
+            event = first_lacked(reference, candidate, instant) if step and len(instant.mine) > 1 else tie.event
+            if first is None or (tie.time, tie.event) <= (first.time, first.event):
+                first, before, lacks = tie, (tie.time, tie.event), event
     matches = _matches(walks)
-    event = min(judge.lacked, first.event) if first else span.events
+    event = min(judge.lacked, first.event if lacks is None else lacks) if first else span.events
     kept = {c: r for c, r in matches.items() if r < event}
     open_ones = [w for w in judge.open if w.inside and w.before(before)]
     wanted = Wanted(
@@ -178,7 +182,7 @@ def align(
             default=None,
         ),
     )
-    whole = _complete(walks, {r for w in walks.values() for r, c in w.pairs if c in kept}, span.events)
+    whole = _complete(walks, {r for w in walks.values() for r, c in w.pairs if c in kept and r < event}, span.events)
     stuck = candidate.stop.reason in UNKNOWING and wanted.candidate is not None
     more = wanted.reference is not None or (wanted.candidate is not None and not stuck)
     return Alignment(

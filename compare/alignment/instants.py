@@ -176,7 +176,7 @@ def first_changed_instant(
     step: float,
     finer: Finer | None,
     same: float,
-) -> Divergence | None:
+) -> tuple[Divergence, SharedInstant] | None:
     """The first instant of several contacts that the candidate leaves with other velocities.
 
     An engine of events is asked to lead, by its impulses in its order, from the reference's state before to the one
@@ -201,16 +201,16 @@ def first_changed_instant(
             changed = (_matters(reference, candidate, instant, same) if several
                        else not _blurred(reference, candidate, instant, step, finer, same))  # fmt: skip
             if changed:
-                return _tie(reference, candidate, instant)
+                return _tie(reference, candidate, instant), instant
             continue
         if _taken_apart(walks, instant, sequential):
             part = _not_reproduced(reference, candidate, walks, instant, same)
             if part is not None:
-                return _tie(reference, candidate, part)
+                return _tie(reference, candidate, part), part
         told = instant.theirs[0] not in getattr(candidate.motion, "reckoned", ())
         alone = told and len(instant.theirs) == 1 == len(instant.mine)
         if alone and not _explained(reference, candidate, instant, step, same):
-            return _tie(reference, candidate, instant)
+            return _tie(reference, candidate, instant), instant
     return None
 
 
@@ -219,6 +219,22 @@ def _has_all(reference: Trajectory, candidate: Trajectory, instant: SharedInstan
     own = Counter(frozenset(pair) for pairs in _impulses(reference, instant, instant.mine) for pair in pairs)
     told = Counter(frozenset(pair) for pairs in _impulses(candidate, instant, instant.theirs) for pair in pairs)
     return own == told
+
+
+def first_lacked(reference: Trajectory, candidate: Trajectory, instant: SharedInstant) -> int:
+    """Of several of the reference's instants that a step takes as one, the first of which it lacks a contact.
+
+    Where it has every contact, and one too many, that is before the first of them: a step says not when.
+    """
+    for event in instant.theirs:
+        told = Counter(frozenset(pair) for pairs in _impulses(candidate, instant, [event]) for pair in pairs)
+        taken = sorted(m for m, theirs in instant.pairs if theirs == event)
+        for mine, pairs in zip(taken, _impulses(reference, instant, taken), strict=True):
+            wanted = Counter(frozenset(pair) for pair in pairs)
+            if wanted - told:
+                return mine
+            told -= wanted
+    return instant.mine[0]
 
 
 def _taken_apart(walks: dict[str, Walk], instant: SharedInstant, sequential: bool) -> bool:

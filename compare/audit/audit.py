@@ -128,10 +128,20 @@ class Audit:
         return str(self.first) if self.first is not None else self.reason
 
     @property
+    def _phantoms(self) -> str:
+        """Contacts that are told and do nothing."""
+        if self.phantoms is None:
+            return ""
+        count, event, approach = self.phantoms
+        if count == 1:
+            return f"; one contact, event {event}, has an impulse below rounding: the two approach by {approach:.3g}"
+        return f"; {count:,} contacts have an impulse below rounding, first event {event}: approach {approach:.3g}"
+
+    @property
     def sentence(self) -> str:
         """The audit in one sentence."""
         if self.kept:
-            return f"keeps the law in all of its {self.steps}"
+            return f"keeps the law in all of its {self.steps}{self._phantoms}"
         if self.kept is None:
             return f"whether it keeps the law is not determined: {self.reason}"
         total = sum(self.counts.values())

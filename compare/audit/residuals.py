@@ -343,10 +343,10 @@ class Laws:
             found = length_of(dvx, dvy)
             if found - granted >= size - room:
                 size, room = found, granted
-            faint = faint and 2 * share * abs(float(met.opening.mid())) <= granted
+            faint = faint and (closing == 1 or 2 * share * abs(float(met.opening.mid())) <= granted)
         yield Residual("impulse", pair, size, room)
-        if faint:
-            yield Residual("phantom", pair, abs(float(met.opening.mid())), math.inf)
+        if faint:  # the two part already, or come together by less than rounding
+            yield Residual("phantom", pair, 0.0 if closing == 1 else abs(float(met.opening.mid())), math.inf)
 
     def _several(
         self, pairs: Sequence[tuple[int, int]], instant: Instant, after: dict[int, Flight], events: int

@@ -25,6 +25,7 @@ def gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
         nearer = _difference(lab, run, alignment)
         if own is not None:
             return nearer is not None and nearer <= own / NEARER
+        return alignment.divergence is None or alignment.divergence.expected_event > lab.divergence.expected_event
     found = alignment.divergence
     if lab.divergence.kind is Kind.MISSING or lab.divergence.kind is Kind.DIFFERENT:
         walked = alignment.walks[lab.divergence.body]
