@@ -27,6 +27,9 @@ TURNED = complex(math.cos(1.0), math.sin(1.0))
 """Scenes are turned by one radian, so that no wall lies along an axis, for which pooltool has a case of its own."""
 
 
+MOST_SLOWED = 2.0
+"""No ball is slowed by as many times `friction` (each by another, so that none are alike)."""
+
 SPIN = 2.0**-10
 """Of a ball, as the speed of its rim; friction then does not act in the very direction of the flight, for which, where
 that is the direction of a cushion, pooltool divides by zero."""
@@ -70,8 +73,9 @@ class PooltoolEngine(Adapted):
         return frozenset({"wall", "pocket"})
 
     def allows(self, scene: Scene) -> dict[str, float]:
-        """The margin that it keeps between what has met, in the scene's units."""
-        return {"margin": SPACER / metres_of(scene, self)}
+        """The margin that it keeps between what has met, and the friction of its cloth, in the scene's units."""
+        metres = metres_of(scene, self)
+        return {"margin": SPACER / metres, "deceleration": MOST_SLOWED * self.friction / metres}
 
     def play(self, scene: Scene, recording: Recording) -> None:
         """Goes from event to event.

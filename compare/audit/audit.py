@@ -31,9 +31,9 @@ LEAST_UNIT = 2.0**-200
 FITTED = 20_000
 """Impacts, and flights, by which a description is found."""
 
-ALLOWANCES = ("slop", "margin", "threshold", "compliance")
+ALLOWANCES = ("slop", "margin", "threshold", "compliance", "deceleration")
 """What an engine may declare of its model, in `allows`: lengths by which contacts may overlap or be apart, a normal
-speed below which nothing bounces, a share of each impulse."""
+speed below which nothing bounces, a share of each impulse, the speed that is lost in a unit of time."""
 
 
 @dataclass(frozen=True)
@@ -207,14 +207,14 @@ class _Notes:
         self.worst: dict[str, float] = dict.fromkeys(KINDS, 0.0)
         self.phantoms: tuple[int, int, float] | None = None
 
-    def take(self, found: Residual, event: int, time: float, speed: float = math.inf) -> None:
-        """Notes one residual."""
+    def take(self, found: Residual, event: int, time: float, speed: float = math.inf, flown: float = 0.0) -> None:
+        """Notes one residual; `flown`: how long those that take part have flown since they were last told."""
         kind, bodies, size, room = found
         if kind == "phantom":
             count, first, faint = self.phantoms or (0, event, size)
             self.phantoms = count + 1, first, faint
             return
-        if size > room and self.allows and (key := self._allowed(kind, size - room, speed)) is not None:
+        if size > room and self.allows and (key := self._allowed(kind, size - room, speed, flown)) is not None:
             self.declared[key] += 1
             return
         if size > self.worst[kind] * room:
@@ -225,15 +225,19 @@ class _Notes:
                 names = tuple(self.ids[k] for k in bodies)
                 self.first[kind] = Violation(kind, event, time, names, size, room)
 
-    def _allowed(self, kind: str, over: float, speed: float) -> str | None:
+    def _allowed(self, kind: str, over: float, speed: float, flown: float) -> str | None:
         """Which declaration of the engine's grants a residual, if one does."""
+        lost = self.allows.get("deceleration", 0.0) * flown
         if kind in ("flight", "gap", "depth"):
-            return next((key for key in ("slop", "margin") if over <= self.allows.get(key, 0.0)), None)
-        if kind in ("impulse", "energy"):
+            length = next((key for key in ("slop", "margin") if over <= self.allows.get(key, 0.0)), None)
+            lengths = self.allows.get("slop", 0.0) + self.allows.get("margin", 0.0)
+            return length or ("deceleration" if lost and over <= lengths + lost * flown else None)
+        if kind in ("impulse", "energy", "bystander"):
             if speed <= self.allows.get("threshold", 0.0):
                 return "threshold"
             if over <= self.allows.get("compliance", 0.0) * speed < math.inf:
                 return "compliance"
+            return "deceleration" if over <= 4 * lost else None
         return None
 
     @property
@@ -250,18 +254,23 @@ def _audited(transcript: Transcript, laws: Laws, run: Trajectory, allows: Mappin
         notes.take(found, 0, 0.0)
     for instant in transcript.instants():
         event = instant.events[0] if instant.events else events
-        speed = math.inf
+        speed, since = math.inf, {}
+        if allows:
+            since = {k: instant.time - float(flight.t) for k, flight in instant.before.items()}
         if allows and instant.impulses:
             speed = max(abs(float(laws.meeting(pair, instant, events).opening.mid())) for pair in instant.impulses)
         for found in laws.residuals(instant, events):
             if not (gone and any(gone.get(k, math.inf) <= instant.time for k in found.bodies)):
-                notes.take(found, event, instant.time, speed)
+                notes.take(
+                    found, event, instant.time, speed, max((since.get(k, 0.0) for k in found.bodies), default=0.0)
+                )
         events += len(instant.events)
         impacts += len(instant.impulses)
         flights += len(instant.after)
     times = sorted(float(event.time) for event in run.events)
     for passage in passages(laws, transcript.flights(), transcript.end, gone):
-        notes.take(passage.residual, bisect_right(times, passage.began), passage.time)
+        flown = passage.time - passage.began
+        notes.take(passage.residual, bisect_right(times, passage.began), passage.time, flown=flown)
     fit = None
     if notes.first:
         samples, ways = _described(transcript, laws)

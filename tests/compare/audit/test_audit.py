@@ -204,6 +204,21 @@ def test_what_an_engine_declares_is_its_model() -> None:
     assert audited(Spaced(nudge=1e-8), scene_from("gas"), events=40).kept is False
 
 
+@pytest.mark.parametrize(("declared", "kept"), [(1e-6, True), (1e-8, False), (0.0, False)])
+def test_a_declared_friction_is_its_model(declared: float, kept: bool) -> None:
+    class Cloth(LogEngine):
+        allows = {"deceleration": declared}  # noqa: RUF012
+
+    scene, f = Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")]), 1e-6
+    time = (1 - math.sqrt(1 - 4 * f)) / f  # t - f t**2 / 2 = 2
+    recording = Recording(scene, "told")
+    recording.hits(time, [("a", "b")], {"a": (2.0, 0.0, 0.0, 0.0), "b": (4.0, 0.0, 1 - f * time, 0.0)})
+    recording.end(quiet=True)
+    found = audit_run(recording.trajectory(), Cloth(recording, "told"))
+    assert found.kept is kept
+    assert bool(found.declared) is kept
+
+
 @pytest.mark.parametrize("dt", ["1/64", "1/256", "1/1024"])
 def test_lateness_and_overlap_are_of_the_step(dt: str) -> None:
     found = audited(f"pymunk:dt={dt}", scene_from("gas"), events=40)
