@@ -23,6 +23,7 @@ def orders_json(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> dict
         "complete": tree.complete,
         "cap": tree.cap,
         "merged": tree.merged,
+        "unproved": tree.unproved,
         "swapped": tree.swapped,
         "sampled": tree.sampled,
         **({} if stop is None else {"stop": stop_json(stop)}),
@@ -74,6 +75,11 @@ def orders_sentence(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> 
     from ..report.counting import counted
 
     found = counted(len(tree.outcomes), "outcome")
+    if tree.complete and tree.unproved:
+        return (
+            f"{scene.name}: at least {found}, over all orders of simultaneous impulses; of "
+            f"{counted(tree.unproved, 'more order')} it is not proved that the end is one of these."
+        )
     if tree.complete:
         return f"{scene.name}: {found}, over all orders of simultaneous impulses."
     if stop is not None:

@@ -6,18 +6,24 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
+from ...exact.numbers.undecided import Undecided
 from ...exact.policies.policy import Policy
 from ...exact.policies.sequential import Sequential
 from ...exact.replay.contact import Touch, contact_of
+from ...exact.results.value import ExactValue
 from ...scenarios.errors import SceneError
 from ...scenarios.event import Contact
 from ...scenarios.numbers.quantity import QuantityLike
+from ...scenarios.numbers.real import Real
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import OnProgress, Progress, Trajectory
+from ...scenarios.trajectory import OnProgress, Progress, StopReason, Trajectory
 from .scripted import BranchDone, Choice, Scripted
 
 DEFAULT_CAP = 256
-"""Outcomes gathered before enumeration gives way to a sample."""
+"""Orders followed to their end before enumeration gives way to a sample."""
+
+EQUAL_BITS = 1024
+"""Bits to which two numbers are told apart; where they agree so far, only their normal forms prove them equal."""
 
 DEFAULT_SAMPLES = 64
 """Orders drawn at random once the cap is hit."""
@@ -70,8 +76,10 @@ class OrderTree:
     Attributes:
         outcomes: the distinct ones found, enumerated first, then sampled.
         complete: whether these are all of them; if not, the cap was hit.
-        cap: the most that enumeration gathers.
-        merged: branches that came to a state which another had reached.
+        cap: the most orders that are followed to their end.
+        merged: branches that came to a state which another had reached, on the way or at the end.
+        unproved: those of them of which that is not proved: their numbers agree to `EQUAL_BITS`. There may be as many
+            outcomes more.
         swapped: branches left out because they only swap contacts that share no circle.
         sampled: orders drawn at random beyond the cap.
     """
@@ -82,6 +90,55 @@ class OrderTree:
     merged: int
     swapped: int
     sampled: int
+    unproved: int = 0
+
+
+class _Ends:
+    """The states in which histories end, told apart.
+
+    Attributes:
+        unproved: histories taken for repeated whose end is not proved to be equal to the other's.
+    """
+
+    def __init__(self) -> None:
+        self._known: dict[Hashable, list[tuple[list[Real], list[tuple[float, float]]]]] = {}
+        self.unproved = 0
+
+    def repeated(self, run: Trajectory) -> bool:
+        """Whether a history has ended in this very state, at this very time; takes note of it."""
+        if run.stop.reason not in (StopReason.QUIET, StopReason.EVENTS, StopReason.HORIZON):
+            return False
+        circles = run.final.circles
+        values: list[Real] = [run.final_time, *(v for c in circles for v in (c.x, c.y, c.vx, c.vy))]
+        bounds = [_bounds(value) for value in values]
+        alike = self._known.setdefault((run.stop.reason, tuple(c.id for c in circles)), [])
+        for others, their_bounds in alike:
+            if any(a > d or c > b for (a, b), (c, d) in zip(bounds, their_bounds, strict=True)):
+                continue
+            same = [equality(one, other) for one, other in zip(values, others, strict=True)]
+            if False not in same:
+                self.unproved += None in same
+                return True
+        alike.append((values, bounds))
+        return False
+
+
+def _bounds(value: Real) -> tuple[float, float]:
+    return value.bounds() if isinstance(value, ExactValue) else (float(value), float(value))
+
+
+def equality(one: Real, other: Real) -> bool | None:
+    """Whether two numbers are equal; None if that is not proved."""
+    if not isinstance(one, ExactValue) or not isinstance(other, ExactValue):
+        return float(one) == float(other)
+    try:
+        if not one.ball(EQUAL_BITS).overlaps(other.ball(EQUAL_BITS)):
+            return False
+        if one.exact() is not None and other.exact() is not None and one.text() == other.text():
+            return True
+    except Undecided:
+        pass
+    return None
 
 
 def all_orders(
@@ -94,14 +151,16 @@ def all_orders(
     samples: int = DEFAULT_SAMPLES,
     seed: int = 0,
     progress: OnProgress | None = None,
+    ends: bool = True,
 ) -> OrderTree:
     """Follows every sequential order of the impulses at every instant, depth first.
 
     Orders that differ by swapping contacts without a common circle are one; branches that reach a state which
-    another has reached are merged where the states are equal exactly.
+    another has reached are merged where the states are equal exactly, those too that come to their end in it.
 
     Args:
-        cap: the most outcomes to enumerate; beyond, `samples` orders are drawn from seeds `seed`, `seed + 1`, ...
+        cap: the most orders to follow to their end; beyond, `samples` are drawn, of seeds `seed`, `seed + 1`, ...
+        ends: whether histories that end in one state are one outcome; else each that differs in its impulses is.
 
     Raises:
         SceneError: for a cap, or a number of samples, that cannot be.
@@ -120,14 +179,19 @@ def all_orders(
     movers = [not circle.fixed for circle in scene.circles]
     seen: dict[Hashable, int] = {}
     outcomes: list[Leaf] = []
-    merged = swapped = 0
+    known = _Ends()
+    merged = swapped = followed = 0
     stack: list[tuple[tuple[Touch, ...], frozenset[Touch]]] = [((), frozenset())]
-    while stack and len(outcomes) < cap:
+    while stack and followed < cap:
         script, asleep = stack.pop()
         policy = Scripted(script, asleep, movers, seen)
         try:
             trajectory = engine.run_with(scene, policy, until=until, events=events)
-            outcomes.append(Leaf(_decisions(scene, policy.choices), trajectory))
+            followed += 1
+            if ends and known.repeated(trajectory):
+                merged += 1
+            else:
+                outcomes.append(Leaf(_decisions(scene, policy.choices), trajectory))
         except BranchDone as done:
             merged += done.args[0] == "merged"
             swapped += done.args[0] == "asleep"
@@ -136,16 +200,16 @@ def all_orders(
             progress(Progress(len(outcomes), 0.0, f"{len(stack)} branches open"))
     sampled = 0
     if stack:
-        known = {_impulses(outcome.trajectory) for outcome in outcomes}
+        had = {_impulses(outcome.trajectory) for outcome in outcomes}
         for drawn in range(seed, seed + samples):
             trajectory = engine.run_with(scene, Sequential(drawn), until=until, events=events)
             sampled += 1
-            if _impulses(trajectory) not in known:
-                known.add(_impulses(trajectory))
+            if _impulses(trajectory) not in had and not (ends and known.repeated(trajectory)):
+                had.add(_impulses(trajectory))
                 outcomes.append(Leaf((), trajectory, drawn))
             if progress is not None:
                 progress(Progress(len(outcomes), 0.0, f"{sampled} of {samples} orders drawn"))
-    return OrderTree(tuple(outcomes), not stack, cap, merged, swapped, sampled)
+    return OrderTree(tuple(outcomes), not stack, cap, merged, swapped, sampled, known.unproved)
 
 
 def _alternatives(choices: list[Choice], followed: int) -> list[tuple[tuple[Touch, ...], frozenset[Touch]]]:

@@ -146,7 +146,9 @@ def permitted_patterns(
         work = max(1, len(reference.events) * len(scene.circles))
         cap = max(LEAST_CAP, min(GREATEST_CAP, ORDER_WORK // work))
         attended = Attended(truth, study.watch, max(LEAST_RUNS, ORDER_WORK // work))
-        tree = all_orders(attended, scene, until=span.past, cap=cap, samples=cap // SAMPLE_SHARE, progress=progress)
+        tree = all_orders(
+            attended, scene, until=span.past, cap=cap, samples=cap // SAMPLE_SHARE, progress=progress, ends=False
+        )
         found = [span.pattern(outcome.trajectory) for outcome in tree.outcomes]
         complete = tree.complete and None not in found and not attended.cut
         followed = len(tree.outcomes)

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from truebreak.compare.orders.all_orders import OrderTree, all_orders
+from truebreak.compare.orders.all_orders import OrderTree, all_orders, equality
 from truebreak.exact import ExactEngine
 from truebreak.exact.policies.complementarity import Ask
 from truebreak.exact.replay.contact import Touch
 from truebreak.floating import DoubleEngine
-from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, catalogue
+from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, Wall, catalogue
 
 C = Circle
 ROOT3 = "sqrt(3)"
@@ -192,6 +192,39 @@ def test_orders_that_lead_to_one_state_are_merged() -> None:
     scene = catalogue.build("corner:angle=60")
     tree = all_orders(ENGINE, scene, events=9)
     assert (len(tree.outcomes), tree.merged > 0) == (1, True)
+
+
+SMALL_ENDS: dict[str, tuple[Scene, int]] = {
+    "corner and two": (
+        Scene(
+            [C(1, 1, m=2, id="a"), C(3, 1, id="b"), C(8, "3/2", vx=-1, m=3, id="s")],
+            [Wall(0, 0, 0, 1, id="w"), Wall(0, 0, 1, 0, id="v")],
+        ),
+        17,
+    ),
+    "star": (Scene([C(-6, "1/3", vx=1), C(0, 0, 2, m=3), C("9/5", "12/5"), C("12/5", "-9/5", m=5)]), 1),
+}
+
+
+@pytest.mark.parametrize("name", SMALL_ENDS)
+def test_histories_that_end_in_one_state_are_one_outcome(name: str) -> None:
+    """Of many orders of one instant few ends are distinct; every sequence, one by one, says how many."""
+    scene, count = SMALL_ENDS[name]
+    tree, every = (all_orders(ENGINE, scene, events=1, ends=ends) for ends in (True, False))
+    assert len(tree.outcomes) == len(set(found(every))) == count
+    assert {*found(tree)} == {*found(every)} == every_sequence(scene, events=1)[0]
+    assert len(tree.outcomes) + tree.merged == len(every.outcomes) + every.merged
+    assert (tree.complete, tree.unproved) == (True, 0)
+
+
+def test_numbers_too_deep_for_a_normal_form_are_not_proved_equal() -> None:
+    run = ENGINE.run(catalogue.build("gas:n=3"), events=12)
+    value = next(v for c in run.final.circles for v in (c.x, c.y) if v.exact() is None)
+    other = next(v for c in ENGINE.run(catalogue.build("gas:n=3"), events=12).final.circles for v in (c.x, c.y)
+                 if float(v) == float(value))  # fmt: skip
+    assert equality(value, other) is None
+    assert equality(value, run.final_time) is False
+    assert equality(run.scene.circles[0].x, run.scene.circles[0].x) is True
 
 
 def test_a_decision_tells_what_was_offered_and_chosen() -> None:
