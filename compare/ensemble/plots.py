@@ -61,7 +61,7 @@ def plot_law(rows: Sequence[SweepRow], ax: Any = None) -> Any:
 
 
 def plot_changed(rows: Sequence[SweepRow], ax: Any = None) -> Any:
-    """The share of scenes of which each engine changed an outcome, with Wilson's 95 % intervals.
+    """The share of scenes of which each engine changed an outcome, with the exact 95 % intervals.
 
     Args, Returns, Raises: as `plot_survival`.
     """

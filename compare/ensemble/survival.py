@@ -6,10 +6,18 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from flint import arb
+
 from .rows.row import SweepRow
 
 Z_95 = 1.959963984540054
 """The normal distribution's two-sided 95 % quantile."""
+
+TAIL = 0.025
+"""What a 95 % interval leaves on either side."""
+
+BISECTIONS = 52
+"""Of the interval from 0 to 1, until doubles tell no more."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +96,7 @@ def _summary(engine: str, rows: Sequence[SweepRow]) -> Summary:
     changed = None
     if told:
         count = sum(bool(row["changed"]) for row in told)
-        changed = (count, len(told), *wilson(count, len(told)))
+        changed = (count, len(told), *proportion(count, len(told)))
     median = next((step.event for step in curve if step.share <= 0.5), None)
     law = fitted([(row["by_exponent"], row["at"]) for row in left if row["by_exponent"] is not None])
     return Summary(
@@ -103,46 +111,62 @@ def _laws(rows: Sequence[SweepRow]) -> tuple[int, int, int]:
 
 
 def survival(seen: Sequence[tuple[int, bool]]) -> list[Step]:
-    """Kaplan and Meier's estimate, with Greenwood's interval on the scale of log(-log).
+    """Kaplan and Meier's estimate, with the 95 % interval of the beta product procedure.
+
+    Without censoring the interval is that of Clopper and Pearson; it holds also where none is left, or nearly all are.
 
     Args:
         seen: for each scene the event up to which it was watched, and whether it left there (else it is censored: it
             was undecided, not settled, or true to the end). A scene censored at an event was still there at it.
 
-    Source: E. L. Kaplan and P. Meier, J. Amer. Statist. Assoc. 53 (1958), 457.
+    Sources: E. L. Kaplan and P. Meier, J. Amer. Statist. Assoc. 53 (1958), 457; M. P. Fay, E. H. Brittain and M. A.
+    Proschan, Biostatistics 14 (2013), 723, by the method of moments.
 
     >>> [(s.event, round(s.share, 3), s.at_risk) for s in survival([(1, True), (2, False), (3, True), (4, True)])]
     [(1, 0.75, 4), (3, 0.375, 2), (4, 0.0, 1)]
     """
     told: list[Step] = []
-    share, variance = 1.0, 0.0
+    share, mean, square = 1.0, 1.0, 1.0
     for event in sorted({event for event, left in seen if left}):
         at_risk = sum(watched >= event for watched, _ in seen)
         gone = sum(watched == event and left for watched, left in seen)
+        stay = sum(watched > event for watched, _ in seen)
         share *= 1 - gone / at_risk
-        if gone < at_risk:
-            variance += gone / (at_risk * (at_risk - gone))
-        told.append(Step(event, share, *_greenwood(share, variance), at_risk))
+        mean, square = _times_beta(mean, square, at_risk - gone + 1, gone)
+        low = _beta_quantile(TAIL, *_times_beta(mean, square, stay, 1)) if stay else 0.0
+        told.append(Step(event, share, low, _beta_quantile(1 - TAIL, mean, square), at_risk))
     return told
 
 
-def _greenwood(share: float, variance: float) -> tuple[float, float]:
-    if not 0 < share < 1:
-        return share, share
-    room = Z_95 * math.sqrt(variance) / abs(math.log(share))
-    return share ** math.exp(room), share ** math.exp(-room)
+def _times_beta(mean: float, square: float, a: int, b: int) -> tuple[float, float]:
+    """First and second moment of a quantity times an independent one of the beta distribution."""
+    return mean * a / (a + b), square * a * (a + 1) / ((a + b) * (a + b + 1))
 
 
-def wilson(count: int, total: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a share (J. Amer. Statist. Assoc. 22 (1927), 209).
+def _beta_quantile(share: float, mean: float, square: float) -> float:
+    """The quantile of the beta distribution of these first two moments."""
+    sum_of_both = (mean - square) / (square - mean * mean)
+    a, b = mean * sum_of_both, (1 - mean) * sum_of_both
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        below = float(arb(middle).beta_lower(arb(a), arb(b), regularized=True))
+        low, high = (middle, high) if below < share else (low, middle)
+    return (low + high) / 2
 
-    >>> [round(end, 4) for end in wilson(8, 10)]
-    [0.4902, 0.9433]
+
+def proportion(count: int, total: int) -> tuple[float, float]:
+    """The exact 95 % interval of a share (C. J. Clopper and E. S. Pearson, Biometrika 26 (1934), 404).
+
+    >>> [round(end, 4) for end in proportion(8, 10)], [round(end, 4) for end in proportion(9, 9)]
+    ([0.4439, 0.9748], [0.6637, 1.0])
     """
-    share, square = count / total, Z_95 * Z_95
-    middle = (share + square / (2 * total)) / (1 + square / total)
-    room = Z_95 * math.sqrt(share * (1 - share) / total + square / (4 * total * total)) / (1 + square / total)
-    return max(0.0, middle - room), min(1.0, middle + room)
+    below = _times_beta(1.0, 1.0, count, total - count + 1)
+    above = _times_beta(1.0, 1.0, count + 1, total - count)
+    return (
+        _beta_quantile(TAIL, *below) if count else 0.0,
+        _beta_quantile(1 - TAIL, *above) if count < total else 1.0,
+    )
 
 
 def fitted(points: Sequence[tuple[float, float]]) -> Law | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ...scenarios.numbers.quantity import Quantity
 from .rows.row import PERTURBED
-from .survival import Z_95, wilson
+from .survival import Z_95, proportion
 
 if TYPE_CHECKING:
     from .rows.row import SweepRow
@@ -25,7 +25,7 @@ already, the share has no room to grow."""
 
 @dataclass(frozen=True)
 class ChangedShare:
-    """Of `total` scenes, `count` have another outcome when displaced by up to `size`; Wilson's 95 % interval."""
+    """Of `total` scenes, `count` have another outcome when displaced by up to `size`; the exact 95 % interval."""
 
     size: float
     count: int
@@ -64,7 +64,7 @@ def uncertainty(rows: Iterable[SweepRow], outcome: str) -> Uncertainty:
             mine = counts.setdefault(row["engine"].removeprefix(PERTURBED), [0, 0])
             mine[0] += outcome in row["changed"]
             mine[1] += 1
-    shares = tuple(ChangedShare(float(Quantity.of(size)), count, total, *wilson(count, total))
+    shares = tuple(ChangedShare(float(Quantity.of(size)), count, total, *proportion(count, total))
                    for size, (count, total) in counts.items())  # fmt: skip
     return Uncertainty(tuple(sorted(shares, key=lambda share: share.size)), *slope(shares))
 

@@ -20,7 +20,7 @@ from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble.family import family, shard_of, varied
 from truebreak.compare.ensemble.rows.perturbed import Perturbed, displaced
 from truebreak.compare.ensemble.rows.row import COLUMNS, SweepJob, rows_of, text_of
-from truebreak.compare.ensemble.survival import fitted, summaries, survival, wilson
+from truebreak.compare.ensemble.survival import fitted, proportion, summaries, survival
 from truebreak.compare.ensemble.sweep import sweep
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
 
@@ -182,15 +182,42 @@ def test_survival_without_departures_is_whole() -> None:
     assert survival([(10, False), (20, False)]) == []
 
 
-def test_wilson_s_interval_holds_the_share_in_nineteen_of_twenty() -> None:
-    for total, share in ((60, 0.3), (200, 0.1), (25, 0.5)):
+def test_the_interval_of_a_share_holds_it_in_nineteen_of_twenty_and_more() -> None:
+    """By counting all that can come out: exact intervals are never too narrow."""
+    for total, share in ((60, 0.3), (200, 0.1), (25, 0.5), (9, 0.97), (40, 0.002)):
         held = 0.0
         for count in range(total + 1):
-            low, high = wilson(count, total)
+            low, high = proportion(count, total)
             if low <= share <= high:
                 held += math.comb(total, count) * share**count * (1 - share) ** (total - count)
-        assert 0.92 <= held <= 0.98
-    assert wilson(0, 5)[0] == 0.0 and wilson(5, 5)[1] == 1.0
+        assert held >= 0.95
+    for total in (1, 5, 9, 100):
+        assert proportion(0, total) == pytest.approx((0, 1 - 0.025 ** (1 / total)))
+        assert proportion(total, total) == pytest.approx((0.025 ** (1 / total), 1))
+    for count, total in ((3, 17), (1, 40), (39, 40)):  # each end leaves a fortieth of what can come out
+        low, high = proportion(count, total)
+        tail = sum(math.comb(total, k) * low**k * (1 - low) ** (total - k) for k in range(count, total + 1))
+        head = sum(math.comb(total, k) * high**k * (1 - high) ** (total - k) for k in range(count + 1))
+        assert (tail, head) == pytest.approx((0.025, 0.025))
+
+
+def test_survival_without_censoring_has_the_interval_of_a_share() -> None:
+    steps = survival([(event, True) for event in (1, 1, 2, 3, 5, 8)])
+    for step, left in zip(steps, (4, 3, 2, 1, 0), strict=True):
+        assert (step.share, step.low, step.high) == pytest.approx((left / 6, *proportion(left, 6)))
+
+
+def test_the_interval_of_survival_holds_it_in_nineteen_of_twenty() -> None:
+    """Scenes that leave at random times, some lost from sight before: early, in the middle, late."""
+    draw, held, runs = np.random.default_rng(5), np.zeros(3), 400
+    for _ in range(runs):
+        leave, lost = draw.geometric(0.1, 30), draw.geometric(0.04, 30)
+        steps = survival([(int(min(a, b)), bool(a <= b)) for a, b in zip(leave, lost, strict=True)])
+        for place, event in enumerate((2, 8, 20)):
+            step = max((s for s in steps if s.event <= event), key=lambda s: s.event, default=None)
+            low, high = (1 - 0.025 ** (1 / 30), 1.0) if step is None else (step.low, step.high)
+            held[place] += low <= 0.9**event <= high or step is None
+    assert (held / runs >= 0.93).all(), held
 
 
 def test_the_line_is_that_of_least_squares() -> None:

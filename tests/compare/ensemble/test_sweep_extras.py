@@ -23,7 +23,7 @@ from truebreak.compare.ensemble.plots import plot_changed, plot_law, plot_surviv
 from truebreak.compare.ensemble.rows import worker
 from truebreak.compare.ensemble.rows.row import COLUMNS
 from truebreak.compare.ensemble.rows.worker import carry_out
-from truebreak.compare.ensemble.survival import summaries, wilson
+from truebreak.compare.ensemble.survival import proportion, summaries
 from truebreak.compare.ensemble.sweep import SweepWarning, sweep
 from truebreak.compare.ensemble.uncertainty import ChangedShare, slope, uncertainty
 from truebreak.compare.report.pictures.engine_style import engine_style
@@ -75,12 +75,12 @@ def test_the_plot_of_the_law_has_its_line_and_a_point_for_each_scene(rows: list[
         assert (y1 - y0) / (x1 - x0) == pytest.approx(summary.law.slope)
 
 
-def test_the_plot_of_outcomes_has_wilson_s_intervals(rows: list[dict[str, Any]]) -> None:
+def test_the_plot_of_outcomes_has_exact_intervals(rows: list[dict[str, Any]]) -> None:
     pytest.importorskip("matplotlib")
     ax = plot_changed(rows)
     for summary, bar in zip(summaries(rows), ax.containers, strict=True):
         assert summary.changed is not None
-        low, high = wilson(*summary.changed[:2])
+        low, high = proportion(*summary.changed[:2])
         (segment,) = bar.lines[2][0].get_segments()
         assert sorted(y for _, y in segment) == pytest.approx([low, high], abs=1e-12)
 
