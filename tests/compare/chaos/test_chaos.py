@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import random
 import re
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from truebreak.compare.engines import engine
 from truebreak.compare.report.text.chaos import horizon_rows, sentences
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
+from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Wall, catalogue
 
 GAS = catalogue.build("gas")
@@ -308,3 +310,52 @@ def test_on_a_line_nothing_leaves_it() -> None:
     assert [h.seen.verdict for h in told.horizons if h.seen is not None] == ["agree", "agree"]
     assert {row[2] for row in horizon_rows(told)} == {"beyond 313"}
     assert any(sentence.startswith("The events foreseen hold where") for sentence in sentences(told))
+
+
+@pytest.mark.parametrize(("memory", "fixed"), [(0.0, 0.98), (0.5, 0.95), (0.8, 0.90)])
+def test_the_interval_of_a_rate_holds_it_though_events_remember(memory: float, fixed: float) -> None:
+    """A series of which each event keeps a share of the last: twenty blocks hold its mean less often than is said."""
+    draw, held, naive, runs, events = np.random.default_rng(3), 0, 0, 1000, 216
+    for _ in range(runs):
+        shocks, series = draw.standard_normal(events + 50), np.zeros(events + 50)
+        for k in range(1, events + 50):
+            series[k] = memory * series[k - 1] + shocks[k]
+        told = rate(series[50:] + 1, np.ones(events))
+        assert told.low is not None and told.high is not None
+        held += told.low <= 1 <= told.high
+        means = np.array([block.mean() + 1 for block in np.array_split(series[50:], 20)])
+        naive += bool(abs(means.mean() - 1) <= 2.093 * means.std(ddof=1) / 20**0.5)
+    assert 0.92 <= held / runs <= 0.98
+    assert naive / runs <= fixed
+
+
+def directed(scene: Scene, seed: int) -> Scene:
+    """The same places and energy, in other directions."""
+    draw, moving = random.Random(seed), [c for c in scene.circles if not c.fixed]
+    energy = sum(float(c.m) * (float(c.vx) ** 2 + float(c.vy) ** 2) for c in moving)
+    drawn = {c.id: [draw.gauss(0, 1) / float(c.m) ** 0.5 for _ in range(2)] for c in moving}
+    size = sum(float(c.m) * sum(v * v for v in drawn[c.id]) for c in moving)
+    circles = [
+        c if c.fixed else Circle(c.x, c.y, c.r, *((energy / size) ** 0.5 * v for v in drawn[c.id]), m=c.m, id=c.id,
+                                 point=float(c.r) == 0)
+        for c in scene.circles
+    ]  # fmt: skip
+    return scene.with_changes(circles=circles, events=None, until=None)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(3600)
+@pytest.mark.parametrize("events", [60, 120])
+@pytest.mark.parametrize("name", ["point", "lorentz", "gas:n=2", "gas:n=4", "gas:n=8"])
+def test_the_interval_of_an_exponent_holds_the_pooled_mean(name: str, events: int) -> None:
+    scene, runs = catalogue.build(name), 200
+    found = []
+    for seed in range(1, runs + 1):
+        run = DoubleEngine().run(directed(scene, seed), events=events)
+        found.append(spectrum(run.scene, impacts(run, events), 1))
+    gains = sum(float(one.gains[one.skipped :, 0].sum()) for one in found)
+    mean = gains / sum(float(one.lengths[one.skipped :].sum()) for one in found)
+    rates = [one.per_time() for one in found]
+    held = sum((one.low or 0.0) <= mean <= (one.high or 0.0) for one in rates) / runs
+    print(f"{name}, {events} events: {100 * held:.1f} %")
+    assert 0.92 <= held <= 0.98
