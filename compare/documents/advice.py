@@ -22,7 +22,8 @@ def advice_json(advice: Advice) -> dict[str, Any]:
     goal, named, cheaper = advice.goal, advice.named, advice.cheaper
     found = None
     if named is not None and advice.cost is not None:
-        found = {**_setting(named), "seconds": advice.cost.seconds, "exact_seconds": advice.cost.exact_seconds}
+        found = {**_setting(named), "may_fail": may_fail(named.of), "seconds": advice.cost.seconds,
+                 "exact_seconds": advice.cost.exact_seconds}  # fmt: skip
     return {
         "schema": ADVICE_SCHEMA,
         "sentence": sentences(advice)[0],
@@ -67,7 +68,29 @@ def sentences(advice: Advice) -> list[str]:
     if advice.named is None:
         return [_none(advice, where), *advice.why, *_luck(advice), *_left_out(advice)]
     told = [f"{advice.named.setting.text} is the cheapest setting that gets {advice.goal}, on {where}."]
-    return [*told, _cost(advice), _cheaper(advice), *_luck(advice), *_left_out(advice)]
+    return [*told, *_unseen(advice.named), _cost(advice), _cheaper(advice), *_luck(advice), *_left_out(advice)]
+
+
+def may_fail(scenes: int) -> float:
+    """The share of such scenes on which a setting may fail that is right on so many: below this at 95 %, one-sided.
+
+    It fails on a share p of them, and is right on n in a row with probability (1 - p)**n: 0.05 at this p
+    (C. J. Clopper and E. S. Pearson, Biometrika 26 (1934), 404).
+
+    >>> round(may_fail(9), 3), round(may_fail(299), 3)
+    (0.283, 0.01)
+    """
+    return float(1 - 0.05 ** (1 / scenes))
+
+
+def _unseen(named: Tried) -> list[str]:
+    if named.of == 1:
+        return ["One scene says nothing of others like it."]
+    return [
+        f"Right on {named.of} of {named.of} is no proof for others: a setting that fails on "
+        f"{100 * may_fail(named.of):.0f} % of such scenes is right on so many in one case of 20, and in more "
+        "where many settings are tried."
+    ]
 
 
 def _where(advice: Advice) -> str:

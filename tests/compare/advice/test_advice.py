@@ -237,6 +237,7 @@ def test_without_scenes_beside_it_the_scene_alone_decides() -> None:
     told = advise(catalogue.build("gas:n=4"), HistoryGoal(3), perturbed=0)
     assert told.end is End.FOUND
     assert "on gas:n=4 alone" in sentences(told)[0]
+    assert sentences(told)[1] == "One scene says nothing of others like it."
 
 
 def test_digits_are_bounded_from_above_by_the_worst_that_an_enclosure_holds() -> None:
@@ -319,6 +320,7 @@ def test_the_command_prints_json_of_its_schema_and_writes_the_scenes(
     assert stop.value.code == 0
     data = json.loads(capsys.readouterr().out)
     jsonschema.Draft202012Validator(schema("advice-1")).validate(data)
+    assert data["setting"]["may_fail"] == pytest.approx(1 - 0.05 ** (1 / 3))
     assert [near["seed"] for near in data["perturbed"]] == [11, 12]
     for near in data["perturbed"]:
         written = load_scene(tmp_path / f"perturbed-{near['seed']}.toml")
