@@ -128,7 +128,7 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
         case Kind.DIFFERENT:
             what = f"{body} meets {named(scene, divergence.got)} instead of {named(scene, divergence.expected)}"
         case Kind.MISSING:
-            what = f"{body} does not meet {named(scene, divergence.expected)}"
+            what = f"{body} does not meet {named(scene, divergence.expected)}{_looked(candidate.trajectory)}"
         case Kind.EXTRA:
             what = f"{body} meets {named(scene, divergence.got)}, which it should not"
         case Kind.TIE if divergence.got == divergence.expected:
@@ -136,6 +136,12 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
         case Kind.TIE:
             what = f"{body} meets {tied(divergence.got)} where it should meet {tied(divergence.expected)}"
     return f"{where}: {what}."
+
+
+def _looked(run: Trajectory) -> str:
+    """How far a run that lacks a contact goes: it may have it later."""
+    end = float(run.final_time)
+    return f" by t = {end:.6g}" if math.isfinite(end) else ""
 
 
 def named(scene: Scene, name: str | None) -> str:

@@ -13,7 +13,7 @@ from truebreak.compare.cli import main
 from truebreak.compare.report.sentences import about, margin_phrase, short
 from truebreak.compare.report.text.output import PLAIN_WIDTH, columns, console
 from truebreak.compare.report.text.terminal import print_comparison
-from truebreak.scenarios import catalogue
+from truebreak.scenarios import Circle, Scene, Wall, catalogue
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import loads_json, loads_toml
 
@@ -159,3 +159,12 @@ def test_a_page_of_outcomes_says_nothing_in_the_words_of_python() -> None:
 def test_a_time_limit_is_told_where_it_can_be_read(until: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
     print_comparison(compare(catalogue.build("gas"), ["double"], until=until, causes=False))
     assert told in capsys.readouterr().out
+
+
+def test_a_contact_that_a_run_lacks_is_said_to_be_lacking_as_far_as_it_goes(capsys: pytest.CaptureFixture[str]) -> None:
+    """What rests at a wall is struck a little below its middle: double goes along the wall, as far as it is run."""
+    scene = Scene(
+        [Circle(0, "2-10**-30", 1, vx=1, id="b"), Circle(4, 2, 1, id="d")], [Wall(0, 3, 1, 3, id="w")], until=5
+    )
+    print_comparison(compare(scene, ["double"], causes=False))
+    assert "circle d does not meet wall w by t = 10." in capsys.readouterr().out.replace("\n", " ")
