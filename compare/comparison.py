@@ -333,10 +333,9 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
     Raises:
         OutOfTime: if the user's seconds are over before anything was tried.
     """
-    from .causes.laboratory.laboratory import Laboratory
-    from .causes.measure import margin_of
-    from .causes.stops.stopped import Stopped
-    from .causes.walk import diagnosis_of, diagnosis_of_stop
+    from .causes.laboratory import Laboratory, diagnosis_of
+    from .causes.margin import margin_of
+    from .causes.stops import Stopped, diagnosis_of_stop
 
     if candidate.alignment.divergence is not None:
         with time_to_read(study.watch):

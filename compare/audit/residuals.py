@@ -348,6 +348,37 @@ class Laws:
         if faint:  # the two part already, or come together by less than rounding
             yield Residual("phantom", pair, 0.0 if closing == 1 else abs(float(met.opening.mid())), math.inf)
 
+    def faint(self, instant: Instant, events: int) -> list[tuple[int, float, float]]:
+        """The impulses of an instant that are below rounding: place in `impulses`, speed of approach, speed of the two.
+
+        The impulses are carried out one after the other, from the engine's own state before; none where that does not
+        lead to the velocities that it reports.
+        """
+        moving: dict[int, tuple[arb, arb]] = {k: (f.vx, f.vy) for k, f in instant.before.items()}
+        granted: dict[int, float] = dict.fromkeys(moving, LEAST)
+        found: list[tuple[int, float, float]] = []
+        for place, (i, j) in enumerate(instant.impulses):
+            met = self.meeting((i, j), instant, events)
+            ends = [k for k in (i, j) if k < self.count]
+            va, vb = moving.get(i, (arb(0), arb(0))), moving.get(j, (arb(0), arb(0)))
+            opening = met.nx * (vb[0] - va[0]) + met.ny * (vb[1] - va[1])
+            speed = sum(instant.before[k].speed + self._left(k, instant) for k in ends if k in instant.before)
+            total = sum((self.things[k].weight for k in ends), arb(0))
+            room = 2 * (IMPULSE_UNITS * self.unit * speed + met.bent) + LEAST
+            if ball.sign_of(opening) == 1 or 2 * abs(float(opening.mid())) <= room:
+                found.append((place, max(0.0, -float(opening.mid())), speed))
+            for k, sign in ((i, 1), (j, -1)):
+                if k in moving and k < self.count and self.moving[k]:
+                    push = sign * 2 * (self.things[k].weight / total) * opening
+                    vx, vy = moving[k]
+                    moving[k] = vx + push * met.nx, vy + push * met.ny
+                    granted[k] += 2 * room
+        for k, (vx, vy) in moving.items():
+            left = instant.after.get(k, instant.before[k])
+            if length_of(left.vx - vx, left.vy - vy) > granted[k]:
+                return []
+        return found
+
     def _several(
         self, pairs: Sequence[tuple[int, int]], instant: Instant, after: dict[int, Flight], events: int
     ) -> Iterator[Residual]:

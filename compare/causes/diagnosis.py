@@ -1,11 +1,80 @@
-"""Why an engine left the reference's history: a table of experiments, and what of them suffices."""
+"""Why an engine left the reference's history: the table of causes, what was tried of each, and what it comes to."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 
-from .table import CAUSES, Cause
+NO_CAUSE = "The histories differ"
+"""The sentence of a report where no cause is known, or none that has a sentence of its own."""
+
+LAW_RANK, FACT_RANK, RUN_RANK, SHARE_RANK = range(4)
+"""A law that is not kept outranks all; then what is seen in the run itself; then what a run at other settings shows;
+then shares of the displacement."""
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One class of causes.
+
+    Attributes:
+        text: what a person reads.
+        experiment: where two histories part, the function that tries it, `module:function` of this folder: it takes the
+            `Laboratory` and the rows so far, and gives rows. None: another one's function has it.
+        rank: of causes that suffice, one of a lower rank comes first.
+        rounding: whether it is floating-point error; None: where the engine takes no time steps.
+        head: the sentence of a report for a history that it changed, where it is not.
+        settings: whether it tries a series of settings, and says which of them was enough.
+        family: the cause that stands for it and others, where none of them has nearly all of their share.
+    """
+
+    text: str
+    experiment: str | None = None
+    rank: int = RUN_RANK
+    rounding: bool | None = False
+    head: str = NO_CAUSE
+    settings: bool = False
+    family: str = ""
+
+
+STEP_HEAD = "The time step changed what happened"
+TUNNELS = "The time step let circles pass through each other"
+SOLVER_HEAD = "The solver's iterations changed what happened"
+
+CAUSES: dict[str, Cause] = {
+    "LAW": Cause("law not kept", "evidence:law", LAW_RANK, head="The engine does not keep the law"),
+    "PHANTOM": Cause("phantom contact", "evidence:phantom", FACT_RANK, rounding=True),
+    "STEP": Cause("time step", "finer_steps:step", head=STEP_HEAD, settings=True),
+    "TUNNELLING": Cause("tunnelling", "finer_steps:tunnelling", FACT_RANK, head=TUNNELS),
+    "ITERATIONS": Cause("solver iterations", "finer_steps:iterations", head=SOLVER_HEAD, settings=True),
+    "TIE": Cause("tie", "evidence:tie", FACT_RANK, rounding=None, head="A tie was resolved differently"),
+    "INPUT": Cause("input rounding", "evidence:shares", SHARE_RANK, rounding=True),
+    "FLIGHTS": Cause("arithmetic in flights", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),
+    "IMPACTS": Cause("arithmetic in impacts", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),
+    "DECISION": Cause("arithmetic in the decision", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),
+    "ARITHMETIC": Cause("arithmetic rounding", rank=SHARE_RANK, rounding=True),
+    "LATENESS": Cause("lateness", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
+    "OVERLAP": Cause("overlap", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
+    "SEVERAL": Cause(
+        "impulses of several contacts",
+        rank=SHARE_RANK,
+        head="Contacts of one instant changed what happened",
+        family="STEPS",
+    ),
+    "MERGED": Cause("instants split or merged by steps", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
+    "STEPS": Cause("errors of its steps", rank=SHARE_RANK, head=STEP_HEAD),
+    "CORRECTION": Cause(
+        "position correction", rank=SHARE_RANK, head="Position correction changed what happened", family="STEPS"
+    ),
+    "UNABLE": Cause("scene not possible in this engine"),
+    "BUDGET": Cause("budget"),
+    "WIDTH": Cause("enclosure width"),
+    "ZERO": Cause("exact zero"),
+    "UNKNOWN": Cause("not determined", rounding=None),
+}
+"""Every cause by its name in `CauseName`, in the order in which they are tried. A new one is its own file, and one line
+here."""
 
 
 class CauseName(Enum):
@@ -28,14 +97,14 @@ class CauseName(Enum):
 
 @dataclass(frozen=True)
 class Experiment:
-    """One experiment, and what it showed at the decision in question.
+    """One kind of error, and what was seen of it at the decision in question.
 
     Attributes:
-        cause: the class of cause that it tries.
+        cause: the kind.
         result: what came out, in words; "not tried" with the reason, where it was not.
-        displacement: by how much it moves the number that decides; None where that is not to be had.
-        suffices: whether it alone changes the decision; None if it was not tried.
-        share: its part of all displacements measured; None where there is none.
+        displacement: what it adds to the number that decides, signed; None where that is not to be had.
+        suffices: whether it alone changes the decision; None if that is not known.
+        share: its part of the whole displacement, signed: all shares add up to 1.
     """
 
     cause: CauseName
@@ -50,41 +119,107 @@ class Diagnosis:
     """Why, with all that was tried.
 
     Attributes:
-        name: the cause: of those that suffice, the one with the largest share.
-        experiments: all of them, those not tried too.
-        finding: what the experiment behind `name` showed.
+        causes: what it comes of, the largest share first: one kind that suffices, or the fewest that do together.
+        experiments: all that was tried, and all shares.
+        finding: what was seen of the first cause.
+        displacement: the engine's value of the number that decides less the exact one; None where it is not known.
+        closed: whether the shares add up to it.
+        runs: continuations by the exact law, each from a state of the engine to the decision, that the account took.
     """
 
-    name: CauseName
+    causes: tuple[CauseName, ...]
     experiments: tuple[Experiment, ...]
     finding: str
+    displacement: float | None = None
+    closed: bool = False
+    runs: int = 0
+
+    @property
+    def name(self) -> CauseName:
+        """The first cause."""
+        return self.causes[0]
 
     def __str__(self) -> str:
-        return self.name.value
+        """The causes in words.
+
+        >>> str(Diagnosis((CauseName["INPUT"], CauseName["IMPACTS"]), (), ""))
+        'input rounding + arithmetic in impacts'
+        """
+        return " + ".join(cause.value for cause in self.causes)
 
     @property
     def sufficient(self) -> tuple[CauseName, ...]:
-        """Every cause that suffices, the largest share first."""
+        """Every kind that suffices by itself, the largest share first."""
         enough = [e for e in self.experiments if e.suffices]
-        return tuple(e.cause for e in sorted(enough, key=lambda e: -(e.share or 0.0)))
+        return tuple(e.cause for e in sorted(enough, key=lambda e: (e.cause.entry.rank, -abs(e.share or 0.0))))
+
+    @property
+    def shares(self) -> tuple[Experiment, ...]:
+        """The account: every kind with its part of the displacement, the largest first."""
+        return tuple(sorted((e for e in self.experiments if e.share is not None), key=lambda e: -abs(e.share or 0.0)))
 
 
-def diagnosed(experiments: list[Experiment]) -> Diagnosis:
-    """The diagnosis that a table of experiments gives. Shares are told where all that suffices was measured.
+NOTHING_TRIED = "nothing that was tried changes the decision by itself"
 
-    >>> diagnosed([Experiment(CauseName["INPUT"], "moves it by 3", 3.0, True, 0.75)]).name.value
-    'input rounding'
+
+def diagnosed(
+    experiments: Sequence[Experiment], margin: float | None, displacement: float | None, runs: int
+) -> Diagnosis:
+    """The diagnosis that a table of experiments gives.
+
+    What suffices by a run comes before shares. Of these, the largest that suffices is the cause; where none does, the
+    fewest, largest first, that push the decision's number past zero together.
+
+    Args:
+        margin: the exact value of the number that decides.
+
+    >>> rows = [("INPUT", -3.0, 0.75), ("IMPACTS", -1.0, 0.25)]
+    >>> table = [Experiment(CauseName[name], "", size, False, share) for name, size, share in rows]
+    >>> str(diagnosed(table, 3.5, -4.0, 0))
+    'input rounding + arithmetic in impacts'
     """
-    if not any(e.suffices for e in experiments):
-        told = "nothing that was tried changes the decision by itself"
-        return Diagnosis(CauseName["UNKNOWN"], tuple(experiments), told)
-    measured = all(e.displacement is not None for e in experiments if e.suffices)
-    total = sum(abs(e.displacement) for e in experiments if e.displacement is not None) if measured else 0.0
-    rows = tuple(
-        e
-        if e.share is not None or e.displacement is None or not total
-        else Experiment(e.cause, e.result, e.displacement, e.suffices, abs(e.displacement) / total)
-        for e in experiments
-    )
-    first = max((e for e in rows if e.suffices), key=lambda e: e.share or 0.0)
-    return Diagnosis(first.cause, rows, first.result)
+    closed = displacement is not None and any(e.share is not None for e in experiments)
+    made = Diagnosis((CauseName["UNKNOWN"],), tuple(experiments), NOTHING_TRIED, displacement, closed, runs)
+    enough = made.sufficient
+    if enough and enough[0].entry.rank < SHARE_RANK:
+        return _named(made, enough[:1])
+    families: dict[str, list[Experiment]] = {}
+    for row in made.shares:
+        families.setdefault(row.cause.entry.family or row.cause.name, []).append(row)
+    sizes = {name: sum(row.share or 0.0 for row in rows) for name, rows in families.items()}
+    pushing = [name for name in sorted(sizes, key=lambda name: -sizes[name]) if sizes[name] > 0]
+    alone = [name for name in pushing if CauseName[name] in enough or any(r.suffices for r in families[name][:1])]
+    if alone:
+        return _named(made, (_chief(alone[0], families[alone[0]]),))
+    value = margin
+    for count, name in enumerate(pushing, 1):
+        if value is None or margin is None or displacement is None:
+            break
+        value += sizes[name] * displacement
+        if count == 1 and _not_alone(made, name, families[name]):
+            continue
+        if value * margin <= 0 and value != margin:
+            return _named(made, tuple(_chief(each, families[each]) for each in pushing[:count]))
+    return _named(made, enough[:1]) if enough else made
+
+
+def _not_alone(made: Diagnosis, name: str, rows: Sequence[Experiment]) -> bool:
+    """Whether a run has shown that a family does not change the decision alone."""
+    shown = [e.suffices for e in made.experiments if e.cause.name == name]
+    return False in (shown or [row.suffices for row in rows])
+
+
+def _chief(name: str, rows: Sequence[Experiment]) -> CauseName:
+    """The cause that a family is named by: the kind that has nearly all of it, or the family's own."""
+    total = sum(abs(row.share or 0.0) for row in rows)
+    return rows[0].cause if abs(rows[0].share or 0.0) >= NEARLY_ALL * total else CauseName[name]
+
+
+def _named(made: Diagnosis, causes: tuple[CauseName, ...]) -> Diagnosis:
+    """With its causes, and what was seen of them."""
+    found = [next(e.result for e in made.experiments if e.cause is cause) for cause in causes]
+    return replace(made, causes=causes, finding="; ".join(found))
+
+
+NEARLY_ALL = 0.9
+"""Share of its family that a kind has to have to be named in its place."""

@@ -13,8 +13,8 @@ from ....exact.policies.complementarity import Ask, pushing_contacts
 from ....exact.replay.contact import Touch
 from ...alignment.align import UNKNOWING, Span, align
 from ...alignment.divergence import Kind
-from ...causes.decision.decisions import decisions
-from ...causes.decision.reader import RunReader
+from ...causes.decision import decisions
+from ...causes.reader import RunReader
 from ...foreign.guard import run_guarded
 from ...foreign.log_engine import LogEngine
 from ...orders.guided import Guided

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from ....exact.numbers.ball import double_bounds
 from ....scenarios.trajectory import StopReason
-from ...causes.decision.decision import DecidingNumber, Pairing
-from ...causes.decision.reader import RunReader
+from ...causes.decision import DecidingNumber, Pairing
+from ...causes.reader import RunReader
 from ...tangent.impacts import NoTangentMap
 from .errors_grown import GrownErrors
 from .nearby import Nearby

@@ -1,4 +1,4 @@
-"""The width of enclosures: how many bits would have been enough, found by running."""
+"""Why an engine stopped where the reference goes on: a refusal, a budget, its width, or an exact zero."""
 
 from __future__ import annotations
 
@@ -7,22 +7,104 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ....scenarios.errors import SceneError
-from ....scenarios.trajectory import StopReason
-from ...foreign.guard import wider_of
-from ..diagnosis import CauseName, Experiment
+from ...scenarios.errors import SceneError
+from ...scenarios.trajectory import StopReason
+from ..foreign.guard import wider_of
+from .diagnosis import CauseName, Diagnosis, Experiment
+from .reader import exact_zero
 
 if TYPE_CHECKING:
-    from ....scenarios.engine import Engine
-    from ....scenarios.trajectory import OnProgress
-    from ...study import Study
-    from .stopped import Stopped
+    from ...scenarios.engine import Engine
+    from ...scenarios.trajectory import OnProgress, Trajectory
+    from ..candidate import Candidate
+    from ..study import Study
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """A candidate that could not decide, with what it takes to ask why."""
+
+    study: Study
+    candidate: Candidate
+    engine: Engine
+    progress: OnProgress | None = None
+
+    @property
+    def message(self) -> str:
+        """What it said itself."""
+        return self.candidate.trajectory.stop.message
+
+    @property
+    def undecided(self) -> bool:
+        """Whether it is a decision that stopped it."""
+        return not self.candidate.unable and self.candidate.trajectory.stop.reason is StopReason.UNDECIDED
+
+    @property
+    def widens(self) -> bool:
+        """Whether it is a decision that stopped it, and wider numbers can be tried."""
+        return self.undecided and wider_of(self.engine) is not None
+
+    @property
+    def event(self) -> int:
+        """How far it came."""
+        return len(self.candidate.trajectory.events)
+
+    @property
+    def reference(self) -> Trajectory:
+        """The longest run of the reference."""
+        return self.study.longest or self.study.reference
+
+
+def diagnosis_of_stop(stopped: Stopped) -> Diagnosis:
+    """Why a candidate stopped: what it refuses, its budget, its width, or a zero that no width decides."""
+    rows: list[Experiment] = []
+    for tried in (unable, budget, width, tied, zero):
+        rows += tried(stopped)
+        if rows and rows[-1].suffices:
+            return Diagnosis((rows[-1].cause,), tuple(rows), rows[-1].result)
+    unknown = CauseName["UNKNOWN"]
+    if not rows:
+        message = stopped.message
+        return Diagnosis((unknown,), (Experiment(unknown, message, None, True),), message)
+    return Diagnosis((unknown,), tuple(rows), f"{rows[-1].result}, and no number is proved to be zero")
+
+
+def unable(stopped: Stopped) -> list[Experiment]:
+    """A scene that an engine refuses, or of which it declares that it does not follow one of its keys."""
+    return [Experiment(CauseName["UNABLE"], stopped.message, None, True)] if stopped.candidate.unable else []
+
+
+def budget(stopped: Stopped) -> list[Experiment]:
+    """A budget of steps, events, work or seconds: what the engine said, where it was no decision that stopped it."""
+    if stopped.undecided or stopped.candidate.unable:
+        return []
+    return [Experiment(CauseName["BUDGET"], stopped.message, None, True)]
+
+
+def tied(stopped: Stopped) -> list[Experiment]:
+    """Whether several contacts fall on the exact instant at which it stopped, which no enclosure separates."""
+    events, event = stopped.reference.events, stopped.event
+    if not stopped.widens or event >= len(events) or len(events[event].contacts) < 2:
+        return []
+    told = f"several contacts fall on exactly one instant, event {event}: no enclosure can tell"
+    return [Experiment(CauseName["TIE"], told, None, True)]
+
+
+def zero(stopped: Stopped) -> list[Experiment]:
+    """Whether one of the numbers that lead to the event at which it stopped is proved to be exactly zero."""
+    found = exact_zero(stopped.reference, stopped.event) if stopped.widens else None
+    if found is None:
+        return []
+    return [Experiment(CauseName["ZERO"], f"exactly zero: {found}; no enclosure can tell", None, True)]
+
+
+# -- the width of enclosures: how many bits would have been enough, found by running
 
 MOST_WORK = 1 << 20
 """Bits times events that one try may take: at 1,000 events, numbers of 1,000 bits, some seconds of intervals."""
 
 
-def width(stopped: Stopped, rows: list[Experiment]) -> list[Experiment]:
+def width(stopped: Stopped) -> list[Experiment]:
     """Whether more bits go on past the stop, and how many."""
     if not stopped.widens:
         return []
@@ -32,7 +114,7 @@ def width(stopped: Stopped, rows: list[Experiment]) -> list[Experiment]:
         return [Experiment(CauseName["WIDTH"], f"with {found.short} bits it stops there too", None, False)]
     past = f"with {found.bits} bits it goes on past event {stopped.event}, with {found.short} it does not"
     told = f"{past}; {_through(study, found.engine, progress)}"
-    return [Experiment(CauseName["WIDTH"], told, None, True, 1.0)]
+    return [Experiment(CauseName["WIDTH"], told, None, True)]
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable
 from fractions import Fraction
 
-from ....scenarios.errors import SceneError
-from ....scenarios.numbers.quantity import Quantity
-from ....scenarios.scene import Scene
-from ....scenarios.things import Circle, Wall
-from ...alignment.impulse_order import DOUBLE_BITS
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.scene import Scene
+from ...scenarios.things import Circle, Wall
+from ..alignment.impulse_order import DOUBLE_BITS
 
 SINGLE_BITS, PAIR_BITS = 24, 106
 """Of a single, and of a pair of doubles: formats of which more is known than how many bits they have."""
@@ -72,6 +72,15 @@ def shifted(scene: Scene, share: Quantity, bits: int = DOUBLE_BITS) -> Scene:
     True
     """
     return _with_numbers(scene, lambda value: value + (nearest(value, bits) - value) * share)
+
+
+def wall_numbers(wall: Wall, bits: int) -> tuple[Quantity, Quantity, Quantity, Quantity]:
+    """x0, y0, x1, y1 of a wall, rounded.
+
+    >>> [value.text() for value in wall_numbers(Wall(0, "1/3", 1, "1/3"), 2)]
+    ['0', '3/8', '1', '3/8']
+    """
+    return tuple(nearest(value, bits) for value in (wall.x0, wall.y0, wall.x1, wall.y1))  # pyright: ignore[reportReturnType]
 
 
 def _with_numbers(scene: Scene, changed: Callable[[Quantity], Quantity]) -> Scene:

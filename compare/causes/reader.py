@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, TypeAlias
+from itertools import combinations, product
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb
 
-from ....exact.laws import formulas as law
-from ....exact.numbers import ball
-from ....scenarios.numbers.quantity import Quantity
-from ....scenarios.numbers.real import real
+from ...exact.laws import formulas as law
+from ...exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
+from ...exact.numbers import ball
+from ...exact.replay.flights import SeenWall
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.real import Real, real
+from ...scenarios.things import Wall
+from ..alignment.streams import history
 from .decision import FIRST_BITS, MOST_BITS, DecidingNumber, OwnFlight, Pairing
-from .zeros import grazes_exactly, touches_exactly
+from .rounding import nearest, wall_numbers
 
 if TYPE_CHECKING:
-    from ....scenarios.scene import Scene
-    from ....scenarios.trajectory import State, Trajectory
-    from ...alignment.walk import Walk
+    from ...scenarios.trajectory import State, Trajectory
+    from ..alignment.walk import Walk
 
 
 FlightBalls: TypeAlias = tuple[arb, arb, arb, arb, arb]
@@ -31,7 +35,7 @@ class RunReader:
     Args:
         run: the run.
         walks: how its meetings were matched with the reference's; None for the reference itself.
-        scene: whose walls and radii it reckons with, if not those of the scene that it says.
+        rounds_to: to how many bits it rounds walls and radii; None: not at all.
         turned_after: number of the reference's events before its reversal, if that lies before the decision.
     """
 
@@ -39,11 +43,13 @@ class RunReader:
         self,
         run: Trajectory,
         walks: Mapping[str, Walk] | None = None,
-        scene: Scene | None = None,
+        rounds_to: int | None = None,
         turned_after: int | None = None,
     ) -> None:
         self.run = run
-        self.scene = run.scene if scene is None else scene
+        self.scene = run.scene
+        self.places = {str(name): k for k, name in enumerate(run.scene.ids)}
+        self._rounds_to = rounds_to
         self.turned_after = turned_after
         self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
         self._states: dict[int, State] = {}
@@ -112,8 +118,8 @@ class RunReader:
         later = at if ball.sign_of(at - bt) in (0, 1) else bt
         ax, ay = law.advance(ax, avx, later - at), law.advance(ay, avy, later - at)
         bx, by = law.advance(bx, bvx, later - bt), law.advance(by, bvy, later - bt)
-        radii = [c.r.ball(bits) for c in self.scene.circles if c.id in (pairing.body, pairing.partner)]
-        return later, bx - ax, by - ay, bvx - avx, bvy - avy, radii[0] + radii[1]
+        reach = self.radius(pairing.body, bits) + self.radius(pairing.partner, bits)
+        return later, bx - ax, by - ay, bvx - avx, bvy - avy, reach
 
     def _turned(self, pairing: Pairing) -> bool:
         """Whether the reversal lies between the last meetings and the decision."""
@@ -124,19 +130,30 @@ class RunReader:
 
     def _wall(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb] | None:
         """t, the gap to a wall, the approach to it, and the length of its normal."""
-        wall = next(w for w in self.scene.walls if w.id == pairing.partner)
         flight = self.numbers(pairing, pairing.body, bits)
         if flight is None:
             return None
-        circle = next(c for c in self.scene.circles if c.id == pairing.body)
-        nx, ny = wall.normal
-        if wall.height(circle.x, circle.y).sign() < 0:
-            nx, ny = -nx, -ny
         t, x, y, vx, vy = flight
-        x0, y0, mx, my = (q.ball(bits) for q in (wall.x0, wall.y0, nx, ny))
-        length = ball.root(mx * mx + my * my)
-        gap = law.wall_gap(x, y, x0, y0, mx, my, circle.r.ball(bits) * length)
-        return t, gap, law.wall_approach(vx, vy, mx, my), length
+        x0, y0, nx, ny, _, length = self.line(pairing.body, pairing.partner, bits)
+        gap = law.wall_gap(x, y, x0, y0, nx, ny, self.radius(pairing.body, bits) * length)
+        return t, gap, law.wall_approach(vx, vy, nx, ny), length
+
+    def radius(self, name: str, bits: int) -> arb:
+        """Of a circle, as the run has it."""
+        exact = self.scene.circles[self.places[name]].r
+        return (exact if self._rounds_to is None else nearest(exact, self._rounds_to)).ball(bits)
+
+    def line(self, circle: str, wall: str, bits: int) -> SeenWall[arb]:
+        """A wall as seen from a circle, as the run has it."""
+        place = self.places[circle]
+        exact = self.scene.walls[self.places[wall] - len(self.scene.circles)]
+        near = exact if self._rounds_to is None else Wall(*wall_numbers(exact, self._rounds_to))
+        nx, ny = near.normal
+        if exact.height(self.scene.circles[place].x, self.scene.circles[place].y).sign() < 0:
+            nx, ny = -nx, -ny
+        x0, y0, mx, my = (value.ball(bits) for value in (near.x0, near.y0, nx, ny))
+        square = mx * mx + my * my
+        return SeenWall(x0, y0, mx, my, square, ball.root(square))
 
     def is_wall(self, pairing: Pairing) -> bool:
         """Whether the partner is a wall."""
@@ -219,4 +236,111 @@ class RunReader:
         names = pairing.body, pairing.partner
         one, other = (self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names)
         radii = [c.r for c in self.scene.circles if c.id in names]
+        if self._rounds_to is not None:
+            radii = [nearest(r, self._rounds_to) for r in radii]
         return one is not None and other is not None and is_zero(one, other, radii[0] + radii[1])
+
+
+# -- zeros that are proved
+
+LONGEST_TEXT = 400
+"""Characters of an exact value that is still calculated with as text: some levels of square roots, which a `Quantity`
+tells from zero in milliseconds. A longer one proves nothing, and is never called zero."""
+
+
+class _Exact(NamedTuple):
+    """A flight in exact numbers."""
+
+    t: Quantity
+    x: Quantity
+    y: Quantity
+    vx: Quantity
+    vy: Quantity
+
+
+def grazes_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
+    """Whether two circles are proved to pass each other at a least distance of exactly zero.
+
+    Args:
+        reach: the sum of their radii.
+    """
+    flights = _exact(one), _exact(other)
+    if flights[0] is None or flights[1] is None:
+        return False
+    return _is_zero(pair_discriminant, *_apart(flights[0], flights[1]), reach)
+
+
+def touches_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
+    """Whether two circles are proved to touch, neither apart nor overlapping, where the later of their flights begins.
+
+    Args:
+        reach: the sum of their radii.
+    """
+    flights = _exact(one), _exact(other)
+    if flights[0] is None or flights[1] is None:
+        return False
+    dx, dy, _, _ = _apart(flights[0], flights[1])
+    return _is_zero(pair_gap, dx, dy, reach)
+
+
+def exact_zero(reference: Trajectory, event: int) -> str | None:
+    """What is exactly zero among the flights that lead to an event, in words; None if no zero is proved.
+
+    Looked for are grazes, circles that touch without approaching, and circles that fly parallel to a wall.
+    """
+    flights = _flights_before(reference, event)
+    radii = {str(c.id): c.r for c in reference.scene.circles}
+    for (one, a), (other, b) in combinations(flights.items(), 2):
+        dx, dy, vx, vy = _apart(a, b)
+        reach = radii[one] + radii[other]
+        if _is_zero(pair_gap, dx, dy, reach) and _is_zero(pair_approach, dx, dy, vx, vy):
+            return f"{one} and {other} touch and do not approach"
+        if float(pair_approach(dx, dy, vx, vy)) < 0 and _is_zero(pair_discriminant, dx, dy, vx, vy, reach):
+            return f"{one} and {other} graze"
+    for (name, flight), wall in product(flights.items(), reference.scene.walls):
+        moves = flight.vx.sign() or flight.vy.sign()
+        if moves and _is_zero(wall_approach, flight.vx, flight.vy, *wall.normal):
+            return f"{name} flies parallel to {wall.id}"
+    return None
+
+
+def _flights_before(reference: Trajectory, event: int) -> dict[str, _Exact]:
+    """Each circle as its last meeting before an event left it, where its numbers are exact and short."""
+    met = history(reference).meetings
+    flights: dict[str, _Exact] = {}
+    for circle in reference.scene.circles:
+        past = [m.event for m in met.get(str(circle.id), []) if m.event < event]
+        time = reference.events[past[-1]].time if past else Quantity.of(0)
+        state = reference.at(time)[str(circle.id)]
+        flight = _exact(OwnFlight(time, state.x, state.y, state.vx, state.vy))
+        if flight is not None:
+            flights[str(circle.id)] = flight
+    return flights
+
+
+def _exact(flight: OwnFlight) -> _Exact | None:
+    """A flight in exact numbers, where they are short."""
+    values = [_short(value) for value in (flight.t, flight.x, flight.y, flight.vx, flight.vy)]
+    return None if None in values else _Exact(*(q for q in values if q is not None))
+
+
+def _short(value: Real) -> Quantity | None:
+    """A number as a `Quantity`, if it is exact and short."""
+    text = real(value).text()
+    return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
+
+
+def _apart(one: _Exact, other: _Exact) -> tuple[Quantity, Quantity, Quantity, Quantity]:
+    """d and v from one to the other, at the later of the times from which they fly."""
+    later = one.t if (one.t - other.t).sign() >= 0 else other.t
+    ax, ay = advance(one.x, one.vx, later - one.t), advance(one.y, one.vy, later - one.t)
+    bx, by = advance(other.x, other.vx, later - other.t), advance(other.y, other.vy, later - other.t)
+    return bx - ax, by - ay, other.vx - one.vx, other.vy - one.vy
+
+
+def _is_zero(formula: Callable[..., Quantity], *numbers: Quantity) -> bool:
+    """Whether a formula is proved to give zero."""
+    try:
+        return formula(*numbers).sign() == 0
+    except ValueError:
+        return False

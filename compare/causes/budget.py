@@ -1,0 +1,319 @@
+"""The account of a displacement: what each kind of error adds to the number that decides.
+
+An engine's run to the decision is a chain of states: the scene, the scene as the engine is given it, and its own state
+after each contact. Continued from each of them by the exact law, the decision's number has a value; from the first it
+is the exact margin, from the last the engine's own value. The contribution of a step is the difference between the
+values after and before it, so that all contributions together are the displacement: the account closes (a telescoping
+sum, "Lady Windermere's fan": Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, 2nd edition 1993,
+section II.3).
+
+Kinds of error within a group of steps are told apart by adding the defects of one kind after the other in that group
+alone. Two orders in which they are added give two answers where errors act on each other; a group whose answers differ
+by more than a tenth is cut in two, and their mean is taken in the end. Where the rounded scene alone does not lead to
+the decision, all errors are let grow together instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from flint import arb
+
+from ...exact.numbers import ball
+from .continuation import (
+    CORRECTION,
+    FLIGHTS,
+    IMPACTS,
+    KINDS,
+    LATENESS,
+    MERGED,
+    OVERLAP,
+    SEVERAL,
+    Continuation,
+    NoContinuation,
+)
+from .diagnosis import CauseName
+
+if TYPE_CHECKING:
+    from .continuation import Rows
+
+TENTH = 0.1
+"""Two answers that differ by so much of a group's contribution are not taken as one."""
+
+SMALL = 0.01
+"""Groups that contribute less than this share of the displacement are not cut."""
+
+MOST_RUNS = 40
+"""Continuations by which one displacement is accounted for."""
+
+GAUSS_3 = (
+    ("0.11270166537925831148207346002176", "5/18"),
+    ("0.5", "4/9"),
+    ("0.88729833462074168851792653997824", "5/18"),
+)
+GAUSS_7 = (
+    ("0.02544604382862073773690515797607", "0.06474248308443484663530571633954"),
+    ("0.12923440720030278006806761335961", "0.13985269574463833395073388571189"),
+    ("0.29707742431130141654669679396152", "0.19091502525255947247518488774449"),
+    ("0.5", "0.20897959183673469387755102040816"),
+    ("0.70292257568869858345330320603848", "0.19091502525255947247518488774449"),
+    ("0.87076559279969721993193238664039", "0.13985269574463833395073388571189"),
+    ("0.97455395617137926226309484202393", "0.06474248308443484663530571633954"),
+)
+"""Nodes and weights of Gauss and Legendre on 0 to 1 (Abramowitz and Stegun, table 25.4)."""
+
+TINY = 60
+"""Halvings of a share by which a derivative is taken."""
+
+CLOSE = 0.02
+"""Share of the displacement by which integrals may miss it; what they miss is spread over them."""
+
+CLOSED = 2.0**-40
+"""Share of a displacement up to which an account is closed: what is left is of the enclosures."""
+
+Group = tuple[CauseName, tuple[str, ...]]
+"""A kind of error that is told, and the kinds of defects that it holds."""
+
+OF_EVENTS: tuple[Group, ...] = (
+    (CauseName["FLIGHTS"], (FLIGHTS, LATENESS, OVERLAP, CORRECTION)),
+    (CauseName["IMPACTS"], (IMPACTS, SEVERAL, MERGED)),
+)
+"""Of an engine of events, the time of a contact is rounded where a flight ends."""
+
+OF_STEPS: tuple[Group, ...] = (
+    (CauseName["FLIGHTS"], (FLIGHTS,)),
+    (CauseName["LATENESS"], (LATENESS,)),
+    (CauseName["OVERLAP"], (OVERLAP,)),
+    (CauseName["IMPACTS"], (IMPACTS,)),
+    (CauseName["SEVERAL"], (SEVERAL,)),
+    (CauseName["MERGED"], (MERGED,)),
+    (CauseName["CORRECTION"], (CORRECTION,)),
+)
+
+
+@dataclass(frozen=True)
+class Contribution:
+    """What one kind of error adds to the number that decides.
+
+    Attributes:
+        cause: the kind.
+        size: signed, in the unit of the number: a length for hit or miss, a time for an order.
+        alone: the number that decides with this kind of error alone; None where that was not run, or does not exist.
+    """
+
+    cause: CauseName
+    size: float
+    alone: arb | None = None
+
+
+@dataclass(frozen=True)
+class Account:
+    """A displacement and what it is made of.
+
+    Attributes:
+        displacement: the engine's value less the exact margin.
+        contributions: they add up to it.
+        own: all but the input's together: the engine's own errors.
+        runs: how many continuations by the exact law were made.
+        groups: how many groups of steps the run was cut into.
+        lumped: why the engine's own errors are told as one, where they are.
+    """
+
+    displacement: float
+    contributions: tuple[Contribution, ...]
+    own: Contribution
+    runs: int
+    groups: int
+    lumped: str = ""
+
+
+class _Sum:
+    """Contributions as they are found."""
+
+    def __init__(self, run: Continuation, groups: Sequence[Group], whole: arb) -> None:
+        self.run, self.kinds, self.whole = run, groups, whole
+        self.found: dict[CauseName, arb] = {}
+        self.groups = 0
+
+    def add(self, cause: CauseName, value: arb) -> None:
+        self.found[cause] = self.found.get(cause, arb(0)) + value
+
+    def split(self, begin: int, end: int, first: arb, last: arb) -> None:
+        """Accounts for the steps from one to another, between which the value goes from `first` to `last`.
+
+        Raises:
+            NoContinuation: where single kinds of errors do not lead to the decision.
+        """
+        present = [group for group in self.kinds if self._has(group, begin, end)]
+        if len(present) <= 1:
+            self.groups += 1
+            self.add(present[0][0] if present else self.kinds[0][0], last - first)
+            return
+        found = self._both_ways(present, begin, end, self.run.state_before(begin), first, last)
+        large = max(_size(last - first), SMALL * _size(self.whole))
+        if (found is None or found[1] > TENTH * large) and end - begin > 1 and self.run.runs < MOST_RUNS:
+            middle = (begin + end) // 2
+            value = self.run.value(middle, self.run.state_before(middle))
+            if value is not None:
+                self.split(begin, middle, first, value)
+                self.split(middle, end, value, last)
+                return
+        if found is None:
+            raise NoContinuation("with some of its errors alone, the contacts that lead to the decision do not exist")
+        self.groups += 1
+        for cause, value in found[0].items():
+            self.add(cause, value)
+
+    def along(self, margin: arb) -> None:
+        """Accounts for all errors, the input's too, as they grow together from none to what they are.
+
+        A kind's contribution is the integral of the derivative by it, along the straight way from the exact motion to
+        the engine's (Aumann and Shapley, *Values of Non-Atomic Games*, 1974): no order of the kinds is preferred, and all
+        together are the displacement. Derivatives are differences of continuations.
+
+        Raises:
+            NoContinuation: where some motion on the way does not exist, or the integral is not found.
+        """
+        present = [group for group in self.kinds if self._has(group, 0, len(self.run.stretches))]
+        for nodes in (GAUSS_3, GAUSS_7):
+            found = self._integrated(present, nodes)
+            whole = sum(found.values(), arb(0))
+            if _size(whole - self.whole) <= CLOSE * _size(self.whole):
+                for cause, value in found.items():
+                    self.add(cause, value * (self.whole / whole))
+                self.groups += 1
+                return
+        raise NoContinuation("its errors act on each other too much to be told apart")
+
+    def _integrated(self, present: Sequence[Group], nodes: Sequence[tuple[str, str]]) -> dict[CauseName, arb]:
+        """The integrals, by a rule of some nodes and weights on 0 to 1."""
+        found: dict[CauseName, arb] = {CauseName["INPUT"]: arb(0), **{cause: arb(0) for cause, _ in present}}
+        tiny = arb(2) ** -TINY
+        for node, weight in nodes:
+            at = arb(node)
+            shares = {kind: at for _, kinds in present for kind in kinds}
+            here = self.run.value_at(at, shares)
+            beside = {CauseName["INPUT"]: self.run.value_at(at + tiny, shares)}
+            for cause, kinds in present:
+                beside[cause] = self.run.value_at(at, {**shares, **dict.fromkeys(kinds, at + tiny)})
+            for cause, value in beside.items():
+                if here is None or value is None:
+                    raise NoContinuation("with a part of its errors, contacts that lead to the decision do not exist")
+                found[cause] += arb(weight) * (value - here) / tiny
+        return found
+
+    def _both_ways(
+        self, present: Sequence[Group], begin: int, end: int, rows: Rows | None, first: arb, last: arb
+    ) -> tuple[dict[CauseName, arb], float] | None:
+        """Contributions, the mean of two orders in which kinds are added, and how far the two are apart."""
+        there = self._in_turn(present, begin, end, rows, first, last)
+        back = None if there is None else self._in_turn(present[::-1], begin, end, rows, first, last)
+        if there is None or back is None:
+            return None
+        apart = max((_size(there[cause] - back[cause]) for cause, _ in present), default=0.0)
+        return {cause: (there[cause] + back[cause]) / 2 for cause, _ in present}, apart
+
+    def _has(self, group: Group, begin: int, end: int) -> bool:
+        """Whether any step has a defect of a kind."""
+        return any(
+            not number.is_zero()
+            for stretch in self.run.stretches[begin:end]
+            for kind in group[1]
+            for row in stretch.defects.get(kind, {}).values()
+            for number in row
+        )
+
+    def _in_turn(
+        self, groups: Sequence[Group], begin: int, end: int, rows: Rows | None, first: arb, last: arb
+    ) -> dict[CauseName, arb] | None:
+        """Contributions where the kinds are added in an order; from the exact scene where no state is given."""
+        found: dict[CauseName, arb] = {}
+        before, kinds = first, list[str]()
+        for cause, of in groups[:-1]:
+            kinds += of
+            value = self.run.value(begin, rows, kinds, end, exact=rows is None)
+            if value is None:
+                return None
+            found[cause], before = value - before, value
+        if groups:
+            found[groups[-1][0]] = last - before
+        return found
+
+
+def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, input_rounded: bool) -> Account:
+    """Accounts for the displacement of a decision.
+
+    Args:
+        run: continues the engine's run.
+        margin: the exact value.
+        own: the engine's own value, by its own flights.
+        stepped: whether the engine takes time steps.
+        input_rounded: whether rounding has changed the scene.
+
+    Raises:
+        NoContinuation: where the account cannot be closed.
+    """
+    groups = OF_STEPS if stepped else OF_EVENTS
+    rest = CauseName["STEPS" if stepped else "ARITHMETIC"]
+    with ball.precision(run.bits):
+        whole, apart = run.value(kinds=KINDS), ""
+        if own is not None and (whole is None or _apart(whole, own, margin) > CLOSED):
+            whole, apart = own, "its flights change where no contact explains it"
+        if whole is None:
+            raise NoContinuation("the engine's own contacts do not lead to the decision by the exact law")
+        displacement = whole - margin
+        total = _Sum(run, groups, displacement)
+        entered = run.value() if input_rounded else margin
+        alone: dict[CauseName, arb] = {}
+        if entered is None:
+            if apart:
+                raise NoContinuation(apart)
+            total.along(margin)
+        else:
+            if input_rounded:
+                total.add(CauseName["INPUT"], entered - margin)
+                alone[CauseName["INPUT"]] = entered
+            try:
+                if apart:
+                    raise NoContinuation(apart)
+                total.split(0, len(run.stretches), entered, whole)
+            except NoContinuation as why:
+                apart = str(why)
+                total.found = {CauseName["INPUT"]: entered - margin, rest: whole - entered}
+        together = sum((value for cause, value in total.found.items() if cause is not CauseName["INPUT"]), arb(0))
+        for cause, kinds in (*groups, (rest, KINDS)):
+            value = together if cause is rest else total.found.get(cause)
+            if value is not None and _flips(margin, margin + value):
+                found = run.value(kinds=kinds, exact=True)
+                if found is not None:
+                    alone[cause] = found
+        return Account(
+            _near(displacement),
+            tuple(Contribution(c, _near(value), alone.get(c)) for c, value in total.found.items()),
+            Contribution(rest, _near(together), alone.get(rest)),
+            run.runs,
+            total.groups,
+            apart,
+        )
+
+
+def _flips(margin: arb, value: arb) -> bool:
+    """Whether two values may have different signs."""
+    return ball.sign_of(margin) != ball.sign_of(value)
+
+
+def _apart(value: arb, other: arb, margin: arb) -> float:
+    """How far two values are apart, as a share of their distance from the margin."""
+    most = max(_size(value - margin), _size(other - margin))
+    return _size(value - other) / most if most else 0.0
+
+
+def _near(value: arb) -> float:
+    """The double nearest to a number; 0 where it cannot be told from 0."""
+    return 0.0 if value.contains(0) else float(value.mid())
+
+
+def _size(value: arb) -> float:
+    return abs(float(value.mid()))

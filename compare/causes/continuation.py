@@ -1,0 +1,543 @@
+"""The exact law, continued from any state of an engine's run to the decision at which the histories part.
+
+The sequence of contacts that leads to the decision is the reference's, which the engine has too. Carried out by the
+exact law from a state, it gives the number that decides as a function of that state: no decision is asked again. Each
+contact of the engine's run adds *defects*: by what its own numbers differ from what the exact law makes of its own
+numbers before. With all defects added, the continuation is the engine's run itself; with some kinds of them, in some of
+the contacts, it is what these alone come to.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TypeAlias
+
+from flint import arb
+
+from ...exact.laws.formulas import advance, pair_impulse
+from ...exact.numbers import ball
+from ...exact.replay.body import Flight
+from ...exact.replay.contact import AtWall, Entry, Pair
+from ...exact.replay.flights import SeenWall
+from ...exact.replay.state import State
+from ...exact.replay.steps import Flip, Go, Kick, Step, step_units
+from ...exact.results.motion import motion_of, steps_through
+from ...scenarios.numbers.quantity import Quantity
+from ..audit.transcript import Flight as OwnRow
+from ..audit.transcript import Instant, Transcript
+from .decision import DecidingNumber, OwnFlight, Pairing
+from .reader import FlightBalls, RunReader
+from .rounding import nearest
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+    from ..alignment.walk import Walk
+
+BITS, BITS_AN_EVENT = 320, 2
+"""Bits of a continuation: balls lose about one an event; what is left over tells contributions of 2**-100."""
+
+MOST_UNITS = 60_000_000
+"""Work that one continuation may take, about a minute; beyond it there is none."""
+
+Row: TypeAlias = FlightBalls
+"""t, x, y, vx, vy of one circle from its last contact on."""
+
+Rows: TypeAlias = dict[int, Row]
+"""Circles by place."""
+
+
+class NoContinuation(Exception):
+    """The engine's run cannot be continued by the exact law; the message says why."""
+
+
+@dataclass(frozen=True)
+class Link:
+    """What one component of an instant does, or the reversal: steps of the reference's log, and who takes part.
+
+    Attributes:
+        event: of the reference.
+        bodies: the circles that can move, by place.
+        pushed: those that get an impulse; at the reversal, all.
+        steps: of the log.
+        single: whether it is one impulse through one contact.
+    """
+
+    event: int
+    bodies: tuple[int, ...]
+    pushed: tuple[int, ...]
+    steps: tuple[Step, ...]
+    single: bool
+
+    @property
+    def turns(self) -> bool:
+        """Whether it is the reversal."""
+        return isinstance(self.steps[-1], Flip)
+
+
+@dataclass
+class Stretch:
+    """Contacts that the two runs have in common and that hang together, most often one, or a change without contact.
+
+    Attributes:
+        event: the reference's last event in it; of a change without contact, of the body's contact before, or -1.
+        bodies: the circles by place; those whose flight changes.
+        beside: others whose flights the exact law asks for.
+        links: what the exact law does; none where the engine changes a flight without a contact.
+        before, after: the engine's own flights.
+        at_once: whether the engine has it at one moment.
+        defects: by kind, and by circle, what is added to (t, x, y, vx, vy).
+    """
+
+    event: int
+    bodies: tuple[int, ...]
+    beside: tuple[int, ...]
+    links: tuple[Link, ...]
+    before: Rows
+    after: Rows
+    at_once: bool = True
+    defects: dict[str, Rows] = field(default_factory=dict[str, Rows])
+
+
+FLIGHTS, LATENESS, OVERLAP, IMPACTS = "flights", "lateness", "overlap", "impacts"
+"""Kinds of defects: a place that is not where the flight leads; a time at which the gap is not zero; a line of centres
+that overlap has turned; an impulse."""
+
+SEVERAL, MERGED, CORRECTION = "several", "merged", "correction"
+"""More of them: the impulses of several contacts of one instant; an instant taken apart, or several taken as one; a
+flight that changes without a contact."""
+
+KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SEVERAL, MERGED, CORRECTION)
+
+
+class RoundedState(State[arb]):
+    """The scene's circles and walls with every number rounded to so many bits, whether that is a scene or not.
+
+    Args:
+        bits: None: nothing is rounded.
+        share: of the way to the rounded numbers that each is moved.
+    """
+
+    def __init__(self, scene: Scene, bits: int | None, share: arb | None = None) -> None:
+        super().__init__(scene, ball.BALLS)
+        self._bits, self._share = bits, share
+        if bits is None:
+            return
+        for circle, body in zip(scene.circles, self.bodies.values(), strict=True):
+            x, y, vx, vy, r = map(self._near, (circle.x, circle.y, circle.vx, circle.vy, circle.r))
+            body.r = r
+            body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=circle.fixed)
+            if isinstance(circle.m, Quantity):
+                body.w = 1 / self._near(circle.m)
+
+    def _near(self, value: Quantity) -> arb:
+        exact = ball.constant(value)
+        if self._bits is None:
+            return exact
+        near = ball.constant(nearest(value, self._bits))
+        return near if self._share is None else exact + self._share * (near - exact)
+
+    def line(self, circle: int, wall: int) -> SeenWall[arb]:
+        """As `Flights.line`, of the rounded wall."""
+        if self._bits is not None and wall not in self._lines:
+            exact = self.scene.walls[wall]
+            x0, y0, x1, y1 = map(self._near, (exact.x0, exact.y0, exact.x1, exact.y1))
+            nx, ny = y0 - y1, x1 - x0  # as `Wall.normal`
+            nn = nx * nx + ny * ny
+            length = nn.sqrt()
+            self._lines[wall] = SeenWall(x0, y0, nx, ny, nn, length), SeenWall(x0, y0, -nx, -ny, nn, length)
+        return super().line(circle, wall)
+
+
+class Continuation:
+    """Continues an engine's run, by the exact law, to a decision.
+
+    Args:
+        reference: the exact run.
+        own: reads the engine's run.
+        walks: how its meetings were matched with the reference's.
+        decision: what is asked.
+        turned: number of the reference's events before its reversal, if that lies before the decision.
+        bits: to which the engine rounds its scene; None: it does not.
+
+    Attributes:
+        stretches: what leads to the decision, in order.
+        runs: how many continuations were made, each from its state to the decision.
+
+    Raises:
+        NoContinuation: where there is none.
+    """
+
+    def __init__(
+        self,
+        reference: Trajectory,
+        own: Trajectory,
+        walks: Mapping[str, Walk],
+        decision: DecidingNumber,
+        turned: int | None,
+        bits: int | None,
+    ) -> None:
+        motion = motion_of(reference)
+        if motion is None:
+            raise NoContinuation(f"{reference.engine} keeps no log")
+        self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
+        self.scene: Scene = reference.scene
+        self._turned, self._rounds_to = turned, bits
+        self._log = motion.log.steps
+        self._places = {name: k for k, name in enumerate(self.scene.ids)}
+        self._moving = [not circle.fixed for circle in self.scene.circles]
+        self.runs = 0
+        links = self._needed()
+        self.bits = BITS + BITS_AN_EVENT * len(links)
+        if len(links) * step_units(self.bits) > MOST_UNITS:
+            raise NoContinuation(f"{len(links):,} contacts lead to it, too many to be carried out again")
+        with ball.precision(self.bits):
+            self._exact, self._given = RoundedState(self.scene, None), RoundedState(self.scene, bits)
+            self.start = {k: _row(body.flight) for k, body in self._exact.bodies.items()}
+            self.entered = {k: _row(body.flight) for k, body in self._given.bodies.items()}
+            self.first = {k: _told(row) for k, row in enumerate(Transcript(own, encloses=True).first())}
+            moving = tuple(k for k, moves in enumerate(self._moving) if moves)
+            self.stretches = [Stretch(-1, moving, (), (), self.entered, self.first), *self._matched(links)]
+            for stretch in self.stretches:
+                self._find_defects(stretch)
+
+    # -- states
+
+    def _load(self, state: State[arb], rows: Mapping[int, Row]) -> None:
+        """Sets some circles' flights; of two clocks either may be the later."""
+        for rank, k in enumerate(sorted(rows, key=lambda k: float(rows[k][0].mid()))):
+            t, x, y, vx, vy = rows[k]
+            state.bodies[k].flight = Flight(x, y, vx, vy, t, t, None, rank + 1)
+        state.steps_done = len(rows) + 1
+        state.instant, state.late, state.met = state.zero, None, None
+
+    # -- what leads to the decision
+
+    def _needed(self) -> list[Link]:
+        """The contacts in the decision's causal past, in the reference's order."""
+        limits: dict[int, int] = {}
+        for pairing in self.decision.pairings:
+            for name in (pairing.body, pairing.partner):
+                place, anchor = self._places.get(name), pairing.anchors.get(name)
+                if place is not None and anchor is not None:
+                    limits[place] = max(limits.get(place, -1), anchor)
+        flips = self._flip()
+        turned = flips is not None and self._turned is not None
+        last = max(limits.values(), default=-1)
+        if turned and flips is not None:
+            last = max(last, flips.event)
+        found: list[Link] = []
+        for event in range(last, -1, -1):
+            if turned and flips is not None and event == flips.event:
+                found.append(flips)
+            for link in reversed(self._links(event)):
+                if any(limits.get(k, -1) >= event for k in link.pushed):
+                    found.append(link)
+                    limits.update({k: max(limits.get(k, -1), event) for k in link.bodies})
+        if turned and flips is not None and flips.event < 0:
+            found.append(flips)
+        found.reverse()
+        return found
+
+    def _flip(self) -> Link | None:
+        """The reversal, if the decision lies after it; its event is that before it."""
+        reversal = self.reference.reversal
+        if reversal is None:
+            return None
+        place = next(k for k, step in enumerate(self._log) if isinstance(step, Flip))
+        bodies = tuple(k for k, moves in enumerate(self._moving) if moves)
+        return Link(reversal.after - 1, bodies, bodies, tuple(self._log[place - 1 : place + 1]), False)
+
+    def _links(self, event: int) -> list[Link]:
+        """The components of an event: each a set of contacts that hang together."""
+        events = self.reference.events
+        begin = steps_through(events[event - 1]) if event else 0
+        found: list[tuple[set[int], list[Step]]] = []
+        for step in self._log[begin : steps_through(events[event])]:
+            if isinstance(step, Go) and isinstance(step.source, Pair | AtWall | Entry):
+                found.append(({*step.bodies, *step.source.circles}, [step]))
+            elif isinstance(step, Kick):
+                circles = {k for link in step.links for k in link.circles}
+                group = next((g for g in reversed(found) if g[0] & circles), None)
+                if group is None:
+                    found.append((circles, [step]))
+                else:
+                    group[0].update(circles)
+                    group[1].append(step)
+        links: list[Link] = []
+        for _, steps in found:
+            kicks = [step for step in steps if isinstance(step, Kick)]
+            if kicks:
+                source = steps[0].source if isinstance(steps[0], Go) else ()
+                pushed = {k for step in kicks for at in step.links for k in at.circles if self._moving[k]}
+                asked = set(source.circles) if isinstance(source, Pair | AtWall) else set[int]()
+                bodies = tuple(k for k in sorted(pushed | asked) if self._moving[k])
+                single = len(kicks) == 1 and len(kicks[0].links) == 1
+                links.append(Link(event, bodies, tuple(sorted(pushed)), tuple(steps), single))
+        return links
+
+    def _matched(self, links: Sequence[Link]) -> list[Stretch]:
+        """The same in the engine's run: its own flights before and after each."""
+        told = [*Transcript(self.own, encloses=True).instants()]
+        by_event: dict[int, Instant] = {index: instant for instant in told for index in instant.events}
+        turned = next((instant for instant in told if instant.turned), None)
+        groups: list[tuple[list[Link], set[int]]] = []
+        of: dict[int, int] = {}
+        for link in links:
+            if link.turns and turned is None:
+                raise NoContinuation("its run does not turn back")
+            mine = set(turned.events) & of.keys() if link.turns and turned is not None else self._own_events(link)
+            known = {of[c] for c in mine if c in of}
+            if len(known) > 1:
+                raise NoContinuation("it takes several instants as one, in another order")
+            place = known.pop() if known else len(groups)
+            if place == len(groups):
+                groups.append(([], set()))
+            groups[place][0].append(link)
+            groups[place][1].update(mine)
+            of.update(dict.fromkeys(mine, place))
+        return self._with_changes(groups, by_event, turned, told)
+
+    def _own_events(self, link: Link) -> set[int]:
+        """The engine's events that are matched with a component."""
+        found: set[int] = set()
+        for k in link.pushed:
+            walked = self.walks.get(str(self.scene.ids[k]))
+            mine = {c for m, c in walked.pairs if m == link.event} if walked is not None else set[int]()
+            if not mine:
+                raise NoContinuation("it does not have every contact that leads to the decision")
+            found |= mine
+        return found
+
+    def _with_changes(
+        self,
+        groups: Sequence[tuple[list[Link], set[int]]],
+        by_event: Mapping[int, Instant],
+        turned: Instant | None,
+        told: Sequence[Instant],
+    ) -> list[Stretch]:
+        """Stretches, with the changes of flights that no contact explains between them."""
+        order = {id(instant): n for n, instant in enumerate(told)}
+        changes: dict[int, list[tuple[int, Row, Row]]] = {}
+        for n, instant in enumerate(told):
+            for k, after in instant.after.items():
+                changes.setdefault(k, []).append((n, _told(instant.before[k]), _told(after)))
+        done: dict[int, int] = {}
+        found: list[Stretch] = []
+        for links, events in groups:
+            instants = {order[id(by_event[c])] for c in events}
+            if any(link.turns for link in links) and turned is not None:
+                instants.add(order[id(turned)])
+            bodies = tuple(sorted({k for link in links for k in link.pushed}))
+            beside = tuple(sorted({k for link in links for k in link.bodies} - {*bodies}))
+            first, last = min(instants), max(instants)
+            before, after = Rows(), Rows()
+            event = max(link.event for link in links)
+            for k in (*bodies, *beside):
+                mine, at = changes.get(k, []), done.get(k, 0)
+                while at < len(mine) and mine[at][0] < first:
+                    found.append(Stretch(event - 1, (k,), (), (), {k: mine[at][1]}, {k: mine[at][2]}))
+                    at += 1
+                before[k] = after[k] = mine[at - 1][2] if at else self.first[k]
+                while k in bodies and at < len(mine) and mine[at][0] <= last:
+                    after[k] = mine[at][2]
+                    at += 1
+                done[k] = at
+            found.append(Stretch(event, bodies, beside, tuple(links), before, after, first == last))
+        return found
+
+    # -- the exact law, and what the engine's run adds to it
+
+    def _law(self, state: State[arb], stretch: Stretch, rows: Mapping[int, Row], *, here: bool = False) -> Rows:
+        """What the exact law makes of some flights; `here`: at the places where they are, whatever the gap."""
+        mine = {k: rows[k] for k in (*stretch.bodies, *stretch.beside)}
+        for link in stretch.links:
+            self._load(state, mine)
+            for step in link.steps:
+                state.steps_done += 1
+                if isinstance(step, Go) and here:
+                    continue
+                if isinstance(step, Go):
+                    state.go(step.source, tuple(k for k in step.bodies if k in mine))
+                elif isinstance(step, Kick) and here and link.single and isinstance(step.links[0], Pair):
+                    _bounce_here(state, step.links[0])
+                elif isinstance(step, Kick):
+                    state.kick(step.links)
+                elif isinstance(step, Flip):
+                    for k in link.bodies:
+                        x, y, vx, vy, t, *_ = state.bodies[k].flight
+                        state.bodies[k].flight = Flight(x, y, -vx, -vy, t, t, None, state.steps_done)
+            mine.update({k: _row(state.bodies[k].flight) for k in link.pushed})
+        return {k: mine[k] for k in stretch.bodies}
+
+    def _find_defects(self, stretch: Stretch) -> None:
+        """The engine's own numbers after a stretch, less what the exact law makes of its own numbers before."""
+        state, before, after = self._given, stretch.before, stretch.after
+        if not stretch.links:
+            moved: Rows = {k: _flown(before[k], after[k][0]) for k in stretch.bodies}
+            kind = CORRECTION if stretch.event >= 0 or stretch is not self.stretches[0] else FLIGHTS
+            stretch.defects[kind] = _less({k: after[k] for k in stretch.bodies}, moved)
+            return
+        exact = self._law(state, stretch, before)
+        link, *others = stretch.links
+        if others or link.turns or not stretch.at_once:
+            stretch.defects[MERGED] = _less({k: after[k] for k in stretch.bodies}, exact)
+            return
+        there: Rows = {k: (*after[k][:3], *before[k][3:]) for k in (*stretch.bodies, *stretch.beside)}
+        flown = self._law(state, stretch, there)
+        late: Rows = {k: (*after[k][:3], *flown[k][3:]) for k in stretch.bodies}
+        at_once = self._law(state, stretch, there, here=True)
+        pushed: Rows = {k: (*after[k][:3], *at_once[k][3:]) for k in stretch.bodies}
+        stretch.defects[FLIGHTS] = _less(flown, exact)
+        stretch.defects[LATENESS] = _less(late, flown)
+        stretch.defects[OVERLAP] = _less(pushed, late)
+        kind = IMPACTS if link.single else SEVERAL
+        stretch.defects[kind] = _less({k: after[k] for k in stretch.bodies}, pushed)
+
+    # -- values
+
+    def state_before(self, place: int) -> Rows:
+        """The engine's own flights before a stretch; before the first, the scene as it is given."""
+        rows = dict(self.entered)
+        for stretch in self.stretches[:place]:
+            rows.update(stretch.after)
+        return rows
+
+    def value(
+        self, begin: int = 0, rows: Rows | None = None, kinds: Collection[str] = (), upto: int | None = None,
+        *, exact: bool = False,
+    ) -> arb | None:  # fmt: skip
+        """The number that decides, continued from a state, with some defects of some stretches added.
+
+        Args:
+            begin: the stretch before which the state is.
+            rows: the state; None: the scene as the engine is given it.
+            kinds: of defects, which are added in the stretches from `begin` to `upto`, which is not among them.
+            exact: whether radii, masses and walls are the scene's, not those that the engine is given.
+
+        Returns:
+            None where the sequence does not exist from that state: a contact is missed.
+        """
+        with ball.precision(self.bits):
+            state = self._exact if exact else self._given
+            first = (self.start if exact else self.entered) if rows is None else rows
+            return self._carried(state, first, begin, upto, dict.fromkeys(kinds, None))
+
+    def value_at(self, input_share: arb, shares: Mapping[str, arb]) -> arb | None:
+        """The number that decides, where the input is rounded by a share of what it is, and defects are scaled.
+
+        Args:
+            shares: of each kind of defect.
+        """
+        with ball.precision(self.bits):
+            state = RoundedState(self.scene, self._rounds_to, input_share)
+            first = {k: _row(body.flight) for k, body in state.bodies.items()}
+            return self._carried(state, first, 0, None, shares)
+
+    def _carried(
+        self,
+        state: RoundedState,
+        first: Mapping[int, Row],
+        begin: int,
+        upto: int | None,
+        added: Mapping[str, arb | None],
+    ) -> arb | None:
+        """The number that decides; see `value`. `added`: kinds of defects, each with its scale; None: as they are."""
+        self.runs += 1
+        flying, seen, turned = dict(first), dict[tuple[int, int], Row](), Rows()
+        last = len(self.stretches) if upto is None else upto
+        for place in range(begin, len(self.stretches)):
+            stretch = self.stretches[place]
+            if stretch.links:
+                flying.update(self._law(state, stretch, flying))
+            if place < last:
+                for kind, scale in added.items():
+                    for k, defect in stretch.defects.get(kind, {}).items():
+                        own = flying[k] if stretch.links else _flown(flying[k], stretch.after[k][0])
+                        flying[k] = _plus(own, defect, scale)
+            if not all(flying[k][1].is_finite() for k in stretch.bodies):
+                return None
+            if not place:
+                first = dict(flying)
+            for link in stretch.links:
+                seen.update({(k, link.event): flying[k] for k in link.pushed})
+                if link.turns:
+                    turned.update({k: flying[k] for k in link.pushed})
+        reader = _Carried(self.reference, state, first, seen, turned, self._turned)
+        return reader.value_once(self.decision, self.bits)
+
+
+class _Carried(RunReader):
+    """Reads a decision off carried flights."""
+
+    def __init__(
+        self,
+        run: Trajectory,
+        state: RoundedState,
+        first: Mapping[int, Row],
+        seen: Mapping[tuple[int, int], Row],
+        turned: Mapping[int, Row],
+        turned_after: int | None,
+    ) -> None:
+        super().__init__(run, turned_after=turned_after)
+        self._state, self._first, self._seen, self._turned_rows = state, first, seen, turned
+
+    def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls | None:
+        """As `RunReader.numbers`."""
+        k, anchor = self.places[name], pairing.anchors.get(name)
+        if self._turned(pairing) and k in self._turned_rows:
+            return self._turned_rows[k]
+        return self._first[k] if anchor is None else self._seen.get((k, anchor), self._first[k])
+
+    def radius(self, name: str, bits: int) -> arb:
+        """As it is carried."""
+        return self._state.bodies[self.places[name]].r
+
+    def line(self, circle: str, wall: str, bits: int) -> SeenWall[arb]:
+        """As it is carried."""
+        return self._state.line(self.places[circle], self.places[wall] - len(self.scene.circles))
+
+    def value_once(self, decision: DecidingNumber, bits: int) -> arb | None:
+        """The number that decides, at so many bits and no more."""
+        found = self._value(decision, bits)
+        return found if found is not None and found.is_finite() else None
+
+    def _proves(self, is_zero: Callable[[OwnFlight, OwnFlight, Quantity], bool], pairing: Pairing) -> bool:
+        """No zero is proved of carried flights."""
+        return False
+
+
+def _told(flight: OwnRow) -> Row:
+    return flight.t, flight.x, flight.y, flight.vx, flight.vy
+
+
+def _row(flight: Flight[arb]) -> Row:
+    """t, x, y, vx, vy."""
+    return flight.t, flight.x, flight.y, flight.vx, flight.vy
+
+
+def _flown(row: Row, time: arb) -> Row:
+    t, x, y, vx, vy = row
+    return time, advance(x, vx, time - t), advance(y, vy, time - t), vx, vy
+
+
+def _less(rows: Mapping[int, Row], others: Mapping[int, Row]) -> Rows:
+    return {k: tuple(a - b for a, b in zip(row, others[k], strict=True)) for k, row in rows.items()}  # pyright: ignore[reportReturnType]
+
+
+def _plus(row: Row, other: Row, scale: arb | None) -> Row:
+    if scale is not None:
+        other = tuple(scale * b for b in other)  # pyright: ignore[reportAssignmentType]
+    return tuple(a + b for a, b in zip(row, other, strict=True))  # pyright: ignore[reportReturnType]
+
+
+def _bounce_here(state: State[arb], link: Pair) -> None:
+    """The elastic bounce of two circles where they are, along their line of centres, however long it is."""
+    a, b = link.ends(state)
+    f, g = a.flight, b.flight
+    dx, dy = g.x - f.x, g.y - f.y
+    square = dx * dx + dy * dy
+    jx, jy = pair_impulse(dx, dy, g.vx - f.vx, g.vy - f.vy, square.sqrt(), a.w, b.w)
+    state.push(a, -jx, -jy)
+    state.push(b, jx, jy)

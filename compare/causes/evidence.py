@@ -1,0 +1,462 @@
+"""What is seen of each cause at a divergence: laws, phantom contacts, ties, and the shares of the displacement."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from flint import arb
+
+from ...exact.numbers import ball
+from ...floating.knots import DoubleMotion, EventMotion
+from ...scenarios.errors import SceneError
+from ...scenarios.event import Event
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.numbers.real import real
+from ...scenarios.things import Circle
+from ..alignment.align import align
+from ..alignment.streams import history
+from ..audit.residuals import AUDIT_BITS, Laws
+from ..audit.transcript import Transcript
+from ..deadline import NO_TIME
+from ..validation import falls
+from .budget import Account, account_of
+from .continuation import Continuation, NoContinuation
+from .decision import OwnFlight
+from .diagnosis import CauseName, Experiment
+
+if TYPE_CHECKING:
+    from ...scenarios.event import Contact
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+    from .laboratory import Laboratory
+
+LATER = 2.0**-30
+"""Share of a time by which the exact law may be later than the engine at an instant that it is run for."""
+
+REORDERED = 2.0**16
+"""Units in the last place by which rounding may move a decision in whatever order of operations: the discriminant as
+(d.v)^2 - |v|^2 (|d|^2 - R^2) loses (|d| / R)^2 against its stable form, so much at 256 radii."""
+
+ALIKE = 2.0**-12
+"""Share of the largest speed by which velocities may differ that two resolutions of one instant have in common."""
+
+ORDERS = 6
+"""Orders drawn from seeds that are tried beside the named policies."""
+
+MOST_INSTANTS = 64
+"""Events for which the exact law is run from an engine's own state before a tie."""
+
+
+# -- laws
+
+
+def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
+    """A row where a step misses a law before the divergence: then no rounding has to be looked for."""
+    laws, parted = lab.candidate.laws, lab.divergence
+    if laws is None or laws.kept is not False:
+        return []
+    latest = max(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
+    if laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
+        return []
+    return [Experiment(CauseName["LAW"], laws.finding, None, True)]
+
+
+# -- contacts whose impulse is below rounding
+
+
+def phantom(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
+    """Contacts that the engine reports whose impulse is below rounding, where nothing else differs without them."""
+    run, parted = lab.candidate.trajectory, lab.divergence
+    if lab.engine.step is not None or lab.engine.bits is None or parted.candidate_event is None:
+        return []
+    faint = _faint(lab)
+    if not faint:
+        return []
+    found = align(lab.reference, _without(run, faint), span=lab.study.span, bits=lab.engine.bits).divergence
+    if found is not None and found.expected_event <= parted.expected_event:
+        return []
+    event, place = min(faint, key=lambda at: abs(at[0] - (parted.candidate_event or 0)))
+    approach, speed = faint[event, place]
+    pair = run.events[event].impulses[place]
+    rest = "without it nothing else differs" if found is None else "what differs later has other reasons"
+    meet = f"approach by {approach:.3g}" if approach else "do not approach"
+    told = f"{pair.first} and {pair.second} {meet} there; rounding of speeds of {speed:.3g} comes to more"
+    return [Experiment(CauseName["PHANTOM"], f"{told}; {rest}", None, True)]
+
+
+def _faint(lab: Laboratory) -> dict[tuple[int, int], tuple[float, float]]:
+    """The impulses up to the divergence that are below rounding, by event and place: approach, and speed of the two."""
+    from ..audit.audit import unit_of
+
+    run = lab.candidate.trajectory
+    transcript = Transcript(run, encloses=True)
+    found: dict[tuple[int, int], tuple[float, float]] = {}
+    latest, made = lab.last_time, 0
+    with ball.precision(AUDIT_BITS):
+        laws = Laws(run.scene, unit_of(lab.engine, transcript), lab.engine.rounds_input)
+        for instant in transcript.instants():
+            if instant.time > latest:
+                break
+            if len(instant.events) == 1 and not instant.turned:
+                for place, approach, speed in laws.faint(instant, made):
+                    found[instant.events[0], place] = approach, speed
+            made += len(instant.events)
+    return found
+
+
+def _without(run: Trajectory, faint: Collection[tuple[int, int]]) -> Trajectory:
+    """A run as if some of its impulses were not reported."""
+    kept: list[Event] = []
+    for event in run.events:
+        pushed = tuple(pair for place, pair in enumerate(event.impulses) if (event.index, place) not in faint)
+        if pushed:
+            pairs = {*pushed}
+            contacts = tuple(pair for pair in event.contacts if pair in pairs)
+            kept.append(Event(len(kept), event.time, contacts, pushed, event.ties, event.coupled and len(pairs) > 1))
+    motion = run.motion
+    return replace(run, events=tuple(kept), motion=motion if len(kept) == len(run.events) else _states_alone(motion))
+
+
+def _states_alone(motion: Any) -> Any:
+    """The motion of a run whose events are numbered anew: flights without the events that each is of."""
+    return DoubleMotion(motion.knots, motion.end) if isinstance(motion, EventMotion) else motion
+
+
+# -- ties
+
+
+def tie(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
+    """Contacts of one exact instant, where what chose between them is shown by runs of the exact law.
+
+    Of the scene as the engine is given it; and for one instant from the engine's own state before it.
+    """
+    if any(row.suffices for row in rows if row.cause is CauseName["ITERATIONS"]):
+        told = "with more iterations it resolves the instant as the policy does"
+        return [Experiment(CauseName["TIE"], told, None, False)]
+    together = _together(lab)
+    touches = lab.margin is not None and ball.sign_of(lab.margin) == 0
+    if len(together) < 2 and not touches:
+        return [Experiment(CauseName["TIE"], "no contacts of one exact instant are in question", None, False)]
+    if lab.engine.step is not None:
+        return [_resolved_otherwise(lab, together)]
+    return lab.tried(lambda: _by_runs(lab, together), [Experiment(CauseName["TIE"], NO_TIME)])
+
+
+def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
+    name, cause = lab.name, CauseName["TIE"]
+    if _given_does(lab):
+        told = f"the exact law on the scene in {lab.numbers} has the contacts that {name} has; arithmetic adds nothing"
+        return [Experiment(CauseName["INPUT"], told, None, True)]
+    before = OwnState.of(lab)
+    own = f"from {name}'s own state before the instant, the exact law"
+    does = None if before is None else before.leads_to_the_same(lab, str(lab.study.scene.tie_policy))
+    if before is None or does is None:
+        if len(together) > 1:
+            return [_resolved_otherwise(lab, together)]
+        return [Experiment(cause, f"{own} cannot be run: rounding has made circles overlap")]
+    if does:
+        lab.chosen_before = True
+        return [Experiment(cause, f"{own} has the contacts that {name} has: rounding before it chose", None, False)]
+    laws = lab.candidate.laws
+    if len(before.times) > 1 and laws is not None and laws.kept:
+        told = f"{own} has other contacts; {name} computes times that differ: rounding of contact times chose"
+        return [Experiment(CauseName["FLIGHTS"], told, None, True)]
+    for policy in ("simultaneous", "sequential", *(f"sequential:seed={seed}" for seed in range(ORDERS))):
+        if before.leads_to_the_same(lab, policy):
+            return [Experiment(cause, f"{own} does as {name} does under another policy, {policy}", None, True)]
+    if laws is not None and laws.kept:
+        told = f"{own} has other contacts, while each impulse keeps the law: rounding within the instant chose"
+        return [Experiment(CauseName["IMPACTS"], told, None, True)]
+    return [_resolved_otherwise(lab, together)] if len(together) > 1 else [Experiment(cause, f"{own} has others")]
+
+
+def _resolved_otherwise(lab: Laboratory, together: Sequence[Contact]) -> Experiment:
+    policy = lab.study.scene.tie_policy
+    own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow {policy}"
+    told = f"{len(together)} contacts fall on exactly one instant, the order of their impulses matters"
+    return Experiment(CauseName["TIE"], f"{told}, and {lab.name} has another{own}", None, True)
+
+
+def tied(lab: Laboratory) -> bool:
+    """Whether contacts of one exact instant, whose order matters, are in question."""
+    return len(_together(lab)) > 1
+
+
+def _together(lab: Laboratory) -> list[Contact]:
+    """The contacts of one exact instant that are in question; none, or one, where there are not several."""
+    divergence, events = lab.divergence, lab.reference.events
+    if lab.decision is not None and lab.decision.second is not None:
+        names = {lab.decision.first.partner, lab.decision.second.partner}
+    else:
+        names = {*divergence.partners} & {*lab.study.scene.ids}
+    here = events[divergence.expected_event] if divergence.expected_event < len(events) else None
+    cluster = _cluster(lab, [] if here is None or not here.coupled else here.contacts)
+    among = {name for pair in cluster for name in pair}
+    return cluster if len(cluster) > 1 and names and names <= among else []
+
+
+def _cluster(lab: Laboratory, contacts: Sequence[Contact]) -> list[Contact]:
+    """Those contacts of an instant that hang together with the body in question through circles that can move."""
+    movable = lab.candidate.alignment.walks
+    names, found = {lab.divergence.body}, [pair for pair in contacts if lab.divergence.body in pair]
+    while True:
+        names |= {name for pair in found for name in pair if name in movable}
+        more = [pair for pair in contacts if names & {*pair}]
+        if len(more) == len(found):
+            return found
+        found = more
+
+
+def _given_does(lab: Laboratory) -> bool:
+    """Whether the exact run of the scene as the engine is given it has the engine's contacts, past the divergence."""
+    if lab.given is None or lab.given.digest == lab.study.scene.digest:
+        return False
+    run = lab.given_run
+    found = align(run, lab.candidate.trajectory, span=lab.span_of(run), bits=lab.engine.bits)
+    parted = found.divergence
+    return parted is None or parted.time > lab.last_time
+
+
+@dataclass(frozen=True)
+class OwnState:
+    """An engine's own state just before the instant in question.
+
+    Attributes:
+        scene: the circles that take part, the fixed ones and the walls, as the engine has them at time `last`.
+        last: a time after which none of those that take part meets anything before the instant.
+        end: the end of the instant.
+        partners: whom each meets from then on, in the engine's run.
+        left: how the engine leaves each: vx, vy.
+        times: of the engine's contacts from then on.
+    """
+
+    scene: Scene
+    last: float
+    end: float
+    partners: Mapping[str, Sequence[str]]
+    left: Mapping[str, tuple[float, float]]
+    times: frozenset[float]
+
+    @staticmethod
+    def of(lab: Laboratory) -> OwnState | None:
+        """That of a candidate; None where rounding has made circles overlap, so that there is no such scene."""
+        parted, walks, scene = lab.divergence, lab.candidate.alignment.walks, lab.given or lab.study.scene
+        names = {*parted.partners, parted.body} & {*walks}
+        names |= {name for pair in _cluster(lab, _near_contacts(lab)) for name in pair if name in walks}
+        flights: dict[str, OwnFlight] = {}
+        known: dict[str, int] = {}
+        for name in names:
+            before = [pair for pair in walks[name].pairs if pair[0] < parted.expected_event]
+            flight = lab.own.flight(name, max((m for m, _ in before), default=None), turned=False)
+            if flight is None:
+                return None
+            flights[name], known[name] = flight, max((c for _, c in before), default=-1)
+        last = max((float(real(flight.t)) for flight in flights.values()), default=0.0)
+        end = max(lab.last_time, last)
+        end += LATER * max(end, lab.scale)
+        circles: list[Circle] = []
+        for circle in scene.circles:
+            if circle.fixed:
+                circles.append(circle)
+            elif str(circle.id) in names:
+                own = flights[str(circle.id)]
+                t, x, y, vx, vy = map(_exact, (own.t, own.x, own.y, own.vx, own.vy))
+                lag = Quantity.of(Fraction(last)) - t
+                place = x + vx * lag, y + vy * lag
+                circles.append(Circle(*place, circle.r, vx, vy, m=circle.m, id=circle.id, point=circle.point))
+        try:
+            here = scene.with_changes(circles=circles, until=None, events=None, reverse_at=None, reverse_after=None)
+        except SceneError:
+            return None
+        told = history(lab.candidate.trajectory)
+        past = {
+            name: [m for m in told.meetings[name] if m.event > known[name] and told.times[m.event] <= end]
+            for name in names
+        }
+        run = lab.candidate.trajectory
+        left = {name: run.after(met[-1].event)[name] for name, met in past.items() if met}
+        return OwnState(
+            here, last, end, {name: [p for m in met for p in m.partners] for name, met in past.items()},
+            {name: (float(state.vx), float(state.vy)) for name, state in left.items()},
+            frozenset(told.times[m.event] for met in past.values() for m in met),
+        )  # fmt: skip
+
+    def leads_to_the_same(self, lab: Laboratory, policy: str) -> bool | None:
+        """Whether the exact law from here, under a policy, has the engine's contacts and leaves the circles as it does.
+
+        Returns:
+            None where there is no exact run.
+        """
+        try:
+            scene = self.scene.with_changes(tie_policy=policy)
+            exact = lab.run_some(scene, self.end - self.last, MOST_INSTANTS)
+        except SceneError:
+            return None
+        there = history(exact)
+        if any([p for m in there.meetings[name] for p in m.partners] != [*met] for name, met in self.partners.items()):
+            return False
+        speed = max((math.hypot(*velocity) for velocity in self.left.values()), default=0.0)
+        final = exact.final
+        return all(
+            math.hypot(float(final[name].vx) - vx, float(final[name].vy) - vy) <= ALIKE * speed
+            for name, (vx, vy) in self.left.items()
+        )
+
+
+def _near_contacts(lab: Laboratory) -> Sequence[Contact]:
+    events = lab.reference.events
+    event = lab.divergence.expected_event
+    return events[event].contacts if event < len(events) else ()
+
+
+def _exact(value: Any) -> Quantity:
+    return Quantity.of(Fraction(float(real(value))))
+
+
+# -- shares
+
+
+def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
+    """The account of the displacement: what rounding the input, and each kind of error of the engine's own, add."""
+    if any(
+        row.suffices and row.cause in (CauseName["PHANTOM"], CauseName["INPUT"], CauseName["IMPACTS"]) for row in rows
+    ):
+        return []
+    if lab.engine.bits is None and lab.engine.step is None:
+        return [Experiment(CauseName["ARITHMETIC"], "its numbers are exact", 0.0, False)]
+    if lab.decision is None or lab.margin is None:
+        return [Experiment(CauseName["ARITHMETIC"], "not determined: no contact can be named")]
+    late = [Experiment(CauseName["ARITHMETIC"], NO_TIME)]
+    return lab.tried(lambda: _shares(lab), late)
+
+
+def _shares(lab: Laboratory) -> list[Experiment]:
+    assert lab.decision is not None and lab.margin is not None
+    try:
+        run = Continuation(
+            lab.reference, lab.candidate.trajectory, lab.candidate.alignment.walks, lab.decision, lab.turned,
+            lab.bits if lab.engine.rounds_input else None,
+        )  # fmt: skip
+        rounded = lab.engine.rounds_input and (lab.given is None or lab.given.digest != lab.study.scene.digest)
+        account = account_of(run, lab.margin, lab.got, lab.engine.step is not None, rounded)
+    except NoContinuation as why:
+        chose = "; rounding before the instant chose" if lab.chosen_before else ""
+        own = Experiment(
+            CauseName["ARITHMETIC"], f"its share is not determined: {why}{chose}", None, lab.chosen_before or None
+        )
+        return [*_input_by_run(lab), own]
+    lab.account = account
+    return _rows(lab, account, rounded)
+
+
+def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
+    assert lab.margin is not None
+    found: list[Experiment] = []
+    total: float = account.displacement
+    itself = None
+    if lab.engine.step is None and not lab.changes(lab.got):
+        itself = _rounded_away(lab)
+        if itself is None:
+            told = f"{lab.name}'s own flights decide as the exact ones do, by more than rounding"
+            return [Experiment(CauseName["ARITHMETIC"], f"not determined: {told}")]
+        total += itself
+    lab.displacement = total
+    order = [*CauseName]
+    parts = sorted(account.contributions, key=lambda part: order.index(part.cause))
+    if sum(part.cause is not CauseName["INPUT"] and part.size != 0.0 for part in parts) > 1:
+        parts.append(account.own)
+    for part in parts:
+        flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
+        earlier = _left_before(lab) if part.cause is CauseName["INPUT"] and lab.engine.step is None else None
+        alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
+        told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
+        if earlier is not None:
+            flips, told = True, f"{told}; run freely, the exact law on it differs at event {earlier} already"
+        if part is account.own:
+            found.append(
+                Experiment(
+                    part.cause,
+                    f"both together: {told}" if lab.engine.step is None else f"all together: {told}",
+                    None,
+                    flips,
+                )
+            )
+            continue
+        if account.lumped and part.cause is account.own.cause:
+            told += f"; its kinds are not told apart: {account.lumped}"
+        found.append(Experiment(part.cause, told, part.size, flips, part.size / total if total else None))
+    if not rounded and lab.engine.rounds_input:
+        found.insert(
+            0,
+            Experiment(CauseName["INPUT"], f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False),
+        )
+    if itself is not None:
+        told = f"{lab.name}'s own flights decide as the exact ones do, by {abs(itself):.3g}; its answer differs"
+        found.append(Experiment(CauseName["DECISION"], told, itself, None, itself / total if total else None))
+    return found
+
+
+def _rounded_away(lab: Laboratory) -> float | None:
+    """What rounding of the decision itself has to come to, at least; None where it is more than rounding."""
+    laws = lab.candidate.laws
+    if lab.got is None or laws is None or laws.kept is not True:
+        return None
+    size = -float(lab.got.mid())
+    return size if abs(size) <= REORDERED * 2.0**-lab.bits * max(lab.scale, lab.last_time) else None
+
+
+def _short(lab: Laboratory, size: float) -> bool:
+    """Whether a contribution falls short of the margin, or is on its other side."""
+    assert lab.margin is not None
+    with ball.precision(4096):
+        return not lab.as_engine(lab.margin + arb(size))
+
+
+def _what(lab: Laboratory, cause: CauseName) -> str:
+    """The subject of a sentence about one kind of error."""
+    return {
+        "INPUT": f"rounding the scene to {lab.numbers}",
+        "FLIGHTS": f"rounding in {lab.name}'s flights and contact times",
+        "IMPACTS": f"rounding in {lab.name}'s impulses",
+        "ARITHMETIC": f"{lab.name}'s own rounding",
+        "LATENESS": "an impulse after the contact, at the end of a step,",
+        "OVERLAP": "a line of centres that overlap has turned",
+        "STEPS": f"what {lab.name}'s steps miss",
+        "SEVERAL": "what it leaves of the impulses at several contacts",
+        "MERGED": "an instant taken in several steps, or several in one,",
+        "CORRECTION": "a change of flight without a contact",
+    }[cause.name]
+
+
+def _input_by_run(lab: Laboratory) -> list[Experiment]:
+    """Input rounding by a run of the exact law on the scene in the engine's numbers, without a displacement."""
+    cause = CauseName["INPUT"]
+    if not lab.engine.rounds_input:
+        return [Experiment(cause, "no input is rounded", 0.0, False)]
+    if lab.given is None:
+        return [Experiment(cause, f"not determined: in {lab.numbers} the circles overlap, so there is no exact run")]
+    if lab.given.digest == lab.study.scene.digest:
+        return [Experiment(cause, f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False)]
+    if lab.engine.step is None and _given_does(lab):
+        told = f"the exact law on the scene in {lab.numbers} has the contacts that {lab.name} has"
+        return [Experiment(cause, told, None, True)]
+    earlier = _left_before(lab)
+    if earlier is not None:
+        told = f"the exact law on the scene in {lab.numbers} differs from the reference at event {earlier} already"
+        return [Experiment(cause, told, None, lab.engine.step is None or None)]
+    return [Experiment(cause, "its share is not determined")]
+
+
+def _left_before(lab: Laboratory) -> int | None:
+    """The event at which the exact run of the scene as the engine is given it lacks what leads to the decision."""
+    if lab.given is None or lab.given.digest == lab.study.scene.digest or not lab.pairings:
+        return None
+    reader = lab.reader(lab.given_run, None)
+    if all(reader.follows(pairing) for pairing in lab.pairings):
+        return None
+    found = align(lab.reference, lab.given_run, span=lab.span, instants=False).divergence
+    return None if found is None else found.event

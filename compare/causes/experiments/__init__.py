@@ -1,1 +1,0 @@
-"""What may part two histories: each cause a module, with one function that tries it."""

@@ -1,0 +1,162 @@
+"""Engines of time steps: whether a finer step or more iterations pass the divergence, and whether circles tunnel."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..alignment.align import align
+from ..alignment.divergence import Kind
+from ..alignment.instants import NEARER, instants, velocity_difference
+from ..alignment.walk import REPEATED
+from ..deadline import NO_TIME
+from ..foreign.guard import finer_of, firmer_of
+from ..study import finer_by, series_steps
+from .decision import decisions
+from .diagnosis import CauseName, Experiment
+from .evidence import tied
+
+if TYPE_CHECKING:
+    from ...scenarios.trajectory import Trajectory
+    from ..alignment.align import Alignment
+    from .laboratory import Laboratory
+
+MOST_HALVINGS = 8
+"""A time step is halved up to so many times, as far as `series_steps` allow."""
+
+
+def step(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
+    """The step halved again and again, for an engine that takes steps."""
+    if lab.engine.step is None:
+        return []
+    return [lab.tried(lambda: _series(lab), Experiment(CauseName["STEP"], NO_TIME))]
+
+
+def _series(lab: Laboratory) -> Experiment:
+    """The step halved again and again, as far as counted work allows."""
+    assert lab.engine.step is not None
+    until, told = lab.until(lab.engine.step), list[str]()
+    agrees: list[bool] = []
+    for halvings in range(1, MOST_HALVINGS + 1):
+        finer = finer_by(lab.engine, halvings)
+        if finer is None or finer.step is None or until > series_steps(finer) * finer.step:
+            break
+        run = lab.run(finer, lab.study.scene, until)
+        agrees.append(gone(lab, run, finer.step))
+        told.append(f"{finer.step:.3g}")
+        if agrees[-2:] == [True, True]:
+            break
+    if not agrees and finer_of(lab.engine) is None:
+        return Experiment(CauseName["STEP"], f"not tried: {lab.name} has no finer step to offer")
+    if not agrees:
+        return Experiment(
+            CauseName["STEP"], f"not tried: a finer step takes more than {series_steps(lab.engine):,} steps"
+        )
+    within = _within_a_step(lab, lab.engine.step / 2 ** len(agrees))
+    enough = (agrees[-1] or within) and not tied(lab)
+    runs = [f"{size} {'agrees' if flag else 'differs'}" for size, flag in zip(told, agrees, strict=True)]
+    first = agrees.index(True) if True in agrees else len(agrees)
+    if first > 1 and all(agrees[first:]):
+        runs = [f"{told[0]} to {told[first - 1]} differs", *runs[first:]]
+    if within:
+        runs.append("and the two meetings are nearer than that")
+    return Experiment(CauseName["STEP"], f"with a step of {', '.join(runs)}", None, enough)
+
+
+def _within_a_step(lab: Laboratory, size: float) -> bool:
+    """Whether the engine takes as one what the exact motion has one after the other, nearer than a step."""
+    if lab.divergence.kind is not Kind.TIE or lab.margin is None or lab.decision is None:
+        return False
+    return lab.decision.kind == "order" and 0 < abs(float(lab.margin.mid())) < size
+
+
+def iterations(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
+    """Four times as many, for an engine that takes steps."""
+    if lab.engine.step is None:
+        return []
+    return [lab.tried(lambda: _iterations(lab), Experiment(CauseName["ITERATIONS"], NO_TIME))]
+
+
+def _iterations(lab: Laboratory) -> Experiment:
+    """The solver's iterations doubled, twice over."""
+    more = firmer_of(lab.engine)
+    if more is None:
+        return Experiment(CauseName["ITERATIONS"], "it iterates nothing", None, False)
+    last = lab.divergence.time + REPEATED * (lab.engine.step or 0.0)
+    earlier = [e for e in lab.candidate.trajectory.events if float(e.time) <= last]
+    if not any(len(e.contacts) > 1 for e in earlier):
+        return Experiment(CauseName["ITERATIONS"], "no step had several contacts", None, False)
+    more = firmer_of(more) or more
+    until = lab.until(lab.engine.step)
+    most = series_steps(lab.engine)
+    if until > most * (lab.engine.step or math.inf):
+        return Experiment(CauseName["ITERATIONS"], f"not tried: it takes more than {most:,} steps")
+    run = lab.run(more, lab.study.scene, until)
+    agrees = gone(lab, run, more.step)
+    return Experiment(
+        CauseName["ITERATIONS"], f"with four times as many it {'agrees' if agrees else 'differs too'}", None, agrees
+    )
+
+
+def tunnelling(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
+    """Whether a circle that should be met is passed through, for an engine that takes steps."""
+    if lab.engine.step is None:
+        return []
+    return [lab.tried(lambda: _tunnelling(lab), Experiment(CauseName["TUNNELLING"], NO_TIME))]
+
+
+def _tunnelling(lab: Laboratory) -> Experiment:
+    """Whether the two overlap for less than a step, and between two of its instants."""
+    step = lab.engine.step
+    assert step is not None
+    missed = [d for d in decisions(lab.reference, lab.candidate.trajectory, lab.candidate.alignment) if d.kind == "hit"]
+    for decision in missed:
+        if decision.first.partner != lab.divergence.expected:
+            continue
+        stay = lab.own.stay(decision.first)
+        if stay is None or not math.isfinite(stay[1]):
+            continue
+        enter, leave = stay
+        base = 0.0
+        reversal = lab.candidate.trajectory.reversal
+        if reversal is not None and lab.study.scene.reverse_at is not None and float(reversal.time) < enter:
+            base = float(reversal.time)
+        whole = math.floor((leave - base) / step) * step + base
+        body, partner = decision.first.body, decision.first.partner
+        told = f"{body} and {partner} overlap for {leave - enter:.3g}, a step takes {step:.3g}"
+        if whole < enter:
+            return Experiment(
+                CauseName["TUNNELLING"], f"{told}, and none ends in between: they pass through each other", None, True
+            )
+        return Experiment(CauseName["TUNNELLING"], told, None, False)
+    return Experiment(CauseName["TUNNELLING"], "no circle that it should meet is passed through", None, False)
+
+
+def gone(lab: Laboratory, run: Trajectory, step: float | None) -> bool:
+    """Whether a variant does not have the divergence.
+
+    Where velocities after one exact instant are in question, they must have come nearer by what a series demands.
+    """
+    alignment = align(lab.reference, run, span=lab.span, step=step, bits=lab.engine.bits)
+    if lab.divergence.kind is Kind.TIE:
+        own = _difference(lab, lab.candidate.trajectory, lab.candidate.alignment)
+        nearer = _difference(lab, run, alignment)
+        if own is not None:
+            return nearer is not None and nearer <= own / NEARER
+        return alignment.divergence is None or alignment.divergence.expected_event > lab.divergence.expected_event
+    found = alignment.divergence
+    if lab.divergence.kind is Kind.MISSING or lab.divergence.kind is Kind.DIFFERENT:
+        walked = alignment.walks[lab.divergence.body]
+        if lab.divergence.expected_event not in {m for m, _ in walked.pairs}:
+            return False
+    return found is None or found.event > lab.divergence.event
+
+
+def _difference(lab: Laboratory, run: Trajectory, alignment: Alignment) -> float | None:
+    """How far the velocities after the instant in question are from the exact ones; None if it is not one instant."""
+    event = lab.divergence.expected_event
+    for found in instants(alignment.walks):
+        if event in found.mine:
+            return velocity_difference(lab.reference, run, found) if len(found.mine) == 1 else None
+    return None

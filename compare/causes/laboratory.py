@@ -1,0 +1,226 @@
+"""What every experiment on one divergence needs: the decision, and how each run has it; and the walk through causes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from flint import arb
+
+from ...exact.numbers import ball
+from ...scenarios.errors import SceneError
+from ..alignment.align import Span, align
+from ..alignment.divergence import Kind
+from ..alignment.impulse_order import DOUBLE_BITS
+from ..deadline import OutOfTime, time_to_read
+from ..foreign.guard import run_guarded
+from ..study import SERIES_MORE
+from .decision import DecidingNumber, Pairing, answer, decisions
+from .diagnosis import CAUSES, LAW_RANK, Diagnosis, Experiment, diagnosed
+from .reader import RunReader
+from .rounding import rounded
+
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress, Trajectory
+    from ..candidate import Candidate
+    from ..study import Study
+    from .budget import Account
+
+Answer = TypeVar("Answer")
+
+
+class Laboratory:
+    """What every experiment on one divergence needs.
+
+    Attributes:
+        bits: of the numbers to which the scene is rounded, where it is; `numbers` names them.
+        given: the scene as the engine is given it; None if rounding makes it invalid.
+        decision: what was decided; None where no contact could be named.
+        truth, own: the reference and the candidate at it.
+        margin, got: the number that decides, in each.
+        account: what the displacement is made of, once it is known.
+        displacement: it, with what the decision itself is rounded by.
+        chosen_before: whether the exact law resolves a tie as the candidate does, from its own state before.
+    """
+
+    def __init__(self, study: Study, candidate: Candidate, judged: Engine, progress: OnProgress | None) -> None:
+        divergence = candidate.alignment.divergence
+        assert divergence is not None
+        self.study, self.candidate, self.engine, self.progress = study, candidate, judged, progress
+        self.divergence = divergence
+        self.reference = study.longest or study.reference
+        self.name = judged.name
+        self.bits = judged.bits or DOUBLE_BITS
+        self.given = rounded_or_none(study.scene, self.bits) if judged.rounds_input else study.scene
+        turned = self.reference.reversal
+        self.turned = None if turned is None or turned.after > divergence.expected_event else turned.after
+        self.truth = RunReader(self.reference, turned_after=self.turned)
+        self.own = RunReader(candidate.trajectory, candidate.alignment.walks, self._rounds_to, self.turned)
+        self.decision = self._decision()
+        self.margin = None if self.decision is None else arb(0) if self.tied else self.truth.value(self.decision)
+        self.got = None if self.decision is None else self.own.value(self.decision)
+        self.account: Account | None = None
+        self.displacement: float | None = None
+        self.chosen_before = False
+
+    @property
+    def _rounds_to(self) -> int | None:
+        return self.bits if self.engine.rounds_input else None
+
+    def _decision(self) -> DecidingNumber | None:
+        """The decision that the candidate has otherwise; where its own flights have none, the closest.
+
+        Two that part in both, as after their last meeting, decide nothing, whatever the candidate reports of them.
+        """
+        found = decisions(self.reference, self.candidate.trajectory, self.candidate.alignment)
+        asked = [d for d in found if d.kind == "order" or not (self.truth.parts(d.first) and self.own.parts(d.first))]
+        known = [(d, v) for d in asked if (v := self.truth.value(d)) is not None]
+        for decision, value in known:
+            other = self.own.value(decision)
+            if other is not None and answer(decision, other) != answer(decision, value):
+                return decision
+        return min(known, key=lambda pair: abs(float(pair[1].mid())), default=(None, None))[0]
+
+    @property
+    def numbers(self) -> str:
+        """What the scene is rounded to, in words."""
+        return "doubles" if self.bits == DOUBLE_BITS else f"numbers of {self.bits} bits"
+
+    @property
+    def pairings(self) -> list[Pairing]:
+        """What the decision is between."""
+        return [] if self.decision is None else self.decision.pairings
+
+    @property
+    def last_time(self) -> float:
+        """When the last of the meetings in question comes, in either run."""
+        parted = self.divergence
+        return max(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
+
+    def run(self, judged: Engine, scene: Scene, until: float) -> Trajectory:
+        """A run that no want of time has cut short.
+
+        Raises:
+            OutOfTime: if the user's seconds are over before it ends.
+        """
+        return self.study.whole_run(judged, scene, until, self.progress)
+
+    def run_some(self, scene: Scene, until: float, events: int) -> Trajectory:
+        """A run of the reference's engine from another start, for a few events."""
+        return run_guarded(self.study.truth, scene, until=until, events=events, progress=None)
+
+    @cached_property
+    def given_run(self) -> Trajectory:
+        """The reference's engine on the scene as the candidate is given it."""
+        assert self.given is not None
+        return self.run(self.study.truth, self.given, self.until(None))
+
+    @property
+    def tied(self) -> bool:
+        """Whether what is in question is an order of meetings that the reference has at one instant."""
+        events, event, divergence = self.reference.events, self.divergence.expected_event, self.divergence
+        if event >= len(events):
+            return False
+        pairs = {frozenset(pair) for pair in events[event].contacts}
+        if self.decision is not None:
+            asked = {frozenset((p.body, p.partner)) for p in self.pairings}
+        else:
+            known = {*divergence.partners} & {*self.study.scene.ids}
+            asked = {frozenset((divergence.body, name)) for name in known if divergence.kind is Kind.TIE}
+        return len(asked) > 1 and asked <= pairs
+
+    def tried(self, experiment: Callable[[], Answer], otherwise: Answer) -> Answer:
+        """What an experiment gives; something else once the user's seconds are over."""
+        try:
+            with time_to_read(self.study.watch):
+                return experiment()
+        except OutOfTime:
+            return otherwise
+
+    def check_time(self) -> None:
+        """Ends what is tried once the user's seconds are over.
+
+        Raises:
+            OutOfTime: then.
+        """
+        if self.study.watch.over:
+            raise OutOfTime(str(self.study.watch.is_up()))
+
+    @property
+    def scale(self) -> float:
+        """The largest coordinate or radius of the scene."""
+        return max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in self.study.scene.circles)
+
+    def reader(self, run: Trajectory, step: float | None, *, rounded: bool = False) -> RunReader:
+        """Another run at the decision; `rounded`: with the radii and walls that the engine is given."""
+        walks = align(self.reference, run, span=self.span, step=step, instants=False).walks
+        return RunReader(run, walks, self._rounds_to if rounded else None, self.turned)
+
+    @property
+    def span(self) -> Span:
+        """Up to the divergence."""
+        return self.span_of(self.reference)
+
+    def span_of(self, run: Trajectory) -> Span:
+        """Up to the divergence, in another run of the reference's engine."""
+        return Span(min(self.divergence.expected_event + 1, len(run.events)), self.divergence.time)
+
+    def until(self, step: float | None) -> float:
+        """How far an experiment has to run: past both meetings, by what an error may delay them."""
+        times = (self.divergence.time, self.divergence.expected_time or 0.0)
+        return max(times) * 1.125 + SERIES_MORE * (step or 0.0) + self.study.patience(None).slack / 8
+
+    def changes(self, value: arb | None) -> bool:
+        """Whether a value of the decision is another answer than the exact one."""
+        found = None if self.decision is None else answer(self.decision, value)
+        return self.decision is not None and found is not None and found != answer(self.decision, self.margin)
+
+    def as_engine(self, value: arb | None) -> bool:
+        """Whether a value of the decision is another answer than the exact one, and the one that the engine has."""
+        if self.decision is None or not self.changes(value):
+            return False
+        return not self.changes(self.got) or answer(self.decision, value) == answer(self.decision, self.got)
+
+    def moved(self, value: arb | None, start: arb | None) -> float | None:
+        """How far a value lies from another."""
+        if value is None or start is None:
+            return None
+        with ball.precision(4096):
+            return float((value - start).mid())
+
+
+def rounded_or_none(scene: Scene, bits: int) -> Scene | None:
+    """The scene in numbers of so many bits; None if it is no longer valid."""
+    try:
+        return rounded(scene, bits)
+    except SceneError:
+        return None
+
+
+def diagnosis_of(lab: Laboratory) -> Diagnosis:
+    """Why two histories part: what a run shows to suffice, or the shares of the displacement.
+
+    A law that the engine has broken by then outranks all else, and nothing else is tried. Then come runs: contacts
+    whose impulse is below rounding, a finer time step that passes the event, a tie that another run resolves alike.
+    Shares of the displacement stand beside them. What the user's seconds leave no time for is not tried, and says so.
+    """
+    rows: list[Experiment] = []
+    for cause in CAUSES.values():
+        if cause.experiment is not None:
+            rows += _function(cause.experiment)(lab, rows)
+            if rows and cause.rank == LAW_RANK:
+                break
+    margin = None if lab.margin is None else float(lab.margin.mid())
+    account = lab.account
+    return diagnosed(rows, margin, lab.displacement, 0 if account is None else account.runs)
+
+
+def _function(path: str) -> Callable[..., list[Experiment]]:
+    """The function of that name, imported now."""
+    module, _, name = path.partition(":")
+    function: Any = getattr(import_module(f".{module}", __package__), name)
+    return function

@@ -1,1 +1,0 @@
-"""What the experiments on one divergence share."""
