@@ -1,0 +1,905 @@
+"""Scenes and engines whose error is made by hand, so that the cause of each divergence is known before it is asked for.
+
+The engine here flies straight and bounces elastically in 400 bits, which is as good as exact in these scenes: no decision is
+closer than 2**-60. To that a case adds faults, each of known kind, event and size. What each fault contributes to the
+decision is the difference of two such runs, with the faults up to it and with those before it, so that the contributions
+add up; which faults are enough is found by running each by itself. No formula here is of the code under test.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+from mpmath.ctx_mp import MPContext
+from refuting import (
+    ARITHMETIC,
+    FLIGHTS,
+    IMPACTS,
+    INPUT,
+    INTEGRATOR,
+    ITERATIONS,
+    LATENESS,
+    LAW,
+    MISSED,
+    OVERLAP,
+    PHANTOM,
+    POSITIONS,
+    STEP,
+    TIE,
+    TUNNELLING,
+    UNKNOWN,
+    OnRounded,
+    nearest,
+    rational,
+    refute,
+    rounded_scene,
+    said_of,
+)
+
+from truebreak.compare import compare
+from truebreak.compare.engines import engine as engine_named
+from truebreak.compare.foreign import RecordedEngine, Recording
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Declared, Scene, Trajectory, Wall, catalogue
+
+HIGH = MPContext()
+HIGH.prec = 400
+
+Vector = tuple[Any, Any]
+
+
+def number(value: Fraction | int | str) -> Any:
+    """A number of 400 bits."""
+    exact = Fraction(value)
+    return HIGH.mpf(exact.numerator) / exact.denominator
+
+
+def dot(a: Vector, b: Vector) -> Any:
+    """The scalar product."""
+    return a[0] * b[0] + a[1] * b[1]
+
+
+# -- faults
+
+
+@dataclass(frozen=True)
+class Rounded:
+    """The input is rounded to so many bits."""
+
+    bits: int
+    kind: str = INPUT
+
+
+@dataclass(frozen=True)
+class Kick:
+    """An impulse is off: after an event, by the run's own count, a circle's velocity is changed by so much."""
+
+    event: int
+    who: str
+    by: tuple[Fraction, Fraction]
+    kind: str = IMPACTS
+
+
+@dataclass(frozen=True)
+class Shift:
+    """A flight is off: at an event, before the impulse, a circle is so far from where it flew to."""
+
+    event: int
+    who: str
+    by: tuple[Fraction, Fraction]
+    kind: str = FLIGHTS
+
+
+@dataclass(frozen=True)
+class Skip:
+    """A contact is missed: the two fly through each other at what would be this event."""
+
+    event: int
+    kind: str = MISSED
+
+
+@dataclass(frozen=True)
+class Invent:
+    """A contact that did not take place: right after an event, two exchange an impulse of this strength."""
+
+    event: int
+    after: Fraction
+    one: str
+    other: str
+    strength: Fraction
+    kind: str = PHANTOM
+
+
+@dataclass(frozen=True)
+class Always:
+    """What is wrong in every event: restitution, masses, or places and velocities rounded to so many bits."""
+
+    restitution: Fraction = Fraction(1)
+    equal: bool = False
+    flights: int | None = None
+    impacts: int | None = None
+    kind: str = LAW
+
+
+Fault = Rounded | Kick | Shift | Skip | Invent | Always
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """One event of a run: when, who, and every circle after it."""
+
+    time: Any
+    pair: tuple[str, str]
+    places: tuple[Vector, ...]
+    speeds: tuple[Vector, ...]
+
+
+class Run:
+    """A run in 400 bits, with faults."""
+
+    def __init__(self, scene: Scene, faults: Sequence[Fault] = ()) -> None:
+        for fault in faults:
+            if isinstance(fault, Rounded):
+                scene = rounded_scene(scene, fault.bits)
+        self.ids = scene.ids
+        self.faults = [f for f in faults if not isinstance(f, Rounded)]
+        always = [f for f in self.faults if isinstance(f, Always)]
+        self.always = always[0] if always else Always()
+        exact = [[number(rational(v)) for v in (c.x, c.y, c.vx, c.vy, c.r)] for c in scene.circles]
+        self.p: list[Vector] = [(row[0], row[1]) for row in exact]
+        self.v: list[Vector] = [(row[2], row[3]) for row in exact]
+        self.r = [row[4] for row in exact]
+        self.w = [number(rational(c.inverse_mass)) for c in scene.circles]
+        if self.always.equal:
+            self.w = [number(1) if w else w for w in self.w]
+        self.walls: list[tuple[Vector, Vector]] = []
+        for wall in scene.walls:
+            x0, y0, x1, y1 = (number(rational(v)) for v in (wall.x0, wall.y0, wall.x1, wall.y1))
+            length = HIGH.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
+            self.walls.append(((x0, y0), ((y0 - y1) / length, (x1 - x0) / length)))
+        self.now, self.through, self.skipped = number(0), set[tuple[int, int]](), 0
+        self.meetings: list[Meeting] = []
+
+    def wait(self, i: int, j: int) -> Any | None:
+        """How long until two circles meet in free flight; None if they do not."""
+        d = (self.p[j][0] - self.p[i][0], self.p[j][1] - self.p[i][1])
+        v = (self.v[j][0] - self.v[i][0], self.v[j][1] - self.v[i][1])
+        near, reach = dot(d, v), self.r[i] + self.r[j]
+        root = near * near - dot(v, v) * (dot(d, d) - reach * reach)
+        if near >= 0 or root <= 0:
+            return None
+        return (dot(d, d) - reach * reach) / (-near + HIGH.sqrt(root))
+
+    def least(self, one: str, other: str) -> Any:
+        """The least gap of two circles in free flight from now on; negative is the depth of a hit."""
+        i, j = self.ids.index(one), self.ids.index(other)
+        d = (self.p[j][0] - self.p[i][0], self.p[j][1] - self.p[i][1])
+        v = (self.v[j][0] - self.v[i][0], self.v[j][1] - self.v[i][1])
+        return abs(d[0] * v[1] - d[1] * v[0]) / HIGH.sqrt(dot(v, v)) - self.r[i] - self.r[j]
+
+    def wall(self, i: int, k: int) -> Any | None:
+        """How long until a circle meets a wall."""
+        (place, normal) = self.walls[k]
+        height = dot(normal, (self.p[i][0] - place[0], self.p[i][1] - place[1]))
+        speed = dot(normal, self.v[i])
+        return (abs(height) - self.r[i]) / abs(speed) if height * speed < 0 else None
+
+    def next(self) -> tuple[Any, int, int] | None:
+        """The next meeting: how long until then, and the two."""
+        count = len(self.p)
+        found: list[tuple[Any, int, int]] = []
+        for i in range(count):
+            if not self.w[i]:
+                continue
+            for j in range(count):
+                if (j > i or not self.w[j]) and (min(i, j), max(i, j)) not in self.through:
+                    wait = self.wait(i, j)
+                    if wait is not None:
+                        found.append((wait, min(i, j), max(i, j)))
+            for k in range(len(self.walls)):
+                wait = self.wall(i, k)
+                if wait is not None:
+                    found.append((wait, i, count + k))
+        return min(found, default=None)
+
+    def fly(self, time: Any) -> None:
+        """Straight on."""
+        self.p = [(p[0] + time * v[0], p[1] + time * v[1]) for p, v in zip(self.p, self.v, strict=True)]
+        self.now += time
+
+    def push(self, i: int, j: int, strength: Any | None = None) -> None:
+        """The impulse of a contact, or one of a given strength along the line of centres."""
+        count, share = len(self.p), 1 + number(self.always.restitution)
+        if j >= count:
+            normal = self.walls[j - count][1]
+            by = share * dot(normal, self.v[i])
+            self.v[i] = (self.v[i][0] - by * normal[0], self.v[i][1] - by * normal[1])
+            return
+        d = (self.p[j][0] - self.p[i][0], self.p[j][1] - self.p[i][1])
+        length = HIGH.sqrt(dot(d, d))
+        n = (d[0] / length, d[1] / length)
+        if strength is None:
+            speed = dot(n, (self.v[j][0] - self.v[i][0], self.v[j][1] - self.v[i][1]))
+            strength = -share * speed / (self.w[i] + self.w[j])
+        for k, sign in ((i, -1), (j, 1)):
+            by = sign * strength * self.w[k]
+            self.v[k] = (self.v[k][0] + by * n[0], self.v[k][1] + by * n[1])
+
+    def step(self) -> Meeting | None:
+        """The next event, with the faults that belong to it."""
+        event = len(self.meetings)
+        for fault in self.faults:
+            if isinstance(fault, Invent) and fault.event == event - 1 and not getattr(self, "invented", False):
+                self.invented = True
+                self.fly(number(fault.after))
+                i, j = sorted((self.ids.index(fault.one), self.ids.index(fault.other)))
+                self.push(i, j, number(fault.strength))
+                return self.keep(i, j)
+        found = self.next()
+        if found is None:
+            return None
+        wait, i, j = found
+        self.fly(wait)
+        for a, b in [*self.through]:
+            d = (self.p[b][0] - self.p[a][0], self.p[b][1] - self.p[a][1])
+            if HIGH.sqrt(dot(d, d)) > (self.r[a] + self.r[b]) * (1 + number(Fraction(1, 10**6))):
+                self.through.discard((a, b))
+        if any(isinstance(f, Skip) and f.event == event for f in self.faults) and not self.skipped:
+            self.skipped = 1
+            self.through.add((i, j))
+            return self.step()
+        pair = {self.ids[i], self.ids[j]}
+        for fault in self.faults:
+            if isinstance(fault, Shift) and fault.event == event and fault.who in pair:
+                k = self.ids.index(fault.who)
+                self.p[k] = (self.p[k][0] + number(fault.by[0]), self.p[k][1] + number(fault.by[1]))
+        if self.always.flights is not None:
+            self.p = [self.cut(p, self.always.flights) for p in self.p]
+        self.push(i, j)
+        for fault in self.faults:
+            if isinstance(fault, Kick) and fault.event == event and fault.who in pair:
+                k = self.ids.index(fault.who)
+                self.v[k] = (self.v[k][0] + number(fault.by[0]), self.v[k][1] + number(fault.by[1]))
+        if self.always.impacts is not None:
+            self.v = [self.cut(v, self.always.impacts) for v in self.v]
+        return self.keep(i, j)
+
+    def keep(self, i: int, j: int) -> Meeting:
+        """Takes the event down."""
+        self.meetings.append(Meeting(self.now, (self.ids[i], self.ids[j]), tuple(self.p), tuple(self.v)))
+        return self.meetings[-1]
+
+    def cut(self, vector: Vector, bits: int) -> Vector:
+        """Both numbers, rounded to so many bits."""
+        x, y = (number(nearest(fraction(v), bits)) for v in vector)
+        return x, y
+
+    def upto(self, events: int) -> Run:
+        """Goes on until there are so many events, or nothing is left to happen."""
+        while len(self.meetings) < events and self.step() is not None:
+            pass
+        return self
+
+
+def fraction(value: Any) -> Fraction:
+    """What a number of 400 bits is."""
+    sign, mantissa, exponent, _ = value._mpf_
+    return (-1 if sign else 1) * Fraction(int(mantissa)) * Fraction(2) ** exponent
+
+
+@dataclass(frozen=True)
+class Made(RecordedEngine):
+    """The engine of events with faults, which reports doubles."""
+
+    faults: tuple[Fault, ...] = ()
+    bits: int = 53
+    name = "made"
+    scene_keys = frozenset({"wall"})
+
+    @property
+    def rounds_input(self) -> bool:
+        """Whether one of the faults is that."""
+        return any(isinstance(f, Rounded) for f in self.faults)
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        """Reports every event."""
+        run = Run(scene, self.faults)
+        while recording.open and (met := run.step()) is not None:
+            states = {
+                run.ids[k]: (*map(float, met.places[k]), *map(float, met.speeds[k]))
+                for k in range(len(run.p))
+                if run.ids[k] in met.pair and run.w[k]
+            }
+            recording.hit(float(met.time), *met.pair, states)
+
+
+# -- what is known of a case
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene, an engine, and what has to be said.
+
+    Attributes:
+        name: what it is.
+        scene, engine: what is compared; `events`: how far.
+        main: the kinds of which one has to be the first that is named.
+        never: kinds that must not be said to be enough.
+        shares: for each kind, its share of the displacement, and by how much it may be off.
+        all_of: kinds all of which must be named, since none is enough without the others.
+    """
+
+    name: str
+    scene: Scene
+    engine: Any
+    main: frozenset[str]
+    events: int | None = None
+    never: frozenset[str] = frozenset()
+    shares: tuple[tuple[str, float, float], ...] = ()
+    all_of: frozenset[str] = frozenset()
+
+
+Decision = Callable[[Run], Any]
+"""The number that decides, of a run that has come to the last event before it."""
+
+
+def gap(one: str, other: str) -> Decision:
+    """Whether two circles hit or miss each other: their least gap in free flight."""
+    return lambda run: run.least(one, other)
+
+
+def order(first: tuple[str, str], second: tuple[str, str]) -> Decision:
+    """Which of two meetings comes first: the time between them."""
+
+    def between(run: Run) -> Any:
+        times = []
+        for one, other in (first, second):
+            i, j = sorted((run.ids.index(one), run.ids.index(other)))
+            times.append(run.wall(i, j - len(run.p)) if j >= len(run.p) else run.wait(i, j))
+        return times[1] - times[0]
+
+    return between
+
+
+def in_order(faults: Sequence[Fault]) -> list[Fault]:
+    """The order in which they act: the input, then events, flights before impulses."""
+
+    def place(fault: Fault) -> tuple[int, int]:
+        if isinstance(fault, Rounded):
+            return (-1, 0)
+        if isinstance(fault, Always):
+            return (-1, 1)
+        return (fault.event, 0 if isinstance(fault, Shift) else 1)
+
+    return sorted(faults, key=place)
+
+
+@cache
+def history(scene: Scene, faults: tuple[Fault, ...], events: int) -> tuple[tuple[str, str], ...]:
+    """Who meets whom."""
+    return tuple(m.pair for m in Run(scene, faults).upto(events).meetings)
+
+
+def budget(
+    scene: Scene, faults: Sequence[Fault], after: int, decision: Decision
+) -> tuple[dict[str, tuple[float, float]], float, float]:
+    """What each kind contributes, as a share with a tolerance; the displacement; and the margin.
+
+    The tolerance has two parts: .02, and what separate runs of the faults do not add up to, since a contribution may be
+    taken to the first order where the second is small.
+    """
+    listed = in_order(faults)
+    values = [decision(Run(scene, listed[:k]).upto(after)) for k in range(len(listed) + 1)]
+    margin, total = values[0], values[-1] - values[0]
+    alone = [decision(Run(scene, [f]).upto(after)) - margin for f in listed]
+    bent = abs(float((sum(alone) - total) / total))
+    shares: dict[str, float] = {}
+    for k, fault in enumerate(listed):
+        shares[fault.kind] = shares.get(fault.kind, 0.0) + float((values[k + 1] - values[k]) / total)
+    return {kind: (share, 0.02 + bent) for kind, share in shares.items()}, float(total), float(margin)
+
+
+def case(
+    name: str,
+    scene: Scene,
+    faults: Sequence[Fault],
+    after: int,
+    decision: Decision,
+    bits: int = 53,
+    events: int | None = None,
+) -> Case:
+    """A case whose expectation is found by runs: of all faults, of each kind by itself, and of all before each."""
+    listed = tuple(in_order(faults))
+    kinds = list(dict.fromkeys(f.kind for f in listed))
+    shares, total, margin = budget(scene, listed, after, decision)
+    assert margin * (margin + total) < 0, f"{name}: margin {margin}, displacement {total}: nothing is decided otherwise"
+    by_kind = {kind: tuple(f for f in listed if f.kind == kind) for kind in kinds}
+    moved = {kind: float(decision(Run(scene, of).upto(after))) for kind, of in by_kind.items()}
+    enough = {kind for kind, value in moved.items() if value * margin < 0}
+    top = max(share for share, _ in shares.values())
+    main = frozenset(kind for kind, (share, room) in shares.items() if share >= top - 2 * room)
+    together = frozenset(k for k in kinds if shares[k][0] > 0.1) if not enough else frozenset[str]()
+    arithmetic = [f for f in listed if f.kind in (FLIGHTS, IMPACTS)]
+    only = decision(Run(scene, arithmetic).upto(after))
+    never = (set(kinds) - enough) | {LAW, MISSED, PHANTOM, TIE, STEP} | ({INPUT, FLIGHTS, IMPACTS} - set(kinds))
+    if only * margin > 0:
+        never.add(ARITHMETIC)
+    return Case(
+        name,
+        scene,
+        Made(listed, bits),
+        main,
+        events=events if events is not None else after + 2,
+        never=frozenset(never),
+        shares=tuple((kind, share, room) for kind, (share, room) in shares.items()),
+        all_of=together,
+    )
+
+
+# -- the scenes
+
+AIMED = frozenset({ARITHMETIC, FLIGHTS, IMPACTS, LAW, MISSED, PHANTOM})
+SLOPE, WAY = (Fraction(4, 5), Fraction(3, 5)), (Fraction(-3, 5), Fraction(4, 5))
+"""Where the second disc of a relay flies, and what is at right angles to that."""
+
+
+def aim(offset: str) -> Scene:
+    """A disc flies past another: their least gap is the offset less 2."""
+    return Scene([Circle(0, offset, vx=1, id="a"), Circle(10, 0, id="b")], name=f"aim at {offset}")
+
+
+def relay(bits: int, margin: int, extra: Fraction = Fraction(0), far: int = 64) -> Scene:
+    """One disc hits a second, which flies `far` and passes a third by `margin` units of 2**-bits, or hits it.
+
+    All numbers have so many bits, but for `extra`, which is added to the place of the first disc: below half a unit, it is
+    what rounding takes away. The margin is met to a unit, by the radius of the third disc.
+    """
+    c, s = SLOPE
+
+    def made(radius: Fraction) -> Scene:
+        first = nearest(-2 * s, bits) + extra
+        third = [nearest(far * along + 2 * side, bits) for along, side in zip(SLOPE, WAY, strict=True)]
+        circles = [
+            Circle(str(nearest(-8 - 2 * c, bits)), str(first), vx=1, id="a"),
+            Circle(0, 0, id="b"),
+            Circle(str(third[0]), str(third[1]), str(radius), id="c"),
+        ]
+        return Scene(circles, name=f"relay of {bits} bits, margin {margin}")
+
+    unit = Fraction(1, 2**bits)
+    off = decided(made(Fraction(1))) - margin * unit
+    return made(nearest(1 + off, bits - 1))
+
+
+def decided(scene: Scene, faults: Sequence[Fault] = (), after: int = 1, decision: Decision = gap("b", "c")) -> Fraction:
+    """The number that decides."""
+    return fraction(decision(Run(scene, faults).upto(after)))
+
+
+def sized(scene: Scene, make: Callable[[Fraction], Fault], want: Fraction) -> Fault:
+    """The fault of such a size that it moves the relay's decision by what is wanted, to some digits."""
+    size, margin = Fraction(1, 2**30), decided(scene)
+    for _ in range(4):
+        size = nearest(size * want / (decided(scene, [make(size)]) - margin), 40)
+    return make(size)
+
+
+def kicked(size: Fraction) -> Fault:
+    """The second disc leaves the first by a velocity that is off to the side."""
+    return Kick(0, "b", (size * WAY[0], size * WAY[1]))
+
+
+def shifted(size: Fraction) -> Fault:
+    """The first disc comes to the second off to the side, which turns the line of centres."""
+    return Shift(0, "a", (size * WAY[0], size * WAY[1]))
+
+
+def of_input() -> Iterator[Case]:
+    """Engines that are exact but for the rounding of the input: it is the only cause, with all of the displacement."""
+    for bits, offset in ((8, "1.999"), (11, "2 - 1/3000"), (24, "2 - 10**-8"), (53, "2 - 10**-17"), (24, "2 - 10**-9")):
+        yield Case(
+            f"aim at {offset}, input of {bits} bits", aim(offset), Made((Rounded(bits),), bits), frozenset({INPUT}), 2,
+            AIMED | {TIE}, ((INPUT, 1.0, 0.02),),
+        )  # fmt: skip
+    for spec, bits, events in (
+        ("near-tie:k=9", 24, 4), ("near-tie:k=20", 53, 4), ("near-tie:k=40", 53, 4), ("near-tie:k=20,first=right", 53, 4),
+        ("gas:n=5,seed=2", 24, 60), ("gas:n=4,seed=7", 24, 60), ("pinball:offset=1/10**8", 24, 12),
+    ):  # fmt: skip
+        scene = catalogue.build(spec)
+        yield Case(f"{spec}, exact on {bits} bits", scene, RoundedExact(bits), frozenset({INPUT}), events, AIMED,
+                   ((INPUT, 1.0, 0.02),))  # fmt: skip
+    yield Case("struck at a graze", STRUCK, "double", frozenset({INPUT}), 8, frozenset({LAW, PHANTOM, TIE}))
+
+
+STRUCK = Scene(
+    [Circle(0, "2-10**-30", vx=1, id="b"), Circle(4, 2, id="d")], [Wall(0, 3, 1, 3, id="w")], name="struck at a graze"
+)
+"""The first lies 2**-100 from a wall, which rounding makes a touch; the exact run of the scene in doubles is lacking the same
+contact as the run in doubles is."""
+
+
+@dataclass(frozen=True)
+class RoundedExact(Declared):
+    """The exact engine on the scene that its bits make of it."""
+
+    bits: int = 53
+    name: str = "rounded-exact"
+    rounds_input = True
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        """The certified run of the rounded scene, as one of the scene itself."""
+        return replace(OnRounded(self.bits).run(scene, **limits), engine=self.name)
+
+
+def of_one_kind() -> Iterator[Case]:
+    """In a relay one impulse is off, or one flight; nothing else is."""
+    for bits, units, far in ((16, 24, 64), (16, -24, 64), (24, 16, 64), (24, -40, 128)):
+        scene = relay(bits, units, far=far)
+        margin = decided(scene)
+        for name, make in (("impulse", kicked), ("flight", shifted)):
+            for part in (Fraction(3, 2), Fraction(3)):
+                fault = sized(scene, make, -margin * part)
+                yield case(f"{scene.name}: {name} off by {part} margins", scene, [fault], 1, gap("b", "c"), bits)
+
+
+MIXES = (
+    ("60 and 40", Fraction(9, 10), Fraction(6, 10)),
+    ("120 and 80 margins", Fraction(6, 5), Fraction(4, 5)),
+    ("85 and 15", Fraction(17, 10), Fraction(3, 10)),
+    ("even, neither alone", Fraction(7, 10), Fraction(7, 10)),
+    ("75 and 25, neither alone", Fraction(9, 10), Fraction(3, 10)),
+    ("cancel in part", Fraction(3), Fraction(-1)),
+    ("cancel, the other way", Fraction(-1), Fraction(5, 2)),
+)
+"""Two contributions as parts of the margin, which they have to carry past zero."""
+
+
+def of_two_kinds() -> Iterator[Case]:
+    """Errors of flight and impulse that add, cancel in part, or are enough only together."""
+    for bits, units in ((16, 24), (24, -20)):
+        scene = relay(bits, units)
+        margin = decided(scene)
+        for name, one, other in MIXES:
+            faults = [sized(scene, kicked, -margin * one), sized(scene, shifted, -margin * other)]
+            yield case(f"{scene.name}: impulse and flight, {name}", scene, faults, 1, gap("b", "c"), bits)
+
+
+def of_input_and_arithmetic() -> Iterator[Case]:
+    """The same with rounding of the input, which takes away what was added to the first disc's place."""
+    for bits, sign, make in ((16, 1, kicked), (24, -1, kicked), (16, -1, shifted)):
+        extra = sign * Fraction(3, 8) / 2**bits
+        takes = decided(relay(bits, 0, extra), [Rounded(bits)]) - decided(relay(bits, 0, extra))
+        for name, one, other in MIXES:
+            units = round(-takes / one * 2**bits)
+            scene = relay(bits, units, extra)
+            margin = decided(scene)
+            by = decided(scene, [Rounded(bits)]) - margin
+            fault = sized(scene, make, by * other / one)
+            yield case(
+                f"{scene.name}: input and arithmetic, {name}", scene, [Rounded(bits), fault], 1, gap("b", "c"), bits
+            )
+
+
+def gases() -> Iterator[Case]:
+    """Chaotic scenes in which faults grow until they decide; what each contributes is the difference of two runs."""
+    recipes: list[tuple[int, list[tuple[type[Kick] | type[Shift], int, int, int]], bool]] = [
+        (16, [(Kick, 2, 24, -8)], False),
+        (16, [(Kick, 5, -16, 24)], False),
+        (16, [(Shift, 3, 2, 3)], False),
+        (20, [(Shift, 1, -4, 2)], False),
+        (16, [], True),
+        (16, [(Kick, 2, 24, -16)], True),
+        (20, [(Shift, 2, 3, -3)], True),
+        (16, [(Kick, 2, 8, 8), (Shift, 3, 4, -4)], True),
+        (16, [(Kick, 1, 16, 8), (Kick, 4, -8, 16)], False),
+        (20, [(Shift, 1, 4, 4), (Kick, 3, -16, 8)], False),
+        (24, [(Kick, 3, 16, 16), (Shift, 5, 4, 4)], True),
+    ]
+    seed = 0
+    for bits, made, rounds in recipes:
+        while True:
+            seed += 1
+            scene = catalogue.build(f"gas:n=4,seed={seed}").with_changes(until=None, events=None)
+            scene = scene if rounds else rounded_scene(scene, bits)
+            pairs = history(scene, (), 8)
+            faults: list[Fault] = [Rounded(bits)] if rounds else []
+            faults += [
+                make(event, pairs[event][0], (Fraction(x, 2**bits), Fraction(y, 2**bits))) for make, event, x, y in made
+            ]
+            kinds = ", ".join(dict.fromkeys(f.kind for f in faults))
+            known = grown(f"gas of 4, seed {seed}, {bits} bits: {kinds}", scene, faults, bits)
+            if known is not None:
+                yield known
+                break
+
+
+def grown(name: str, scene: Scene, faults: Sequence[Fault], bits: int, most: int = 80) -> Case | None:
+    """The case of a scene in which it is first to be found where a run with faults leaves the one without.
+
+    None where it does not, or where another decision than whether two hit, or which of two comes first, is in question.
+    """
+    listed = tuple(in_order(faults))
+    mine, theirs = history(scene, (), most), history(scene, listed, most)
+    where = next((k for k, (one, other) in enumerate(zip(mine, theirs, strict=False)) if one != other), most)
+    circles = {str(c.id) for c in scene.circles}
+    if where > most - 8 or not {*mine[where]} & {*theirs[where]} & circles:
+        return None  # nothing, or perhaps two independent events in another order
+    runs = [Run(scene, listed[:k]).upto(where) for k in range(len(listed) + 1)]
+    if any(tuple(m.pair for m in run.meetings) != mine[:where] for run in runs):
+        return None
+    values: list[Any] = []
+    for decision in (
+        order(mine[where], theirs[where]),
+        *(gap(*p) for p in (mine[where], theirs[where]) if {*p} <= circles),
+    ):
+        try:
+            values = [decision(run) for run in runs]
+        except TypeError:  # one of the two does not meet at all
+            continue
+        if values[0] * values[-1] < 0:
+            break
+    else:
+        return None
+    total = values[-1] - values[0]
+    shares: dict[str, float] = {}
+    for k, fault in enumerate(listed):
+        shares[fault.kind] = shares.get(fault.kind, 0.0) + float((values[k + 1] - values[k]) / total)
+    room = 0.02 if len(shares) == 1 else 0.15
+    top = max(shares.values())
+    main = frozenset(kind for kind, share in shares.items() if share >= top - 2 * room)
+    never = frozenset({LAW, MISSED, PHANTOM, TIE, STEP} | ({INPUT, FLIGHTS, IMPACTS} - shares.keys()))
+    expected = tuple((kind, share, room) for kind, share in shares.items())
+    return Case(name, scene, Made(listed, bits), main, where + 3, never, expected)
+
+
+def of_every_event() -> Iterator[Case]:
+    """Every place, or every velocity, is rounded to few bits: all of it is flights, or impulses."""
+    seed = 50
+    for bits, kind in ((16, FLIGHTS), (16, IMPACTS), (20, FLIGHTS), (20, IMPACTS)):
+        known = None
+        while known is None:
+            seed += 1
+            scene = catalogue.build(f"gas:n=4,seed={seed}").with_changes(until=None, events=None)
+            fault = Always(
+                flights=bits if kind == FLIGHTS else None, impacts=bits if kind == IMPACTS else None, kind=kind
+            )
+            known = grown(f"gas of 4, seed {seed}: {kind}, {bits} bits", rounded_scene(scene, bits), [fault], bits)
+        yield known
+
+
+def of_law() -> Iterator[Case]:
+    """Engines of another law."""
+    lost, gained = Always(Fraction(999, 1000)), Always(Fraction(1001, 1000))
+    for name, spec, fault in (
+        ("restitution 0.999", "gas:n=4,seed=3", lost),
+        ("restitution 0.999", "gas:n=3,seed=5,mixed=yes", lost),
+        ("restitution 1.001", "gas:n=4,seed=6", gained),
+        ("restitution 0.9", "galperin:n=1", Always(Fraction(9, 10))),
+        ("masses taken for equal", "gas:n=4,seed=3,mixed=yes", Always(equal=True)),
+        ("masses taken for equal", "sizes", Always(equal=True)),
+        ("masses taken for equal", "tennis", Always(equal=True)),
+    ):
+        never = frozenset({INPUT, ARITHMETIC, FLIGHTS, IMPACTS, TIE, PHANTOM, MISSED})
+        yield Case(f"{spec}: {name}", catalogue.build(spec), Made((fault,)), frozenset({LAW}), 60, never)
+
+
+def of_contacts() -> Iterator[Case]:
+    """Engines that miss one contact, or invent one."""
+    wrong = frozenset({INPUT, ARITHMETIC, FLIGHTS, IMPACTS, TIE})
+    for seed in (21, 22, 23, 24):
+        scene = catalogue.build(f"gas:n=4,seed={seed}")
+        ids = {str(c.id) for c in scene.circles}
+        pairs = history(scene, (), 30)
+        event = next(k for k, pair in enumerate(pairs) if k > 2 and set(pair) <= ids)
+        yield Case(
+            f"gas of 4, seed {seed}: event {event} missed", scene, Made((Skip(event),)), frozenset({MISSED, LAW}), event + 6,
+            wrong | {PHANTOM},
+        )  # fmt: skip
+        event, (one, other) = next((k, p) for k, p in enumerate(pairs) if set(p) <= ids)
+        for strength in (Fraction(1, 10), Fraction(1, 2**50)):
+            fault = Invent(
+                event, Fraction(1, 2**8) if strength > Fraction(1, 100) else Fraction(0), one, other, strength
+            )
+            size = "a real impulse" if strength > Fraction(1, 100) else "an impulse of 2**-50"
+            yield Case(
+                f"gas of 4, seed {seed}: a contact invented, {size}", scene, Made((fault,)),
+                frozenset({PHANTOM, LAW} if strength > Fraction(1, 100) else {PHANTOM}), event + 4, wrong | {MISSED},
+            )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Steps(RecordedEngine):
+    """An engine of steps of its own: all fly, then whatever overlaps and comes nearer is pushed."""
+
+    step: float = 1 / 64
+    name = "steps"
+    scene_keys = frozenset({"wall"})
+
+    def play(self, scene: Scene, recording: Recording) -> None:
+        """Reports where everything is after each step in which something was hit, and what was hit."""
+        p = [[row[0], row[1]] for row in recording.rows]
+        v = [[row[2], row[3]] for row in recording.rows]
+        r, w = [float(c.r) for c in scene.circles], [float(c.inverse_mass) for c in scene.circles]
+        walls = []
+        for q in scene.walls:
+            x0, y0, x1, y1 = (float(n) for n in (q.x0, q.y0, q.x1, q.y1))
+            length = math.hypot(x1 - x0, y1 - y0)
+            nx, ny = (y0 - y1) / length, (x1 - x0) / length
+            walls.append([(x0, y0, *((nx, ny) if nx * (x - x0) + ny * (y - y0) > 0 else (-nx, -ny))) for x, y in p])
+        count, done = len(p), 0
+        while recording.open:
+            done += 1
+            hits: list[tuple[str, str]] = []
+            for i in range(count):
+                p[i][0] += self.step * v[i][0]
+                p[i][1] += self.step * v[i][1]
+            for i in range(count):
+                for j in range(i + 1, count):
+                    dx, dy = p[j][0] - p[i][0], p[j][1] - p[i][1]
+                    near = dx * (v[j][0] - v[i][0]) + dy * (v[j][1] - v[i][1])
+                    if dx * dx + dy * dy < (r[i] + r[j]) ** 2 and near < 0:
+                        by = 2 * near / (dx * dx + dy * dy) / (w[i] + w[j])
+                        v[i] = [v[i][0] + w[i] * by * dx, v[i][1] + w[i] * by * dy]
+                        v[j] = [v[j][0] - w[j] * by * dx, v[j][1] - w[j] * by * dy]
+                        hits.append((scene.ids[i], scene.ids[j]))
+                for k, sides in enumerate(walls):
+                    x0, y0, nx, ny = sides[i]
+                    speed = nx * v[i][0] + ny * v[i][1]
+                    if nx * (p[i][0] - x0) + ny * (p[i][1] - y0) < r[i] and speed < 0:
+                        v[i] = [v[i][0] - 2 * speed * nx, v[i][1] - 2 * speed * ny]
+                        hits.append((scene.ids[i], scene.ids[count + k]))
+            if hits:
+                moved = {scene.ids[k]: (*p[k], *v[k]) for k in range(count) if w[k]}
+                recording.hits(done * self.step, hits, moved)
+            recording.state(done * self.step, [(*x, *u) for x, u in zip(p, v, strict=True)])
+            if (
+                done % 64 == 0
+                and not walls
+                and not any(
+                    (p[j][0] - p[i][0]) * (v[j][0] - v[i][0]) + (p[j][1] - p[i][1]) * (v[j][1] - v[i][1]) < 0
+                    for i in range(count)
+                    for j in range(i)
+                )
+            ):
+                return  # all go apart
+
+
+OF_STEP = frozenset({STEP, LATENESS, OVERLAP, POSITIONS, INTEGRATOR, TUNNELLING})
+NOT_OF_STEP = frozenset({INPUT, ARITHMETIC, FLIGHTS, IMPACTS, LAW, TIE, ITERATIONS})
+
+
+def of_steps() -> Iterator[Case]:
+    """Engines of steps, at steps that are too long: finer ones pass the event."""
+    for margin, step in (("1/8", 1 / 4), ("1/16", 1 / 8), ("-1/256", 1 / 4)):
+        scene = relay(20, round(Fraction(margin) * 2**20), far=16)
+        yield Case(f"{scene.name}: steps of {step}", scene, Steps(step), OF_STEP, 3, NOT_OF_STEP)
+    for spec, engine, events in (
+        ("near-tie:k=4,first=right", Steps(1 / 256), 4), ("near-tie:k=3,first=right", Steps(1 / 64), 4), ("gas:n=3,seed=2", Steps(1 / 32), 20),
+        ("gas:n=4,seed=5", Steps(1 / 32), 20), ("near-tie:k=3", "pymunk:dt=1/64", 4), ("near-tie:k=3,first=right", "pymunk:dt=1/64", 4),
+        ("gas:n=3,seed=2", "pymunk:dt=1/64", 20), ("gas:n=4,seed=5", "pymunk:dt=1/64", 20),
+        ("rack:rows=2,gap=1/50", "pymunk:dt=1/16", 10),
+    ):  # fmt: skip
+        yield Case(f"{spec}: {engine}", catalogue.build(spec), engine, OF_STEP, events, NOT_OF_STEP)
+
+
+@dataclass(frozen=True)
+class OtherPolicy(Declared):
+    """The exact engine, which resolves ties in another way than the scene asks for."""
+
+    policy: str = "sequential:order=scene"
+    name: str = "other-policy"
+    scene_keys = frozenset({"wall", "pocket", "capture", "reverse_at", "reverse_after"})
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        """The certified run under the other policy."""
+        run = ExactEngine().run(scene.with_changes(tie_policy=self.policy), **limits)
+        return replace(run, scene=scene, engine=self.name)
+
+
+def triple(mass: str) -> Scene:
+    """Two discs meet a third from both sides at one exact instant, 7/5; no binary number is where they start."""
+    circles = [Circle("-17/5", 0, vx=1, id="l"), Circle(0, 0, id="m"), Circle("31/5", 0, vx=-3, m=mass, id="r")]
+    return Scene(circles, name=f"triple, mass {mass}")
+
+
+def of_ties() -> Iterator[Case]:
+    """Simultaneous contacts: resolved by another policy, or split by the rounding of the input."""
+    for spec in ("lee", "rack:rows=2", "inscribed:n=3"):
+        scene = catalogue.build(spec)
+        never = AIMED - {LAW} | {INPUT}
+        if ExactEngine().run(scene, events=2).events[-1].coupled or spec != "inscribed:n=3":
+            yield Case(f"{spec}: another policy", scene, OtherPolicy(), frozenset({TIE}), 8, never)
+    for mass in ("4", "9"):
+        yield Case(
+            f"triple, mass {mass}: another policy", triple(mass), OtherPolicy(), frozenset({TIE}), 4, AIMED | {INPUT}
+        )
+    for mass, bits in (("4", 24), ("4", 53), ("9", 11), ("2", 30)):
+        yield Case(f"triple, mass {mass}: split by {bits} bits of the input", triple(mass), RoundedExact(bits),
+                   frozenset({INPUT}), 4, frozenset({TIE, LAW, ARITHMETIC, FLIGHTS, IMPACTS}))  # fmt: skip
+
+
+FAMILIES: dict[str, Callable[[], Iterator[Case]]] = {
+    "input": of_input,
+    "one kind": of_one_kind,
+    "two kinds": of_two_kinds,
+    "input and arithmetic": of_input_and_arithmetic,
+    "gases": gases,
+    "every event": of_every_event,
+    "law": of_law,
+    "contacts": of_contacts,
+    "steps": of_steps,
+    "ties": of_ties,
+}
+
+
+def complaints(known: Case) -> list[str]:
+    """What is wrong with what a comparison says of a case; empty if nothing is."""
+    engine = engine_named(known.engine) if isinstance(known.engine, str) else known.engine
+    candidate = compare(known.scene, [engine], events=known.events).candidates[0]
+    if candidate.alignment.divergence is None or candidate.diagnosis is None:
+        return [f"it is said to {candidate.verdict}"]
+    said = said_of(candidate)
+    whole = frozenset({FLIGHTS, IMPACTS})
+    coarse = ARITHMETIC in said.causes or any(s.kind == ARITHMETIC for s in said.shares)  # flights and impulses as one
+
+    def merged(kinds: Iterable[str]) -> set[str]:
+        return {ARITHMETIC if coarse and kind in whole else kind for kind in kinds}
+
+    wrong: list[str] = []
+    first = said.causes[0] if said.causes else UNKNOWN
+    if first not in merged(known.main):
+        wrong.append(f"it is {first}, and not {' or '.join(sorted(known.main))}")
+    false = (known.never if not coarse else known.never - whole) & (said.suffices | {first})
+    if false and len(known.all_of) < 2:
+        wrong.append(f"{', '.join(sorted(false))}: is not enough by itself")
+    elif false & said.suffices:
+        wrong.append(f"{', '.join(sorted(false & said.suffices))}: is not enough by itself")
+    if missing := merged(known.all_of) - set(said.causes):
+        wrong.append(f"{', '.join(sorted(missing))}: not named, and nothing is enough without it")
+    expected: dict[str, list[float]] = {}
+    for kind, share, room in known.shares:
+        entry = expected.setdefault(ARITHMETIC if coarse and kind in whole else kind, [0.0, 0.0])
+        entry[0], entry[1] = entry[0] + share, entry[1] + room
+    if known.shares:
+        most = max(room for _, room in expected.values())
+        told = dict.fromkeys(expected, 0.0)
+        for s in said.shares:
+            told[s.kind] = told.get(s.kind, 0.0) + (s.share or 0.0)
+        for kind, share in told.items():
+            want, room = expected.get(kind, (0.0, most))
+            if abs(share - want) > room:
+                wrong.append(f"the share of {kind} is {share:.3g}, and not {want:.3g} +/- {room:.2g}")
+        if said.closed is False:
+            wrong.append("the account does not close")
+    wrong += [f"{r.claim} ({r.rule}): {r.because}" for r in refute(known.scene, engine, candidate, said)]
+    return wrong
+
+
+def main(arguments: list[str]) -> int:
+    """Judges what comparisons say of the cases of some families, or of all; exits with 1 where one is wrong."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("families", nargs="*", help=", ".join(FAMILIES))
+    parser.add_argument("--only", default="", help="text in the name of a case")
+    given = parser.parse_args(arguments)
+    right = count = 0
+    for family in given.families or FAMILIES:
+        for known in FAMILIES[family]():
+            if given.only in known.name:
+                wrong = complaints(known)
+                count, right = count + 1, right + (not wrong)
+                print(f"{'right' if not wrong else 'WRONG'}  [{family}] {known.name}", flush=True)
+                for line in wrong:
+                    print(f"         {line}", flush=True)
+    print(f"{right} of {count} right")
+    return 0 if right == count else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,679 @@
+"""Tries to refute the causes that a comparison names, by other runs; it shares no code with what names them.
+
+    python tests/compare/refuting.py placements racks catalogue survey [--json FILE]
+
+A cause is a claim about other runs. "Input rounding suffices" says that the exact engine on the rounded scene lacks, or
+gains, the same contact; "time step" says that a finer step passes the event; "law" that the steps do not keep the law. Each
+claim is tried by just that run, and stands unless the run says otherwise: what cannot be run refutes nothing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import asdict, dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from importlib.util import find_spec
+from typing import Any
+
+from truebreak.compare import compare
+from truebreak.compare.alignment.divergence import Divergence, Kind
+from truebreak.compare.candidate import Candidate
+from truebreak.compare.engines import engine as engine_named
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Declared, Pocket, Quantity, Scene, SceneError, Trajectory, Wall, catalogue
+
+# -- what is said of a divergence, in one vocabulary
+
+INPUT, FLIGHTS, IMPACTS = "input rounding", "arithmetic in flights", "arithmetic in impacts"
+ARITHMETIC = "arithmetic"
+LATENESS, OVERLAP, POSITIONS, INTEGRATOR = "lateness", "overlap", "position correction", "integrator"
+STEP, TUNNELLING, ITERATIONS = "time step", "tunnelling", "solver iterations"
+LAW, MISSED, PHANTOM, TIE = "collision law", "missed contact", "phantom contact", "tie"
+UNKNOWN = "not determined"
+
+ROUNDING = frozenset({INPUT, FLIGHTS, IMPACTS, ARITHMETIC})
+OF_ARITHMETIC = frozenset({FLIGHTS, IMPACTS, ARITHMETIC})
+OF_STEP = frozenset({LATENESS, OVERLAP, POSITIONS, INTEGRATOR, STEP, TUNNELLING})
+KINDS = ROUNDING | OF_STEP | {ITERATIONS, LAW, MISSED, PHANTOM, TIE}
+
+NAMES: dict[str, tuple[str, ...]] = {
+    "arithmetic rounding": (ARITHMETIC,),
+    "input and arithmetic rounding together": (INPUT, ARITHMETIC),
+    "model": (LAW,),
+    "law": (LAW,),
+    "law not kept": (LAW,),
+    "simultaneous collisions": (TIE,),
+    "tie (simultaneous collisions)": (TIE,),
+    "iterations": (ITERATIONS,),
+    "missed": (MISSED,),
+    "phantom": (PHANTOM,),
+}
+"""Other names of the kinds. A name that is neither here nor a kind is kept, and no rule is about it."""
+
+
+@dataclass(frozen=True)
+class Share:
+    """One entry of the account: how far a kind of error moves the decision.
+
+    Attributes:
+        kind: one of `KINDS`, or what the report calls it.
+        contribution: by how much, in the unit of the displacement; None where it is not said.
+        share: of the displacement, signed; None where it is not said.
+        how: by a `run`, the `tangent`, or an `estimate`.
+    """
+
+    kind: str
+    contribution: float | None
+    share: float | None
+    how: str = "run"
+
+
+@dataclass(frozen=True)
+class Said:
+    """What a report says of one divergence.
+
+    Attributes:
+        causes: the kinds named as the cause, the main one first; empty where it says that it is not determined.
+        suffices: the kinds of which it is said that each by itself is enough.
+        shares: the account.
+        displacement: what the account is of; None where there is none.
+        closed: whether it is said to add up; None where nothing is said.
+        refused: kinds that were tried and said not to be enough by themselves.
+    """
+
+    causes: tuple[str, ...]
+    suffices: frozenset[str]
+    shares: tuple[Share, ...] = ()
+    displacement: float | None = None
+    closed: bool | None = None
+    refused: frozenset[str] = frozenset()
+
+
+def kinds_of(name: Any) -> tuple[str, ...]:
+    """The kinds that a name of a cause stands for."""
+    text = str(getattr(name, "value", name)).strip().lower()
+    return NAMES.get(text, (text,))
+
+
+def said_of(candidate: Candidate) -> Said:
+    """The one place that knows the form of a diagnosis: of shares that add up, or of experiments that suffice."""
+    found: Any = candidate.diagnosis
+    if hasattr(found, "shares"):
+        shares = [
+            Share(kinds_of(s.kind)[0], s.contribution, s.share, str(getattr(s.how, "value", s.how)))
+            for s in found.shares
+        ]
+        causes = tuple(kind for name in found.causes for kind in kinds_of(name) if kind != UNKNOWN)
+        enough = frozenset(causes) if len(causes) == 1 else frozenset[str]()
+        return Said(causes, enough, tuple(shares), found.displacement, found.closed)
+    name = str(getattr(found.name, "value", found.name))
+    causes = tuple(kind for kind in kinds_of(found.name) if kind != UNKNOWN)
+    listed = {UNKNOWN: (), name: causes}
+    enough = {kind for one in found.sufficient for kind in listed.get(str(one.value), kinds_of(one))}
+    if len(causes) > 1:
+        enough -= set(causes)
+    no = {kind for e in found.experiments if e.suffices is False for kind in kinds_of(e.cause)}
+    shares = [
+        Share(kinds_of(e.cause)[0], e.displacement, e.share)
+        for e in found.experiments
+        if e.displacement is not None and len(kinds_of(e.cause)) == 1
+    ]
+    return Said(causes, frozenset(enough), tuple(shares), refused=frozenset(no))
+
+
+# -- the runs that may refute it
+
+EXACT_FORMS = frozenset({"exact", "sympy"})
+OWN = frozenset({"double", "single", "quad", "rounded", "interval", *EXACT_FORMS})
+"""Engines whose law is the exact one's, carried out in other numbers: the same loop, contacts and policies."""
+
+DIGITS = 120
+"""Decimal digits by which numbers with roots are rounded; a number this near to a rounding's edge would be missed."""
+
+HALVINGS = 8
+MOST_STEPS = 400_000
+"""How far finer steps are run: 1/256 of the step, and so many steps at most in one run."""
+
+PAST = 3
+"""Events past the one in question to which runs go."""
+
+
+def rational(value: Quantity) -> Fraction:
+    """A scene's number, or what agrees with it to `DIGITS` digits."""
+    exact = value.fraction
+    return Fraction(value.digits(DIGITS)) if exact is None else exact
+
+
+def nearest(value: Fraction, bits: int) -> Fraction:
+    """The nearest number of so many bits, ties to even; the exponent has no limits.
+
+    >>> nearest(Fraction(1, 3), 4), nearest(Fraction(9, 2), 3)
+    (Fraction(11, 32), Fraction(4, 1))
+    """
+    if not value:
+        return value
+    exponent = abs(value.numerator).bit_length() - value.denominator.bit_length()
+    unit = Fraction(2) ** (exponent - bits)
+    while abs(value) / unit >= 2**bits:
+        unit *= 2
+    return round(value / unit) * unit
+
+
+def rounded_scene(scene: Scene, bits: int, part: Fraction = Fraction(1)) -> Scene:
+    """The scene with every number replaced by the nearest of so many bits, or moved a part of the way there.
+
+    Raises:
+        SceneError: where that is no scene: circles overlap.
+    """
+
+    def number(value: Quantity) -> str:
+        exact = rational(value)
+        return str(exact + part * (nearest(exact, bits) - exact))
+
+    circles = [
+        Circle(
+            *(number(getattr(c, key)) for key in ("x", "y", "r", "vx", "vy")),
+            m="oo" if c.fixed else number(c.m),  # type: ignore[arg-type]
+            id=c.id,
+            point=c.point,
+        )
+        for c in scene.circles
+    ]
+    walls = [Wall(*(number(getattr(w, key)) for key in ("x0", "y0", "x1", "y1")), id=w.id) for w in scene.walls]
+    pockets = [Pocket(*(number(getattr(p, key)) for key in ("x", "y", "r")), id=p.id) for p in scene.pockets]
+    changes: dict[str, Any] = {} if scene.reverse_at is None else {"reverse_at": number(scene.reverse_at)}
+    return scene.with_changes(circles=circles, walls=walls, pockets=pockets, **changes)
+
+
+@dataclass(frozen=True)
+class OnRounded(Declared):
+    """The exact engine, which takes a scene for the one that is rounded to so many bits."""
+
+    to: int
+    name: str = "exact on the rounded scene"
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        """The certified run of the rounded scene."""
+        other = rounded_scene(scene, self.to)
+        return replace(ExactEngine().run(other, **limits), scene=scene, engine=self.name)
+
+
+SAME, PASSES, OTHER, EARLIER, OPEN, REFUSED = "same", "passes", "other", "earlier", "open", "refused"
+"""What another run does at the decision: as the engine did; as the reference did; a third thing; it has left before; not
+known; it cannot take the scene."""
+
+
+class Runs:
+    """Other runs of one divergence, each made when it is asked for."""
+
+    def __init__(self, scene: Scene, engine: Any, candidate: Candidate) -> None:
+        assert candidate.alignment.divergence is not None
+        self.scene, self.engine, self.candidate = scene, engine, candidate
+        self.at: Divergence = candidate.alignment.divergence
+        self.events = max(self.at.event, self.at.expected_event) + PAST
+
+    def does(self, engine: Any) -> str:
+        """What another engine does at the decision."""
+        try:
+            other = compare(self.scene, [engine], events=self.events, causes=False).candidates[0]
+        except SceneError:
+            return REFUSED
+        if other.unable:
+            return REFUSED
+        parted = other.alignment.divergence
+        if parted is None:
+            agreed = other.verdict == "agree" or other.alignment.agreed > max(self.at.event, self.at.expected_event)
+            return PASSES if agreed else OPEN
+        if parted.event != self.at.event:
+            return PASSES if parted.event > self.at.event else EARLIER
+        mine, theirs = ((d.body, d.kind, d.expected, d.got) for d in (self.at, parted))
+        if mine == theirs:
+            return SAME
+        return PASSES if parted.expected_event > self.at.expected_event else OTHER
+
+    @cached_property
+    def input(self) -> str:
+        """What the exact engine does on the scene rounded to the engine's bits."""
+        if self.engine.bits is None or not self.engine.rounds_input:
+            return PASSES  # there is no rounding of the input
+        try:
+            rounded_scene(self.scene, self.engine.bits)
+        except SceneError:
+            return REFUSED
+        return self.does(OnRounded(self.engine.bits))
+
+    @cached_property
+    def finer(self) -> list[tuple[float, str]]:
+        """What finer steps do, down to the second in a row that passes."""
+        done: list[tuple[float, str]] = []
+        engine = self.engine
+        end = max(t for t in (self.at.time, self.at.expected_time, self.at.got_time) if t is not None)
+        for _ in range(HALVINGS):
+            engine = engine.finer()
+            if engine is None or end / engine.step > MOST_STEPS or [s for _, s in done[-2:]] == [PASSES, PASSES]:
+                break
+            done.append((engine.step, self.does(engine)))
+        return done
+
+    @property
+    def step_passes(self) -> float | None:
+        """The coarsest step from which on the finer ones that were run pass, two of them at least."""
+        if [s for _, s in self.finer[-2:]] != [PASSES, PASSES]:
+            return None
+        return self.finer[-2][0]
+
+    @cached_property
+    def firmer(self) -> list[str]:
+        """What four and sixteen times the solver's iterations do."""
+        done: list[str] = []
+        engine = self.engine
+        for k in range(4):
+            engine = engine.firmer() if engine is not None else None
+            if engine is None:
+                break
+            if k % 2:
+                done.append(self.does(engine))
+        return done
+
+    @cached_property
+    def broken(self) -> str | None:
+        """The first law that the engine did not keep by then, by the audit; None where it is not known to break one."""
+        laws = self.candidate.laws
+        if laws is None or laws.kept is not False:
+            return None
+        early = [v for v in laws.violations if v.time <= self.at.time * (1 + 1e-9) and v.kind not in ("depth", "gap")]
+        return str(early[0]) if early else None
+
+    @cached_property
+    def tied(self) -> bool:
+        """Whether the exact run has several contacts of one instant in question, or some that lasted up to it."""
+        if self.at.kind is Kind.TIE or self.scene.touching:
+            return True
+        run = ExactEngine().run(self.scene, events=self.events)
+        return any(len(e.contacts) > 1 or e.ties for e in run.events[: self.at.expected_event + 1])
+
+    @cached_property
+    def got(self) -> tuple[float, float] | None:
+        """Of the contact that the engine has too many: how far apart, and how fast the two come nearer, in its run."""
+        if self.at.candidate_event is None or self.at.got is None:
+            return None
+        run = self.candidate.trajectory
+        try:
+            return approach(run, self.at.candidate_event, self.at.body, self.at.got)
+        except (KeyError, IndexError, ValueError):
+            return None
+
+    @cached_property
+    def least(self) -> float | None:
+        """How near the expected two come in the engine's own flights, as a share of the sum of their radii."""
+        if self.at.expected is None or self.at.expected_time is None or self.at.kind is Kind.TIE:
+            return None
+        try:
+            return least_gap(self.candidate.trajectory, self.at.body, self.at.expected, self.at.expected_time)
+        except (KeyError, ValueError, IndexError):
+            return None
+
+
+def row(run: Trajectory, time: float, name: str) -> tuple[float, float, float, float]:
+    """x, y, vx, vy of one circle, as doubles."""
+    state = run.at(time)[name]
+    return float(state.x), float(state.y), float(state.vx), float(state.vy)
+
+
+def approach(run: Trajectory, event: int, one: str, other: str) -> tuple[float, float]:
+    """The gap of two circles at an event of a run, and the speed with which they come nearer before it, in (0, 1]
+    of the fastest speed there; both by what the run reports."""
+    time = float(run.events[event].time)
+    before = max((float(e.time) for e in run.events[:event] if float(e.time) < time), default=0.0)
+    x0, y0, vx0, vy0 = row(run, before, one)
+    x1, y1, vx1, vy1 = row(run, before, other)
+    way = time - before
+    dx, dy = x1 + vx1 * way - x0 - vx0 * way, y1 + vy1 * way - y0 - vy0 * way
+    length = math.hypot(dx, dy)
+    radii = sum(float(c.r) for c in run.scene.circles if c.id in (one, other))
+    speed = -(dx * (vx1 - vx0) + dy * (vy1 - vy0)) / length
+    return length - radii, speed / max(math.hypot(vx0, vy0), math.hypot(vx1, vy1))
+
+
+def least_gap(run: Trajectory, one: str, other: str, time: float) -> float:
+    """The least gap of two circles around a time, over the flights of the run that hold it and the next ones.
+
+    As a share of the sum of their radii; flights are straight between the run's events.
+    """
+    radii = sum(float(c.r) for c in run.scene.circles if c.id in (one, other))
+    if not all(any(c.id == name for c in run.scene.circles) for name in (one, other)):
+        raise KeyError(other)
+    end = float(run.final_time)
+    times = sorted({0.0, end, *(float(e.time) for e in run.events)})
+    near = [k for k, t in enumerate(times) if t <= time][-1]
+    least = math.inf
+    for k in range(max(0, near - 1), min(near + 2, len(times) - 1)):
+        x0, y0, vx0, vy0 = row(run, times[k], one)
+        x1, y1, vx1, vy1 = row(run, times[k], other)
+        dx, dy, vx, vy = x1 - x0, y1 - y0, vx1 - vx0, vy1 - vy0
+        speed = vx * vx + vy * vy
+        at = min(max(-(dx * vx + dy * vy) / speed if speed else 0.0, 0.0), times[k + 1] - times[k])
+        least = min(least, math.hypot(dx + at * vx, dy + at * vy) - radii)
+    return least / radii
+
+
+# -- the rules
+
+
+@dataclass(frozen=True)
+class Refutation:
+    """A claim that another run contradicts.
+
+    Attributes:
+        claim: the kind that was named, or said to suffice; `account` for shares.
+        rule: which of the rules.
+        because: what the other run did.
+    """
+
+    claim: str
+    rule: str
+    because: str
+
+
+CLOSE = 1e-6
+"""To what part of the displacement the shares have to add up: they are shown with six digits, and are doubles."""
+
+TOUCH = 2.0**-30
+"""A gap, as a share of the radii, that no honest double makes of a contact; and a speed of approach that is none."""
+
+
+def account(said: Said) -> Iterator[Refutation]:
+    """Whether the account adds up, and is led by its largest share."""
+    told = [s for s in said.shares if s.contribution is not None]
+    if said.displacement is not None and told:
+        total = math.fsum(s.contribution or 0.0 for s in told)
+        size = math.fsum(abs(s.contribution or 0.0) for s in told)
+        closes = abs(total - said.displacement) <= CLOSE * max(size, abs(said.displacement))
+        if said.closed and not closes:
+            yield Refutation("account", "sum", f"the contributions add up to {total!r}, not {said.displacement!r}")
+        if said.closed is False and said.causes and closes:
+            yield Refutation("account", "closed", "it adds up, and is said not to")
+        for s in told:
+            ratio = (s.contribution or 0.0) / said.displacement if said.displacement else None
+            if s.share is not None and ratio is not None and abs(ratio - s.share) > CLOSE * max(1.0, abs(ratio)):
+                yield Refutation("account", "share", f"{s.kind}: {s.share!r} is said, {ratio!r} is what it contributes")
+    for claim in sorted(said.suffices & ROUNDING):
+        own = [s.contribution for s in said.shares if s.kind == claim]
+        if own and None not in own and not any(own):
+            yield Refutation(claim, "moves nothing", "it is said to suffice, and to move the decision by 0")
+    parts = [s.share for s in said.shares if s.share is not None]
+    if said.closed and parts and abs(math.fsum(parts) - 1) > CLOSE * max(1.0, math.fsum(map(abs, parts))):
+        yield Refutation("account", "sum", f"the shares add up to {math.fsum(parts)!r}")
+    main = said.causes[0] if said.causes else None
+    by_kind: Counter[str] = Counter()
+    for s in said.shares:
+        by_kind[s.kind] += s.share or 0.0  # type: ignore[assignment]
+    if said.closed and main in by_kind and main in ROUNDING:
+        top = max(by_kind, key=lambda kind: by_kind[kind])
+        if by_kind[top] > by_kind[main] * (1 + CLOSE):
+            yield Refutation(main, "largest share", f"{top} has {by_kind[top]:.3g}, {main} {by_kind[main]:.3g}")
+
+
+def _input(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
+    bits = runs.engine.bits
+    if INPUT in claims:
+        if not runs.engine.rounds_input:
+            yield Refutation(INPUT, "no rounding", "the engine takes its input as it is")
+        elif runs.input == REFUSED and not any(s.kind == INPUT and s.contribution for s in said.shares):
+            yield Refutation(INPUT, "refused scene", f"in {bits} bits it is no scene: that is evidence of nothing")
+        elif runs.input == PASSES:
+            yield Refutation(INPUT, "exact on rounded", f"the exact run of the scene in {bits} bits passes the event")
+    if runs.engine.step is None and runs.engine.rounds_input and runs.input == SAME:
+        same = f"the exact run of the scene in {bits} bits does the same"
+        if INPUT in said.refused:
+            yield Refutation("not " + INPUT, "exact on rounded", same)
+        if claims & {PHANTOM, MISSED, TIE, LAW} and INPUT not in claims:
+            yield Refutation(min(claims - ROUNDING), "exact on rounded", same)
+        if claims & OF_ARITHMETIC and INPUT not in said.causes and not any(s.kind == INPUT for s in said.shares):
+            yield Refutation(min(claims & OF_ARITHMETIC), "exact on rounded", same)
+
+
+def _step(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
+    if runs.engine.step is None:
+        for claim in sorted(claims & (OF_STEP - {LATENESS, OVERLAP})):
+            yield Refutation(claim, "no step", "the engine has no time step")
+        return
+    main = {said.causes[0]} if said.causes else set[str]()
+    if main & (ROUNDING | {LAW, PHANTOM, MISSED, TIE}) and runs.step_passes is not None:  # and precedence: a law first
+        if LAW not in main or runs.broken is None:
+            at = f"with a step of {runs.step_passes!r} on the same input it passes the event"
+            yield Refutation(min(main), "finer step passes", at)
+    for claim in sorted(claims & OF_STEP):
+        states = [s for _, s in runs.finer]
+        if not states and runs.engine.finer() is None:
+            yield Refutation(claim, "no finer step", "there is no finer step")
+        elif PASSES not in states and len(states) >= 3:
+            yield Refutation(claim, "no finer step passes", f"none of {len(states)} finer steps does: {states}")
+
+
+def _law(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
+    laws = runs.candidate.laws
+    if LAW in claims and runs.engine.name in OWN:
+        yield Refutation(LAW, "own engine", f"the law of {runs.engine.name} is the exact engine's")
+    elif LAW in claims and laws is not None and laws.kept:
+        yield Refutation(LAW, "law kept", laws.sentence)
+    if said.causes and said.causes[0] not in (LAW, MISSED, PHANTOM) and runs.broken is not None:
+        yield Refutation(said.causes[0], "law not kept", f"before the decision a law is not kept: {runs.broken}")
+
+
+def _contacts(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
+    at = runs.at
+    if TIE in claims and not runs.tied:
+        yield Refutation(TIE, "no tie", "the exact run has no two contacts of one instant up to there")
+    if PHANTOM in claims:
+        if at.kind is Kind.MISSING:
+            yield Refutation(PHANTOM, "nothing extra", "the engine has no contact there that the reference lacks")
+        elif runs.got is not None and runs.engine.step is None:
+            gap, speed = runs.got
+            if abs(gap) <= TOUCH and speed > TOUCH:
+                yield Refutation(PHANTOM, "real contact", f"they touch to {gap:.2g}, and approach at {speed:.3g}")
+    if MISSED in claims:
+        if at.kind is Kind.EXTRA:
+            yield Refutation(MISSED, "nothing missing", "the engine lacks no contact there")
+        elif runs.least is not None and runs.least > TOUCH:
+            yield Refutation(MISSED, "never touch", f"in its own flights the two stay {runs.least:.2g} radii apart")
+
+
+def _iterations(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
+    if ITERATIONS in claims and PASSES not in runs.firmer:
+        yield Refutation(ITERATIONS, "firmer", f"with four and sixteen times as many: {runs.firmer}")
+
+
+RULES: tuple[Callable[[Runs, Said, set[str]], Iterator[Refutation]], ...] = (
+    _input,
+    _step,
+    _law,
+    _contacts,
+    _iterations,
+)
+
+
+def refute(scene: Scene, engine: Any, candidate: Candidate, said: Said | None = None) -> list[Refutation]:
+    """Everything that other runs say against what is said of a candidate; empty for one that did not diverge."""
+    if candidate.alignment.divergence is None or candidate.diagnosis is None or candidate.unable:
+        return []
+    said = said_of(candidate) if said is None else said
+    claims = set(said.suffices) | set(said.causes[:1])
+    if len(said.causes) > 1 and not said.suffices & set(said.causes):
+        claims -= set(said.causes)  # neither is said to be enough by itself
+    runs = Runs(scene, engine, candidate)
+    found = [*account(said)]
+    for rule in RULES:
+        found += rule(runs, said, claims)
+    return found
+
+
+# -- what it is tried on
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene, an engine by name, and how far."""
+
+    label: str
+    scene: Scene
+    engine: str
+    events: int | None = None
+
+
+def placements(count: int = 180) -> list[Scene]:
+    """Three discs in a row, two of them touching (newton-physics #3233), turned by rational angles and moved."""
+    places = [(Fraction(0), Fraction(0)), (Fraction(1, 3), Fraction(1, 7)), (Fraction(10), Fraction(3))]
+    places += [
+        (Fraction(-1000, 7), Fraction(5, 3)),
+        (Fraction(1, 10), Fraction(-1, 10)),
+        (Fraction(99), Fraction(1, 11)),
+    ]
+    scenes: list[Scene] = []
+    for k in range(count):
+        turn, (x, y) = Fraction(k // len(places), 30), places[k % len(places)]
+        cos, sin = (1 - turn**2) / (1 + turn**2), 2 * turn / (1 + turn**2)
+        if k % 4 >= 2:
+            cos, sin = -sin, cos
+        at = [(str(x + cos * a), str(y + sin * a)) for a in (Fraction(-31, 100), Fraction(0), Fraction(1, 10))]
+        first = Circle(*at[0], "1/20", str(2 * cos), str(2 * sin), id="A")
+        others = [Circle(*at[1], "1/20", id="B"), Circle(*at[2], "1/20", id="C")]
+        scenes.append(Scene([first, *others], name=f"newton-3233, placement {k}", until=1))
+    return scenes
+
+
+def placed() -> Iterator[Job]:
+    """Every placement in `double` and `single`."""
+    for scene in placements():
+        for name in ("double", "single"):
+            yield Job(scene.name, scene, name)
+
+
+def racks() -> Iterator[Job]:
+    """Racks of two to five rows, gapped and touching, in pymunk at four steps."""
+    for rows in (2, 3, 4, 5):
+        for gap in ("0", "1/50"):
+            for step in ("1/64", "1/256", "1/1024", "1/4096"):
+                spec = f"rack:rows={rows},gap={gap}"
+                yield Job(spec, catalogue.build(spec), f"pymunk:dt={step}", 24)
+
+
+CATALOGUE = (
+    "article", "article:figure=diagonal", "cradle", "cradle:gap=0", "tennis", "sizes", "galperin:n=1", "lee", "near-tie",
+    "near-tie:k=6", "near-tie:k=40,first=right", "inscribed", "inscribed:n=5", "rack:rows=3", "rack:rows=3,gap=1/50",
+    "rack:rows=2,tie=sequential:order=scene", "gas", "gas:n=5,seed=3,mixed=yes", "reversal:n=5,after=40",
+    "echo:rows=4,after=40", "pinball", "pinball:discs=3",
+)  # fmt: skip
+BUILT_IN = ("double", "single", "quad", "rounded:bits=24", "rounded:bits=40", "interval", "pymunk", "pymunk:dt=1/1024")
+
+
+def every_scene() -> Iterator[Job]:
+    """Every scene of the catalogue in every engine that is built in."""
+    listed = {spec.partition(":")[0] for spec in CATALOGUE}
+    for spec in (*CATALOGUE, *(name for name in catalogue.CATALOGUE if name not in listed)):
+        for name in BUILT_IN:
+            yield Job(spec, catalogue.build(spec), name, 24 if name.startswith("pymunk") else 220)
+
+
+SURVEYED = {
+    "box2d": "Box2D",
+    "rapier": "rapier3d",
+    "mujoco": "mujoco",
+    "billiards": "billiards",
+    "pooltool": "pooltool",
+}
+"""Engines of others, and the module of each; `perfect-physics` is too slow for these scenes."""
+
+SURVEY = {
+    "cradle:gap=0": 12, "cradle": 12, "tennis": 12, "galperin:n=1": 31, "rack:rows=3,pockets=no,speed=8": 12,
+    "rack:rows=3,pockets=no,speed=8,gap=1/10": 12, "gas": 40, "lee": 2, "near-tie": 4, "inscribed": 12, "pinball": 20,
+}  # fmt: skip
+
+
+def surveyed() -> Iterator[Job]:
+    """The survey's scenes in the engines of others that are installed."""
+    for name, module in SURVEYED.items():
+        if find_spec(module) is not None:
+            for spec, events in SURVEY.items():
+                yield Job(spec, catalogue.build(spec), name, events)
+
+
+CAMPAIGNS: dict[str, Callable[[], Iterator[Job]]] = {
+    "placements": placed,
+    "racks": racks,
+    "catalogue": every_scene,
+    "survey": surveyed,
+}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one job."""
+
+    label: str
+    engine: str
+    verdict: str
+    event: int | None
+    causes: tuple[str, ...]
+    suffices: tuple[str, ...]
+    refutations: tuple[Refutation, ...]
+
+
+def tried(job: Job) -> Outcome:
+    """Compares, and tries to refute."""
+    engine = engine_named(job.engine)
+    try:
+        limits: dict[str, Any] = {} if job.events is None else {"events": job.events}
+        candidate = compare(job.scene, [engine], **limits).candidates[0]
+    except SceneError as error:
+        return Outcome(job.label, job.engine, f"refused: {error}", None, (), (), ())
+    at = candidate.alignment.divergence
+    if at is None or candidate.diagnosis is None or candidate.unable:
+        return Outcome(job.label, job.engine, candidate.verdict, None, (), (), ())
+    said = said_of(candidate)
+    against = refute(job.scene, engine, candidate, said)
+    enough = tuple(sorted(said.suffices))
+    return Outcome(job.label, job.engine, candidate.verdict, at.event, said.causes, enough, tuple(against))
+
+
+def campaign(names: Iterable[str], only: str = "") -> Iterator[Outcome]:
+    """What becomes of every job of some campaigns, those whose label or engine has `only` in it."""
+    for name in names:
+        for job in CAMPAIGNS[name]():
+            if only in f"{job.label} {job.engine}":
+                yield tried(job)
+
+
+def main(arguments: list[str]) -> int:
+    """Runs campaigns; exits with 1 where a claim is refuted."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("campaigns", nargs="*", choices=[*CAMPAIGNS, []], default=[])
+    parser.add_argument("--only", default="", help="text in the scene or the engine")
+    parser.add_argument("--json", default="", help="a file for every outcome, a line each")
+    given = parser.parse_args(arguments)
+    said, against = Counter[str](), Counter[tuple[str, str]]()
+    for one in campaign(given.campaigns or CAMPAIGNS, given.only):
+        if given.json:
+            with open(given.json, "a", encoding="utf-8") as file:
+                file.write(json.dumps(asdict(one)) + "\n")
+        if one.event is None:
+            continue
+        said[one.causes[0] if one.causes else UNKNOWN] += 1
+        for refutation in one.refutations:
+            against[refutation.claim, refutation.rule] += 1
+            print(f"{one.label} {one.engine} event {one.event}: {refutation.claim}: {refutation.because}", flush=True)
+    print("named:", ", ".join(f"{kind} {count}" for kind, count in said.most_common()))
+    print(
+        "refuted:", ", ".join(f"{claim} ({rule}) {count}" for (claim, rule), count in against.most_common()) or "none"
+    )
+    return 1 if against else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
