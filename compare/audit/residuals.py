@@ -101,8 +101,8 @@ class Meeting(NamedTuple):
         opening: n.(v_second - v_first) before; negative: they approach.
         speed: size of the relative velocity before, as a double.
         room: what rounding may make of the gap.
-        bent: by what speed the impulse may be off, for a line of centres that rounding turns, or that is taken as long
-            as the radii together.
+        turned: by what angle rounding may turn the line of centres.
+        stretched: by what share of itself it is taken for longer or shorter, as long as the radii together.
     """
 
     nx: arb
@@ -111,7 +111,17 @@ class Meeting(NamedTuple):
     opening: arb
     speed: float
     room: float
-    bent: float
+    turned: float
+    stretched: float = 0.0
+
+    def bend(self, speed: float, opening: float) -> float:
+        """By what speed an impulse may be off, for a line of centres that is turned or stretched."""
+        return 4 * speed * self.turned + 4 * abs(opening) * self.stretched
+
+    @property
+    def bent(self) -> float:
+        """The same for the impulse that the two get as they meet."""
+        return self.bend(self.speed, float(self.opening.mid()))
 
 
 def length_of(x: arb, y: arb) -> float:
@@ -267,7 +277,7 @@ class Laws:
             turn = min(1.0, FLIGHT_UNITS * self.unit * line.size / line.length)
             sizes = line.size + place + self.things[i].radius + a.speed * (time - a.time)
             room = blur + turn * away + ROOT_UNITS * self.unit * sizes
-            return Meeting(line.nx, line.ny, height - self.things[i].r, opening, a.speed, room, 4 * a.speed * turn)
+            return Meeting(line.nx, line.ny, height - self.things[i].r, opening, a.speed, room, turn)
         b, xb, yb = self._there(j, instant)
         dx, dy = xb - xa, yb - ya
         square = dx * dx + dy * dy
@@ -279,15 +289,14 @@ class Laws:
         blur = self._blurred(a, math.hypot(float(xa), float(ya)), time, events, self._left(i, instant))
         blur += self._blurred(b, math.hypot(float(xb), float(yb)), time, events, self._left(j, instant))
         if not near:  # two centres in one place: no line joins them
-            return Meeting(dx, dy, -reach, arb(0), speed, blur, 4 * speed)
+            return Meeting(dx, dy, -reach, arb(0), speed, blur, 1.0)
         far = near + speed * max(0.0, time - max(a.time, b.time))
         room = blur + ROOT_UNITS * self.unit * (far * (far / (near + wide)) + wide)
         nx, ny, gap = dx / distance, dy / distance, distance - reach
         opening = nx * vx + ny * vy
         room += self.underflown(speed, abs(float(opening.mid())) * wide)
         stretched = 0.0 if self.step is not None else min(1.0, abs(float(gap.mid())) / near)
-        bent = 4 * speed * min(1.0, blur / near) + 4 * abs(float(opening.mid())) * stretched
-        return Meeting(nx, ny, gap, opening, speed, room, bent)
+        return Meeting(nx, ny, gap, opening, speed, room, min(1.0, blur / near), stretched)
 
     def underflown(self, speed: float, root: float) -> float:
         """What numbers too small for the engine's format make of a gap: the discriminant has their fourth powers.
@@ -357,6 +366,7 @@ class Laws:
         moving: dict[int, tuple[arb, arb]] = {k: (f.vx, f.vy) for k, f in instant.before.items()}
         granted: dict[int, float] = dict.fromkeys(moving, LEAST)
         found: list[tuple[int, float, float]] = []
+        worn = 0.0  # by what speeds may be off, as impulses before are
         for place, (i, j) in enumerate(instant.impulses):
             met = self.meeting((i, j), instant, events)
             ends = [k for k in (i, j) if k < self.count]
@@ -364,15 +374,18 @@ class Laws:
             opening = met.nx * (vb[0] - va[0]) + met.ny * (vb[1] - va[1])
             speed = sum(instant.before[k].speed + self._left(k, instant) for k in ends if k in instant.before)
             total = sum((self.things[k].weight for k in ends), arb(0))
-            room = 2 * (IMPULSE_UNITS * self.unit * speed + met.bent) + LEAST
+            bent = met.bend(math.hypot(float(vb[0] - va[0]), float(vb[1] - va[1])), float(opening.mid()))
+            room = 2 * (IMPULSE_UNITS * self.unit * speed + bent) + worn + LEAST
             if ball.sign_of(opening) == 1 or 2 * abs(float(opening.mid())) <= room:
                 found.append((place, max(0.0, -float(opening.mid())), speed))
             for k, sign in ((i, 1), (j, -1)):
                 if k in moving and k < self.count and self.moving[k]:
-                    push = sign * 2 * (self.things[k].weight / total) * opening
-                    vx, vy = moving[k]
-                    moving[k] = vx + push * met.nx, vy + push * met.ny
                     granted[k] += 2 * room
+                    worn = max(worn, granted[k])
+                    if ball.sign_of(opening) != 1:
+                        push = sign * 2 * (self.things[k].weight / total) * opening
+                        vx, vy = moving[k]
+                        moving[k] = vx + push * met.nx, vy + push * met.ny
         for k, (vx, vy) in moving.items():
             left = instant.after.get(k, instant.before[k])
             if length_of(left.vx - vx, left.vy - vy) > granted[k]:

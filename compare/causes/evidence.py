@@ -25,13 +25,14 @@ from ..deadline import NO_TIME
 from ..validation import falls
 from .budget import Account, account_of
 from .continuation import Continuation, NoContinuation
-from .decision import OwnFlight
 from .diagnosis import CauseName, Experiment
+from .reader import short_quantity
 
 if TYPE_CHECKING:
     from ...scenarios.event import Contact
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
+    from .decision import OwnFlight
     from .laboratory import Laboratory
 
 LATER = 2.0**-30
@@ -43,6 +44,9 @@ REORDERED = 2.0**16
 
 ALIKE = 2.0**-12
 """Share of the largest speed by which velocities may differ that two resolutions of one instant have in common."""
+
+DIGITS = 80
+"""Digits of a number whose exact text is long."""
 
 ORDERS = 6
 """Orders drawn from seeds that are tried beside the named policies."""
@@ -73,6 +77,8 @@ def phantom(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     run, parted = lab.candidate.trajectory, lab.divergence
     if lab.engine.step is not None or lab.engine.bits is None or parted.candidate_event is None:
         return []
+    if lab.got is not None and lab.changes(lab.got):
+        return []  # in its own flights the two do meet, or pass
     faint = _faint(lab)
     if not faint:
         return []
@@ -314,7 +320,9 @@ def _near_contacts(lab: Laboratory) -> Sequence[Contact]:
 
 
 def _exact(value: Any) -> Quantity:
-    return Quantity.of(Fraction(float(real(value))))
+    """A number of a run, exactly where it is short; else to so many digits that only a tie would tell."""
+    known = short_quantity(value)
+    return known if known is not None else Quantity.of(Fraction(real(value).digits(DIGITS)))
 
 
 # -- shares

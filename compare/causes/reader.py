@@ -320,11 +320,11 @@ def _flights_before(reference: Trajectory, event: int) -> dict[str, _Exact]:
 
 def _exact(flight: OwnFlight) -> _Exact | None:
     """A flight in exact numbers, where they are short."""
-    values = [_short(value) for value in (flight.t, flight.x, flight.y, flight.vx, flight.vy)]
+    values = [short_quantity(value) for value in (flight.t, flight.x, flight.y, flight.vx, flight.vy)]
     return None if None in values else _Exact(*(q for q in values if q is not None))
 
 
-def _short(value: Real) -> Quantity | None:
+def short_quantity(value: Real) -> Quantity | None:
     """A number as a `Quantity`, if it is exact and short."""
     text = real(value).text()
     return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)

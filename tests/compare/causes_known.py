@@ -839,6 +839,12 @@ FAMILIES: dict[str, Callable[[], Iterator[Case]]] = {
 }
 
 
+def _parts(name: str, said: Any) -> tuple[str, ...]:
+    """The kinds that a cause stands for, the largest first."""
+    of = [s for s in said.shares if s.kind in (FLIGHTS, IMPACTS)]
+    return tuple(s.kind for s in sorted(of, key=lambda s: -(s.share or 0.0))) if name == ARITHMETIC and of else (name,)
+
+
 def complaints(known: Case) -> list[str]:
     """What is wrong with what a comparison says of a case; empty if nothing is."""
     engine = engine_named(known.engine) if isinstance(known.engine, str) else known.engine
@@ -847,7 +853,9 @@ def complaints(known: Case) -> list[str]:
         return [f"it is said to {candidate.verdict}"]
     said = said_of(candidate)
     whole = frozenset({FLIGHTS, IMPACTS})
-    coarse = ARITHMETIC in said.causes or any(s.kind == ARITHMETIC for s in said.shares)  # flights and impulses as one
+    coarse = any(s.kind == ARITHMETIC for s in said.shares)  # flights and impulses as one
+    if not coarse:  # the sum is named, and its parts are in the account
+        said = replace(said, causes=tuple(kind for name in said.causes for kind in _parts(name, said)))
 
     def merged(kinds: Iterable[str]) -> set[str]:
         return {ARITHMETIC if coarse and kind in whole else kind for kind in kinds}

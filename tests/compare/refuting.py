@@ -105,10 +105,7 @@ def said_of(candidate: Candidate) -> Said:
     """The one place that knows the form of a diagnosis: of shares that add up, or of experiments that suffice."""
     found: Any = candidate.diagnosis
     if hasattr(found, "shares"):
-        shares = [
-            Share(kinds_of(s.kind)[0], s.contribution, s.share, str(getattr(s.how, "value", s.how)))
-            for s in found.shares
-        ]
+        shares = [Share(kinds_of(s.cause)[0], s.displacement, s.share) for s in found.shares]
         causes = tuple(kind for name in found.causes for kind in kinds_of(name) if kind != UNKNOWN)
         enough = frozenset(causes) if len(causes) == 1 else frozenset[str]()
         return Said(causes, enough, tuple(shares), found.displacement, found.closed)
@@ -304,6 +301,11 @@ class Runs:
         if self.at.candidate_event is None or self.at.got is None:
             return None
         run = self.candidate.trajectory
+        event = self.at.candidate_event
+        here = [e for e in run.events[: event + 1] if float(e.time) == float(run.events[event].time)]
+        pushed = [{*pair} for e in here for pair in e.impulses]
+        if pushed.count({self.at.body, self.at.got}) > 1:
+            return None  # pushed again at that instant: the state before it shows the first impulse
         try:
             return approach(run, self.at.candidate_event, self.at.body, self.at.got)
         except (KeyError, IndexError, ValueError):

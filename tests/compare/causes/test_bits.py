@@ -9,10 +9,9 @@ import pytest
 from truebreak.compare import compare, engine
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes import margin as enough
-from truebreak.compare.causes.margin import BallRun
 from truebreak.compare.causes.decision import Pairing
+from truebreak.compare.causes.margin import BallRun, BitsEnough, Margin
 from truebreak.compare.causes.reader import RunReader
-from truebreak.compare.causes.margin import BitsEnough, Margin
 from truebreak.compare.report.sentences import margin_phrase
 from truebreak.exact.engine import ExactEngine
 from truebreak.exact.numbers import ball
