@@ -45,6 +45,9 @@ DEFAULT_ENGINES = ("double", "interval", "pymunk")
 REFERENCE_SHARE = 0.5
 """Share of the user's seconds that the reference's run may take: the rest is for what is held against it."""
 
+MEASURED_EVENTS = 1_000
+"""Events at each of which two runs are measured; of more, a plot shows no single one."""
+
 
 @dataclass(frozen=True)
 class Comparison:
@@ -262,7 +265,7 @@ def candidate_of(
     end = min(study.span.time, float(study.reference.final_time)) or float(run.final_time)
     try:
         with time_to_read(study.watch):
-            apart = separation(study.reference, run, end)
+            apart = separation(study.reference, run, end, at=_measured_at(study.reference, alignment))
     except OutOfTime:
         apart = not_measured(study.reference)
     candidate = Candidate(
@@ -314,6 +317,14 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
     return replace(found, reason=f"{found.reason}; {told}", horizon=reach.events)
 
 
+def _measured_at(reference: Trajectory, alignment: Alignment) -> list[float]:
+    """Times at which two runs are measured beside those of a plot: of every event, and where they part."""
+    parted = alignment.divergence
+    times = [] if parted is None else [parted.time, parted.expected_time, parted.got_time]
+    events = reference.events if len(reference.events) <= MEASURED_EVENTS else ()
+    return [*(float(event.time) for event in events), *(time for time in times if time is not None)]
+
+
 def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: Study) -> bool:
     """Whether numbers that are not whole may differ by error alone: no divergence, and no impact against the law.
 
@@ -340,7 +351,8 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
     if candidate.alignment.divergence is not None:
         with time_to_read(study.watch):
             lab = Laboratory(study, candidate, engine, progress)
-        return replace(candidate, diagnosis=diagnosis_of(lab), margin=margin_of(lab))
+        found = diagnosis_of(lab)
+        return replace(candidate, diagnosis=found, margin=margin_of(lab, found))
     if candidate.alignment.undecided:
         with time_to_read(study.watch):
             return replace(candidate, diagnosis=diagnosis_of_stop(Stopped(study, candidate, engine, progress)))

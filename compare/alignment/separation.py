@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ...scenarios.trajectory import Trajectory
 
 SAMPLES = 200
@@ -61,10 +63,18 @@ def not_measured(reference: Trajectory) -> Separation:
     return Separation((0.0,), (math.nan,), str(reference.scene.circles[0].id), 0.0)
 
 
-def separation(reference: Trajectory, candidate: Trajectory, end: float, samples: int = SAMPLES) -> Separation:
-    """The distance between two runs at evenly spaced times, up to `end` or the end of the shorter."""
+def separation(
+    reference: Trajectory, candidate: Trajectory, end: float, samples: int = SAMPLES, at: Sequence[float] = ()
+) -> Separation:
+    """The distance between two runs at evenly spaced times, up to `end` or the end of the shorter.
+
+    Args:
+        at: other times at which it is measured too, such as a divergence, as far as they lie in between.
+    """
     last = WITHIN * min(end, float(reference.final_time), float(candidate.final_time))
     times = [last * k / (samples - 1) for k in range(samples)] if last > 0 else [0.0]
+    if at:
+        times = sorted({*times, *(time for time in at if 0.0 <= time <= last)})
     mine, theirs = reference.sample(times)[:, :, :2], candidate.sample(times)[:, :, :2]
     apart = np.hypot(mine[:, :, 0] - theirs[:, :, 0], mine[:, :, 1] - theirs[:, :, 1])
     farthest = int(np.argmax(apart[-1]))

@@ -170,8 +170,8 @@ class _Sum:
         """Accounts for all errors, the input's too, as they grow together from none to what they are.
 
         A kind's contribution is the integral of the derivative by it, along the straight way from the exact motion to
-        the engine's (Aumann and Shapley, *Values of Non-Atomic Games*, 1974): no order of the kinds is preferred, and all
-        together are the displacement. Derivatives are differences of continuations.
+        the engine's (Aumann and Shapley, *Values of Non-Atomic Games*, 1974): no order of the kinds is preferred, and
+        all together are the displacement. Derivatives are differences of continuations.
 
         Raises:
             NoContinuation: where some motion on the way does not exist, or the integral is not found.

@@ -1,4 +1,4 @@
-"""A comparison as the JSON object `truebreak/comparison-3`."""
+"""A comparison as the JSON object `truebreak/comparison-4`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..comparison import Comparison
     from ..outcomes.permitted import PermittedPatterns
 
-COMPARISON_SCHEMA = "truebreak/comparison-3"
+COMPARISON_SCHEMA = "truebreak/comparison-4"
 
 REPORTED_SAMPLES = 50
 """Times at which the JSON gives the separation."""
@@ -118,9 +118,6 @@ def _margin_json(margin: Margin) -> dict[str, Any]:
         "position_error": margin.error,
         "ratio": ratio if ratio is not None and math.isfinite(ratio) else None,
         "growth_bits_per_event": margin.growth,
-        "bits_enough": margin.enough.bits,
-        "bits_checked": margin.enough.by,
-        "bits_told": margin.enough.told or None,
     }
 
 
@@ -159,7 +156,10 @@ def _causes_json(candidate: Candidate) -> dict[str, Any] | None:
     if found is None:
         return None
     return {
-        "name": found.name.value,
+        "names": [cause.value for cause in found.causes],
+        "displacement": found.displacement,
+        "closed": found.closed,
+        "continuations": found.runs,
         "evidence": found.finding,
         "sufficient": [cause.value for cause in found.sufficient],
         "experiments": [

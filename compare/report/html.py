@@ -18,11 +18,11 @@ from .page.why import amounts, enough
 from .pictures.picture import divergence_picture
 from .pictures.plot import NARROW, WIDE, horizon_bands, separation_plot
 from .sentences import (
+    account_rows,
     consequence_phrase,
     counted,
     divergence_phrase,
     ended_phrase,
-    experiment_rows,
     margin_phrase,
     pattern_phrase,
     proof_phrase,
@@ -150,7 +150,7 @@ def _divergence(comparison: Comparison, number: int, candidate: Candidate) -> di
         "margin": sentence_case(margin_phrase(candidate) or ""),
         "amounts": amounts(candidate),
         "enough": enough(candidate),
-        "experiments": experiment_rows(candidate),
+        "experiments": account_rows(candidate),
         "minimise": minimise_command(comparison, candidate),
         "rows": side_by_side(comparison, candidate),
         "picture": Markup(divergence_picture(comparison.reference, candidate, number)) if _drawn(comparison) else "",

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Trajectory
     from ..candidate import Candidate
-    from ..causes.margin import BitsEnough
     from ..comparison import Comparison
 
 
@@ -107,7 +106,8 @@ def _head(candidate: Candidate) -> str:
     if candidate.lawless:
         return f"{candidate.engine} does not keep the law"
     if _is_rounding(candidate):
-        return "Floating point changed what happened"
+        cause = "" if candidate.diagnosis is None else f" ({candidate.diagnosis})"
+        return f"Floating point changed what happened{cause}"
     return candidate.diagnosis.name.entry.head if candidate.diagnosis else NO_CAUSE
 
 
@@ -122,7 +122,7 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
     divergence = candidate.alignment.divergence
     assert divergence is not None
     scene = comparison.scene
-    where = f"{candidate.engine} first differs at event {divergence.event} (t = {divergence.time:.9g})"
+    where = f"{candidate.engine} first differs at event {divergence.event} ({_when(comparison, candidate)})"
     body = named(scene, divergence.body)
     match divergence.kind:
         case Kind.DIFFERENT:
@@ -136,6 +136,18 @@ def divergence_phrase(comparison: Comparison, candidate: Candidate) -> str:
         case Kind.TIE:
             what = f"{body} meets {tied(divergence.got)} where it should meet {tied(divergence.expected)}"
     return f"{where}: {what}."
+
+
+def _when(comparison: Comparison, candidate: Candidate) -> str:
+    """When the histories part, by the clocks of both runs, and the engine's own number where it is another."""
+    divergence = candidate.alignment.divergence
+    assert divergence is not None
+    runs = (comparison.reference.engine, divergence.expected_time), (candidate.engine, divergence.got_time)
+    known = [(name, time) for name, time in runs if time is not None]
+    times = {f"{time:.9g}" for _, time in known}
+    told = f"t = {times.pop()}" if len(times) == 1 else ", ".join(f"t = {time:.9g} in {name}" for name, time in known)
+    own = divergence.candidate_event
+    return told if own is None or own == divergence.event else f"{told}; event {own} of {candidate.engine}"
 
 
 def _looked(run: Trajectory) -> str:
@@ -243,17 +255,6 @@ def until_phrase(candidate: Candidate) -> str | None:
     return f"up to t = {candidate.until:.9g}, where its {'record' if recorded else 'run'} ends"
 
 
-def checked(enough: BitsEnough) -> str:
-    """What was seen to decide with so many bits, and not to with one less.
-
-    >>> from truebreak.compare.causes.margin import BitsEnough
-    >>> checked(BitsEnough(145, 144, "run")), checked(BitsEnough(24, None, "replay"))
-    ('found by runs in balls of so many bits, and of one less', "found by replays of the exact run's log in so few")
-    """
-    how = "runs" if enough.by == "run" else "replays of the exact run's log"
-    return f"found by {how} in balls of so many bits, and of one less" if enough.short else f"found by {how} in so few"
-
-
 def margin_phrase(candidate: Candidate) -> str | None:
     """How close it was, how far off the engine was by then, and what that makes of it, in words."""
     margin = candidate.margin
@@ -265,7 +266,9 @@ def margin_phrase(candidate: Candidate) -> str | None:
             parts.append("the two fall on exactly the same instant")
         else:
             ulps = f" ({margin.ulps:.3g} spacings of a double)" if margin.ulps else ""
-            parts.append(f"in the exact motion the two are {about(margin.gap)} apart in time{ulps}")
+            parts.append(
+                f"in the exact motion, had the first not happened, the second came {about(margin.gap)} later{ulps}"
+            )
     elif margin.distance is not None:
         away = middle(margin.distance)
         if margin.distance == (0.0, 0.0):
@@ -282,8 +285,6 @@ def margin_phrase(candidate: Candidate) -> str | None:
         parts.append(f"the engine is {told}")
     if margin.growth is not None and margin.growth > 0:
         parts.append(f"errors grow by {margin.growth:.3g} bits an event")
-    if margin.enough.bits is not None:
-        parts.append(f"{margin.enough.bits:,} bits decide it ({checked(margin.enough)})")
     return "; ".join(parts) or None
 
 
@@ -336,19 +337,41 @@ def off(error: float) -> str:
     return f"{error:.3g}" if error else "less than doubles tell"
 
 
-def experiment_rows(candidate: Candidate) -> list[tuple[str, str, str, str, str]]:
-    """The table of experiments: cause, whether it suffices, displacement, share, result."""
+ACCOUNT = ("kind of error", "adds", "share", "alone", "what was seen")
+"""Headings of the account."""
+
+
+def account_rows(candidate: Candidate) -> list[tuple[str, str, str, str, str]]:
+    """The account of a divergence: what each kind of error adds to the number that decides, and all of it."""
     found = candidate.diagnosis
     if found is None:
         return []
-    words = {True: "suffices", False: "no", None: "not tried"}
-    return [
+    words = {True: "changes it", False: "no", None: "-"}
+    rows = [
         (
             e.cause.value,
+            _signed(e.displacement),
+            "-" if e.share is None else f"{round(e.share, 2) + 0.0:.0%}",
             words[e.suffices],
-            short(e.displacement),
-            "-" if e.share is None else f"{e.share:.0%}",
             e.result,
         )
         for e in found.experiments
+    ]
+    if found.closed and found.displacement is not None:
+        told = f"the engine's value less the exact one; {counted(found.runs, 'continuation')} by the exact law"
+        rows.append(("all of it", _signed(found.displacement), "100%", "-", told))
+    return rows
+
+
+def _signed(value: float | None) -> str:
+    return "-" if value is None else f"{value:+.3g}" if value else "0"
+
+
+def other_lines(comparison: Comparison) -> list[str]:
+    """A line for each engine that diverges too, with its own cause."""
+    first = headline(comparison)
+    return [
+        f"{c.engine}: {c.diagnosis}, at event {c.alignment.divergence.event:,}"
+        for c in comparison.candidates
+        if c is not first and c.alignment.divergence is not None and c.diagnosis is not None
     ]

@@ -8,7 +8,7 @@ from typing import Any
 
 NAMES = (
     "trajectory-1",
-    "comparison-3",
+    "comparison-4",
     "orders-1",
     "certificate-3",
     "chaos-1",

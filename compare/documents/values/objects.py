@@ -46,7 +46,6 @@ CLASSES = (
     "compare.causes.diagnosis:CauseName",
     "compare.causes.diagnosis:Diagnosis",
     "compare.causes.diagnosis:Experiment",
-    "compare.causes.margin:BitsEnough",
     "compare.causes.margin:Margin",
     "compare.certificate.certified:Certified",
     "compare.chaos.hazard.errors:ErrorModel",

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..sentences import about, checked, middle, off
+from ..sentences import about, middle, off
 
 if TYPE_CHECKING:
     from ...candidate import Candidate
@@ -71,13 +71,9 @@ def shares(*values: float) -> list[float]:
 
 
 def enough(candidate: Candidate) -> list[tuple[str, str]]:
-    """What would have been enough: bits found by running, bits foreseen from the growth of errors, step, iterations."""
+    """What would have been enough: bits by the growth of errors, and the settings that were run."""
     rows: list[tuple[str, str]] = []
     margin, divergence = candidate.margin, candidate.alignment.divergence
-    if margin is not None and margin.enough.bits is not None:
-        rows.append(("bits that decide it", f"{margin.enough.bits:,}, {checked(margin.enough)}"))
-    elif margin is not None and margin.enough.told:
-        rows.append(("bits that decide it", margin.enough.told))
     if margin is not None and divergence is not None and not candidate.stepped:
         foreseen = foreseen_bits(margin.growth, divergence.expected_event, margin.distance, candidate.separation.scale)
         if foreseen is not None:

@@ -5,13 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..sentences import (
+    ACCOUNT,
+    account_rows,
     consequence_phrase,
     counted,
     divergence_phrase,
     ended_phrase,
-    experiment_rows,
     listed,
     margin_phrase,
+    other_lines,
     pattern_phrase,
     proof_phrase,
     short,
@@ -36,6 +38,8 @@ def print_comparison(comparison: Comparison) -> None:
     lawless = any(candidate.lawless for candidate in comparison.candidates)
     colour = "red" if lawless else COLOURS[comparison.verdict]
     say(out, verdict_sentence(comparison), f"bold {colour}")
+    for line in other_lines(comparison):
+        say(out, line)
     reference = comparison.reference
     say(
         out,
@@ -138,9 +142,9 @@ def _print_divergence(comparison: Comparison, candidate: Candidate) -> None:
     close = margin_phrase(candidate)
     if close is not None:
         say(out, f"  margin: {close}")
-    rows = experiment_rows(candidate)
+    rows = account_rows(candidate)
     if rows:
-        experiments = grid("tried", "alone", "moves it by", "share", "result", whole=("alone", "moves it by", "share"))
+        experiments = grid(*ACCOUNT, whole=ACCOUNT[1:4])
         for cells in rows:
             experiments.add_row(*cells)
         out.print(experiments)

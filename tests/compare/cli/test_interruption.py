@@ -114,7 +114,7 @@ def test_a_comparison_out_of_time_goes_over_what_there_is(tmp_path: Path) -> Non
         return said.returncode == 1 and json.loads(said.stdout)["reference"]["events"] > 100
 
     told = json.loads(patiently(*words, enough=enough)[0].stdout)
-    jsonschema.Draft202012Validator(schema("comparison-3")).validate(told)
+    jsonschema.Draft202012Validator(schema("comparison-4")).validate(told)
     assert told["reference"]["stop"]["reason"] == "budget"
     interval, double = told["candidates"]
     assert interval["stop"]["reason"] == "budget"

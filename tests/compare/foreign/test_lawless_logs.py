@@ -45,7 +45,7 @@ def test_a_log_of_another_restitution_exits_with_1(
     path = log_of(Events(restitution), name, 3, tmp_path / "log.jsonl")
     code, out, _ = said(capsys, "judge", name, path, "--events", "3", "--json")
     data = json.loads(out)
-    jsonschema.Draft202012Validator(schema("comparison-3")).validate(data)
+    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data)
     assert (code, data["verdict"]) == (1, "agree")
     (laws,) = [candidate["laws"] for candidate in data["candidates"]]
     assert laws["kept"] is False
@@ -80,7 +80,7 @@ def test_a_change_of_the_law_is_told(turned: bool, tmp_path: Path, capsys: pytes
     logs = (new, old) if turned else (old, new)
     code, out, _ = said(capsys, "judge", "gas:n=3", *logs, "--events", "3", "--json")
     data = json.loads(out)
-    jsonschema.Draft202012Validator(schema("comparison-3")).validate(data)
+    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data)
     (change,) = data["changes"]
     assert (code, change["laws_changed"], change["verdict_changed"]) == (1, True, False)
     assert f"{new} does not keep the law: restitution 0.999 fits 3 of 3 impacts" in change["sentence"]

@@ -203,7 +203,7 @@ def test_every_report_says_up_to_where(tmp_path: Path, capsys: pytest.CaptureFix
     assert changed_text(log).startswith(f"log, {told}: changed: collisions")
     assert changed_text(log).endswith("; what lies beyond is not settled")
     data = comparison_json(found)
-    jsonschema.Draft202012Validator(schema("comparison-3")).validate(data)
+    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data)
     (mine,) = data["candidates"]
     assert (mine["outcomes_until"], mine["outcomes_expected"]["collisions"]) == (log.until, 111)
     page = html_report(found).replace("\N{NO-BREAK SPACE}", " ")

@@ -240,7 +240,7 @@ def test_a_nearby_scene_has_a_certificate_of_its_own() -> None:
     witness = found.witness(told)
     assert witness is not None and witness.certificate is not None and witness.certificate.checked
     document = comparison_json(comparison)
-    jsonschema.Draft202012Validator(schema("comparison-3")).validate(document)
+    jsonschema.Draft202012Validator(schema("comparison-4")).validate(document)
     attached = document["candidates"][0]["pattern"]["witness_certificate"]
     assert attached["independently_checked"] and attached["certificate"]["scene"]["circles"]
     assert "certified, and independently checked" in str(pattern_phrase(comparison, comparison["double"]))

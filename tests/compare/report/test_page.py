@@ -114,7 +114,7 @@ def test_the_scene_is_saved_whole() -> None:
         for part in (told["reference"], *told["candidates"]):
             assert part.pop("seconds") > 0
         assert json.loads(text) == json.loads(json.dumps(told))
-        jsonschema.validate(json.loads(text), schema("comparison-3"))
+        jsonschema.validate(json.loads(text), schema("comparison-4"))
         again = loads_toml(saved(page(kind), ".toml"))
         assert again.digest == comparison(kind).scene.digest
 

@@ -70,7 +70,7 @@ def test_the_file_holds_the_report_for_any_reader() -> None:
     data = json.loads(saved_comparison(found))
     assert data["comparison"] == json.loads(json.dumps(comparison_json(found)))
     jsonschema.Draft202012Validator(schema("saved-comparison-1")).validate(data)
-    jsonschema.Draft202012Validator(schema("comparison-3")).validate(data["comparison"])
+    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data["comparison"])
 
 
 def test_the_reference_goes_on_from_there() -> None:
