@@ -195,7 +195,8 @@ def _told(scene: Scene, candidate: Candidate) -> dict[str, Any]:
     separation, divergence = candidate.separation, candidate.alignment.divergence
     told: dict[str, Any] = {
         "errors": [
-            [t, e if math.isfinite(e) else None] for t, e in zip(separation.times, separation.largest, strict=True)
+            [float(f"{t:.9g}"), float(f"{e:.4g}") if math.isfinite(e) else None]
+            for t, e in zip(separation.times, separation.largest, strict=True)
         ],
         "scale": separation.scale or 1.0,
         "growth": candidate.margin.growth if candidate.margin else None,
