@@ -205,11 +205,11 @@ class Continuation:
     # -- states
 
     def _load(self, state: State[arb], rows: Mapping[int, Row]) -> None:
-        """Sets some circles' flights; of two clocks either may be the later."""
-        for rank, k in enumerate(sorted(rows, key=lambda k: float(rows[k][0].mid()))):
-            t, x, y, vx, vy = rows[k]
-            state.bodies[k].flight = Flight(x, y, vx, vy, t, t, None, rank + 1)
-        state.steps_done = len(rows) + 1
+        """Sets some circles' flights. Which clock is taken for the later does not matter to what is computed."""
+        bodies = state.bodies
+        for k, (t, x, y, vx, vy) in rows.items():
+            bodies[k].flight = Flight(x, y, vx, vy, t, t, None, 1)
+        state.steps_done = 2
         state.instant, state.late, state.met = state.zero, None, None
 
     # -- what leads to the decision
@@ -274,7 +274,11 @@ class Continuation:
                 asked = set(source.circles) if isinstance(source, Pair | AtWall) else set[int]()
                 bodies = tuple(k for k in sorted(pushed | asked) if self._moving[k])
                 single = len(kicks) == 1 and len(kicks[0].links) == 1
-                links.append(Link(event, bodies, tuple(sorted(pushed)), tuple(steps), single))
+                mine = tuple(
+                    Go(step.source, tuple(k for k in step.bodies if k in bodies)) if isinstance(step, Go) else step
+                    for step in steps
+                )
+                links.append(Link(event, bodies, tuple(sorted(pushed)), mine, single))
         return links
 
     def _matched(self, links: Sequence[Link]) -> list[Stretch]:
@@ -359,7 +363,7 @@ class Continuation:
                 if isinstance(step, Go) and here:
                     continue
                 if isinstance(step, Go):
-                    state.go(step.source, tuple(k for k in step.bodies if k in mine))
+                    state.go(step.source, step.bodies)
                 elif isinstance(step, Kick) and here and link.single and isinstance(step.links[0], Pair):
                     _bounce_here(state, step.links[0])
                 elif isinstance(step, Kick):
