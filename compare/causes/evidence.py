@@ -140,9 +140,10 @@ def tie(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
 
     Of the scene as the engine is given it; and for one instant from the engine's own state before it.
     """
-    if any(row.suffices for row in rows if row.cause is CauseName["ITERATIONS"]):
-        told = "with more iterations it resolves the instant as the policy does"
-        return [Experiment(CauseName["TIE"], told, None, False)]
+    for row in rows:
+        if row.suffices and row.cause in (CauseName["STEP"], CauseName["ITERATIONS"]):
+            what = "at a finer step" if row.cause is CauseName["STEP"] else "with more iterations"
+            return [Experiment(CauseName["TIE"], f"{what} it resolves the instant as the policy does", None, False)]
     together = _together(lab)
     touches = lab.margin is not None and ball.sign_of(lab.margin) == 0
     if len(together) < 2 and not touches:
@@ -185,11 +186,6 @@ def _resolved_otherwise(lab: Laboratory, together: Sequence[Contact]) -> Experim
     own = "" if "tie_policy" in lab.engine.scene_keys else f"; {lab.name} does not follow {policy}"
     told = f"{len(together)} contacts fall on exactly one instant, the order of their impulses matters"
     return Experiment(CauseName["TIE"], f"{told}, and {lab.name} has another{own}", None, True)
-
-
-def tied(lab: Laboratory) -> bool:
-    """Whether contacts of one exact instant, whose order matters, are in question."""
-    return len(_together(lab)) > 1
 
 
 def _together(lab: Laboratory) -> list[Contact]:

@@ -15,7 +15,6 @@ from ..foreign.guard import finer_of, firmer_of
 from ..study import finer_by, series_steps
 from .decision import decisions
 from .diagnosis import CauseName, Experiment
-from .evidence import tied
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
@@ -54,7 +53,7 @@ def _series(lab: Laboratory) -> Experiment:
             CauseName["STEP"], f"not tried: a finer step takes more than {series_steps(lab.engine):,} steps"
         )
     within = _within_a_step(lab, lab.engine.step / 2 ** len(agrees))
-    enough = (agrees[-1] or within) and not tied(lab)
+    enough = agrees[-1] or within
     runs = [f"{size} {'agrees' if flag else 'differs'}" for size, flag in zip(told, agrees, strict=True)]
     first = agrees.index(True) if True in agrees else len(agrees)
     if first > 1 and all(agrees[first:]):
