@@ -59,7 +59,7 @@ def test_the_engine_without_faults_is_the_exact_one(spec: str) -> None:
 
 
 def test_a_kick_moves_the_decision_by_what_geometry_says() -> None:
-    """The second disc flies 64 less what it hits before: off by e to the side, it passes 64 e further out, at speed 4/5."""
+    """The second disc flies 64 at a speed of 4/5: off by e to the side, it passes 80 e further out."""
     scene, size = relay(24, 16), Fraction(1, 2**26)
     moved = decided(scene, [kicked(size)]) - decided(scene)
     speed = Fraction(4, 5)  # the share of the first one's that the second gets along the line of centres

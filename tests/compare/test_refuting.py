@@ -1,13 +1,14 @@
-"""No cause that a comparison names is refuted by another run; and false ones are, each by the run that it is a claim about."""
+"""No cause that a comparison names is refuted by another run; false ones are, each by the run that it is about."""
 
 from __future__ import annotations
 
+from fractions import Fraction
 from functools import cache
 from importlib.util import find_spec
 from typing import Any
 
 import pytest
-from causes_known import STRUCK
+from causes_known import STRUCK, Invent, Made, history
 from refuting import (
     ARITHMETIC,
     CAMPAIGNS,
@@ -29,13 +30,14 @@ from refuting import (
     campaign,
     placements,
     refute,
+    rounded_scene,
     tried,
 )
 
 from truebreak.compare import compare
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.engines import engine as engine_named
-from truebreak.scenarios import Scene, catalogue
+from truebreak.scenarios import Scene, SceneError, catalogue
 
 
 def refuted(outcomes: Any) -> str:
@@ -81,7 +83,7 @@ def test_no_cause_of_these_is_refuted(spec: str, name: str, events: int | None) 
 def candidate(scene: Scene, name: str, events: int | None = None) -> Candidate:
     """A run compared, without its causes."""
     limits: dict[str, Any] = {} if events is None else {"events": events}
-    return compare(scene, [engine_named(name)], **limits).candidates[0]
+    return compare(scene, [engine_named(name)], causes=False, **limits).candidates[0]
 
 
 def claimed(*kinds: str) -> Said:
@@ -131,7 +133,7 @@ def test_a_false_claim_is_refuted_and_a_true_one_is_not(spec: str, name: str, cl
 
 
 def test_a_refused_scene_is_evidence_of_nothing() -> None:
-    """Rounded to doubles, two discs of this row overlap: that is no run in which the rounding of the input is enough."""
+    """Rounded to doubles, two discs of this row overlap: no run shows the rounding of the input to be enough."""
     scene = next(s for s in placements() if candidate(s, "double").verdict == "diverged" and overlaps(s))
     (against,) = refute(scene, engine_named("double"), candidate(scene, "double"), claimed(INPUT))
     assert against.rule == "refused scene"
@@ -139,10 +141,6 @@ def test_a_refused_scene_is_evidence_of_nothing() -> None:
 
 def overlaps(scene: Scene) -> bool:
     """Whether it is no scene in doubles."""
-    from refuting import rounded_scene
-
-    from truebreak.scenarios import SceneError
-
     try:
         rounded_scene(scene, 53)
     except SceneError:
@@ -162,6 +160,51 @@ def test_an_account_that_does_not_add_up_is_refuted() -> None:
         Said((ARITHMETIC,), frozenset({ARITHMETIC}), (Share(ARITHMETIC, 0.0, None),)),
     ):
         assert [*account(wrong)], wrong
+
+
+def test_a_phantom_is_alone_only_where_nothing_else_has_changed() -> None:
+    """One impulse of 2**-50 too many changes nothing in a few events; one of 1/10 does."""
+    scene = catalogue.build("gas:n=4,seed=21")
+    pair = next(p for p in history(scene, (), 30) if {*p} <= {"c1", "c2", "c3", "c4"})
+    event = history(scene, (), 30).index(pair)
+    for strength, wrong in ((Fraction(1, 2**50), False), (Fraction(1, 2), True)):
+        engine = Made((Invent(event, Fraction(0), *pair, strength),))
+        found = compare(scene, [engine], events=event + 8, causes=False).candidates[0]
+        said = Said((PHANTOM,), frozenset({PHANTOM}), alone=True)
+        rules = {r.rule for r in refute(scene, engine, found, said)}
+        assert ("something else" in rules) == wrong, (strength, rules)
+
+
+GAS = (-0.1889488757714378, -0.05624345769)
+"""What moves the first divergence of `double` in a gas: the rounding of the input, to the first order; the engine."""
+
+
+@pytest.mark.parametrize(
+    ("moved", "displacement", "rules"),
+    [
+        (GAS[0], GAS[1], set()),
+        (-GAS[0], -GAS[1], set()),
+        (GAS[0] / 2, GAS[1], {"tangent"}),
+        (GAS[0], GAS[1] * 1.5, {"displacement"}),
+        (GAS[0], GAS[1] / 2, {"displacement"}),
+    ],
+)
+def test_an_account_is_held_to_the_states_and_to_a_nearby_run(
+    moved: float, displacement: float, rules: set[str]
+) -> None:
+    scene = catalogue.build("gas")
+    rest = displacement - moved
+    shares = (
+        Share(INPUT, moved, moved / displacement, "tangent"),
+        Share(IMPACTS, rest, rest / displacement, "run"),
+    )
+    found = refute(
+        scene,
+        engine_named("double"),
+        candidate(scene, "double", 200),
+        Said((), frozenset(), shares, displacement, True),
+    )
+    assert {r.rule for r in found} == rules, found
 
 
 def test_the_engines_of_others_are_those_that_are_installed() -> None:
