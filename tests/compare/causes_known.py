@@ -525,8 +525,8 @@ def of_input() -> Iterator[Case]:
 STRUCK = Scene(
     [Circle(0, "2-10**-30", vx=1, id="b"), Circle(4, 2, id="d")], [Wall(0, 3, 1, 3, id="w")], name="struck at a graze"
 )
-"""The first hits the second from 10**-30 below its centre, and so presses it against the wall that it touches. In doubles
-it hits it square: the exact run of the scene in doubles lacks the same contact as the run in doubles does."""
+"""The first hits the second from 10**-30 below its centre, and so presses it against the wall that it touches. In
+doubles it hits it square: the exact run of the scene in doubles lacks the same contact as the run in doubles does."""
 
 
 @dataclass(frozen=True)
