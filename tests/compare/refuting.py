@@ -105,17 +105,24 @@ def kinds_of(name: Any) -> tuple[str, ...]:
     return NAMES.get(text, (text,))
 
 
+def share_of(entry: Any) -> Share:
+    """One entry of the account: an object with these names, or a row in this order."""
+    row = (
+        entry if isinstance(entry, tuple) else [getattr(entry, key) for key in ("kind", "contribution", "share", "how")]
+    )
+    kind, contribution, share, how = row[:4]
+    return Share(kinds_of(kind)[0], contribution, share, str(getattr(how, "value", how)))
+
+
 def said_of(candidate: Candidate) -> Said:
     """The one place that knows the form of a diagnosis: of shares that add up, or of experiments that suffice."""
     found: Any = candidate.diagnosis
     alone = "nothing else" in str(getattr(found, "finding", "")).lower()
     if hasattr(found, "shares"):
-        shares = [
-            Share(kinds_of(s.kind)[0], s.contribution, s.share, str(getattr(s.how, "value", s.how)))
-            for s in found.shares
-        ]
+        shares = [share_of(s) for s in found.shares]
         causes = tuple(kind for name in found.causes for kind in kinds_of(name) if kind != UNKNOWN)
-        enough = frozenset(causes) if len(causes) == 1 else frozenset[str]()
+        named = getattr(found, "sufficient", found.causes if len(causes) == 1 else ())
+        enough = frozenset(kind for name in named for kind in kinds_of(name) if kind != UNKNOWN)
         return Said(causes, enough, tuple(shares), found.displacement, found.closed, alone=alone)
     name = str(getattr(found.name, "value", found.name))
     causes = tuple(kind for kind in kinds_of(found.name) if kind != UNKNOWN)
@@ -214,6 +221,11 @@ SAME, PASSES, OTHER, EARLIER, OPEN, REFUSED = "same", "passes", "other", "earlie
 not known; it cannot take the scene."""
 
 
+def dear(engine: Any) -> float:
+    """What a step of an engine costs, in fours of microseconds, as far as it says so."""
+    return float(getattr(engine, "step_microseconds", 2.0)) / 4
+
+
 class Runs:
     """Other runs of one divergence, each made when it is asked for."""
 
@@ -261,7 +273,11 @@ class Runs:
         end = max(t for t in (self.at.time, self.at.expected_time, self.at.got_time) if t is not None)
         for _ in range(HALVINGS):
             engine = engine.finer()
-            if engine is None or end / engine.step > MOST_STEPS or [s for _, s in done[-2:]] == [PASSES, PASSES]:
+            if (
+                engine is None
+                or end / engine.step > MOST_STEPS / max(1.0, dear(engine))
+                or [s for _, s in done[-2:]] == [PASSES, PASSES]
+            ):
                 break
             done.append((engine.step, self.does(engine)))
         return done

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from importlib.util import find_spec
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 from causes_known import STRUCK, Invent, Made, history
@@ -31,6 +33,7 @@ from refuting import (
     placements,
     refute,
     rounded_scene,
+    said_of,
     tried,
 )
 
@@ -146,6 +149,42 @@ def overlaps(scene: Scene) -> bool:
     except SceneError:
         return True
     return False
+
+
+@dataclass
+class Accounted:
+    """A diagnosis by shares."""
+
+    causes: tuple[Any, ...]
+    shares: list[Any]
+    displacement: float | None = 2.0
+    closed: bool = True
+    finding: str = "nothing else has changed"
+
+
+@dataclass
+class Entry:
+    """One entry of its account."""
+
+    kind: Any
+    contribution: float
+    share: float
+    how: Any
+
+
+def test_both_forms_of_a_diagnosis_are_read() -> None:
+    name = SimpleNamespace(value="Simultaneous collisions")
+    rows = [(INPUT, 1.5, 0.75, "tangent"), (name, 0.5, 0.25, "run")]
+    for entries in (rows, [Entry(*row) for row in rows]):
+        said = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted((INPUT,), entries))))
+        assert said.causes == (INPUT,)
+        assert said.suffices == {INPUT}
+        assert said.shares == (Share(INPUT, 1.5, 0.75, "tangent"), Share(TIE, 0.5, 0.25, "run"))
+        assert (said.displacement, said.closed, said.alone) == (2.0, True, True)
+    both = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted((INPUT, name), []))))
+    assert (both.causes, both.suffices) == ((INPUT, TIE), frozenset())
+    none = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted(("not determined",), [], None, False, ""))))
+    assert (none.causes, none.suffices, none.alone) == ((), frozenset(), False)
 
 
 def test_an_account_that_does_not_add_up_is_refuted() -> None:
