@@ -168,6 +168,7 @@ class Run:
             length = HIGH.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2)
             self.walls.append(((x0, y0), ((y0 - y1) / length, (x1 - x0) / length)))
         self.now, self.through, self.skipped = number(0), set[tuple[int, int]](), 0
+        self.invented = False
         self.meetings: list[Meeting] = []
 
     def wait(self, i: int, j: int) -> Any | None:
@@ -239,7 +240,7 @@ class Run:
         """The next event, with the faults that belong to it."""
         event = len(self.meetings)
         for fault in self.faults:
-            if isinstance(fault, Invent) and fault.event == event - 1 and not getattr(self, "invented", False):
+            if isinstance(fault, Invent) and fault.event == event - 1 and not self.invented:
                 self.invented = True
                 self.fly(number(fault.after))
                 i, j = sorted((self.ids.index(fault.one), self.ids.index(fault.other)))

@@ -21,14 +21,28 @@ from fractions import Fraction
 from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from truebreak.compare import compare
 from truebreak.compare.alignment.divergence import Divergence, Kind
 from truebreak.compare.candidate import Candidate
+from truebreak.compare.comparison import studied
+from truebreak.compare.deadline import Clock
 from truebreak.compare.engines import engine as engine_named
+from truebreak.compare.study import Study, run_or_unable
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Declared, Pocket, Quantity, Scene, SceneError, Trajectory, Wall, catalogue
+from truebreak.scenarios import (
+    Circle,
+    Declared,
+    Pocket,
+    Quantity,
+    Scene,
+    SceneError,
+    State,
+    Trajectory,
+    Wall,
+    catalogue,
+)
 
 # -- what is said of a divergence, in one vocabulary
 
@@ -235,17 +249,22 @@ class Runs:
         self.at: Divergence = candidate.alignment.divergence
         self.events = max(self.at.event, self.at.expected_event) + PAST
 
+    @cached_property
+    def study(self) -> Study:
+        """The certified run, a little past the decision."""
+        return studied(self.scene, ExactEngine(), Clock(None), None, self.events)
+
     def does(self, engine: Any) -> str:
         """What another engine does at the decision."""
         try:
-            other = compare(self.scene, [engine], events=self.events, causes=False).candidates[0]
+            _, alignment, unable = run_or_unable(self.study, engine, None)
         except SceneError:
             return REFUSED
-        if other.unable:
+        if unable:
             return REFUSED
-        parted = other.alignment.divergence
+        parted = alignment.divergence
         if parted is None:
-            agreed = other.verdict == "agree" or other.alignment.agreed > max(self.at.event, self.at.expected_event)
+            agreed = alignment.verdict == "agree" or alignment.agreed > max(self.at.event, self.at.expected_event)
             return PASSES if agreed else OPEN
         if parted.event != self.at.event:
             return PASSES if parted.event > self.at.event else EARLIER
@@ -325,9 +344,11 @@ class Runs:
         if self.at.candidate_event is None or self.at.got is None:
             return None
         run = self.candidate.trajectory
+        if len(run.events[self.at.candidate_event].impulses) > 1:
+            return None  # what the two do between the impulses of one instant is not reported
         try:
             return approach(run, self.at.candidate_event, self.at.body, self.at.got)
-        except (KeyError, IndexError, ValueError):
+        except (KeyError, IndexError, ValueError, StopIteration, ZeroDivisionError):
             return None
 
     @cached_property
@@ -337,51 +358,69 @@ class Runs:
             return None
         try:
             return least_gap(self.candidate.trajectory, self.at.body, self.at.expected, self.at.expected_time)
-        except (KeyError, ValueError, IndexError):
+        except (KeyError, ValueError, IndexError, StopIteration, ZeroDivisionError):
             return None
 
 
-def row(run: Trajectory, time: float, name: str) -> tuple[float, float, float, float]:
-    """x, y, vx, vy of one circle, as doubles."""
-    state = run.at(time)[name]
-    return float(state.x), float(state.y), float(state.vx), float(state.vy)
+Row: TypeAlias = tuple[float, float, float, float]
+
+
+def rows_of(state: State) -> dict[str, Row]:
+    """x, y, vx, vy of every circle, as doubles."""
+    return {c.id: (float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in state.circles}
+
+
+def apart(scene: Scene, rows: dict[str, Row], one: str, other: str, time: float) -> tuple[float, float, float, float]:
+    """Of a circle and a circle or wall after so much free flight: the gap, and the speed with which it closes.
+
+    Then the sum of the radii, and the time, from 0 to the given one, at which the gap is least.
+    """
+    radii = {str(c.id): float(c.r) for c in scene.circles}
+    if one not in radii:
+        one, other = other, one
+    x, y, vx, vy = rows[one]
+    if other in radii:
+        p, q, u, w = rows[other]
+        reach, dx, dy, ux, uy = radii[one] + radii[other], p - x, q - y, u - vx, w - vy
+        speed = ux * ux + uy * uy
+        nearest_at = -(dx * ux + dy * uy) / speed if speed else 0.0
+    else:
+        wall = next(w for w in scene.walls if w.id == other)
+        x0, y0, x1, y1 = (float(getattr(wall, key)) for key in ("x0", "y0", "x1", "y1"))
+        nx, ny = (y0 - y1) / math.hypot(x1 - x0, y1 - y0), (x1 - x0) / math.hypot(x1 - x0, y1 - y0)
+        height, rise = nx * (x - x0) + ny * (y - y0), nx * vx + ny * vy
+        reach, dx, dy, ux, uy = radii[one], height * nx, height * ny, rise * nx, rise * ny
+        nearest_at = -height / rise if rise else 0.0
+    dx, dy = dx + time * ux, dy + time * uy
+    length = math.hypot(dx, dy)
+    return length - reach, -(dx * ux + dy * uy) / length, reach, min(max(nearest_at, 0.0), time)
 
 
 def approach(run: Trajectory, event: int, one: str, other: str) -> tuple[float, float]:
-    """The gap of two circles at an event of a run, and the speed with which they come nearer before it, in (0, 1]
-    of the fastest speed there; both by what the run reports."""
-    time = float(run.events[event].time)
-    before = max((float(e.time) for e in run.events[:event] if float(e.time) < time), default=0.0)
-    x0, y0, vx0, vy0 = row(run, before, one)
-    x1, y1, vx1, vy1 = row(run, before, other)
-    way = time - before
-    dx, dy = x1 + vx1 * way - x0 - vx0 * way, y1 + vy1 * way - y0 - vy0 * way
-    length = math.hypot(dx, dy)
-    radii = sum(float(c.r) for c in run.scene.circles if c.id in (one, other))
-    speed = -(dx * (vx1 - vx0) + dy * (vy1 - vy0)) / length
-    return length - radii, speed / max(math.hypot(vx0, vy0), math.hypot(vx1, vy1))
+    """The gap of two at an event of a run, as a share of their radii, and the speed with which they come nearer.
+
+    That is a share of the fastest circle's; both are by what the run reports of the event before.
+    """
+    before = run.after(event - 1) if event else run.at(0)
+    rows = rows_of(before)
+    gap, speed, reach, _ = apart(run.scene, rows, one, other, float(run.events[event].time) - float(before.time))
+    return gap / reach, speed / max(math.hypot(*row[2:]) for row in rows.values())
 
 
 def least_gap(run: Trajectory, one: str, other: str, time: float) -> float:
-    """The least gap of two circles around a time, over the flights of the run that hold it and the next ones.
+    """The least gap of two around a time, over the flights of the run that hold it and those beside them.
 
     As a share of the sum of their radii; flights are straight between the run's events.
     """
-    radii = sum(float(c.r) for c in run.scene.circles if c.id in (one, other))
-    if not all(any(c.id == name for c in run.scene.circles) for name in (one, other)):
-        raise KeyError(other)
-    end = float(run.final_time)
-    times = sorted({0.0, end, *(float(e.time) for e in run.events)})
+    times = sorted({0.0, float(run.final_time), *(float(e.time) for e in run.events)})
     near = [k for k, t in enumerate(times) if t <= time][-1]
     least = math.inf
     for k in range(max(0, near - 1), min(near + 2, len(times) - 1)):
-        x0, y0, vx0, vy0 = row(run, times[k], one)
-        x1, y1, vx1, vy1 = row(run, times[k], other)
-        dx, dy, vx, vy = x1 - x0, y1 - y0, vx1 - vx0, vy1 - vy0
-        speed = vx * vx + vy * vy
-        at = min(max(-(dx * vx + dy * vy) / speed if speed else 0.0, 0.0), times[k + 1] - times[k])
-        least = min(least, math.hypot(dx + at * vx, dy + at * vy) - radii)
-    return least / radii
+        rows = rows_of(run.at(times[k]))
+        at = apart(run.scene, rows, one, other, times[k + 1] - times[k])[3]
+        gap, _, reach, _ = apart(run.scene, rows, one, other, at)
+        least = min(least, gap / reach)
+    return least
 
 
 PRECISE = 110
@@ -543,7 +582,8 @@ def _law(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         yield Refutation(LAW, "own engine", f"the law of {runs.engine.name} is the exact engine's")
     elif LAW in claims and laws is not None and laws.kept:
         yield Refutation(LAW, "law kept", laws.sentence)
-    if said.causes and said.causes[0] not in (LAW, MISSED, PHANTOM) and runs.broken is not None:
+    exempt = {LAW, MISSED, PHANTOM, *([ITERATIONS] if ITERATIONS in claims and PASSES in runs.firmer else [])}
+    if said.causes and said.causes[0] not in exempt and runs.broken is not None:
         yield Refutation(said.causes[0], "law not kept", f"before the decision a law is not kept: {runs.broken}")
 
 
