@@ -8,14 +8,9 @@ import pytest
 from causes_known import (
     FAMILIES,
     WAY,
-    Kick,
-    Rounded,
-    Run,
-    Skip,
     budget,
     complaints,
     decided,
-    fraction,
     gap,
     history,
     kicked,
@@ -23,7 +18,9 @@ from causes_known import (
     shifted,
     sized,
 )
-from refuting import FLIGHTS, IMPACTS, INPUT, rounded_scene
+from faults import Kick, Rounded, Run, Skip, fraction
+from other_runs import rounded_scene
+from refuting import FLIGHTS, IMPACTS, INPUT
 
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import catalogue

@@ -10,7 +10,9 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from causes_known import FAMILIES, STRUCK, Invent, Made, history
+from causes_known import FAMILIES, STRUCK, history
+from faults import Invent, Made
+from other_runs import Runs, rounded_scene
 from refuting import (
     ARITHMETIC,
     CAMPAIGNS,
@@ -27,14 +29,12 @@ from refuting import (
     SURVEYED,
     TIE,
     Job,
-    Runs,
     Said,
     Share,
     account,
     campaign,
     placements,
     refute,
-    rounded_scene,
     said_of,
     tried,
 )
