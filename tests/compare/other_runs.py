@@ -1,0 +1,334 @@
+"""Other runs at a divergence: the exact engine on the rounded scene, finer steps, and the numbers that decide."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from decimal import Decimal
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, TypeAlias
+
+from truebreak.compare.alignment.divergence import Divergence, Kind
+from truebreak.compare.candidate import Candidate
+from truebreak.compare.comparison import studied
+from truebreak.compare.deadline import Clock
+from truebreak.compare.study import Study, run_or_unable
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Declared, Pocket, Quantity, Scene, SceneError, State, Trajectory, Wall
+
+DIGITS = 120
+"""Decimal digits by which numbers with roots are rounded; a number this near to a rounding's edge would be missed."""
+
+HALVINGS = 8
+MOST_STEPS = 100_000
+"""How far finer steps are run: 1/256 of the step, and so many steps at most in one run."""
+
+PAST = 3
+"""Events past the one in question to which runs go."""
+
+
+def rational(value: Quantity) -> Fraction:
+    """A scene's number, or what agrees with it to `DIGITS` digits."""
+    exact = value.fraction
+    return Fraction(value.digits(DIGITS)) if exact is None else exact
+
+
+def nearest(value: Fraction, bits: int) -> Fraction:
+    """The nearest number of so many bits, ties to even; the exponent has no limits.
+
+    >>> nearest(Fraction(1, 3), 4), nearest(Fraction(9, 2), 3)
+    (Fraction(11, 32), Fraction(4, 1))
+    """
+    if not value:
+        return value
+    exponent = abs(value.numerator).bit_length() - value.denominator.bit_length()
+    unit = Fraction(2) ** (exponent - bits)
+    while abs(value) / unit >= 2**bits:
+        unit *= 2
+    return round(value / unit) * unit
+
+
+def rounded_scene(scene: Scene, bits: int, part: Fraction = Fraction(1)) -> Scene:
+    """The scene with every number replaced by the nearest of so many bits, or moved a part of the way there.
+
+    Raises:
+        SceneError: where that is no scene: circles overlap.
+    """
+
+    def number(value: Quantity) -> str:
+        exact = rational(value)
+        return str(exact + part * (nearest(exact, bits) - exact))
+
+    circles = [
+        Circle(
+            *(number(getattr(c, key)) for key in ("x", "y", "r", "vx", "vy")),
+            m="oo" if c.fixed else number(c.m),  # type: ignore[arg-type]
+            id=c.id,
+            point=c.point,
+        )
+        for c in scene.circles
+    ]
+    walls = [Wall(*(number(getattr(w, key)) for key in ("x0", "y0", "x1", "y1")), id=w.id) for w in scene.walls]
+    pockets = [Pocket(*(number(getattr(p, key)) for key in ("x", "y", "r")), id=p.id) for p in scene.pockets]
+    changes: dict[str, Any] = {} if scene.reverse_at is None else {"reverse_at": number(scene.reverse_at)}
+    return scene.with_changes(circles=circles, walls=walls, pockets=pockets, **changes)
+
+
+@dataclass(frozen=True)
+class OnRounded(Declared):
+    """The exact engine, which takes a scene for the one that is rounded to so many bits."""
+
+    to: int
+    name: str = "exact on the rounded scene"
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        """The certified run of the rounded scene."""
+        other = rounded_scene(scene, self.to)
+        return replace(ExactEngine().run(other, **limits), scene=scene, engine=self.name)
+
+
+SAME, PASSES, OTHER, EARLIER, OPEN, REFUSED = "same", "passes", "other", "earlier", "open", "refused"
+"""What another run does at the decision: as the engine did; as the reference did; a third thing; it has left before;
+not known; it cannot take the scene."""
+
+
+def dear(engine: Any) -> float:
+    """What a step of an engine costs, in fours of microseconds, as far as it says so."""
+    return float(getattr(engine, "step_microseconds", 2.0)) / 4
+
+
+class Runs:
+    """Other runs of one divergence, each made when it is asked for."""
+
+    def __init__(self, scene: Scene, engine: Any, candidate: Candidate) -> None:
+        assert candidate.alignment.divergence is not None
+        self.scene, self.engine, self.candidate = scene, engine, candidate
+        self.at: Divergence = candidate.alignment.divergence
+        self.events = max(self.at.event, self.at.expected_event) + PAST
+
+    @cached_property
+    def study(self) -> Study:
+        """The certified run, a little past the decision."""
+        return studied(self.scene, ExactEngine(), Clock(None), None, self.events)
+
+    def does(self, engine: Any) -> str:
+        """What another engine does at the decision."""
+        try:
+            _, alignment, unable = run_or_unable(self.study, engine, None)
+        except SceneError:
+            return REFUSED
+        if unable:
+            return REFUSED
+        parted = alignment.divergence
+        if parted is None:
+            agreed = alignment.verdict == "agree" or alignment.agreed > max(self.at.event, self.at.expected_event)
+            return PASSES if agreed else OPEN
+        if parted.event != self.at.event:
+            return PASSES if parted.event > self.at.event else EARLIER
+        mine, theirs = ((d.body, d.kind, d.expected, d.got) for d in (self.at, parted))
+        if mine == theirs:
+            return SAME
+        return PASSES if parted.expected_event > self.at.expected_event else OTHER
+
+    @cached_property
+    def input(self) -> str:
+        """What the exact engine does on the scene rounded to the engine's bits."""
+        if self.engine.bits is None or not self.engine.rounds_input:
+            return PASSES  # there is no rounding of the input
+        try:
+            rounded_scene(self.scene, self.engine.bits)
+        except SceneError:
+            return REFUSED
+        return self.does(OnRounded(self.engine.bits))
+
+    @cached_property
+    def finer(self) -> list[tuple[float, str]]:
+        """What finer steps do, down to the second in a row that passes."""
+        done: list[tuple[float, str]] = []
+        engine = self.engine
+        end = max(t for t in (self.at.time, self.at.expected_time, self.at.got_time) if t is not None)
+        for _ in range(HALVINGS):
+            engine = engine.finer()
+            if (
+                engine is None
+                or end / engine.step > MOST_STEPS / max(1.0, dear(engine))
+                or [s for _, s in done[-2:]] == [PASSES, PASSES]
+            ):
+                break
+            done.append((engine.step, self.does(engine)))
+        return done
+
+    @property
+    def step_passes(self) -> float | None:
+        """The coarsest step from which on the finer ones that were run pass, two of them at least."""
+        if [s for _, s in self.finer[-2:]] != [PASSES, PASSES]:
+            return None
+        return self.finer[-2][0]
+
+    @cached_property
+    def firmer(self) -> list[str]:
+        """What four and sixteen times the solver's iterations do."""
+        done: list[str] = []
+        engine = self.engine
+        for k in range(4):
+            engine = engine.firmer() if engine is not None else None
+            if engine is None:
+                break
+            if k % 2:
+                done.append(self.does(engine))
+        return done
+
+    @cached_property
+    def broken(self) -> str | None:
+        """The first law that the engine did not keep by then, by the audit; None where it is not known to break one."""
+        laws = self.candidate.laws
+        if laws is None or laws.kept is not False:
+            return None
+        early = [v for v in laws.violations if v.time <= self.at.time * (1 + 1e-9) and v.kind not in ("depth", "gap")]
+        return str(early[0]) if early else None
+
+    @cached_property
+    def tied(self) -> bool:
+        """Whether the exact run has several contacts of one instant in question, or some that lasted up to it."""
+        if self.at.kind is Kind.TIE or self.scene.touching:
+            return True
+        run = ExactEngine().run(self.scene, events=self.events)
+        return any(len(e.contacts) > 1 or e.ties for e in run.events[: self.at.expected_event + 1])
+
+    @cached_property
+    def got(self) -> tuple[float, float] | None:
+        """Of the contact that the engine has too many: how far apart, and how fast the two come nearer, in its run."""
+        if self.at.candidate_event is None or self.at.got is None:
+            return None
+        run = self.candidate.trajectory
+        if len(run.events[self.at.candidate_event].impulses) > 1:
+            return None  # what the two do between the impulses of one instant is not reported
+        try:
+            return approach(run, self.at.candidate_event, self.at.body, self.at.got)
+        except (KeyError, IndexError, ValueError, StopIteration, ZeroDivisionError):
+            return None
+
+    @cached_property
+    def least(self) -> float | None:
+        """How near the expected two come in the engine's own flights, as a share of the sum of their radii."""
+        if self.at.expected is None or self.at.expected_time is None or self.at.kind is Kind.TIE:
+            return None
+        try:
+            return least_gap(self.candidate.trajectory, self.at.body, self.at.expected, self.at.expected_time)
+        except (KeyError, ValueError, IndexError, StopIteration, ZeroDivisionError):
+            return None
+
+
+Row: TypeAlias = tuple[float, float, float, float]
+
+
+def rows_of(state: State) -> dict[str, Row]:
+    """x, y, vx, vy of every circle, as doubles."""
+    return {c.id: (float(c.x), float(c.y), float(c.vx), float(c.vy)) for c in state.circles}
+
+
+def apart(scene: Scene, rows: dict[str, Row], one: str, other: str, time: float) -> tuple[float, float, float, float]:
+    """Of a circle and a circle or wall after so much free flight: the gap, and the speed with which it closes.
+
+    Then the sum of the radii, and the time, from 0 to the given one, at which the gap is least.
+    """
+    radii = {str(c.id): float(c.r) for c in scene.circles}
+    if one not in radii:
+        one, other = other, one
+    x, y, vx, vy = rows[one]
+    if other in radii:
+        p, q, u, w = rows[other]
+        reach, dx, dy, ux, uy = radii[one] + radii[other], p - x, q - y, u - vx, w - vy
+        speed = ux * ux + uy * uy
+        nearest_at = -(dx * ux + dy * uy) / speed if speed else 0.0
+    else:
+        wall = next(w for w in scene.walls if w.id == other)
+        x0, y0, x1, y1 = (float(getattr(wall, key)) for key in ("x0", "y0", "x1", "y1"))
+        nx, ny = (y0 - y1) / math.hypot(x1 - x0, y1 - y0), (x1 - x0) / math.hypot(x1 - x0, y1 - y0)
+        height, rise = nx * (x - x0) + ny * (y - y0), nx * vx + ny * vy
+        reach, dx, dy, ux, uy = radii[one], height * nx, height * ny, rise * nx, rise * ny
+        nearest_at = -height / rise if rise else 0.0
+    dx, dy = dx + time * ux, dy + time * uy
+    length = math.hypot(dx, dy)
+    return length - reach, -(dx * ux + dy * uy) / length, reach, min(max(nearest_at, 0.0), time)
+
+
+def approach(run: Trajectory, event: int, one: str, other: str) -> tuple[float, float]:
+    """The gap of two at an event of a run, as a share of their radii, and the speed with which they come nearer.
+
+    That is a share of the fastest circle's; both are by what the run reports of the event before.
+    """
+    before = run.after(event - 1) if event else run.at(0)
+    rows = rows_of(before)
+    gap, speed, reach, _ = apart(run.scene, rows, one, other, float(run.events[event].time) - float(before.time))
+    return gap / reach, speed / max(math.hypot(*row[2:]) for row in rows.values())
+
+
+def least_gap(run: Trajectory, one: str, other: str, time: float) -> float:
+    """The least gap of two around a time, over the flights of the run that hold it and those beside them.
+
+    As a share of the sum of their radii; flights are straight between the run's events.
+    """
+    times = sorted({0.0, float(run.final_time), *(float(e.time) for e in run.events)})
+    near = [k for k, t in enumerate(times) if t <= time][-1]
+    least = math.inf
+    for k in range(max(0, near - 1), min(near + 2, len(times) - 1)):
+        rows = rows_of(run.at(times[k]))
+        at = apart(run.scene, rows, one, other, times[k + 1] - times[k])[3]
+        gap, _, reach, _ = apart(run.scene, rows, one, other, at)
+        least = min(least, gap / reach)
+    return least
+
+
+PRECISE = 110
+"""Decimal digits in which decisions are computed."""
+
+SMALL = Fraction(1, 2**150)
+"""The part of a rounding by which the first order is found: its square is below everything."""
+
+
+def decimal(value: Any) -> Decimal:
+    """A number of a run: certified digits of an exact one, else the double that it is."""
+    try:
+        return Decimal(value.digits(100))
+    except (AttributeError, ValueError):
+        return Decimal(value.numerator) / value.denominator if isinstance(value, Fraction) else Decimal(float(value))
+
+
+def decisions(scene: Scene, run: Trajectory, event: int, at: Divergence) -> dict[str, Decimal]:
+    """What may decide a divergence, in free flight from how the event before it leaves a run.
+
+    The least gap of the body and each circle in question, and the time between its two meetings, where it has two.
+    """
+    state = run.after(event - 1) if event else run.at(0)
+    rows = {c.id: tuple(decimal(getattr(c, key)) for key in ("x", "y", "vx", "vy")) for c in state.circles}
+    radii = {str(c.id): decimal(c.r) for c in scene.circles}
+    walls = {str(w.id): w for w in scene.walls}
+    found: dict[str, Decimal] = {}
+    waits: list[Decimal] = []
+    x, y, vx, vy = rows[at.body]
+    for other in at.partners:
+        if other in radii and other != at.body:
+            dx, dy, ux, uy = (b - a for a, b in zip(rows[at.body], rows[other], strict=True))
+            reach, speed, cross, near = (
+                radii[at.body] + radii[other],
+                ux * ux + uy * uy,
+                dx * uy - dy * ux,
+                dx * ux + dy * uy,
+            )
+            if speed:
+                found[f"gap to {other}"] = abs(cross) / speed.sqrt() - reach
+                root = speed * reach * reach - cross * cross
+                if near < 0 < root:
+                    waits.append((dx * dx + dy * dy - reach * reach) / (-near + root.sqrt()))
+        elif other in walls:
+            x0, y0, x1, y1 = (decimal(getattr(walls[other], key)) for key in ("x0", "y0", "x1", "y1"))
+            length = ((x1 - x0) ** 2 + (y1 - y0) ** 2).sqrt()
+            height = ((y0 - y1) * (x - x0) + (x1 - x0) * (y - y0)) / length
+            rise = ((y0 - y1) * vx + (x1 - x0) * vy) / length
+            if height * rise < 0:
+                waits.append((abs(height) - radii[at.body]) / abs(rise))
+    if len(waits) == 2:
+        found["time between"] = waits[1] - waits[0]
+    return found
