@@ -10,9 +10,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ...exact.numbers import ball
+from ...scenarios.errors import SceneError
 from ..foreign.guard import finer_of, firmer_of, run_guarded
 from .fits import NEAR, Drift, Fit, Sample, drifts, fit_of, sampled
-from .halving import Defect, Measures, lasting, measured, series
+from .halving import Defect, Measures, defects, lasting, measured, series
 from .passages import passages
 from .residuals import AUDIT_BITS, KINDS, Laws, Residual
 from .transcript import Transcript
@@ -312,6 +313,8 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
     law = (
         fit if fit is not None and fit.kind in ("restitution", "mass", "friction") and fit.explained == fit.of else None
     )
+    if law is not None and _of_iterations(run, engine, measures, unit):
+        law = None
     told = () if law is not None else tuple(series(engine, run, unit, measures, finer_of, firmer_of, _played))
     broken = [d for d in told if d.of_step is False and d.kind != "phantom"]
     open_ones = [d for d in told if d.of_step is None]
@@ -328,6 +331,19 @@ def _audited_steps(run: Trajectory, engine: Engine) -> Audit:
         tuple(sorted(firsts.values(), key=lambda violation: violation.time)) if kept is False else (),
         dict(counts) if kept is False else {}, {}, unit, law or (fit if kept is False else None), told, declared,
     )  # fmt: skip
+
+
+def _of_iterations(run: Trajectory, engine: Engine, measures: Measures, unit: float) -> bool:
+    """Whether twice as many iterations of the engine's solver leave at most half of what its impulses miss."""
+    firmer = firmer_of(engine)
+    if firmer is None or firmer.step is None:
+        return False
+    try:
+        found = measured(_played(firmer, run, float(run.final_time)), unit, firmer.step, firmer.rounds_input)
+    except SceneError:
+        return False
+    mine, left = defects(engine, measures), defects(firmer, found)
+    return left.get("impulse", 0.0) <= mine.get("impulse", 0.0) / 2
 
 
 def _played(engine: Engine, run: Trajectory, until: float) -> Trajectory:

@@ -204,15 +204,15 @@ def _iterated(
     firmer: Callable[[Engine], Engine | None],
     play: Callable[[Engine, Trajectory, float], Trajectory],
 ) -> Defect:
-    """What impacts of several contacts miss is of the solver's iterations where twice as many leave half of it."""
-    chosen = firmer(engine) if defect.kind == "several" and defect.of_step is not True else None
+    """What impacts miss is of the solver's iterations where twice as many leave half of it."""
+    chosen = firmer(engine) if defect.kind in ("several", "impulse") and defect.of_step is not True else None
     if chosen is None or chosen.step is None:
         return defect
     try:
         told = defects(chosen, measured(play(chosen, run, until), unit, chosen.step, chosen.rounds_input))
     except SceneError:
         return defect
-    left = told.get("several", 0.0)
+    left = told.get(defect.kind, 0.0)
     return replace(defect, kind="iterations", finest=left, of_step=True) if left <= defect.size / 2 else defect
 
 

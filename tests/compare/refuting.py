@@ -124,12 +124,11 @@ def kinds_of(name: Any) -> tuple[str, ...]:
 
 
 def share_of(entry: Any) -> Share:
-    """One entry of the account: an object with these names, or a row in this order."""
-    row = (
-        entry if isinstance(entry, tuple) else [getattr(entry, key) for key in ("kind", "contribution", "share", "how")]
-    )
-    kind, contribution, share, how = row[:4]
-    return Share(kinds_of(kind)[0], contribution, share, str(getattr(how, "value", how)))
+    """One entry of the account: of a report, or a row in the order of `Share`."""
+    if isinstance(entry, tuple):
+        kind, contribution, share, how = entry[:4]
+        return Share(kinds_of(kind)[0], contribution, share, str(getattr(how, "value", how)))
+    return Share(kinds_of(entry.cause)[0], entry.displacement, entry.share)
 
 
 def said_of(candidate: Candidate) -> Said:
@@ -319,6 +318,11 @@ def met(run: Trajectory) -> dict[str, list[str]]:
     return found
 
 
+def _met(run: Trajectory, upto: int, name: str | None) -> int:
+    """How many contacts a circle has before an event."""
+    return sum(name in pair for event in run.events[:upto] for pair in event.impulses)
+
+
 def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
     """The displacement is that of the engine's own state; what rounding the input does is that of a nearby run."""
     at, bits = runs.at, runs.engine.bits
@@ -332,7 +336,18 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
         exact = decisions(runs.scene, reference, at.event, at)
         if at.candidate_event is not None:
             own = decisions(runs.scene, runs.candidate.trajectory, at.candidate_event, at)
-            both = {key: float(own[key] - exact[key]) for key in exact.keys() & own.keys()}
+            moved = {
+                name
+                for name in (at.expected, at.got)
+                if _met(reference, at.event, name) != _met(runs.candidate.trajectory, at.candidate_event, name)
+            }  # one of the two has met something else meanwhile, in one of the runs
+            if {at.expected, at.got} & {str(wall.id) for wall in runs.scene.walls}:
+                moved |= {at.expected, at.got}  # whether the circle comes to the wall may be what was decided
+            both = {
+                key: float(own[key] - exact[key])
+                for key in exact.keys() & own.keys()
+                if not any(key == f"gap to {name}" for name in moved) and not (moved and key == "time between")
+            }
             close = [key for key, by in both.items() if abs(abs(by) - abs(said.displacement)) <= NEAR * abs(by)]
             if both and not close:
                 yield Refutation(
