@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import Trajectory
 from ..validation import EngineError, check_engine
-from .isolation import Apart, run_apart
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -58,6 +57,8 @@ def run_guarded(
     """
     if is_own(engine):
         return engine.run(scene, until=until, events=events, progress=progress)
+    from .isolation import Apart, run_apart  # here, since runs of truebreak's own need none of what that imports
+
     apart = Apart.wanted()
     if apart is None:
         told = _run_of_another(engine, scene, until, events, progress)
