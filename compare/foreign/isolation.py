@@ -359,8 +359,8 @@ class Process:
 
     def end(self) -> None:
         """Ends it, and all that it has started."""
+        self._kill()  # first of all, whatever comes in between
         while self._process.poll() is None:
-            self._kill()
             clock.sleep(AGAIN_SECONDS / 50)
         self._kill()
 
