@@ -52,11 +52,11 @@ LIMITS_MEMORY = sys.platform == "linux"
 MEMORY_SHARE = 2
 """Without a number, such a process may take this part of the machine's memory: one over it."""
 
-GRACE_SECONDS = 1.0
+GRACE_SECONDS = 2.0
 """What an engine is left to end by itself, once its seconds are over, before it is ended."""
 
 SENDING_SECONDS = 30.0
-"""What a run that has ended may take to be sent, or as long as it was allowed itself, if that is more."""
+"""What a run that has ended may take to be sent, and as long again as it took itself."""
 
 LOOK_SECONDS = 0.1
 """How often a process that says nothing is looked for."""
@@ -121,6 +121,8 @@ def isolated(*, max_memory: int | None = None) -> Iterator[None]:
     >>> from truebreak.compare.foreign import RecordedEngine
     >>> from truebreak.scenarios import Circle, Scene
     >>> class Leaves(RecordedEngine):
+    ...     __module__ = "mine"
+    ...
     ...     def play(self, scene, recording):
     ...         import os
     ...         os._exit(3)
@@ -194,7 +196,7 @@ class Request:
         run: the run, given what is to be called with its progress.
         engine: whose it is, as errors name it.
         scene: what is run; it is not sent back.
-        seconds: after which the run is to end by itself; None: no limit.
+        late: when the run is to end by itself, by the machine's monotonic clock; None: no limit.
         told: what a message says of them.
         memory: the limits of memory.
         noted: whether progress is to be sent.
@@ -203,7 +205,7 @@ class Request:
     run: Callable[[OnProgress | None], Any]
     engine: str
     scene: Scene
-    seconds: float | None
+    late: float | None
     told: float | None
     memory: Apart
     noted: bool
@@ -226,8 +228,9 @@ def run_apart(
     watch = apart.watch
     if watch is not None and watch.over:
         raise watch.is_up()
-    seconds, told = (None, None) if watch is None else (watch.left(), watch.told)
-    request = Request(run, name, scene, seconds, told, replace(apart, watch=None), progress is not None)
+    seconds = None if watch is None else watch.left()
+    late, told = (None, None) if watch is None or seconds is None else (clock.monotonic() + seconds, watch.told)
+    request = Request(run, name, scene, late, told, replace(apart, watch=None), progress is not None)
     process = Process(request)
     try:
         return process.outcome(progress, watch)
@@ -308,7 +311,7 @@ class Process:
             EngineError, SceneError, TimeIsUp: see `run_apart`.
         """
         request = self.request
-        late = None if request.seconds is None else clock.monotonic() + request.seconds + GRACE_SECONDS
+        began, late = clock.monotonic(), None if request.late is None else request.late + GRACE_SECONDS
         while True:
             if watch is not None and late is not None and clock.monotonic() >= late:
                 raise TimeIsUp(f"{watch.is_up()}; engine {request.engine!r} did not end by itself, and was ended")
@@ -326,7 +329,7 @@ class Process:
                 with contextlib.suppress(*([] if watch is None else [TimeIsUp])):  # it ends by itself, with what it has
                     progress(told)
             elif kind == "ran":
-                late = clock.monotonic() + max(SENDING_SECONDS, request.seconds or 0.0)
+                late = 2 * clock.monotonic() + SENDING_SECONDS - began
             elif kind == "printed":
                 if request.engine not in _warned:
                     _warned.add(request.engine)
@@ -435,7 +438,8 @@ def _work(request: Request, pipe: BinaryIO) -> NoReturn:
 def _outcome(request: Request, channel: _Channel) -> tuple[str, Any]:
     """What comes of the run: a word for what it is, and the thing itself."""
     try:
-        with time_limit(request.seconds, request.told) as watch:
+        seconds = None if request.late is None else max(request.late - clock.monotonic(), AGAIN_SECONDS)
+        with time_limit(seconds, request.told) as watch:
             return "handed", request.run(watch.watched(channel.progress if request.noted else None))
     except (OutOfTime, TimeIsUp) as outcome:
         return "time", str(outcome)
