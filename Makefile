@@ -2,7 +2,7 @@
 PYTHON ?= python3
 BIN = .venv/bin
 
-.PHONY: demo test slow stress stress-map coverage lint format bench docs lowest pythons sdist picture reference-set clean
+.PHONY: demo test slow stress stress-map coverage lint format bench docs lowest pythons same-bytes sdist picture reference-set clean
 
 .venv/ready: pyproject.toml $(wildcard exact/compiled/*.[ch] floating/flat/formulas/*.c)
 	$(PYTHON) -m venv .venv
@@ -60,6 +60,10 @@ lowest:
 # Every Python that this machine has, from 3.11 on, each in an environment of its own.
 pythons:
 	$(PYTHON) tests/pythons.py build/pythons $(TOUCHING)
+
+# The digest of the catalogue's histories in all ways that this machine has: Pythons, versions, kinds of numbers, WebAssembly.
+same-bytes:
+	$(PYTHON) tests/same_bytes.py build/same-bytes
 
 # The distribution of sources, unpacked: its tests pass there, against the wheel that is built from it.
 sdist:

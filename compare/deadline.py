@@ -6,13 +6,14 @@ import signal
 import sys
 import threading
 import time as clock
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from types import FrameType
 from typing import TYPE_CHECKING
 
 from ..exact.numbers import ball
-from ..scenarios.errors import SceneError, TimeIsUp
+from ..scenarios.errors import SceneError, TimeIsUp, endable
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import OnProgress, Progress, Trajectory
@@ -23,19 +24,15 @@ AGAIN_SECONDS = 0.05
 NO_TIME = "not tried: the seconds (--max-seconds) are over"
 """What an experiment says for which there was no time."""
 
-_ROOT = __name__.rpartition(".compare")[0]
+WHOLE = tuple(
+    f"{__name__.rpartition('.compare')[0]}.{module}"
+    for module in ("compare.foreign.runs.recording", "scenarios.numbers.precision", "scenarios.errors")
+)
+"""What must not be stopped in the middle: what takes down an event, what gives flint's precision back, and what notes
+where a run can be ended."""
 
-ENGINES = (f"{_ROOT}.exact.", f"{_ROOT}.floating.", f"{_ROOT}.compare.foreign.")
-"""Where engines are: a function there that names `TimeIsUp` is a loop that catches it."""
-
-RECORDING = f"{_ROOT}.compare.foreign.runs.recording"
-"""What takes down a run must not be stopped in the middle of an event."""
-
-HOLDING = f"{_ROOT}.scenarios.numbers.precision"
-"""What holds flint's precision, and gives it back, must not be stopped on the way."""
-
-DROPPING = "mpmath."
-"""Whose code drops whatever is raised in some places (a bare `except`), and goes on with something else."""
+DROPPING = ("importlib", "mpmath.")
+"""Whose code must not be stopped either, or drops whatever is raised in some places and goes on with something else."""
 
 
 class OutOfTime(Exception):
@@ -109,12 +106,21 @@ class Clock:
         return checked
 
 
+_AT_WORK: ContextVar[Clock | None] = ContextVar("seconds", default=None)
+
+
+def clock_at_work() -> Clock | None:
+    """The seconds that whatever is at work here may take; None: no limit."""
+    return _AT_WORK.get()
+
+
 @contextmanager
 def time_limit(seconds: float | None, told: float | None = None) -> Iterator[Clock]:
     """Ends the runs of engines in its body after so many seconds, all told: they come back with a stop for BUDGET.
 
-    In the main thread, where the platform has timers, a run ends wherever it is. Elsewhere, and in pymunk, it ends
-    when it next tells its progress, for which it must be given `Clock.watched`.
+    In the main thread, where the platform has timers, a run of truebreak's own ends wherever it can be (`endable`).
+    Elsewhere, and in pymunk, it ends when it next tells its progress, for which it must be given `Clock.watched`. One
+    of somebody else's engine ends in any case (`foreign.isolation`).
 
     Raises:
         OutOfTime: if the seconds are over and there is no partial result, which is unlikely.
@@ -122,7 +128,7 @@ def time_limit(seconds: float | None, told: float | None = None) -> Iterator[Clo
     """
     watch = Clock(checked_seconds(seconds), told)
     try:
-        with _alarm(watch, _can_end):
+        with _alarm(watch, reading=False):
             yield watch
     except TimeIsUp as outcome:
         raise OutOfTime(str(outcome)) from None
@@ -141,7 +147,7 @@ def time_to_read(watch: Clock) -> Iterator[None]:
     try:
         if watch.over:
             raise watch.is_up()
-        with _alarm(watch, _can_drop):
+        with _alarm(watch, reading=True):
             yield
     except TimeIsUp as outcome:
         ball.use_bits(bits)
@@ -149,16 +155,27 @@ def time_to_read(watch: Clock) -> Iterator[None]:
 
 
 @contextmanager
-def _alarm(watch: Clock, ends: Callable[[FrameType | None], bool]) -> Iterator[None]:
+def _alarm(watch: Clock, *, reading: bool) -> Iterator[None]:
     """Raises `TimeIsUp` in its body when the seconds are over, at a place that can be ended."""
-    timers = hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread()
     seconds = watch.left()
-    if seconds is None or not timers:
+    if seconds is None:
         yield
         return
+    token = _AT_WORK.set(watch)
+    try:
+        if hasattr(signal, "setitimer") and threading.current_thread() is threading.main_thread():
+            with _timer(watch, seconds, reading):
+                yield
+        else:
+            yield
+    finally:
+        _AT_WORK.reset(token)
 
+
+@contextmanager
+def _timer(watch: Clock, seconds: float, reading: bool) -> Iterator[None]:
     def ring(number: int, frame: FrameType | None) -> None:
-        if watch.over and ends(frame):
+        if watch.over and _can_end(frame, anywhere=reading):
             raise watch.is_up()
 
     began = clock.monotonic()
@@ -173,32 +190,24 @@ def _alarm(watch: Clock, ends: Callable[[FrameType | None], bool]) -> Iterator[N
             signal.setitimer(signal.ITIMER_REAL, max(left - (clock.monotonic() - began), 0.001), interval)
 
 
-def _can_drop(frame: FrameType | None) -> bool:
-    """Whether nothing is under way in a frame that must be whole (an import, what C calls), or drops exceptions."""
-    while frame is not None:
-        module = str(frame.f_globals.get("__name__"))
-        if "pymunk" in module or module == HOLDING or module.startswith(("importlib", DROPPING)):
-            return False
-        frame = frame.f_back
-    return True
+def _can_end(frame: FrameType | None, *, anywhere: bool) -> bool:
+    """Whether `TimeIsUp`, raised in a frame, ends what is at work in good order.
 
-
-def _can_end(frame: FrameType | None) -> bool:
-    """Whether `TimeIsUp`, raised in a frame, reaches the loop of an engine that catches it, and is not caught yet.
-
-    Of what is outside of a loop there is no partial result. What C calls must not raise, for C code goes on, so
-    pymunk's engine is left to tell its progress.
+    Where a run is at work, the loop of its engine has to catch it (`endable`), and not to be at that yet: of what is
+    outside of a loop there is no partial result. Where something is read, any place will do. In neither may anything be
+    under way that must be whole, or drops exceptions; what C calls must not raise, for C code goes on, so pymunk's
+    engine is left to tell its progress.
     """
-    handled = sys.exc_info()[1]
+    handled = None if anywhere else sys.exc_info()[1]
     while handled is not None:
         if isinstance(handled, TimeIsUp):
             return False
         handled = handled.__context__
     while frame is not None:
         module = str(frame.f_globals.get("__name__"))
-        if "pymunk" in module or module in (RECORDING, HOLDING) or module.startswith(DROPPING):
+        if "pymunk" in module or module in WHOLE or module.startswith(DROPPING):
             return False
-        if module.startswith(ENGINES) and "TimeIsUp" in frame.f_code.co_names and frame.f_code.co_name != "<module>":
+        if not anywhere and frame in endable.frames:
             return True
         frame = frame.f_back
-    return False
+    return anywhere

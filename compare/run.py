@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .engines import engine as engine_named
+from .foreign.guard import run_guarded
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
@@ -28,7 +29,8 @@ def run(
         until, events, progress: see `Engine.run`.
 
     Raises:
-        SceneError: for an engine that is not known, and for a limit that is not above zero.
+        SceneError: for an engine that is not known, for a limit that is not above zero, and for what somebody else's
+            engine raises.
 
     >>> from truebreak.scenarios import Circle, Scene
     >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 1)])
@@ -36,4 +38,4 @@ def run(
     ('-sqrt(3) + 4', 2.267949192431123)
     """
     chosen = engine_named(engine) if isinstance(engine, str) else engine
-    return chosen.run(scene, until=until, events=events, progress=progress)
+    return run_guarded(chosen, scene, until=until, events=events, progress=progress)

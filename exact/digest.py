@@ -1,7 +1,10 @@
 """One digest of the histories of the catalogue, by which machines, versions and ways to run are compared.
 
 `python -m truebreak.exact.digest` prints it; with `--each` it prints that of every scene too. It is the same with and
-without compiled parts, whatever the hash seed, SymPy's numbers and the version of Python.
+without compiled parts, whatever the hash seed, SymPy's numbers and the version of Python. The exact engine asks nothing
+of SymPy while it runs; with `--sympy` it is the SymPy engine whose histories are taken, of scenes that it can follow.
+
+`python tests/same_bytes.py FOLDER` runs it in all the ways that a machine has, WebAssembly among them.
 """
 
 from __future__ import annotations
@@ -12,12 +15,18 @@ from collections.abc import Iterator, Sequence
 from hashlib import sha256
 
 from ..scenarios import catalogue
+from ..scenarios.engine import Engine
 from ..scenarios.numbers.real import Real
 from ..scenarios.trajectory import Trajectory
 from .engine import ExactEngine
 
 EVENTS = 120
 """Instants of each scene: all kinds of proof that the catalogue has come up by then."""
+
+LITERAL = ("lee", "cross", "pinball", "three-disc")
+"""Scenes that the SymPy engine follows in some seconds, with square roots, a tie and a wall, in so many instants:"""
+
+LITERAL_EVENTS = 3
 
 DIGITS = 30
 """Of each number: more than doubles have, so that an enclosure of another kind would show."""
@@ -47,10 +56,10 @@ def _digits(number: Real) -> str:
     return number.digits(DIGITS)
 
 
-def scene_digest(spec: str, events: int = EVENTS) -> tuple[int, str]:
-    """How many events a scene of the catalogue has by then, and SHA-256 of its history."""
+def scene_digest(spec: str, events: int = EVENTS, engine: Engine | None = None) -> tuple[int, str]:
+    """How many events a scene has by then, and SHA-256 of its history, in the exact engine if no other is given."""
     scene = catalogue.build(spec)
-    run = ExactEngine().run(scene, until=scene.until, events=min(events, scene.events or events))
+    run = (engine or ExactEngine()).run(scene, until=scene.until, events=min(events, scene.events or events))
     return len(run.events), sha256("\n".join(history_lines(run)).encode()).hexdigest()
 
 
@@ -61,11 +70,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     )
     parser.add_argument("scenes", nargs="*", help="of these scenes; by default of all of the catalogue")
     parser.add_argument("--each", action="store_true", help="print the digest of every scene too")
+    parser.add_argument("--sympy", action="store_true", help="by the SymPy engine, by default of a few scenes")
     options = parser.parse_args(arguments)
-    specs = options.scenes or catalogue.names()
+    specs, events, engine = options.scenes or catalogue.names(), EVENTS, None
+    if options.sympy:
+        from .literal.engine import SymbolicEngine
+
+        specs, events, engine = options.scenes or LITERAL, LITERAL_EVENTS, SymbolicEngine()
     whole, total = sha256(), 0
     for spec in specs:
-        count, told = scene_digest(spec)
+        count, told = scene_digest(spec, events, engine)
         total += count
         whole.update(f"{spec} {told}\n".encode())
         if options.each:

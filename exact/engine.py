@@ -10,7 +10,7 @@ from operator import lt
 from flint import arb
 
 from ..scenarios.engine import Declared
-from ..scenarios.errors import SceneError, TimeIsUp
+from ..scenarios.errors import SceneError, TimeIsUp, endable
 from ..scenarios.event import Event, Pocketing, Reversal
 from ..scenarios.lazy.late import Late
 from ..scenarios.numbers.precision import check_doubles
@@ -155,7 +155,8 @@ class ExactEngine(Declared):
         except FORGED:
             raise SceneError(NOT_ITS_LOG) from None
         try:
-            again = self._run(run.scene, limits, None, progress, take_up if known else None)
+            with endable():
+                again = self._run(run.scene, limits, None, progress, take_up if known else None)
         except (Undecided, BudgetSpent):
             again = self._run(run.scene, limits, None, progress)
         except KeyboardInterrupt:

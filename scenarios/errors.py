@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import sys
+from types import FrameType
+from typing import ClassVar
+
 
 class SceneError(ValueError):
     """A scene, a number or a setting that cannot be used.
@@ -23,3 +27,24 @@ class Disturbed(RuntimeError):
 class TimeIsUp(BaseException):
     """The seconds that the user allowed a whole run are over. Like an interruption, it may come anywhere; engines
     end their runs at what is whole by then."""
+
+
+class endable:  # a function to whoever calls it
+    """`with endable():` in the body `TimeIsUp` may come at any place, since the engine around it catches that.
+
+    An alarm that rings elsewhere is let be, and rings again.
+
+    Attributes:
+        frames: whose bodies are at work now.
+    """
+
+    frames: ClassVar[set[FrameType]] = set()
+
+    __slots__ = ("_frame",)
+
+    def __enter__(self) -> None:
+        self._frame = sys._getframe(1)  # pyright: ignore[reportPrivateUsage]
+        endable.frames.add(self._frame)
+
+    def __exit__(self, *_: object) -> None:
+        endable.frames.discard(self._frame)

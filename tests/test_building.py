@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from truebreak.exact.compiled import predictions
-from truebreak.tools.building import repacked
+from truebreak.tools.building import packages, repacked
 
 ROOT = Path(__file__).resolve().parent.parent
 LEFT = shutil.ignore_patterns(
@@ -37,9 +37,10 @@ LEFT = shutil.ignore_patterns(
 CODE = """\
 import sys
 from setuptools import build_meta
-build_meta.build_wheel(sys.argv[1])
-if sys.argv[2:]:
-    build_meta.build_sdist(sys.argv[1])
+_, place, *also = sys.argv  # which setuptools changes
+build_meta.build_wheel(place)
+if also:
+    build_meta.build_sdist(place)
 """
 
 
@@ -47,7 +48,7 @@ def built(folder: Path, *also: str, time: int, **environment: str) -> dict[str, 
     """What is built from a copy of the sources, whose files are all of one time."""
     copy, out = folder / "sources", folder / "out"
     shutil.copytree(ROOT, copy, ignore=LEFT)
-    out.mkdir()
+    out.mkdir(parents=True)
     for path in copy.rglob("*"):
         os.utime(path, (time, time))
     command = [sys.executable, "-c", CODE, str(out), *also]
@@ -73,13 +74,27 @@ def test_two_builds_are_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_a_wheel_without_compiled_parts_is_of_any_platform(tmp_path: Path) -> None:
-    ((name, data),) = built(tmp_path, time=1_600_000_000, TRUEBREAK_PURE_PYTHON="1").items()
+    """And two builds of it, and of the sources, are the same bytes."""
+    pure = {"TRUEBREAK_PURE_PYTHON": "1", "SOURCE_DATE_EPOCH": "1700000000"}
+    first, second = (built(tmp_path / name, "sdist", time=time, **pure) for name, time in (("a", 10**9), ("bb", 2**30)))
+    assert len(first) == 2
+    assert first == second
+    ((name, data),) = ((name, data) for name, data in first.items() if name.endswith(".whl"))
     assert name.endswith("-py3-none-any.whl")
     with zipfile.ZipFile(io.BytesIO(data)) as wheel:
         assert not any(entry.endswith((".so", ".pyd")) for entry in wheel.namelist())
         (told,) = [wheel.read(entry).decode() for entry in wheel.namelist() if entry.endswith(".dist-info/WHEEL")]
         assert "Root-Is-Purelib: true" in told
         assert "truebreak/exact/engine.py" in wheel.namelist()
+
+
+def test_a_new_folder_is_a_package_without_being_listed(tmp_path: Path) -> None:
+    for place in ("exact", "exact/new", "exact/new/within", "face", "exact/data"):
+        (tmp_path / place).mkdir()
+        if place != "exact/data":
+            (tmp_path / place / "__init__.py").touch()
+    folders = {"truebreak": str(tmp_path / "face"), "truebreak.exact": str(tmp_path / "exact")}
+    assert packages(folders) == ["truebreak", "truebreak.exact", "truebreak.exact.new", "truebreak.exact.new.within"]
 
 
 def packed(names: list[str], time: int, owner: str, mode: int) -> bytes:

@@ -1,4 +1,5 @@
-"""Builds distributions: the same sources give the same bytes, and a wheel without compiled parts is tagged so.
+"""Builds distributions: all packages that there are, the same bytes from the same sources, and a wheel without compiled
+parts is tagged so.
 
 setuptools takes these commands from pyproject.toml. With SOURCE_DATE_EPOCH, which setuptools minds in wheels, what is
 archived bears that time; with TRUEBREAK_PURE_PYTHON nothing is compiled.
@@ -9,12 +10,14 @@ from __future__ import annotations
 import gzip
 import os
 import tarfile
+from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_ext import build_ext
+from setuptools.command.build_py import build_py
 from setuptools.command.sdist import sdist
 
 COMPILED = (".so", ".pyd")
@@ -28,6 +31,28 @@ class Extensions(build_ext):
         if os.environ.get("TRUEBREAK_PURE_PYTHON"):
             self.extensions = []
         super().run()
+
+
+class Packages(build_py):
+    """Every package that there is: a new folder needs to be listed nowhere."""
+
+    def finalize_options(self) -> None:
+        """As `build_py.finalize_options`."""
+        self.distribution.packages = packages(self.distribution.package_dir or {})
+        super().finalize_options()
+
+
+def packages(folders: Mapping[str, str]) -> list[str]:
+    """The names of the folders that hold an `__init__.py`, in order.
+
+    Args:
+        folders: where packages lie whose names do not say it, as `[tool.setuptools.package-dir]` has them.
+    """
+    return sorted(
+        ".".join([name, *path.parent.relative_to(folder).parts])
+        for name, folder in folders.items()
+        for path in Path(folder).rglob("__init__.py")
+    )
 
 
 class Wheel(bdist_wheel):

@@ -15,17 +15,19 @@ from typing import TYPE_CHECKING
 from ...scenarios.lazy.names import handed_on
 
 if TYPE_CHECKING:
+    from .isolation import isolated
     from .log import read_log
     from .log_engine import LogEngine
     from .runs.recorded import RecordedEngine
     from .runs.recording import Recording
 
-__all__ = ["LogEngine", "RecordedEngine", "Recording", "read_log"]
+__all__ = ["LogEngine", "RecordedEngine", "Recording", "isolated", "read_log"]
 
 _HOMES = {
     "LogEngine": "log_engine",
     "RecordedEngine": "runs.recorded",
     "Recording": "runs.recording",
+    "isolated": "isolation",
     "read_log": "log",
 }
 

@@ -9,9 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ...scenarios.errors import SceneError, TimeIsUp
+from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import Trajectory
 from ..validation import EngineError, check_engine
 
@@ -48,30 +49,36 @@ def run_guarded(
 ) -> Trajectory:
     """A run of an engine. One of truebreak's own is left to itself.
 
+    Somebody else's is made in a process of its own where that is asked for, or where seconds or memory are limited.
+
     Raises:
-        EngineError: if somebody else's raises what is neither a `SceneError` nor an interruption.
+        EngineError: if somebody else's raises what is neither a `SceneError` nor an interruption, or does not survive.
         TimeIsUp: where the seconds of a `time_limit` around it are over, and it has no end of its own.
     """
     if is_own(engine):
         return engine.run(scene, until=until, events=events, progress=progress)
-    return _run_of_another(engine, scene, until, events, progress)
+    from .isolation import Apart, run_apart  # here, since runs of truebreak's own need none of what that imports
+
+    apart = Apart.wanted()
+    if apart is None:
+        told = _run_of_another(engine, scene, until, events, progress)
+    else:
+        told = run_apart(partial(_run_of_another, engine, scene, until, events), engine.name, scene, progress, apart)
+    if isinstance(told, Trajectory) and not _of_truebreak(type(told.motion)):
+        return replace(told, motion=GuardedMotion(engine, told.motion, scene.ids[: len(scene.circles)]))
+    return told
 
 
 def _run_of_another(
     engine: Engine, scene: Scene, until: QuantityLike | None, events: int | None, progress: OnProgress | None
-) -> Trajectory:
-    """Somebody else's run. Apart from `run_guarded`, since a function that names `TimeIsUp` is one to be ended."""
+) -> Any:
+    """What somebody else's run gives."""
     try:
-        told: Any = engine.run(scene, until=until, events=events, progress=progress)
-    except TimeIsUp:
-        raise
+        return engine.run(scene, until=until, events=events, progress=progress)
     except SceneError:
         raise
     except (Exception, SystemExit) as error:
         raise _raised(engine, "run", error) from error
-    if isinstance(told, Trajectory) and not _of_truebreak(type(told.motion)):
-        return replace(told, motion=GuardedMotion(engine, told.motion, scene.ids[: len(scene.circles)]))
-    return told
 
 
 def _of_truebreak(kind: type) -> bool:

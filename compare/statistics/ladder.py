@@ -13,6 +13,7 @@ from ...scenarios.engine import DEFAULT_EVENTS
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason
 from ..engines import engine as engine_named
+from ..foreign.guard import run_guarded
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -164,10 +165,12 @@ def approximate(quantity: Measured, scenes: Sequence[Scene], events: Sequence[in
 def _run(engine: Engine, scene: Scene, until: int | None, events: int | None) -> Trajectory:
     """A run to a time; or, without one, to its quiet end or its return; with at most so many events."""
     if scene.reverse_after is None:
-        return engine.run(scene, until=until, events=DEFAULT_EVENTS if until is None and events is None else events)
+        return run_guarded(
+            engine, scene, until=until, events=DEFAULT_EVENTS if until is None and events is None else events
+        )
     if events is None:
-        return engine.run(scene)
-    turned = engine.run(scene, events=scene.reverse_after + 1).reversal
+        return run_guarded(engine, scene)
+    turned = run_guarded(engine, scene, events=scene.reverse_after + 1).reversal
     if turned is None:
         raise SceneError(f"{scene.name!r}: engine {engine.name!r} does not turn back")
-    return engine.run(scene, until=2 * float(turned.time), events=events)
+    return run_guarded(engine, scene, until=2 * float(turned.time), events=events)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from ...scenarios.files.disk import held
+from ...scenarios.files.disk import Lines
 from .rows.cell import StressRow
 from .table import family
 
@@ -51,8 +50,8 @@ class Store:
         self.path, self._places, self._writes = path, places, settings is not None
         self.settings: dict[str, Any] = json.loads(json.dumps(settings or {}))
         self.rows: list[StressRow] = []
-        self._sum, self._whole = "", 0
-        self._held: BinaryIO | None = None
+        self._sum = ""
+        self._lines: Lines | None = None
         if path is not None:
             with self._told():
                 self._open(Path(path))
@@ -61,37 +60,29 @@ class Store:
         if path.exists() and not path.is_file():
             raise SceneError(f"--store {self.path!r}: is no regular file; choose another")
         if self._writes:
-            path.touch()
-            self._held = held(path)
-            if self._held is None:
-                raise SceneError(
-                    f"--store {self.path!r}: another process writes there; let it end, or choose another file"
-                )
-        data = path.read_bytes() if path.exists() else b""
-        if self._writes:
+            self._lines = Lines(path)
             head = self._line({"format": FORMAT, "settings": self.settings})
-            if head.startswith(data):
-                path.write_bytes(head)
-                self._whole = len(head)
+            if not self._lines.whole and head.startswith(self._lines.rest):
+                self._lines.add(head)
                 return
-        elif not data:
+            self._sum = ""
+            self._read(self._lines.whole)
+            return
+        data = path.read_bytes() if path.exists() else b""
+        if not data:
             raise SceneError(f"--store {self.path!r}: there is no such file, or nothing in it")
-        self._sum = ""
-        self._read(data)
-        if self._writes and self._whole < len(data):
-            os.truncate(path, self._whole)
+        self._read(data.split(b"\n")[:-1])
 
-    def _read(self, data: bytes) -> None:
+    def _read(self, lines: Sequence[bytes]) -> None:
         """Takes up what a file holds."""
-        for number, line in enumerate(data.split(b"\n")[:-1], start=1):
+        for number, line in enumerate(lines, start=1):
             told = self._said(line, number)
             if number == 1:
                 self._agree(told)
             else:
                 self._check(told, number)
                 self.rows.append(told)
-            self._whole += len(line) + 1
-        if not self._whole:
+        if not lines:
             raise self._foreign()
 
     def _foreign(self) -> SceneError:
@@ -146,12 +137,14 @@ class Store:
         Raises:
             SceneError: if it cannot be written; what was there stays.
         """
-        if self.path is not None:
-            with self._told(), Path(self.path).open("r+b") as file:
-                file.seek(self._whole)
-                self._whole += file.write(self._line(row))
-                file.flush()
-                os.fsync(file.fileno())
+        if self._lines is not None:
+            before = self._sum
+            try:
+                with self._told():
+                    self._lines.add(self._line(row))
+            except BaseException:
+                self._sum = before
+                raise
         self.rows.append(row)
 
     @contextmanager
@@ -159,6 +152,8 @@ class Store:
         """Turns the file system's errors into one line."""
         try:
             yield
+        except BlockingIOError as error:
+            raise SceneError(f"--store {self.path!r}: {error}") from None
         except OSError as error:
             raise SceneError(
                 f"--store {self.path!r}: {error.strerror or error}; mend that, and call again: what is in it stays"

@@ -25,7 +25,7 @@ from typing import Any
 from sympy import Expr, Integer
 
 from ...scenarios.engine import SCENE_KEYS, Declared, horizon
-from ...scenarios.errors import SceneError, TimeIsUp
+from ...scenarios.errors import SceneError, TimeIsUp, endable
 from ...scenarios.event import Contact, Event, Reversal, Tie, TieProof
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.scene import Scene
@@ -134,7 +134,8 @@ class _Run:
     def _played(self) -> Stop:
         """Runs, and says why it ended."""
         try:
-            return self._run()
+            with endable():
+                return self._run()
         except SymbolicUndecided as error:
             return self._stop(StopReason.UNDECIDED, str(error))
         except UnendingCollision as error:

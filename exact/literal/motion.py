@@ -5,15 +5,16 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING, Any
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.numbers.real import Real
 from .laws import Disc
 from .sign import normal, quantity, sign
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,8 @@ class SymbolicMotion:
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
         """Shape (times, circles, 4): the same as doubles, flights computed in doubles."""
         starts = [float(quantity(begun)) for begun in self.starts]
+        import numpy as np  # here, since nothing else of this engine does: it runs where there is none
+
         legs = np.array([[[float(quantity(n)) for n in (d.x, d.y, d.vx, d.vy)] for d in leg] for leg in self.legs])
         places = [max(bisect_right(starts, time) - 1, 0) for time in times]
         found = legs[places].copy()

@@ -16,7 +16,7 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from math import inf
 from typing import Generic
 
-from ...scenarios.errors import TimeIsUp
+from ...scenarios.errors import TimeIsUp, endable
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import N
@@ -89,23 +89,24 @@ class Loop(Generic[N, K]):
     def _run(self, taken_up: bool) -> Stop | tuple[StopReason, str]:
         """Runs to the end; where it is cut short, gives why. Alarms rise only below this."""
         try:
-            if not taken_up:
-                self._predict(list(self.decider.bodies.values()), self._open())
-            while True:
-                self._stride()
-                stop = self._limit_on_events()
-                if stop is not None:
-                    return stop
-                self._look()
-                found = self.gatherer.gather(self._instants)
-                if isinstance(found, Stop):
-                    return found
-                if found is not None:
-                    self.tape.add(found, whole=self._strides() is not None)
-                    done = self._resolve(found)
-                    if done.moved:
-                        self._predict([self.decider.bodies[i] for i in sorted(done.moved)], self._standing(done))
-                self._report()
+            with endable():
+                if not taken_up:
+                    self._predict(list(self.decider.bodies.values()), self._open())
+                while True:
+                    self._stride()
+                    stop = self._limit_on_events()
+                    if stop is not None:
+                        return stop
+                    self._look()
+                    found = self.gatherer.gather(self._instants)
+                    if isinstance(found, Stop):
+                        return found
+                    if found is not None:
+                        self.tape.add(found, whole=self._strides() is not None)
+                        done = self._resolve(found)
+                        if done.moved:
+                            self._predict([self.decider.bodies[i] for i in sorted(done.moved)], self._standing(done))
+                    self._report()
         except Undecided as outcome:
             return StopReason.UNDECIDED, str(outcome)
         except (BudgetSpent, TimeIsUp) as outcome:

@@ -159,6 +159,54 @@ def held(path: Path) -> BinaryIO | None:
     return file
 
 
+class Lines:
+    """A file of lines to which whole ones are added, by one process at a time.
+
+    Only its end may be missing, in the middle of a line: that is what a kill or a full disk leaves. It stays until the
+    next line takes its place, since the file may be somebody else's.
+
+    Args:
+        path: the file, which is made if it is not there.
+
+    Attributes:
+        whole: the lines that are there, without their ends.
+        rest: what comes after the last of them.
+
+    Raises:
+        BlockingIOError: if another process has it.
+        OSError: if it cannot be opened.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        path.touch()
+        self._held = held(path)
+        if self._held is None:
+            raise BlockingIOError("another process writes there; let it end, or choose another file")
+        *self.whole, self.rest = path.read_bytes().split(b"\n")
+        self._size = sum(len(line) + 1 for line in self.whole)
+
+    def add(self, line: bytes) -> None:
+        """Adds a line, which ends with its end: on disk when this returns.
+
+        Raises:
+            OSError: if it cannot be written; what was there stays, and nothing of the line.
+        """
+        with self._path.open("r+b", buffering=0) as file:
+            try:
+                file.seek(self._size)
+                left = memoryview(line)
+                while left:
+                    left = left[file.write(left) :]
+                file.truncate()
+                os.fsync(file.fileno())
+            except BaseException:
+                with contextlib.suppress(OSError):
+                    file.truncate(self._size)
+                raise
+        self._size += len(line)
+
+
 def _sync_folder(folder: Path) -> None:
     """Has the move itself on disk; not every system lets a folder be opened for that."""
     with contextlib.suppress(OSError):

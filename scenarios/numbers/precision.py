@@ -31,6 +31,12 @@ class _Holder:
 _holder = _Holder()
 
 
+def without_other_threads() -> None:
+    """To be called in a copy of a process: the precision that another thread held is nobody's here, who has it not."""
+    if _holder.thread != get_ident():
+        _holder.lock, _holder.thread, _holder.bits = Lock(), 0, 0
+
+
 class at_bits:  # a function to whoever calls it
     """`with at_bits(n)`: what is computed in balls inside is rounded to n bits; afterwards all is as it was.
 

@@ -26,6 +26,12 @@ def test_the_digest_is_the_same_pure_and_compiled_and_under_every_seed_and_kind_
     assert told(PYTHONHASHSEED="2", TRUEBREAK_PURE_PYTHON="", SYMPY_GROUND_TYPES="flint", LC_ALL="C") == first
 
 
+def test_the_sympy_engines_digest_is_the_same_in_every_kind_of_number() -> None:
+    """It counts in them, where the exact engine asks SymPy for nothing."""
+    first = told("--sympy", "lee", "cross", PYTHONHASHSEED="0", SYMPY_GROUND_TYPES="python")
+    assert told("--sympy", "lee", "cross", PYTHONHASHSEED="1", SYMPY_GROUND_TYPES="flint") == first
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("pure", ["", "1"])
 @pytest.mark.parametrize("kind", ["python", "gmpy", "flint"])

@@ -101,6 +101,39 @@ SECONDS = click.option(
     metavar="S",
     help="End a run after S seconds, show what it has by then, and exit with 4.",
 )
+
+
+def _isolated(context: click.Context, parameter: click.Parameter, given: bool | int | None) -> None:
+    """Isolates what is run until the command ends."""
+    if not given or context.resilient_parsing:
+        return
+    from ...foreign.isolation import isolated
+
+    context.with_resource(isolated(max_memory=None if given is True else int(given)))
+
+
+def isolating(command: Callable[..., int]) -> Callable[..., int]:
+    """Gives a command that runs engines the options that isolate those which are not truebreak's own."""
+    isolate = click.option(
+        "--isolate",
+        is_flag=True,
+        expose_value=False,
+        callback=_isolated,
+        help="Run engines that are not truebreak's own in a process of their own, which is ended if it does not end, "
+        "forks, or takes too much memory. A limit of seconds does so too.",
+    )
+    memory = click.option(
+        "--max-memory",
+        type=Whole(1),
+        expose_value=False,
+        callback=_isolated,
+        metavar="MB",
+        help="--isolate, and let such a process take so many megabytes more than truebreak has; "
+        "else half of the machine's memory.",
+    )
+    return isolate(memory(command))
+
+
 SYMMETRIC = click.option(
     "--symmetric",
     is_flag=True,
@@ -129,6 +162,7 @@ HELD_AGAINST = (
     SECONDS,
     SYMMETRIC,
     NO_CACHE,
+    isolating,
     JSON,
     HTML,
     CERTIFY,

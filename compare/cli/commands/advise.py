@@ -8,7 +8,7 @@ import click
 
 from ..arguments import completion
 from ..arguments.numbers import Whole
-from ..arguments.options import JSON, SCENE, SCENE_HELP, UNTIL, WithDefault, one_engine
+from ..arguments.options import JSON, SCENE, SCENE_HELP, UNTIL, WithDefault, isolating, one_engine
 from ..exit_codes import DONE, ExitCode
 
 if TYPE_CHECKING:
@@ -87,6 +87,7 @@ def _default_budget() -> str:
     shell_complete=completion.folders,
     help="Write the scenes beside this one there, as perturbed-N.toml.",
 )
+@isolating
 @JSON
 def advise(
     scene: str,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 from ..arguments.numbers import Whole
-from ..arguments.options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, a_file, some_engines
+from ..arguments.options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, a_file, isolating, some_engines
 from ..exit_codes import of_stop
 
 EPILOG = f"""
@@ -38,6 +38,7 @@ Examples:
 )
 @click.option("--no-run", is_flag=True, help="Foresee only: do not run the engines to show what happens.")
 @REVERSE
+@isolating
 @JSON
 @a_file("--html", help="Also write the measurement as one offline HTML file.")
 def chaos(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..arguments.numbers import Seconds, Whole
-from ..arguments.options import EVENTS, SCENE, SCENE_HELP, UNTIL, WithDefault, a_file, one_engine
+from ..arguments.options import EVENTS, SCENE, SCENE_HELP, UNTIL, WithDefault, a_file, isolating, one_engine
 from ..exit_codes import DONE, ExitCode
 
 if TYPE_CHECKING:
@@ -60,6 +60,7 @@ def _default_runs() -> str:
     metavar="S",
     help="End after about S seconds with the smallest scene by then, and exit with 4.",
 )
+@isolating
 def minimise(
     scene: str,
     engine_text: str,

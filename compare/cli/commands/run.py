@@ -18,6 +18,7 @@ from ..arguments.options import (
     UNTIL,
     WORK,
     a_file,
+    isolating,
     one_engine,
     refuse_beside,
     required,
@@ -34,6 +35,7 @@ from ..exit_codes import of_stop
 @UNTIL
 @EVENTS
 @click.option("--exact", is_flag=True, help="Give every time and coordinate as exact text too.")
+@isolating
 @JSON
 @a_file("--certificate", help="Also write a certificate that `truebreak verify` checks.")
 @a_file("--save", help="Also save the run, or what there is of it, for `truebreak.load_run`.")

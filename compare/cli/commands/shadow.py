@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..arguments.options import EVENTS, JSON, SCENE, SCENE_HELP, a_file, one_engine
+from ..arguments.options import EVENTS, JSON, SCENE, SCENE_HELP, a_file, isolating, one_engine
 from ..exit_codes import DONE, ExitCode
 
 EPILOG = f"""
@@ -29,6 +29,7 @@ Exit codes:
 @EVENTS
 @click.option("--longest", is_flag=True, help="Where none is found, look for one of ever shorter beginnings.")
 @a_file("--write", "out", help="Write the start that was found as a scene (TOML).")
+@isolating
 @JSON
 def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out: str | None, as_json: bool) -> int:
     """Ask whether a wrong run is the true history of a nearby start.

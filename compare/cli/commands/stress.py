@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..arguments.numbers import Whole
-from ..arguments.options import JSON, WithDefault, a_file, some_engines
+from ..arguments.options import JSON, WithDefault, a_file, isolating, some_engines
 from ..exit_codes import DONE, ExitCode
 from ..progress import duration, showing
 
@@ -56,6 +56,7 @@ def _default_engines() -> str:
 @click.option("--show", type=Whole(), metavar="K", help="Print the scene of one place (TOML), and run nothing.")
 @click.option("--side", metavar="NAME", help="For --show: which of the family's variants; else its first.")
 @click.option("--seed", type=Whole(), metavar="N", help="For --show: of what is drawn; else the family's first.")
+@isolating
 @JSON
 def stress(
     families: tuple[str, ...],

@@ -10,7 +10,7 @@ import click
 
 from ..arguments import completion
 from ..arguments.numbers import Seconds
-from ..arguments.options import JSON, a_file, some_engines
+from ..arguments.options import JSON, a_file, isolating, some_engines
 from ..exit_codes import DONE, ExitCode
 from ..progress import duration, showing
 
@@ -62,6 +62,7 @@ Examples:
 )
 @click.option("--only-changes", is_flag=True, help="With --against: exit with 1 if anything changed, else with 0.")
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one engine on one scene may take.")
+@isolating
 @JSON
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 whatever diverged, breaks a law, or changed.")
 def suite(
@@ -108,6 +109,7 @@ def suite(
 @a_file("--store", help="Keep each row in this file as soon as it is made, and make none that it has.")
 @a_file("--from", "recorded", multiple=True, help="Run nothing: show what --json has written.")
 @a_file("--page", help="Write the survey as a page in Markdown.")
+@isolating
 @JSON
 def survey(
     engines: str,

@@ -11,7 +11,7 @@ import click
 
 from ..arguments import completion
 from ..arguments.numbers import Whole
-from ..arguments.options import EVENTS, JSON, SCENE_HELP, WORK, a_file, some_engines
+from ..arguments.options import EVENTS, JSON, SCENE_HELP, WORK, a_file, isolating, some_engines
 from ..exit_codes import DONE, ExitCode
 from ..progress import duration, showing
 
@@ -78,6 +78,7 @@ ended it.
 )
 @a_file("--svg", help="Draw how long each engine's histories stay true, as one SVG file.")
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
+@isolating
 @JSON
 def sweep(
     scene: str | None,

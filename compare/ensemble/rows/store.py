@@ -20,11 +20,11 @@ SETTINGS = ("scene", "vary", "engines", "events", "outcomes", "causes", "work", 
 """What a sweep asks for, as a store keeps it: see `Sweep.settings`."""
 
 TABLES = """
-CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE rows (scene INTEGER NOT NULL, engine INTEGER NOT NULL, row TEXT NOT NULL, digest TEXT NOT NULL,
-                   PRIMARY KEY (scene, engine));
-CREATE TABLE times (scene INTEGER PRIMARY KEY, seconds REAL NOT NULL);
-CREATE TABLE failures (scene INTEGER NOT NULL, attempt INTEGER NOT NULL, note TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS rows (scene INTEGER NOT NULL, engine INTEGER NOT NULL, row TEXT NOT NULL,
+                                 digest TEXT NOT NULL, PRIMARY KEY (scene, engine));
+CREATE TABLE IF NOT EXISTS times (scene INTEGER PRIMARY KEY, seconds REAL NOT NULL);
+CREATE TABLE IF NOT EXISTS failures (scene INTEGER NOT NULL, attempt INTEGER NOT NULL, note TEXT NOT NULL);
 """
 
 
@@ -42,26 +42,31 @@ class Store:
 
     def __init__(self, path: str, settings: Mapping[str, Any] | None) -> None:
         self.path = path
-        fresh = path == ":memory:" or not Path(path).exists() or Path(path).stat().st_size == 0
-        if fresh and settings is None:
-            there = "the file is empty" if Path(path).exists() else "there is no such file"
-            raise SceneError(f"--store {path!r}: {there}; give a scene to make one")
-        if Path(path).is_dir():
-            raise SceneError(f"--store {path!r}: is a folder; name a file in it")
-        if not Path(path).parent.is_dir():
-            raise SceneError(f"--store {path!r}: there is no folder {str(Path(path).parent)!r}; create it first")
+        with self._told():
+            self._check_place(settings)
         with self._told():
             self.base = sqlite3.connect(path if settings is not None else f"{Path(path).absolute().as_uri()}?mode=rw",
                                         uri=settings is None)  # fmt: skip
             if settings is None:
                 self.base.execute("PRAGMA query_only = ON")
-            if fresh and settings is not None:
-                with self.base:
-                    self.base.executescript("BEGIN;" + TABLES)
+            if settings is not None and not self.base.execute("SELECT count(*) FROM sqlite_master").fetchone()[0]:
+                with self.base:  # as nothing is in it: it is new, or a kill came before it was made
+                    self.base.executescript("BEGIN IMMEDIATE;" + TABLES)  # another process may have made it meanwhile
                     text = _text(settings)
                     known = {"format": FORMAT, "settings": text, "digest": _digest(text)}
-                    self.base.executemany("INSERT INTO meta VALUES (?, ?)", known.items())
+                    self.base.executemany("INSERT OR IGNORE INTO meta VALUES (?, ?)", known.items())
         self.settings = self._checked(settings)
+
+    def _check_place(self, settings: Mapping[str, Any] | None) -> None:
+        path = Path(self.path)
+        fresh = self.path == ":memory:" or not path.exists() or path.stat().st_size == 0
+        if fresh and settings is None:
+            there = "the file is empty" if path.exists() else "there is no such file"
+            raise SceneError(f"--store {self.path!r}: {there}; give a scene to make one")
+        if path.is_dir():
+            raise SceneError(f"--store {self.path!r}: is a folder; name a file in it")
+        if not path.parent.is_dir():
+            raise SceneError(f"--store {self.path!r}: there is no folder {str(path.parent)!r}; create it first")
 
     def _checked(self, settings: Mapping[str, Any] | None) -> dict[str, Any]:
         with self._told():
@@ -83,9 +88,11 @@ class Store:
 
     @contextmanager
     def _told(self) -> Iterator[None]:
-        """Turns SQLite's errors into one line."""
+        """Turns errors of SQLite and of the file system into one line."""
         try:
             yield
+        except OSError as error:
+            raise SceneError(f"--store {self.path!r}: {error.strerror or error}; choose another file") from None
         except sqlite3.OperationalError as error:
             if "no such" in str(error):
                 raise SceneError(

@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ....scenarios.engine import SCENE_KEYS, Engine, Unchangeable, horizon
-from ....scenarios.errors import TimeIsUp
+from ....scenarios.errors import TimeIsUp, endable
 from .recording import Recording
 
 if TYPE_CHECKING:
@@ -77,7 +77,8 @@ class Playing(Unchangeable, ABC):
             progress=progress,
         )
         try:
-            self.play(scene, recording)
+            with endable():
+                self.play(scene, recording)
         except TimeIsUp as outcome:
             recording.spent(str(outcome))
         if recording.open:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from ....scenarios.errors import SceneError
+from ....scenarios.files.disk import Lines
 from ....scenarios.lazy.version import VERSION
 from ....scenarios.scene import Scene
 from ...scene_argument import scene_from
@@ -31,7 +31,7 @@ class SurveyStore:
     """A file with rows of a survey, to which more are added.
 
     A row is taken from it where the engine, its version, its settings and the scene are what they are today; one that
-    is damaged, as by a kill in the middle of writing it, is made again.
+    is damaged is made again, and what a kill left of a line is written over. One process writes at a time.
 
     Args:
         path: the file; made if it is not there.
@@ -47,14 +47,18 @@ class SurveyStore:
     def __init__(self, path: str, settings: Mapping[str, Any]) -> None:
         self.path = path
         self.entries: dict[tuple[str, str], SurveyEntry] = {}
+        head = _line({"schema": FORMAT, **settings})
         try:
-            lines = Path(path).read_text(encoding="utf-8", errors="replace").splitlines() if Path(path).exists() else []
-            if not lines:
-                self._write({"schema": FORMAT, **settings})
+            self._lines = Lines(Path(path))
+            lines = [line.decode("utf-8", "replace") for line in self._lines.whole]
+            if not lines and head.startswith(self._lines.rest):
+                self._lines.add(head)
+                return
+        except BlockingIOError as error:
+            raise self._refused(str(error)) from None
         except OSError as error:
             raise self._refused(f"{error.strerror}; choose another place") from None
-        if lines:
-            self._check(lines[0], settings)
+        self._check(lines[0] if lines else "", settings)
         scenes = {label: scene_from(task.scene) for label, task in SCENES.items()}
         for line in lines[1:]:
             entry = _entry_of(line, path, scenes)
@@ -77,21 +81,10 @@ class SurveyStore:
             "advice": None if entry.advice is None else entry.advice.data(),
         }
         try:
-            self._write(row)
+            self._lines.add(_line(row))
         except OSError as error:
             raise self._refused(f"{error.strerror}; make room: what is in it stays") from None
         self.entries[entry.label, entry.name] = entry
-
-    def _write(self, data: Mapping[str, Any]) -> None:
-        with Path(self.path).open("a+b") as file:
-            file.seek(0, os.SEEK_END)
-            if file.tell():
-                file.seek(-1, os.SEEK_END)
-                if file.read(1) != b"\n":
-                    file.write(b"\n")
-            file.write(json.dumps(data, allow_nan=False).encode("utf-8") + b"\n")
-            file.flush()
-            os.fsync(file.fileno())
 
     def _check(self, line: str, settings: Mapping[str, Any]) -> None:
         head = _object(line)
@@ -105,6 +98,10 @@ class SurveyStore:
 
     def _refused(self, told: str) -> SceneError:
         return SceneError(f"--store {self.path!r}: {told}")
+
+
+def _line(data: Mapping[str, Any]) -> bytes:
+    return json.dumps(data, allow_nan=False).encode("utf-8") + b"\n"
 
 
 def _entry_of(line: str, path: str, scenes: Mapping[str, Scene]) -> SurveyEntry | None:

@@ -24,6 +24,8 @@ from truebreak.compare.saved.runs import save_run
 from truebreak.compare.stress.plan import carry_out
 from truebreak.compare.stress.plan import plan as stress_plan
 from truebreak.compare.stress.store import Store as StressStore
+from truebreak.compare.suites.survey import survey
+from truebreak.compare.suites.surveys.survey_store import SurveyStore, survey_settings
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.files.disk import UNFINISHED
 
@@ -140,6 +142,32 @@ def test_a_store_of_a_stress_map(kills: int, tmp_path: Path) -> None:
 
     withstands(write, check, kills, 2)
     write()
+    assert path.read_bytes() == whole
+
+
+def test_a_store_of_a_survey(kills: int, tmp_path: Path) -> None:
+    """The bytes that are there are those of one that was never killed, as far as they go."""
+    settings = survey_settings(causes=False, advice=False, max_seconds=None)
+    found = survey(["double", "quad", "single"], ["lee", "near-tie"], causes=False, advice=False)
+
+    def write(path: Path) -> None:
+        store = SurveyStore(str(path), settings)
+        for entry in found.entries:
+            if (entry.label, entry.name) not in store.entries:
+                store.add(entry)
+
+    write(tmp_path / "whole.jsonl")
+    whole = (tmp_path / "whole.jsonl").read_bytes()
+    path = tmp_path / "rows.jsonl"
+
+    def check() -> None:
+        data = path.read_bytes() if path.exists() else b""
+        assert whole.startswith(data)
+        if data == whole:
+            path.unlink()
+
+    withstands(lambda: write(path), check, kills, 4)
+    write(path)
     assert path.read_bytes() == whole
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import subprocess
 import sys
 from pathlib import Path
 
@@ -303,3 +304,46 @@ def test_the_limits_are_those_that_the_pages_promise(root: Path) -> None:
     assert told in " ".join(page.split())
     for name in ("MAX_LENGTH", "MAX_DEPTH", "MAX_EXPONENT", "MAX_BITS", "MAX_TERMS"):
         assert f"| {getattr(parsing, name):,} | `{name}` |" in page
+
+
+DOES = """\
+import json, sys
+from truebreak.scenarios.files import load_scene
+from truebreak.scenarios import SceneError
+def loaded(path):
+    try:
+        load_scene(path)
+    except SceneError as error:
+        assert "\\n" not in str(error)
+for path in sys.argv[1:]:  # what is imported is imported now
+    loaded(path)
+seen = []
+def hook(event, arguments):
+    if event in ("open", "import", "exec", "compile") or event.startswith(("os.", "subprocess", "socket", "ctypes")):
+        seen.append((event, str(arguments[0])))
+sys.addaudithook(hook)
+for path in sys.argv[1:]:
+    loaded(path)
+print(json.dumps(seen))
+"""
+
+
+def test_of_a_file_nothing_is_evaluated_imported_or_opened(tmp_path: Path) -> None:
+    """Python itself says what is opened, imported, compiled, executed and asked of the system: each file, once."""
+    mischief = [
+        "__import__('os').system('true')",
+        "open('/etc/passwd')",
+        "exec('1')",
+        "lambda: 1",
+        "(1).__class__",
+        "os",
+    ]
+    texts = [f'{BALL}vx = "{text}"\n' for text in mischief]
+    texts += [f"name = \"{text}\"\ninclude = '/etc/passwd'\n{BALL}" for text in mischief]
+    files = [tmp_path / f"{number}.toml" for number in range(len(texts))]
+    for file, text in zip(files, texts, strict=True):
+        file.write_text(text, "utf-8")
+    good = tmp_path / "good.json"
+    good.write_text(BALL_JSON.format('"vx": "sqrt(2)/3"'), "utf-8")
+    done = subprocess.run([sys.executable, "-c", DOES, *map(str, [*files, good])], capture_output=True, check=True)
+    assert json.loads(done.stdout) == [["open", str(file)] for file in [*files, good]]
