@@ -17,7 +17,6 @@ from flint import ctx
 
 from ..errors import Disturbed
 
-
 LOOK_AGAIN_SECONDS = 0.5
 """How often whoever waits for the precision looks whether who holds it is still there."""
 
