@@ -83,31 +83,25 @@ ANGLES: list[Vector] = [*TRIPLES, *TRIPLES, HEX[1], (ROOT3 / 2, F(1, 2)), (ROOT2
 @cache
 def array(number: int) -> tuple[frozenset[str], ...]:
     """A covering array of strength two: sets of ingredients of which every pair is in some set."""
-    draw = Random(f"array:{number}")
-    left, rows = set(PAIRS), list[frozenset[str]]()
+    draw, names = Random(f"array:{number}"), list(INGREDIENTS)
+    left, rows = {(a, b) for a in range(len(names)) for b in range(a)}, list[frozenset[str]]()
     while len(rows) < ROWS:
-        best: frozenset[str] = frozenset()
-        most = -1
-        for _ in range(30):
-            tried = frozenset(_greedy(left, draw))
-            count = sum(pair in left for pair in _pairs(tried))
-            if count > most:
-                best, most = tried, count
-        rows.append(best)
-        left -= set(_pairs(best))
+        tried = [_greedy(left, len(names), draw) for _ in range(12)]
+        best = max(tried, key=lambda row: sum((a, b) in left for a in row for b in row))
+        rows.append(frozenset(names[a] for a in best))
+        left -= {(a, b) for a in best for b in best}
     assert not left, f"array {number} leaves {len(left)} pairs out"
     return tuple(rows)
 
 
-def _greedy(left: set[tuple[str, str]], draw: Random) -> set[str]:
+def _greedy(left: set[tuple[int, int]], count: int, draw: Random) -> list[int]:
     """A set that begins with a pair still left, and grows by what brings most of those that are."""
-    chosen = set(draw.choice(sorted(left)) if left else draw.choice(PAIRS))
-    names, wanted = list(INGREDIENTS), draw.randint(FEWEST, MOST)
+    chosen = list(draw.choice(sorted(left))) if left else draw.sample(range(count), 2)
+    wanted = draw.randint(FEWEST, MOST)
     while len(chosen) < wanted:
-        others = [name for name in names if name not in chosen]
+        others = [a for a in range(count) if a not in chosen]
         draw.shuffle(others)
-        gain = {name: sum(tuple(sorted((name, one), key=names.index)) in left for one in chosen) for name in others}
-        chosen.add(max(others, key=gain.__getitem__))
+        chosen.append(max(others, key=lambda a: sum((max(a, b), min(a, b)) in left for b in chosen)))
     return chosen
 
 
