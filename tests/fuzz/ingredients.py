@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import combinations
+from itertools import combinations, pairwise
 from random import Random
 from typing import Any
 
@@ -76,7 +76,13 @@ ROWS = 28
 FEWEST, MOST = 4, 8
 """Ingredients of a row, before those that others need."""
 NEEDS = {"capture": ("pocket",), "oblique": ("wall",), "corner": ("wall", "tie"), "policy": ("tie",)}
-NESTED = ("sqrt(2 + sqrt(3))", "sqrt(2 + sqrt(2))/2", "1 + sqrt(3 - sqrt(2))", "sqrt(5 + 2*sqrt(6))", "sqrt(1 + sqrt(5))")
+NESTED = (
+    "sqrt(2 + sqrt(3))",
+    "sqrt(2 + sqrt(2))/2",
+    "1 + sqrt(3 - sqrt(2))",
+    "sqrt(5 + 2*sqrt(6))",
+    "sqrt(1 + sqrt(5))",
+)
 ANGLES: list[Vector] = [*TRIPLES, *TRIPLES, HEX[1], (ROOT3 / 2, F(1, 2)), (ROOT2 / 2, ROOT2 / 2)]
 
 
@@ -308,9 +314,7 @@ def _gap(stage: _Stage) -> None:
         if (found := stage.free(r)) is not None:
             way, x, y = found
             nx, ny = way
-            stage.beside(
-                (stage.middle.vx, stage.middle.vy), r, 1, way, x + nx * abs(tiny), y + ny * abs(tiny)
-            )
+            stage.beside((stage.middle.vx, stage.middle.vy), r, 1, way, x + nx * abs(tiny), y + ny * abs(tiny))
             return
     if choice < 0.45 and stage.draft.walls:
         x0, y0, x1, y1 = stage.draft.walls[-1]
@@ -439,7 +443,7 @@ def exercised(mix: Mixed, told: Told, run: Trajectory, checks: frozenset[str]) -
     found |= {"resume", "scale"} & checks
     found |= _along(scene, told, segments, met)
     times = [when for when, _ in told.knots]
-    if any(0 < b - a < told_unit(told) >> 60 and not _same(a, b, told) for a, b in zip(times, times[1:], strict=False)):
+    if any(0 < b - a < told_unit(told) >> 60 and not _same(a, b, told) for a, b in pairwise(times)):
         found.add("gap")
     return frozenset(found)
 
@@ -456,7 +460,7 @@ def _same(a: fmpz, b: fmpz, told: Told) -> bool:
 
 def _segments(told: Told) -> Iterator[tuple[tuple[Row, ...], fmpz, bool]]:
     """States after the instants, how long they last, and whether that is for a while."""
-    for (when, rows), (then, _) in zip(told.knots, told.knots[1:], strict=False):
+    for (when, rows), (then, _) in pairwise(told.knots):
         yield rows, then - when, not _same(when, then, told)
 
 

@@ -82,10 +82,8 @@ def resumed(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
     if len(run.events) < 2 or (turns and case.until is None and case.events is None):
         return False
     k = draw.randrange(1, len(run.events))
-    if draw.random() < 0.5:
-        first = engine.run(case.scene, events=k)
-    else:
-        first = engine.run(case.scene, until=_between(run, k))
+    limits: dict[str, Any] = {"events": k} if draw.random() < 0.5 else {"until": _between(run, k)}
+    first = engine.run(case.scene, **limits)
     if first.stop.reason.name in GAVE_UP or not first.events or len(first.events) >= len(run.events):
         return False
     limits = {"until": case.until, "events": case.events}
@@ -205,7 +203,7 @@ def there_and_back(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
 
 
 def little_work(run: Trajectory, mix: Mixed, draw: Random, _: Any) -> bool:
-    """With little work for a question a scene and its quarter turn end at the same place, and what is there is right."""
+    """With little work for a question a scene and its quarter turn end at one place, and what is there is right."""
     engine = ExactEngine(work=draw.choice(LITTLE_WORK))
     turned = next(m for m in MAPS if m.name == "turn 90").case(mix.case)
     one, other = again(mix.case, engine), again(turned, engine)
