@@ -90,8 +90,8 @@ class at_bits:  # a function to whoever calls it
         self._bits = bits
 
     def __enter__(self) -> None:
-        holder, bits, thread, claim = _holder, self._bits, get_ident(), [ref(self)]
-        if holder.thread == thread:
+        holder, bits, thread = _holder, self._bits, get_ident()
+        if holder.thread == thread and (not holder.claim or holder.claim[0]() is None):
             holder.mend()
         if holder.thread == thread:
             saved, self._before = ctx.prec, holder.bits
@@ -99,6 +99,7 @@ class at_bits:  # a function to whoever calls it
                 raise _disturbed(saved)
             ctx.prec = bits
         else:
+            claim = [ref(self)]
             holder.wait()  # from here on nothing is called, which a recursion limit might forbid
             holder.claim, holder.thread = claim, thread
             saved, self._before = ctx.prec, 0
