@@ -99,7 +99,7 @@ class at_bits:  # a function to whoever calls it
                 raise _disturbed(saved)
             ctx.prec = bits
         else:
-            claim = [ref(self)]
+            claim: list[ReferenceType[at_bits]] = [ref(self)]
             holder.wait()  # from here on nothing is called, which a recursion limit might forbid
             holder.claim, holder.thread = claim, thread
             saved, self._before = ctx.prec, 0
