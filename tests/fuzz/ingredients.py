@@ -75,6 +75,8 @@ ROWS = 28
 """Rows of one covering array; every pass has an array of its own, so that triples vary."""
 FEWEST, MOST = 4, 8
 """Ingredients of a row, before those that others need."""
+LOOSE = 0.35
+"""Share of scenes in a box, with bystanders of any velocity, and more events: most of these stand alone, and are told in balls."""
 NEEDS = {"capture": ("pocket",), "oblique": ("wall",), "corner": ("wall", "tie"), "policy": ("tie",)}
 NESTED = (
     "sqrt(2 + sqrt(3))",
@@ -148,7 +150,10 @@ def mixed(seed: int) -> Mixed:
             row -= {draw.choice(sorted(row))}
         try:
             draft, time = _instant(row, draw)
-            draft = _finished(_led_back(draft, time, row, draw), row, draw)
+            draft = _led_back(draft, time, row, draw)
+            if draw.random() < LOOSE and "crowd" not in row:
+                _loosen(draft, row, draw)
+            draft = _finished(draft, row, draw)
             scene = draft.scene(f"mixed {seed}")
         except SceneError:
             continue
@@ -350,6 +355,21 @@ def _led_back(draft: Draft, time: Number, row: frozenset[str], draw: Random) -> 
     elif draw.random() < 0.2:
         draft.until = instant + draw.choice([1, 3])
     return draft
+
+
+def _loosen(draft: Draft, row: frozenset[str], draw: Random) -> None:
+    """Puts a scene in a box, with bystanders of any velocity, and asks for more events."""
+    for _ in range(draw.choice([2, 3])):
+        x, y, r = draw.randrange(-9, 10), draw.randrange(-9, 10), size(draw)
+        if has_room(draft.bodies, x, y, r):
+            draft.bodies.append(Body(x, y, r, *(F(draw.randrange(-9, 10), 7) for _ in "xy"), mass(draw)))
+    near = [b for b in draft.bodies if abs(float(b.x)) + abs(float(b.y)) < 60]
+    far = 3 + int(max(abs(float(value)) + float(b.r) for b in near for value in (b.x, b.y)))
+    draft.walls += [(far, 0, far, 1), (-far, 0, -far, 1)]
+    if "twin" not in row:
+        draft.walls += [(0, far, 1, far), (0, -far, 1, -far)]
+    if draft.events is not None:
+        draft.events = draw.randrange(5, 12)
 
 
 def _finished(draft: Draft, row: frozenset[str], draw: Random) -> Draft:
