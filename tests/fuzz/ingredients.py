@@ -75,8 +75,10 @@ ROWS = 28
 """Rows of one covering array; every pass has an array of its own, so that triples vary."""
 FEWEST, MOST = 4, 8
 """Ingredients of a row, before those that others need."""
+AT_ONCE = 0.08
+"""Share of scenes whose instant is time 0."""
 LOOSE = 0.35
-"""Share of scenes in a box, with bystanders of any velocity, and more events: most of these stand alone, and are told in balls."""
+"""Share of scenes in a box, with bystanders of any velocity and more events: most of these stand alone, in balls."""
 NEEDS = {"capture": ("pocket",), "oblique": ("wall",), "corner": ("wall", "tie"), "policy": ("tie",)}
 NESTED = (
     "sqrt(2 + sqrt(3))",
@@ -221,8 +223,8 @@ def _instant(row: frozenset[str], draw: Random) -> tuple[Draft, Number]:
     """A cluster at one instant, with as much of a row as can be there, and the time of that instant."""
     stage = _Stage(row, draw)
     middle, draft = stage.middle, stage.draft
-    time: Number = span(draw)
-    if "nested" in row and draw.random() < 0.5:
+    time: Number = 0 if draw.random() < AT_ONCE else span(draw)
+    if time and "nested" in row and draw.random() < 0.5:
         time = Quantity.of(draw.choice(NESTED))
     fast = 10 ** draw.choice([9, 12, 15]) if "swift" in row else 1
     whose = draw.choice(["striker", "striker", "middle", "graze"]) if "swift" in row else ""
@@ -348,10 +350,12 @@ def _led_back(draft: Draft, time: Number, row: frozenset[str], draw: Random) -> 
                 draft.reverse_at = instant + draw.choice([0, 0, abs(flaw(draw)), F(1, 2), 1])
             draft.endless = draw.random() < 0.3 and "limit" not in row
     draft.events = draw.choice([2, 3, 4, 5])
+    if draft.reverse_after is not None and draw.random() < 0.3:
+        draft.events = draft.reverse_after
     if draft.endless:
         draft.events = None
-    if "limit" in row:
-        draft.until, draft.events = instant, draw.choice([None, 5, 8])
+    if "limit" in row and instant:
+        draft.until, draft.events = instant, draw.choice([None, 5, 8, draft.reverse_after])
     elif draw.random() < 0.2:
         draft.until = instant + draw.choice([1, 3])
     return draft
