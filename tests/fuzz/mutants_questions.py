@@ -29,6 +29,7 @@ QUESTIONS = (
         "if self.graze and not isinstance(self.link, AtWall):",
         "if self.graze and isinstance(self.link, AtWall):",
         "the time of a graze is that of a hit",
+        why_it_survives="the formula of a hit, at a discriminant of zero, gives the time of the graze, less sharply: only more bits are asked for",
     ),
     Mutant(
         "graze_parts_without_clock",
@@ -184,6 +185,7 @@ CERTIFIED = (
         "Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze))",
         "Sooner(Moment(first.link), Moment(second.link))",
         "a graze is ordered as if it hit",
+        why_it_survives="as graze_wait_is_the_hit",
     ),
     Mutant(
         "before_by_upper_bounds",
@@ -219,6 +221,7 @@ CERTIFIED = (
         "return self.time(Moment(link, disc == 0))",
         "return self.time(Moment(link))",
         "the time of a graze is computed as that of a hit",
+        why_it_survives="as graze_wait_is_the_hit",
     ),
     Mutant(
         "graze_not_noted",
@@ -248,6 +251,7 @@ CERTIFIED = (
         "            if isinstance(link, Entry) and gap < 0:\n                return\n",
         "            if isinstance(link, Entry):\n                return\n",
         "a centre on a rim is taken to be inside",
+        why_it_survives="a gap of zero does not come there: what stands on a rim at an instant was gathered for it",
     ),
     Mutant(
         "unsure_graze_as_hit",
@@ -413,6 +417,7 @@ LOOPS = (
         "at_it = [g for g in known if self.queue.fresh(g) and self._place(g, limit[0]) == 0]",
         "at_it = [g for g in known if self.queue.fresh(g) and self._place(g, limit[0]) > 0]",
         "grazes at a set reversal are left out",
+        why_it_survives="as queued_grazes_forgotten",
     ),
     Mutant(
         "passed_not_kept",
@@ -420,6 +425,7 @@ LOOPS = (
         "            if graze is first or graze.high < more:\n                self._passed.append(graze)",
         "            if graze is first or graze.high < more:\n                pass",
         "a graze that went by is forgotten for a reversal at its instant",
+        why_it_survives="as queued_grazes_forgotten",
     ),
     Mutant(
         "place_at_is_after",
@@ -448,6 +454,7 @@ LOOPS = (
         "return len(self.history.records) + 1 == due and",
         "return len(self.history.records) == due and",
         "grazes elsewhere are gathered an event late",
+        why_it_survives="as grazes_not_at_counted_reversal: those elsewhere still graze, and nothing is sent back there",
     ),
     Mutant(
         "front_keeps_the_latest",
