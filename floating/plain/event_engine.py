@@ -10,6 +10,7 @@ from ...exact.numbers.system import NumberSystem, Ordered
 from ...exact.policies import Policy
 from ...exact.simulation.collecting import SELDOM_COLLECTED
 from ...scenarios.engine import EventDriven
+from ...scenarios.errors import SceneError
 from ...scenarios.numbers.doubles import Double
 from ...scenarios.numbers.quantity import QuantityLike
 from ...scenarios.numbers.real import Real
@@ -72,9 +73,18 @@ class EventEngine(EventDriven, ABC, Generic[F]):
         events: int | None = None,
         progress: OnProgress | None = None,
     ) -> Trajectory:
-        """The history as these numbers see it (see `Engine.run`)."""
-        with SELDOM_COLLECTED:
-            return self.run_with(scene, None, until=until, events=events, progress=progress)
+        """The history as these numbers see it (see `Engine.run`).
+
+        Raises:
+            SceneError: where a number is beyond those that there are.
+        """
+        try:
+            with SELDOM_COLLECTED:
+                return self.run_with(scene, None, until=until, events=events, progress=progress)
+        except OverflowError:
+            raise SceneError(
+                f"{scene.name!r}: a number is beyond 1e308, where {self.name} ends; change the units, or use exact"
+            ) from None
 
     def run_with(
         self,

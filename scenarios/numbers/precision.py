@@ -11,21 +11,55 @@ from __future__ import annotations
 import os
 from threading import Lock, get_ident
 from types import TracebackType
+from weakref import ReferenceType, ref
 
 from flint import ctx
 
 from ..errors import Disturbed
 
+LOOK_AGAIN_SECONDS = 0.5
+"""How often whoever waits for the precision looks whether who holds it is still there."""
+
 
 class _Holder:
-    """Who holds the precision: a thread, and to how many bits it has set it; 0 for nobody."""
+    """Who holds the precision: a thread, and to how many bits it has set it; 0 for nobody.
 
-    __slots__ = ("bits", "lock", "thread")
+    Attributes:
+        claim: its outermost `at_bits`, in a list of its own. Where a recursion limit that was lowered meanwhile forbids
+            even the call of `__exit__`, that is no more, and others take the precision.
+        before: the bits that it has set aside.
+    """
+
+    __slots__ = ("before", "bits", "claim", "lock", "thread")
 
     def __init__(self) -> None:
         self.lock = Lock()
+        self.claim: list[ReferenceType[at_bits]] = []
         self.thread = 0
-        self.bits = 0
+        self.bits = self.before = 0
+
+    def wait(self) -> None:
+        """Takes the lock, once nobody holds it."""
+        while not self.lock.acquire(timeout=LOOK_AGAIN_SECONDS):
+            self.mend()
+
+    def mend(self) -> None:
+        """Gives the precision back for one who held it and is no more."""
+        claim, bits, thread = self.claim, self.bits, self.thread
+        if not thread or not claim or claim[0]() is not None:
+            return
+        try:
+            owner = claim.pop()
+        except IndexError:  # another, who waits as well, has just done so
+            return
+        try:
+            if ctx.prec == bits:
+                ctx.prec = self.before
+            self.bits = self.thread = 0
+            self.lock.release()
+        except RecursionError:  # as long as the limit is that low; the next who waits does it
+            self.bits, self.thread, self.claim = bits, thread, [owner]
+            raise
 
 
 _holder = _Holder()
@@ -56,27 +90,35 @@ class at_bits:  # a function to whoever calls it
     True
     """
 
-    __slots__ = ("_before", "_bits", "_saved")
+    __slots__ = ("__weakref__", "_before", "_bits", "_saved")
 
     def __init__(self, bits: int) -> None:
         self._bits = bits
 
     def __enter__(self) -> None:
-        holder, bits = _holder, self._bits
-        if holder.thread == get_ident():
+        holder, bits, thread = _holder, self._bits, get_ident()
+        if holder.thread == thread and (not holder.claim or holder.claim[0]() is None):
+            holder.mend()
+        if holder.thread == thread:
             saved, self._before = ctx.prec, holder.bits
             if saved != holder.bits:
                 raise _disturbed(saved)
             ctx.prec = bits
         else:
-            holder.lock.acquire()
+            claim: list[ReferenceType[at_bits]] = [ref(self)]
+            holder.wait()  # from here on nothing is called, which a recursion limit might forbid
+            holder.claim, holder.thread = claim, thread
+            saved, self._before = ctx.prec, 0
+            holder.before = holder.bits = saved
             try:
-                saved, self._before = ctx.prec, 0
                 ctx.prec = bits
             except BaseException:
-                holder.lock.release()
+                holder.thread = 0
+                try:
+                    holder.lock.release()
+                except RecursionError:
+                    holder.thread = thread
                 raise
-            holder.thread = get_ident()
         self._saved = saved
         holder.bits = bits
 
@@ -87,10 +129,14 @@ class at_bits:  # a function to whoever calls it
         same = now == holder.bits
         if same:
             ctx.prec = self._saved  # else it stays as the other code wants it
-        holder.bits = self._before
+        bits, thread, holder.bits = holder.bits, holder.thread, self._before
         if not self._before:
             holder.thread = 0
-            holder.lock.release()
+            try:
+                holder.lock.release()
+            except RecursionError:  # it is still held: `mend` gives it back
+                holder.bits, holder.thread = bits, thread
+                raise
         if not same and kind is None:
             raise _disturbed(now)
 

@@ -49,8 +49,11 @@ def check(scene: Scene, until: Any = None, events: int | None = None, engine: An
     return run.stop.reason.name
 
 
-def compare(run: Trajectory, told: Told) -> None:
+def compare(run: Trajectory, told: Told, asked: int = STATES_ASKED) -> None:
     """Holds a run against the referee's history.
+
+    Args:
+        asked: at how many events, and around how many, the state is asked.
 
     Raises:
         Difference: where they disagree.
@@ -66,7 +69,7 @@ def compare(run: Trajectory, told: Told) -> None:
     same_number(run.final_time, told.final_time, told, "final_time")
     same_state(run.final.circles, told.final, told, "final state")
     same_state(run.at(run.final_time).circles, told.final, told, "at(final_time)")
-    compare_states(run, told)
+    compare_states(run, told, asked)
     expect(run.certified, "is not certified")
 
 
@@ -132,10 +135,10 @@ def compare_reversal(run: Trajectory, told: Told) -> None:
         expect_same_time(mine.time, theirs[1], told, "reversal")
 
 
-def compare_states(run: Trajectory, told: Told) -> None:
-    """States asked at events, between them, just before and after them, and outside of the run."""
+def compare_states(run: Trajectory, told: Told, most: int) -> None:
+    """States asked at so many events, between them, just before and after them, and outside of the run."""
     knots = [knot[0] for knot in told.knots]
-    own = [*zip(run.events, told.events, told.left, strict=False)][:STATES_ASKED]
+    own = [*zip(run.events, told.events, told.left, strict=False)][:most]
     for mine, theirs, left in [*own, *zip(run.pocketings[:2], told.entries, told.entered, strict=False)]:
         same_state(run.at(mine.time).circles, list(left), told, f"at({float(mine.time):.17g}) as its own time")
         text = rational(mine.time)
@@ -143,7 +146,9 @@ def compare_states(run: Trajectory, told: Told) -> None:
             same_state(run.at(text).circles, told.at(theirs.time), told, f"at({text!r})")
     if run.reversal is not None and told.reversal is not None:
         same_state(run.at(run.reversal.time).circles, told.at(told.reversal[1]), told, "at the reversal")
-    asked = [*between(knots[: STATES_ASKED + 1], told.bits), *between(knots[STATES_ASKED:][-3:], told.bits)]
+    asked = [*between(knots[: most + 1], told.bits)]
+    if most == STATES_ASKED:
+        asked += between(knots[STATES_ASKED:][-3:], told.bits)
     for text in sorted(set(asked)):
         value = Fraction(text)
         time = (fmpz(value.numerator) << told.bits) // value.denominator
@@ -151,7 +156,8 @@ def compare_states(run: Trajectory, told: Told) -> None:
             continue
         same_state(run.at(text).circles, told.at(time), told, f"at({text!r})")
     same_state(run.at("0").circles, told.at(fmpz(0)), told, "at('0')")
-    narrower_holds_wider(run)
+    if most == STATES_ASKED:
+        narrower_holds_wider(run)
     half = fmpz(1) << (told.bits - 1)
     beyond = str(int((told.final_time + half) >> told.bits) + 1)
     for text in ("-1/1000000", beyond):

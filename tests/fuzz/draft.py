@@ -40,6 +40,8 @@ class Body:
     vy: Number = 0
     m: Number = 1
     point: bool = False
+    half: int = 0
+    """Which of two alike parts of the scene it belongs to: 1 or 2; 0 for neither."""
 
     def back(self, time: Number) -> Body:
         """Where it was a time ago."""
@@ -76,7 +78,7 @@ class Draft:
         bodies = []
         for b in self.bodies:
             (x, y), (vx, vy) = place(b.x, b.y), turn(b.vx, b.vy)
-            bodies.append(Body(x, y, b.r * stretch, vx, vy, b.m, b.point))
+            bodies.append(replace(b, x=x, y=y, r=b.r * stretch, vx=vx, vy=vy))
         walls = [(*place(a, b), *place(p, q)) for a, b, p, q in self.walls]
         return replace(
             self, bodies=bodies, walls=walls, pockets=[(*place(x, y), r * stretch) for x, y, r in self.pockets]

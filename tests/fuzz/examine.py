@@ -7,14 +7,17 @@ from dataclasses import dataclass
 from random import Random
 from typing import Any
 
-from fuzz.check import GAVE_UP, Difference, compare
+from fuzz.check import GAVE_UP, STATES_ASKED, Difference, compare
 from fuzz.draft import Case
 from fuzz.generators import case_of
+from fuzz.ingredients import exercised, mixed
 from fuzz.maps import MAPS, check_cut, check_interval, check_map
 from fuzz.referee import referee
+from fuzz.relations import FEW_CELLS, cells_from, check_relations
 from fuzz.table import Doubt, TooLong
 from truebreak.exact import ExactEngine
 from truebreak.exact.engine import DEFAULT_WORK
+from truebreak.exact.simulation.arrivals.grid import FEWEST as DEFAULT_CELLS
 from truebreak.floating import IntervalEngine
 
 MODES = ("map", "plain", "cut", "plain", "map", "interval", "plain", "plain")
@@ -41,15 +44,19 @@ class Verdict:
     message: str = ""
     extra: str = ""
     endless: bool = False
+    exercised: tuple[str, ...] = ()
+    """Of a scene by the covering array: the ingredients that took part."""
 
 
-LITTLE_WORK = 200_000
+FEW_WORK = 200_000
 """Work allowed where the referee knows that the impulses of an instant have no end: enough for all before it."""
 
 
 def examine(kind: str, seed: int, modes: bool = True, work: int = DEFAULT_WORK) -> Verdict:
     """Runs one case through the exact engine, which has so much work for a question, and holds it against all that is
     known of it."""
+    if kind == "mixed":
+        return examine_mixed(seed, modes, work)
     start = clock.perf_counter()
 
     def verdict(outcome: str, events: int, message: str = "", extra: str = "", endless: bool = False) -> Verdict:
@@ -63,7 +70,7 @@ def examine(kind: str, seed: int, modes: bool = True, work: int = DEFAULT_WORK) 
     except Exception as error:
         return verdict("failure", 0, f"generator or referee: {type(error).__name__}: {error}")
     extra, endless = "", told.stop == "ENDLESS"
-    engine = ExactEngine(work=LITTLE_WORK if endless else work)
+    engine = ExactEngine(work=FEW_WORK if endless else work)
     try:
         run = engine.run(case.scene, until=case.until, events=case.events)
         compare(run, told)
@@ -78,6 +85,41 @@ def examine(kind: str, seed: int, modes: bool = True, work: int = DEFAULT_WORK) 
     if stop in GAVE_UP:
         return verdict(stop.lower(), len(told.events), run.stop.message, extra, endless)
     return verdict("ok", len(told.events), "", extra, endless)
+
+
+def examine_mixed(seed: int, modes: bool = True, work: int = DEFAULT_WORK) -> Verdict:
+    """As `examine`, for a scene by the covering array: with the relations of its row, and what of the row took part."""
+    start = clock.perf_counter()
+
+    def verdict(outcome: str, events: int, message: str = "", extra: str = "", **more: Any) -> Verdict:
+        seconds = round(clock.perf_counter() - start, 4)
+        return Verdict("mixed", seed, outcome, events, seconds, message, extra, **more)
+
+    try:
+        mix = mixed(seed)
+        case = mix.case
+        told = referee(case.scene, case.until, case.events)
+    except (Doubt, TooLong) as error:
+        return verdict("skipped", 0, repr(error))
+    except Exception as error:
+        return verdict("failure", 0, f"generator or referee: {type(error).__name__}: {error}")
+    endless, checks, count = told.stop == "ENDLESS", frozenset[str](), len(told.events)
+    engine = ExactEngine(work=FEW_WORK if endless else work)
+    with cells_from(FEW_CELLS if "crowd" in mix.row else DEFAULT_CELLS):
+        try:
+            run = engine.run(case.scene, until=case.until, events=case.events)
+            compare(run, told, 1 if seed % 4 else STATES_ASKED)
+            if modes and not endless:
+                checks = check_relations(run, mix, seed, engine)
+        except Difference as difference:
+            wrong = "interval" if str(difference).startswith("interval") else "failure"
+            return verdict(wrong, count, str(difference), endless=endless)
+        except Exception as error:
+            return verdict("failure", count, f"{type(error).__name__}: {error}", endless=endless)
+    stop, found = run.stop.reason.name, tuple(sorted(exercised(mix, told, run, checks)))
+    outcome = stop.lower() if stop in GAVE_UP else "ok"
+    message = run.stop.message if stop in GAVE_UP else ""
+    return verdict(outcome, count, message, " ".join(sorted(checks)), endless=endless, exercised=found)
 
 
 def further(kind: str, seed: int, run: Any, case: Case, engine: Any) -> str:

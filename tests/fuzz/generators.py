@@ -10,6 +10,7 @@ from random import Random
 from flint import fmpz  # type: ignore[attr-defined]
 
 from fuzz.draft import Case, Draft, F, finish, flaw
+from fuzz.ingredients import mixed
 from fuzz.kinds import alike, brinks, contacts, cruel, pockets, rooms, symmetry
 from fuzz.referee import Told, referee
 from truebreak.scenarios import Quantity
@@ -136,7 +137,7 @@ def simple(value: fmpz, told: Told) -> Fraction | None:
 
 COMPOSED: dict[str, Callable[[Random], Case]] = {"ends": ends, "returns": returns}
 MIXED: dict[str, Maker] = {"twins": twins, "long": long, "specks": specks}
-KINDS: tuple[str, ...] = (*PLAIN, *MIXED, *COMPOSED, *CRUEL)
+KINDS: tuple[str, ...] = (*PLAIN, *MIXED, *COMPOSED, *CRUEL, "mixed")
 
 
 def made(draw: Random, maker: Maker, name: str) -> Case:
@@ -151,6 +152,8 @@ def made(draw: Random, maker: Maker, name: str) -> Case:
 
 def case_of(kind: str, seed: int) -> Case:
     """The case of a kind and a seed."""
+    if kind == "mixed":
+        return mixed(seed).case
     draw, name = Random(f"{kind}:{seed}"), f"{kind} {seed}"
     if kind in COMPOSED:
         found = COMPOSED[kind](draw)

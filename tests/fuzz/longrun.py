@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import faulthandler
 import json
+import math
 import multiprocessing
 import signal
 import sys
@@ -12,6 +13,7 @@ import time as clock
 from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import asdict
+from itertools import combinations
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any
@@ -19,6 +21,7 @@ from typing import Any
 from fuzz.check import shown
 from fuzz.examine import Verdict, examine
 from fuzz.generators import KINDS, case_of
+from fuzz.ingredients import INGREDIENTS, PAIRS
 from fuzz.referee import referee
 from truebreak.exact import ExactEngine
 from truebreak.scenarios.files.writer import dump_toml
@@ -27,6 +30,8 @@ PATIENCE = 60.0
 """Seconds of processor time after which a scene counts as a hang: on a loaded machine no sooner than on an idle one."""
 ASLEEP = 20
 """A scene that has not ended after so many times that, by the clock on the wall, waits: a hang as well."""
+OFTEN = 30
+"""So many scenes each pair of ingredients is to take part in together."""
 OUTCOMES = ("ok", "undecided", "budget", "failure", "interval", "hang", "skipped")
 BAD = ("failure", "interval", "hang")
 
@@ -137,14 +142,33 @@ def report(rows: list[dict[str, Any]]) -> str:
         line = f"{kind:14}{len(group):8}{sum(row['events'] for row in group):9}"
         line += "".join(f"{counts[name]:10}" for name in OUTCOMES)
         lines.append(f"{line}{sum(row['endless'] for row in group):9}{milliseconds:7.0f}{bound:>10}")
-    extras = Counter(row["extra"] for row in rows if row["extra"])
+    extras = Counter(name for row in rows for name in row["extra"].split())
     lines.append("further checks: " + (", ".join(f"{n} {name}" for name, n in sorted(extras.items())) or "none"))
+    lines += covered([row["exercised"] for row in rows if row.get("exercised")])
     bad_rows = [row for row in rows if row["outcome"] in BAD]
     shortened = [(row["outcome"], f"{row['kind']} {row['seed']}: {row['message'][:160]}") for row in bad_rows[:40]]
     lines += [f"{outcome}: --replay {rest}" for outcome, rest in shortened]
     if len(bad_rows) > 40:
         lines.append(f"... and {len(bad_rows) - 40} more")
     return "\n".join(lines)
+
+
+def covered(found: list[list[str]]) -> list[str]:
+    """How often each ingredient took part, and pairs and triples of them: those of the scenes by the covering array."""
+    if not found:
+        return []
+    names = list(INGREDIENTS)
+    sets = [[name for name in names if name in row] for row in found]
+    ones, pairs, triples = (Counter(t for row in sets for t in combinations(row, size)) for size in (1, 2, 3))
+    rare = sorted(PAIRS, key=lambda pair: pairs[pair])[:8]
+    often = sum(pairs[pair] >= OFTEN for pair in PAIRS)
+    return [
+        "took part: " + ", ".join(f"{name} {ones[name,]}" for name in sorted(names, key=lambda name: ones[name,])),
+        f"pairs: {often} of {len(PAIRS)} at least {OFTEN} times; "
+        + ", ".join(f"{a} with {b} {pairs[a, b]}" for a, b in rare),
+        f"triples: {len(triples)} of {math.comb(len(names), 3)}, half of them at least "
+        f"{sorted(triples[t] for t in combinations(names, 3))[math.comb(len(names), 3) // 2]} times",
+    ]
 
 
 def run(options: argparse.Namespace) -> int:

@@ -35,9 +35,10 @@ if __name__ == "__main__":
 from fuzz.mutant import Mutant  # noqa: E402
 from fuzz.mutants_fresh import FRESH  # noqa: E402
 from fuzz.mutants_old import OLD  # noqa: E402
+from fuzz.mutants_questions import LATEST  # noqa: E402
 
 PACKAGES = ("scenarios", "tools", "exact", "floating", "compare")
-MUTANTS: tuple[Mutant, ...] = (*OLD, *FRESH)
+MUTANTS: tuple[Mutant, ...] = (*OLD, *FRESH, *LATEST)
 SCENES = 1200
 PATIENCE = 20.0
 """Seconds for one scene; more is a hang."""
@@ -95,6 +96,7 @@ class Player:
         """Starts it; what it says if it cannot."""
         command = [sys.executable, "-m", "fuzz.mutant_worker", str(self.home)]
         variables = {**os.environ, "PYTHONPATH": str(self.home.parent), "PYTHONDONTWRITEBYTECODE": "1"}
+        variables["TRUEBREAK_PURE_PYTHON"] = "1"  # else the compiled twin of a mutant runs
         with (self.home.parent / "stderr").open("w") as errors:
             process = subprocess.Popen(
                 command, cwd=self.home.parent, env=variables, text=True, stdin=-1, stdout=-1, stderr=errors, bufsize=1

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
+from ....exact.numbers.undecided import Undecided
 from ....scenarios.checks.showing import printable
 from ....scenarios.numbers.real import real
 from ...documents.values.amounts import bounds, double
@@ -14,6 +15,7 @@ from .output import TextTable, console, grid, say
 if TYPE_CHECKING:
     from ....scenarios.catalogue import SceneEntry
     from ....scenarios.event import Event
+    from ....scenarios.numbers.real import Real
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Trajectory
     from ...deadline import Clock
@@ -23,6 +25,13 @@ SHOWN_EVENTS = 40
 
 SHOWN_DIGITS = 60
 """Longest exact text in a table; of longer ones, which are in the JSON, the value and how long they are."""
+
+
+LEAST_NORMAL = 2.0**-1022
+"""Below it a double has fewer bits than others have."""
+
+LEAST_BITS = 64
+"""Bits to which a number is enclosed that is not proved to be zero."""
 
 
 def print_json(data: dict[str, Any]) -> None:
@@ -188,6 +197,8 @@ def number(value: SupportsFloat, exact: bool) -> str:
     >>> from truebreak.scenarios.numbers.quantity import Quantity
     >>> number(Quantity.of(f"sqrt(2)/{10**30} + sqrt(3)/{10**30}"), True)
     '3.1462643699419723e-30 (81 characters)'
+    >>> number(Quantity.of("10**-330"), False), number(Quantity.of("10**330"), False), number(Quantity.of(0), False)
+    ('1e-330', '1e+330', '0')
     """
     ends = bounds(real(value))
     if ends is not None and ends[0] != ends[1]:
@@ -198,5 +209,24 @@ def number(value: SupportsFloat, exact: bool) -> str:
             return text
         if text is not None:
             return f"{real(value).digits(17)} ({len(text):,} characters)"
-    nearest = double(value)
-    return "beyond the doubles" if nearest is None else f"{nearest:.17g}" if exact else f"{nearest:.12g}"
+    nearest, places = double(value), 17 if exact else 12
+    if nearest is not None and (abs(nearest) >= LEAST_NORMAL or isinstance(value, float)):
+        return f"{nearest:.{places}g}"
+    return out_of_doubles(real(value), places)
+
+
+def out_of_doubles(value: Real, places: int) -> str:
+    """A number that is zero, or that doubles tell badly or not at all: "0" stands for what is proved to be zero alone.
+
+    >>> from truebreak.scenarios.numbers.quantity import Quantity
+    >>> [out_of_doubles(Quantity.of(text), 3) for text in ("10**-330", "-10**400", "0")]
+    ['1e-330', '-1e+400', '0']
+    """
+    try:
+        told = value.digits(places)
+    except Undecided:
+        return f"{value.ball(LEAST_BITS).str(3)}, not proved to be 0"
+    digits, e, power = told.partition("e")
+    if "." in digits:
+        digits = digits.rstrip("0").rstrip(".")
+    return digits + e + power if told else "beyond the doubles"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 from ...alignment.streams import history
 from ..instants import later
+from .listing import LEAST_NORMAL, number
 
 if TYPE_CHECKING:
     from ....scenarios.trajectory import Trajectory
@@ -69,13 +71,18 @@ def side_by_side(comparison: Comparison, candidate: Candidate) -> list[MeetingRo
 
 def _when(run: Trajectory, meetings: list[tuple[int, float, str]], row: tuple[int, float, str]) -> str:
     """When a meeting is; after one at a time that reads the same, how much later, where that is known."""
-    time, place = f"{row[1]:.12g}", meetings.index(row)
+    time, place = _told(run, row[0], row[1]), meetings.index(row)
     event, time_before, _ = meetings[place - 1] if place else (row[0], -1.0, "")
-    if f"{time_before:.12g}" != time:
+    if not place or _told(run, event, time_before) != time:
         return time
     apart = row[1] - time_before
     told = f"{apart:.3g}" if apart else later(run.events[event], run.events[row[0]])
     return f"{told} later" if told else time
+
+
+def _told(run: Trajectory, event: int, time: float) -> str:
+    """A time in twelve digits; "0" of what is proved to be zero alone."""
+    return f"{time:.12g}" if LEAST_NORMAL <= time < math.inf else number(run.events[event].time, False)
 
 
 def _meetings(trajectory: Trajectory, body: str) -> list[tuple[int, float, str]]:

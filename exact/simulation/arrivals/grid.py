@@ -95,13 +95,11 @@ def grid_for(flights: Sequence[FloatFlight | None], radii: Sequence[float]) -> G
     reach = 2.0 * max(r for r in radii if r <= LARGE * usual)
     left, right = min(flight[0] for flight in known), max(flight[0] for flight in known)
     low, high = min(flight[1] for flight in known), max(flight[1] for flight in known)
-    area = (right - left) * (high - low)
-    width = max(
-        reach / (1.0 - 2.0 * MARGIN), (SHARE * area / len(known)) ** 0.5, (right - left + high - low) / MOST_CELLS
-    )
+    wide, tall = right - left, high - low
+    width = max(reach / (1.0 - 2.0 * MARGIN), (SHARE * wide * tall / len(known)) ** 0.5, (wide + tall) / MOST_CELLS)
     if not (0.0 < width < inf and isfinite(left + right + low + high)):
         return None
-    columns, rows = int((right - left) / width) + 1, int((high - low) / width) + 1
+    columns, rows = int(wide / width) + 1, int(tall / width) + 1
     return Grid(left, low, width, columns, rows) if columns * rows > 9 else None
 
 

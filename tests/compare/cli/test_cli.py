@@ -331,3 +331,49 @@ def test_the_code_of_what_is_not_settled() -> None:
     unsettled = replace(comparison, candidates=(open_end,))
     assert unsettled.verdict == "unsettled"
     assert of_comparison(unsettled) is ExitCode.UNDECIDED
+
+
+FAINT = """
+[[circle]]
+id = "a"
+x = 0
+y = "10**-330"
+r = 1
+
+[[circle]]
+id = "b"
+x = 0
+y = 5
+r = 1
+vy = "-10**-330"
+
+[[circle]]
+id = "c"
+x = 50
+y = "sqrt(2 + sqrt(3))*10**-900"
+r = 1
+vx = "sqrt(2)*10**400"
+"""
+
+
+def test_0_is_printed_of_proved_zeros_alone(truebreak: Any, tmp_path: Path) -> None:
+    path = tmp_path / "faint.toml"
+    path.write_text(FAINT)
+    said = truebreak("run", str(path))
+    assert said.code == 0
+    rows = [line.split() for line in said.out.splitlines()]
+    lines = {row[0]: row[1:] for row in rows if row and row[0] in ("a", "b", "c")}
+    assert lines == {
+        "a": ["0", "1e-330", "0", "-1e-330"],
+        "b": ["0", "2", "0", "0"],
+        "c": ["4.24264068712e+730", "1.93185165258e-900", "1.41421356237e+400", "0"],
+    }
+
+
+@pytest.mark.parametrize("engine_name", ["double", "single", "quad", "rounded", "pymunk"])
+def test_a_scene_beyond_the_doubles_is_refused(truebreak: Any, tmp_path: Path, engine_name: str) -> None:
+    path = tmp_path / "vast.toml"
+    path.write_text(FAINT)
+    said = truebreak("run", str(path), "--engine", engine_name, "--until", "3")
+    assert said.code == 2
+    assert "beyond 1e308" in said.err

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import random
+import re
 from fractions import Fraction as Q
 from typing import Any
 
 import pytest
 
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Scene, TiePolicy, Trajectory, Wall
+from truebreak.scenarios import Circle, Quantity, Scene, TiePolicy, Trajectory, Wall
 
 DIRECTIONS = [(Q(1), Q(0)), (Q(3, 5), Q(4, 5)), (Q(5, 13), Q(12, 13)), (Q(-8, 17), Q(15, 17)), (Q(0), Q(1))]
 
@@ -38,6 +39,12 @@ def drawn(seed: int) -> tuple[list[dict[str, Any]], list[tuple[Any, ...]], dict[
     walls: list[tuple[Any, ...]] = [(place * ux, place * uy, place * ux - uy, place * uy + ux)]
     if draw.random() < 0.5:
         walls.append((-20 * ux, -20 * uy, -20 * ux - uy, -20 * uy + ux))
+    if seed % 10 == 9:  # two contacts at one time, the same number in two forms: little work does not prove it
+        deep = Quantity.of(f"sqrt({draw.choice([3, 5])} + sqrt({draw.choice([6, 7])} + sqrt({draw.choice([2, 11])})))")
+        time, height = 9 - (2 + deep).sqrt(), (7 - deep).sqrt()
+        circles = [{"x": 0, "y": 60, "m": "oo", "r": 2}, {"x": -9, "y": 60 + height, "vx": 1}]
+        circles += [{"x": 8 - time, "y": 90, "vx": 1}, {"x": 50, "y": 30, "vx": -1}]
+        walls = [(9, 0, 9, 1)]
     policy = draw.choice([TiePolicy("simultaneous"), TiePolicy("sequential")])
     work = draw.choice([2_000, 20_000, 100_000])
     return circles, walls, {"tie_policy": policy}, {"work": work, "events": draw.randint(2, 12)}
@@ -53,15 +60,21 @@ def run_of(seed: int, turned: bool) -> Trajectory:
     for circle in circles:
         x, y = turn(circle["x"], circle["y"])
         vx, vy = turn(circle.get("vx", 0), circle.get("vy", 0))
-        made.append(Circle(x, y, 1, vx, vy, circle["m"]))
+        made.append(Circle(x, y, circle.get("r", 1), vx, vy, circle.get("m", 1)))
     lines = [Wall(*turn(x0, y0), *turn(x1, y1)) for x0, y0, x1, y1 in walls]
     engine = ExactEngine(work=limits["work"], max_bits=1 << 14)
     return engine.run(Scene(made, lines, **settings), events=limits["events"])
 
 
+def _place(run: Trajectory) -> tuple[str, str]:
+    """Where a run stopped, and what it asked there. How much of the work an attempt in nested roots had taken may
+    differ by a thousandth, as their numbers come in another order."""
+    return run.stop.reason.name, re.sub(r"\d+ units of work of", "units of work of", run.stop.message)
+
+
 def check(seed: int) -> str:
     one, other = run_of(seed, False), run_of(seed, True)
-    assert one.stop == other.stop, seed
+    assert _place(one) == _place(other), seed
     assert [(e.contacts, e.impulses) for e in one.events] == [(e.contacts, e.impulses) for e in other.events], seed
     assert [e.time.digits(20) for e in one.events] == [e.time.digits(20) for e in other.events], seed
     assert one.plan["bits"] == other.plan["bits"], seed
@@ -70,7 +83,7 @@ def check(seed: int) -> str:
 
 def test_a_quarter_turn_changes_nothing() -> None:
     ended = {check(seed) for seed in range(40)}
-    assert {"EVENTS", "BUDGET"} <= ended
+    assert {"EVENTS", "BUDGET", "QUIET"} <= ended
 
 
 @pytest.mark.slow

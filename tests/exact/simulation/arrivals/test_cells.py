@@ -205,3 +205,14 @@ def test_cells_may_end_at_zero() -> None:
     """To look for the last double before it, one step after another, took for ever."""
     rows = [Circle(-20 + q, 2 * k, "3/4", 1, 0) for k in range(16) for q in (0, 4, 8, 19)]
     assert engine("exact").run(Scene(rows), events=3).stop.reason is StopReason.QUIET
+
+
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("far", [1e16, 1e30, 1e200])
+def test_cells_far_from_the_origin_are_as_few_as_near_it(far: float, turned: bool) -> None:
+    """A sum of spans in another order once cancelled: 255 million columns, each as wide as a circle."""
+    places = [(3.0 * k, far) for k in range(70)] + [(1.4e9, far)]
+    flights = [(y, x, 0.0, 1.0, 0.0) if turned else (x, y, 1.0, 0.0, 0.0) for x, y in places]
+    found = grid.grid_for(flights, [1.0] * len(flights))
+    assert found is not None
+    assert 9 < found.columns * found.rows < 2 * grid.MOST_CELLS

@@ -1,0 +1,278 @@
+"""What two runs of one engine have to do with each other, whatever the truth is: metamorphic relations, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from random import Random
+from typing import Any
+
+from flint import arb  # type: ignore[attr-defined]
+
+from fuzz.check import GAVE_UP, expect
+from fuzz.draft import Case
+from fuzz.ingredients import Mixed
+from fuzz.maps import BITS, MAPS, Map, _ball, _precision, check_cut, check_interval, check_map, same, same_history
+from truebreak.exact import ExactEngine
+from truebreak.exact.certified import precision as bits_of_a_run
+from truebreak.exact.numbers.undecided import Undecided
+from truebreak.exact.simulation.arrivals import grid
+from truebreak.floating import IntervalEngine
+from truebreak.scenarios import Circle, Quantity, Trajectory
+
+FEW_CELLS = 3
+"""Circles from which on there are cells in a scene with a crowd."""
+DEEP_BITS = BITS + 3000
+"""Bits of a number that is 10**-700 times as large as the one that it is compared with."""
+LITTLE_WORK = (3_000, 30_000)
+"""Work for a question in the relation of little work."""
+
+
+@contextmanager
+def cells_from(count: int) -> Iterator[None]:
+    """Cells from so many circles on."""
+    before, grid.FEWEST = grid.FEWEST, count
+    try:
+        yield
+    finally:
+        grid.FEWEST = before
+
+
+@contextmanager
+def midpoints_from(bits: int) -> Iterator[None]:
+    """Midpoints with a set of deviations from so many bits on."""
+    before, bits_of_a_run.LONG_BITS = bits_of_a_run.LONG_BITS, bits
+    try:
+        yield
+    finally:
+        bits_of_a_run.LONG_BITS = before
+
+
+def again(case: Case, engine: Any) -> Trajectory:
+    """The run of a case."""
+    return engine.run(case.scene, until=case.until, events=case.events)
+
+
+def the_same(run: Trajectory, other: Trajectory, where: str) -> bool:
+    """Two runs of one scene: all of the history, the order of impulses and the final state.
+
+    False where one of them gave up.
+    """
+    if {run.stop.reason.name, other.stop.reason.name} & set(GAVE_UP):
+        return False
+    with _precision(BITS):
+        same_history(run, other, lambda time: time, where)
+        mine, theirs = ([e.impulses for e in r.events] for r in (run, other))
+        expect(mine == theirs, f"{where}: impulses {theirs}, not {mine}")
+        for one in run.final.circles:
+            for key in ("x", "y", "vx", "vy"):
+                theirs_ = getattr(other.final[one.id], key).ball(BITS)
+                same(theirs_, getattr(one, key).ball(BITS), f"{where}: final {one.id}.{key}")
+    return True
+
+
+# -- the relations
+
+
+def resumed(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """Broken off after some events, or at a time between, and resumed: the same as in one go."""
+    case = mix.case
+    turns = mix.case.scene.reverse_at is not None or mix.case.scene.reverse_after is not None
+    if len(run.events) < 2 or (turns and case.until is None and case.events is None):
+        return False
+    k = draw.randrange(1, len(run.events))
+    limits: dict[str, Any] = {"events": k} if draw.random() < 0.5 else {"until": _between(run, k)}
+    first = engine.run(case.scene, **limits)
+    if first.stop.reason.name in GAVE_UP or not first.events or len(first.events) >= len(run.events):
+        return False
+    limits = {"until": case.until, "events": case.events}
+    if case.until is None and case.events is None:
+        limits = {"until": case.scene.until, "events": case.scene.events or 10**6}
+    return the_same(run, engine.resume(first, **limits), f"resumed after {len(first.events)} events")
+
+
+def _between(run: Trajectory, k: int) -> Quantity:
+    """A time between two events, or of the first of them where doubles tell none."""
+    early, late = (float(run.events[j].time) for j in (k - 1, k))
+    middle = Quantity.of((early + late) / 2)
+    return middle if early < float(middle) < late else Quantity.of(max(late, 1e-3))
+
+
+def scaled(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
+    """In units beyond the doubles: the history of the scene, in these units."""
+    length, time, mass = (Quantity.of(10) ** power for power in mix.reach)
+    by = Map("beyond doubles", stretch=length, pace=1 / time, weight=mass)
+    image = again(by.case(mix.case), engine)
+    if {run.stop.reason.name, image.stop.reason.name} & set(GAVE_UP):
+        return False
+    where = f"scaled by 10**{mix.reach}"
+    with _precision(2 * DEEP_BITS):
+        times, lengths = time.ball(DEEP_BITS), length.ball(DEEP_BITS)
+        expect(run.stop.reason == image.stop.reason, f"{where}: stops with {image.stop}, not {run.stop}")
+        expect(len(run.events) == len(image.events), f"{where}: {len(image.events)} events, not {len(run.events)}")
+        for mine, other in zip(run.events, image.events, strict=True):
+            expect(set(mine.contacts) == set(other.contacts), f"{where}: event {mine.index} has {other.contacts}")
+            same(other.time.ball(DEEP_BITS) / times, mine.time.ball(BITS), f"{where}: time of event {mine.index}")
+            digits = other.time.digits(20)
+            expect((digits == "0") == (mine.time.digits(20) == "0"), f"{where}: digits {digits}")
+        entries = [[(p.circle, p.pocket) for p in r.pocketings] for r in (run, image)]
+        expect(entries[0] == entries[1], f"{where}: pocketings {entries[1]}, not {entries[0]}")
+        for one in run.final.circles:
+            for key, unit in (("x", lengths), ("y", lengths), ("vx", lengths / times), ("vy", lengths / times)):
+                value = getattr(image.final[one.id], key).ball(DEEP_BITS) / unit
+                same(value, getattr(one, key).ball(BITS), f"{where}: final {one.id}.{key}")
+    return True
+
+
+def mapped(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """Under an exact map (turned, mirrored, scaled, shifted, boosted, in another order): the mapped history."""
+    by = draw.choice([m for m in MAPS if m.fits(mix.case.scene)])
+    return check_map(run, mix.case, by, engine)
+
+
+def cut_in_two(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """The state at a time written as text, and played on: the rest."""
+    return check_cut(run, mix.case, draw, engine)
+
+
+def by_intervals(run: Trajectory, mix: Mixed, draw: Random, _: Any) -> bool:
+    """The interval engine contradicts nothing before it stops."""
+    if run.stop.reason.name in GAVE_UP:
+        return False
+    return check_interval(run, mix.case, IntervalEngine(bits=draw.choice([53, 120, 300]))) > 0
+
+
+def without_cells(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
+    """With cells from three circles on, or with none: the same."""
+    had = run.plan.get("cells crossed", 0) > 0
+    with cells_from(10**9 if had else FEW_CELLS):
+        return the_same(run, again(mix.case, engine), "without cells" if had else "with cells")
+
+
+def with_midpoints(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
+    """With midpoints and deviations from few bits on: the same."""
+    with midpoints_from(300):
+        return the_same(run, again(mix.case, engine), "with midpoints")
+
+
+def beside_deep_numbers(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """Beside a fixed circle far away, whose number is too deep for a field, so that all is in balls: the same."""
+    scene = mix.case.scene
+    x = Quantity.of("sqrt(2 + sqrt(3 + sqrt(5 + sqrt(7 + sqrt(11)))))") + 10**60 + draw.randrange(9)
+    far = Circle(x, 10**60, m="oo", id="far")
+    if scene.walls or any(c.id == "far" for c in scene.circles):
+        return False  # a wall may go through it
+    other = again(replace(mix.case, scene=scene.with_changes(circles=[*scene.circles, far])), engine)
+    return the_same(run, other, "beside deep numbers")
+
+
+def prefix(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """A run to fewer events has the first of them."""
+    scene = mix.case.scene
+    if len(run.events) < 2 or run.stop.reason.name in GAVE_UP or scene.reverse_at or scene.reverse_after:
+        return False
+    k = draw.randrange(1, len(run.events))
+    short = engine.run(scene, events=k)
+    if short.stop.reason.name in GAVE_UP:
+        return False
+    for mine, other in zip(run.events[:k], short.events, strict=True):
+        expect(mine.contacts == other.contacts, f"prefix: event {mine.index} has {other.contacts}, not {mine.contacts}")
+        expect(mine.time.digits(40) == other.time.digits(40), f"prefix: time of event {mine.index}")
+    return True
+
+
+def there_and_back(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
+    """Turned back at the end: home again with opposite velocities, where no tie lets an order choose."""
+    scene = mix.case.scene
+    if scene.reverse_at or scene.reverse_after or run.stop.reason.name in GAVE_UP or not run.events:
+        return False
+    if run.pocketings or any(len(event.contacts) > 1 for event in run.events):
+        return False
+    half = Quantity.of(float(run.events[-1].time) + 0.125)
+    if half <= 0 or (len(run.events) > 1 and float(half) > 1e9):
+        return False
+    back = engine.run(scene.with_changes(reverse_at=half), until=2 * half)
+    if back.stop.reason.name in GAVE_UP or any(len(event.contacts) > 1 for event in back.events):
+        return False
+    with _precision(BITS):
+        for one, start in zip(back.final.circles, scene.circles, strict=True):
+            for key, value in (("x", start.x), ("y", start.y), ("vx", -start.vx), ("vy", -start.vy)):
+                same(getattr(one, key).ball(BITS), _ball(value), f"there and back: {one.id}.{key}")
+    return True
+
+
+def little_work(run: Trajectory, mix: Mixed, draw: Random, _: Any) -> bool:
+    """With little work for a question a scene and its quarter turn end at one place, and what is there is right."""
+    engine = ExactEngine(work=draw.choice(LITTLE_WORK))
+    turned = next(m for m in MAPS if m.name == "turn 90").case(mix.case)
+    one, other = again(mix.case, engine), again(turned, engine)
+    expect(one.stop.reason == other.stop.reason, f"little work: {other.stop} a quarter turn on, not {one.stop}")
+    expect(len(one.events) == len(other.events), f"little work: {len(other.events)} events, not {len(one.events)}")
+    if run.stop.reason.name not in GAVE_UP:
+        for mine, theirs in zip(run.events, one.events, strict=False):
+            expect(mine.contacts == theirs.contacts, f"little work: event {mine.index} has {theirs.contacts}")
+        expect(len(one.events) <= len(run.events), "little work: more events than there are")
+    return True
+
+
+def digits(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
+    """Digits, balls, doubles and texts of one number agree, and those of two runs are the same."""
+    other = again(mix.case, engine)
+    if {run.stop.reason.name, other.stop.reason.name} & set(GAVE_UP):
+        return False
+    for mine, theirs in zip(run.final.circles[:6], other.final.circles, strict=False):
+        for key in ("x", "y", "vx", "vy"):
+            one, two, count = getattr(mine, key), getattr(theirs, key), draw.choice([3, 17, 40])
+            try:
+                one.digits(2)
+            except Undecided:  # it may be zero, and is not proved to be
+                continue
+            told = two.digits(count) if draw.random() < 0.5 else (two.ball(900), two.digits(count))[1]
+            expect(one.digits(count) == told, f"digits: {mine.id}.{key} is {told}, not {one.digits(count)}")
+            value = Quantity.of(told.replace("e+", "*10**").replace("e", "*10**"))
+            with _precision(BITS):
+                off = abs(value.ball(BITS) - one.ball(BITS))
+                least = abs(one.ball(BITS)) * arb(10) ** (1 - count) + arb(2) ** -BITS
+                expect(not off > least, f"digits: {told} of {mine.id}.{key} are not those of its ball")
+                expect((told == "0") == (one.digits(2) == "0"), f"digits: zero of {mine.id}.{key}")
+                low, high = one.bounds()
+                expect(not (arb(low) > one.ball(BITS) or arb(high) < one.ball(BITS)), f"digits: {key} out of bounds")
+                expect(low <= float(one) <= high, f"digits: the double of {mine.id}.{key}")
+            if (text := one.text()) is not None and len(text) < 200:
+                expect((Quantity.of(text).sign() == 0) == (told == "0"), f"digits: text {text} beside {told}")
+    return True
+
+
+Relation = Callable[[Trajectory, Mixed, Random, Any], bool]
+RELATIONS: dict[str, Relation] = {
+    "map": mapped,
+    "resume": resumed,
+    "scale": scaled,
+    "cut": cut_in_two,
+    "interval": by_intervals,
+    "cells": without_cells,
+    "midpoints": with_midpoints,
+    "deep": beside_deep_numbers,
+    "prefix": prefix,
+    "back": there_and_back,
+    "work": little_work,
+    "digits": digits,
+}
+EVERY = ("resume", "scale")
+"""Those that are ingredients: checked where a row has them."""
+
+
+def check_relations(run: Trajectory, mix: Mixed, seed: int, engine: Any) -> frozenset[str]:
+    """Checks those that a row has, and one more by turns; the names of those that applied.
+
+    Raises:
+        Difference: where one of them does not hold.
+    """
+    others = [name for name in RELATIONS if name not in EVERY]
+    wanted = [*(name for name in EVERY if name in mix.row), others[seed % len(others)]]
+    found = set[str]()
+    for name in wanted:
+        if RELATIONS[name](run, mix, Random(f"{name}:{seed}"), engine):
+            found.add(name)
+    return frozenset(found)

@@ -1,0 +1,172 @@
+"""The covering array covers, what is said to take part does, relations see what is wrong; what was found."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import pytest
+
+from fuzz.check import Difference, compare
+from fuzz.draft import Case
+from fuzz.examine import examine
+from fuzz.ingredients import FEWEST, INGREDIENTS, PAIRS, ROWS, Mixed, array, exercised, mixed, row_of
+from fuzz.maps import MAPS
+from fuzz.referee import referee
+from fuzz.relations import FEW_CELLS, RELATIONS, cells_from
+from truebreak.exact import ExactEngine
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Wall
+from truebreak.scenarios.files.scene_file import load_scene
+
+FOUND = sorted((Path(__file__).parent / "found").glob("*.toml"))
+HIT = Scene(
+    [Circle(0, 0, vx=3, id="a"), Circle(5, 1, vy="1/7", id="b"), Circle(12, "3/2", m=2, id="c")],
+    [Wall(20, 0, 20, 1, id="w")],
+)
+
+
+def plain(scene: Scene, row: str = "", until: Any = None, events: int | None = None) -> Mixed:
+    """A scene as if it had come of a row."""
+    limit = None if until is None else Quantity.of(until)
+    return Mixed(frozenset(row.split()), Case(scene, limit, events), (0,) * len(scene.circles), (400, -380, 700))
+
+
+# -- the array
+
+
+def test_every_array_has_every_pair_and_most_triples_come_soon() -> None:
+    triples = set()
+    for number in range(12):
+        rows = array(number)
+        assert len(rows) == ROWS
+        assert all(FEWEST <= len(row) <= 8 for row in rows)
+        assert {pair for row in rows for pair in combinations([n for n in INGREDIENTS if n in row], 2)} == set(PAIRS)
+        triples |= {t for row in rows for t in combinations([n for n in INGREDIENTS if n in row], 3)}
+    assert len(INGREDIENTS) == 23
+    assert len(triples) > 0.9 * 1771  # all that there are of 23
+
+
+def test_a_seed_is_one_scene() -> None:
+    digests = [mixed(seed).case.scene.digest for seed in range(20)]
+    assert digests == [mixed(seed).case.scene.digest for seed in range(20)]
+    assert len(set(digests)) == 20
+    assert {"pocket"} <= row_of(next(k for k in range(99) if "capture" in row_of(k)))
+
+
+def test_all_ingredients_take_part_within_sixty_scenes() -> None:
+    found = set[str]()
+    for seed in range(60):
+        verdict = examine("mixed", seed)
+        assert verdict.outcome in ("ok", "budget", "undecided"), (seed, verdict)
+        found |= set(verdict.exercised)
+    assert found == set(INGREDIENTS)
+
+
+# -- what took part
+
+
+def took_part(mix: Mixed) -> frozenset[str]:
+    told = referee(mix.case.scene, mix.case.until, mix.case.events)
+    run = ExactEngine().run(mix.case.scene, until=mix.case.until, events=mix.case.events)
+    return exercised(mix, told, run, frozenset())
+
+
+def test_what_is_there_and_does_nothing_takes_no_part() -> None:
+    aside = [Circle(0, 300, m="oo"), Circle(0, 400, 0, point=True), Circle("10**12", 500), Circle(9, 600, m="10**12")]
+    scene = HIT.with_changes(circles=[*HIT.circles, *aside], pockets=[Pocket(0, 700, 3)], capture=True)
+    idle = {"point", "pocket", "capture", "fixed", "mass", "graze", "raft", "lasting", "oblique", "corner", "swift"}
+    assert not took_part(plain(scene, events=2)) & idle
+    assert not took_part(plain(scene.with_changes(reverse_at=900), events=1)) & {"reversal"}
+
+
+@pytest.mark.parametrize(
+    ("name", "scene", "until"),
+    [
+        ("graze", Scene([Circle(0, 0, vx=1), Circle(5, 2), Circle(9, 0)]), 20),
+        ("raft", Scene([Circle(0, 0, vx=1), Circle(0, 2, vx=1), Circle(9, 0)]), 20),
+        ("lasting", Scene([Circle(0, 0, vx=1), Circle(9, 0)], [Wall(0, -1, 1, -1)]), 20),
+        ("corner", Scene([Circle(5, 5, vx=-1, vy=-1)], [Wall(0, 0, 0, 1), Wall(0, 0, 1, 0)]), 20),
+        ("oblique", Scene([Circle(9, 0, vx=-1)], [Wall(0, 0, 3, 4)]), 20),
+        ("point", Scene([Circle(0, 0, 0, vx=1, point=True), Circle(9, 0)]), 20),
+        ("swift", Scene([Circle(0, 0, vx="10**9"), Circle(9, 0)]), 20),
+        ("mass", Scene([Circle(0, 0, vx=1, m="10**9"), Circle(9, 0)]), 20),
+        ("far", Scene([Circle("10**12", 0, vx=1), Circle("10**12 + 9", 0)]), 20),
+        ("nested", Scene([Circle("sqrt(2 + sqrt(3))", 0, vx=1), Circle(9, 0)]), 20),
+        ("gap", Scene([Circle(0, 0, vx=1), Circle(9, 0), Circle(0, 99, vx=1), Circle("9 + 10**-30", 99)]), 20),
+        ("limit", Scene([Circle(0, 0, vx=1), Circle(9, 0)]), 7),
+        ("fixed", Scene([Circle(0, 0, vx=1), Circle(9, 0, m="oo")]), 20),
+        ("tie", Scene([Circle(0, 0, vx=1), Circle(9, 0), Circle(0, 9, vx=1), Circle(9, 9)]), 20),
+        ("capture", Scene([Circle(0, 0, vx=1)], pockets=[Pocket(9, 0, 2)], capture=True), 20),
+    ],
+)
+def test_what_takes_part_is_seen(name: str, scene: Scene, until: int) -> None:
+    assert name in took_part(plain(scene, until=until))
+
+
+# -- the relations
+
+
+class Wrong:
+    """An engine that runs another scene than it is given, whenever it runs one that it has not seen, or all of them."""
+
+    def __init__(self, at: int) -> None:
+        self.left = at
+
+    def run(self, scene: Scene, **limits: Any) -> Any:
+        self.left -= 1
+        if self.left < 0:
+            first, *others = scene.circles
+            heavy = Circle(first.x, first.y, first.r, first.vx, first.vy, first.m * 3, first.id)
+            scene = scene.with_changes(circles=[heavy, *others])
+        return ExactEngine().run(scene, **limits)
+
+    def resume(self, run: Any, **limits: Any) -> Any:
+        return self.run(run.scene, **limits)
+
+
+@pytest.mark.parametrize("name", [name for name in RELATIONS if name not in ("interval", "work", "back")])
+def test_a_relation_sees_another_history(name: str) -> None:
+    open_plane = name == "deep"
+    mix = plain(HIT.with_changes(walls=()) if open_plane else HIT, "resume scale", events=1 if open_plane else 3)
+    run = ExactEngine().run(mix.case.scene, events=mix.case.events)
+    assert len(run.events) == mix.case.events
+    at = 1 if name in ("resume", "cut") else 0
+    draws = [Random(seed) for seed in range(8)]
+    assert any(RELATIONS[name](run, mix, Random(seed), ExactEngine()) for seed in range(8))
+    with pytest.raises(Difference):
+        for draw in draws:
+            RELATIONS[name](run, mix, draw, Wrong(at))
+
+
+def test_there_and_back_sees_another_time() -> None:
+    """A wrong mass comes home as well: it is the clock that must not be wrong."""
+    mix = plain(HIT, events=2)
+    run = ExactEngine().run(HIT, events=2)
+    assert RELATIONS["back"](run, mix, Random(1), ExactEngine())
+
+    class Late:
+        def run(self, scene: Scene, *, until: Any) -> Any:
+            return ExactEngine().run(scene, until=until + Quantity.of("1/10**30"))
+
+    with pytest.raises(Difference, match="there and back"):
+        RELATIONS["back"](run, mix, Random(1), Late())
+
+
+# -- what was found
+
+
+@pytest.mark.parametrize("path", FOUND, ids=lambda path: path.stem)
+def test_what_was_found_stays_mended(path: Path) -> None:
+    scene = load_scene(path)
+    mix = plain(scene, "resume scale", scene.until, scene.events)
+    told = referee(scene, scene.until, scene.events)
+    for count in (FEW_CELLS, 10**9):
+        with cells_from(count):
+            engine = ExactEngine()
+            run = engine.run(scene, until=scene.until, events=scene.events)
+            compare(run, told)
+            for name, relation in RELATIONS.items():
+                relation(run, mix, Random(name), engine)
+    assert {m.name for m in MAPS} >= {"turn 90"}
