@@ -43,7 +43,16 @@ TELLS = frozenset({"log", "outline", "order", "end"})
 KEPT = 256
 """Parsed lines that are kept for the other log: so far apart independent events usually are."""
 
-DECODE = json.JSONDecoder().raw_decode
+USELESS = 4_000
+"""Lines in a row that are not among the other's, after which they are no longer kept for it."""
+
+
+def _whole(text: str) -> float:
+    """A number without a point: printf writes the zero below 0 as -0."""
+    return -0.0 if text == "-0" else int(text)
+
+
+DECODE = json.JSONDecoder(parse_int=_whole).raw_decode
 
 WORDS = re.compile(r"[\s,;:=]+")
 
@@ -137,6 +146,7 @@ class Log:
         self.count = 0
         self.stride = 0
         self.parsed: dict[str, dict[str, Any]] = {}
+        self._misses = self._shared = 0  # lines in a row that the other log had not lately, and letters that are kept
         self._form: Callable[[Log, int, str], Record | None] | None = None
         self._pending: Record | None = None  # a step that may have further lines
         self._last = ""
@@ -300,8 +310,12 @@ class Log:
 
     def _json(self, number: int, text: str) -> Record | None:
         """What a line of JSON says; None for one that is no event: a header, an outline, the end."""
-        value = self.parsed.pop(text, None)
-        if value is None:
+        sharing = self._misses < USELESS
+        value = self.parsed.pop(text, None) if sharing else None
+        if value is not None:
+            self._misses = 0
+        else:
+            self._misses += 1
             try:
                 value, stop = DECODE(text)
             except (ValueError, RecursionError):
@@ -310,9 +324,12 @@ class Log:
                 value = self._loaded(number, text)
                 if value is None:
                     return None
-            if len(self.parsed) > KEPT:
-                self.parsed.clear()
-            self.parsed[text] = value
+            if sharing:
+                self._shared += len(text)
+                if len(self.parsed) > KEPT or self._shared > MOST_LINE:
+                    self.parsed.clear()
+                    self._shared = len(text)
+                self.parsed[text] = value
         if self.end is not None:
             raise self._fail(number, "comes after the end; leave it out, or put the end last")
         record = Record(number, text)
