@@ -390,7 +390,7 @@ class Log:
         if "log" in value:
             self._take_header(number, value)
         elif "outline" in value:
-            self.outlines[str(value.get("body", ""))] = value["outline"]
+            self._outline(number, value.get("body", ""), value["outline"])
         elif "order" in value:
             order = value["order"]
             if not isinstance(order, list) or not order or not all(isinstance(body, str) for body in order):
@@ -398,6 +398,22 @@ class Log:
             self._order = order
         else:
             self.end, self.quiet = self._number(number, "end", value["end"]), bool(value.get("quiet", False))
+
+    def _outline(self, number: int, body: Any, outline: Any) -> None:
+        """Takes the shape of a body: one or more of a circle, a polygon and a segment."""
+        parts = outline if isinstance(outline, list) else [outline]
+        for part in parts:
+            if not isinstance(part, dict) or not all(
+                _points(part[key], least) for key, least in (("polygon", 1), ("segment", 2)) if key in part
+            ) or not ("circle" not in part or (_sized(part["circle"]) and _points([part.get("at", [0, 0])], 1))) or (
+                not part.keys() & {"circle", "polygon", "segment"} or not _sized(part.get("radius", 0))
+            ):  # fmt: skip
+                raise self._fail(
+                    number,
+                    f"outline of {str(body)[:SHOWN]!r} = {str(part)[:SHOWN]}; must be circle, polygon or segment, as "
+                    'in {"circle": 1} or {"polygon": [[0, 0], [1, 0], [0, 1]]}, in finite numbers',
+                )
+        self.outlines[str(body)] = outline
 
     def _take_header(self, number: int, value: dict[str, Any]) -> None:
         version = value.get("log", FORMAT)
@@ -410,7 +426,8 @@ class Log:
             self.names = names
         outlines = value.get("outlines")
         if isinstance(outlines, dict):
-            self.outlines.update(outlines)
+            for body, outline in outlines.items():
+                self._outline(number, body, outline)
         self.header.update({k: v for k, v in value.items() if k not in ("log", "outlines")})
 
     def _states(self, number: int, states: Any) -> dict[str, list[float]]:
@@ -543,6 +560,19 @@ class Log:
                     record.fields[name] = row[name]
         record.hash = row.get("hash")
         return record
+
+
+def _sized(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+def _points(value: Any, least: int) -> bool:
+    """Whether this is a list of points in the plane."""
+    return (
+        isinstance(value, list)
+        and len(value) >= least
+        and all(isinstance(point, list) and len(point) == 2 and all(map(_sized, point)) for point in value)
+    )
 
 
 def _as_json(match: re.Match[str]) -> str:

@@ -12,7 +12,7 @@ from .log_format import Record
 from .record_pairs import RecordPairs
 from .sides import Found, Meeting, Side, TwoLogs, all_told, check, grid, names, touched_told
 
-WAITING, MOST_LETTERS = 200_000, 1 << 27
+WAITING, MOST_LETTERS = 200_000, 1 << 26
 """Parts in events that may wait for their like in the other log, and letters of their lines; beyond that the bodies
 that wait longest have parted."""
 
@@ -158,7 +158,7 @@ class _BySteps(RecordPairs):
         if found.meeting is not None:
             return
         more = sorted((counts[0] - counts[1]).keys()) or sorted((counts[1] - counts[0]).keys())
-        body = more[0][0]
+        body = min(more[0], key=lambda i: sum(i in p for r in (a, b) for p in r.contacts))  # a ground has many
         own = [[q if p == body else p for p, q in r.contacts if body in (p, q)] for r in (a, b)]
         told = [" + ".join(sorted(names)) or None for names in own]
         self.meet(Meeting(a.number, a.step, a.time, body, told[0], told[1], (a.time, b.time), (a.line, b.line)))

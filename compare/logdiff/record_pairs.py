@@ -13,6 +13,9 @@ from .sides import Found, Meeting, Side, kinds
 MOST_FIELDS = 100
 """Free fields of which it is kept where they differ."""
 
+MOST_BODIES = 100_000
+"""Bodies of which the last state is kept."""
+
 MOST_REPEATED = 20
 """Lines that are there twice of which it is kept which they are."""
 
@@ -49,9 +52,17 @@ class RecordPairs:
         found = self.found
         found.contacts[side] += len(record.contacts)
         if record.states:
-            found.final[side].update(record.states)
+            self.end(found.final[side], record.states)
             if found.first_states is None and side == 0:
                 found.first_states = record.number
+
+    @staticmethod
+    def end(final: dict[str, list[float]], states: dict[str, list[float]]) -> None:
+        """Keeps the last states of bodies, of the first that there are."""
+        if len(final) < MOST_BODIES:
+            final.update(states)
+        else:
+            final.update((body, row) for body, row in states.items() if body in final)
 
     def alike(self, a: Record, b: Record) -> None:
         """Two records that are the same to the letter, and mean the same."""
@@ -64,8 +75,8 @@ class RecordPairs:
         growing.onsets += count
         compared["contacts"] += count
         if states:
-            found.final[0].update(states)
-            found.final[1].update(states)
+            self.end(found.final[0], states)
+            self.end(found.final[1], states)
             if found.first_states is None:
                 found.first_states = a.number
             compared["states"] += len(states)

@@ -49,6 +49,10 @@ FLOATS = Thresholds(start=(4, 8), free=(5, 10), touching=(6, 13))
 SETTLED = 40
 """Contacts that are the same to the last bit in both, after which a build that rounds otherwise had shown itself."""
 
+NEAR_START = 8
+"""Steps from the first record to the second up to which a difference in most bodies is one of the start: a change in
+one of them has not come to most by then."""
+
 PER_STEP = 1.0
 """Bits by which a difference may grow in a step that was not logged, where the log does not tell more."""
 
@@ -317,6 +321,12 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         return _small(found, first, _k(top), f"{size}, in the first record of all")
     begun = min([top.number, *(pair[0].number for pair in (found.hash, found.input) if pair is not None)])
     early = found.first_states is not None and begun <= found.first_states + 1
+    stride = _stride(found) or 1
+    if early and stride > NEAR_START and top.gap >= 1 and top.bits >= limits.free[0] and len(first) * 2 > known:
+        return Named.OPEN, _k(top), (
+            f"{size}, in {_many(first, known)}, and nothing is logged of the {stride} steps between the start and "
+            "there: another start, or a change since? Log states of every step"
+        )  # fmt: skip
     if early and top.bits >= limits.free[0] and len(first) * 2 > known:
         if top.bits < limits.free[1]:
             return Named.OPEN, _k(top), f"{size}, in the first step ({_many(first, known)}): a setting, or rounding?"
