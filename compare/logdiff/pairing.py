@@ -48,7 +48,7 @@ def pair(one: str | Path, other: str | Path, ignore: frozenset[str] = frozenset(
     found.grid = grid(a) and grid(b)
     found.contacts_each = any(r.contacts for side in (a, b) for r in side.head)
     begun = any(side.log.header.get("contacts") == "begun" for side in (a, b))
-    found.all_told = all_told(a) and all_told(b)
+    found.all_told = all_told(a) or all_told(b)
     found.touched_told = found.contacts_each and not begun and all(touched_told(side) for side in (a, b))
     (_BySteps if steps else _ByBodies)(a, b, found, ignore).run()
     return found

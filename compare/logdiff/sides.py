@@ -71,7 +71,7 @@ class Found:
         repeated: (log, line) of lines that are there twice.
         uneven: the first record at which one log has the state of a body and the other only those of others: whose log
             has it (0 or 1), the record, the body, and how many pairs of records there were up to it.
-        all_told: whether each record with states has those of all bodies.
+        all_told: whether each record with states, of one log at least, has those of all bodies.
         zeros: the first record at which a zero has another sign.
         fields_alone: free fields that one log has at a record and the other has not: whose, and the record.
         alone: how many records of each log had none to be compared with.
@@ -307,6 +307,13 @@ def names(a: Side, b: Side) -> dict[str, str]:
         alike = _nearly(*starts)
     if len(alike) <= own or (common and own * 2 >= len(common)):
         return {}
+    rest = [
+        {i: row for i, row in s.items() if i not in known}
+        for s, known in zip(starts, ({*alike.values()}, alike), strict=True)
+    ]
+    if rest[0] and rest[1]:
+        only = len(rest[0]) == len(rest[1]) == 1
+        alike |= {next(iter(rest[1])): next(iter(rest[0]))} if only else _nearly(*rest)
     moved = {theirs: ours for theirs, ours in alike.items() if theirs != ours}
     if not moved or (common and len(alike) * 2 < len(common)):
         return {}

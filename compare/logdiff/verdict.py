@@ -270,6 +270,10 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     """Where numbers differ."""
     growing = found.growing
     top = first[0]
+    if found.names and found.uneven is not None and found.uneven[1].number == found.first_states:
+        return Named.OPEN, _k(top), (
+            f"{_size(top)}; but ids differ, and {found.uneven[2]} starts like none in the other log; name bodies alike"
+        )  # fmt: skip
     fewer = growing.unit.fewer
     if fewer is not None and all(fewer.explains(d.a, d.b) for d in first):
         return Named.OPEN, _k(top), (

@@ -264,6 +264,9 @@ def test_a_body_that_one_run_has_alone_is_no_identity(compared: Any) -> None:
     for one, other in ((told, gone), (gone, told)):
         found = compared(one, other)
         assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 20), found.line
+    touching = [{**line, "contacts": [["b3", "b1"]]} for line in told]
+    found = compared(touching, [{**line, "contacts": [["b3", "b1"]]} for line in gone])
+    assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 20), found.line
     hidden = [{**line, "states": {i: v for i, v in line["states"].items() if i != "b3"}} for line in told]
     back = [
         {**line, "states": {i: v for i, v in line["states"].items() if i != "b3" or line["step"] != 20}}
@@ -335,6 +338,16 @@ def test_bodies_of_other_ids_and_an_ulp_are_the_same_bodies(compared: Any) -> No
         line["states"] = {i: [math.nextafter(v, 9) for v in row] for i, row in line["states"].items()}
     found = compared(told, other)
     assert (found.verdict.name, found.found.names["d4"]) == (Named.GREW, "entity4"), found.line
+
+
+@pytest.mark.parametrize(("off", "named"), [(1e-16, Named.GREW), (0.01, Named.START)])
+def test_the_body_that_starts_elsewhere_is_known_by_the_others(off: float, named: Named, compared: Any) -> None:
+    told = drift()
+    other = json.loads(json.dumps(told).replace('"b', '"entity'))
+    for line in other:
+        line["states"]["entity3"][1] += off * (line["states"]["entity3"][1] + 1)
+    found = compared(told, other)
+    assert (found.verdict.name, found.verdict.event, found.verdict.first[0].body) == (named, 0, "b3"), found.line
 
 
 def test_a_clock_that_begins_anew_in_one_of_two_logs_of_events_is_counted_on(compared: Any) -> None:
