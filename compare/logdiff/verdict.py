@@ -353,7 +353,7 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         top = next(d for d in first if d.fresh and not d.placed)
         if top.bits < limits.touching[1]:
             return None
-        if top.number < max(3, known) and all(d.fresh for d in first):
+        if top.number < max(3, known) and all(d.fresh for d in first if d.body in found.final[0] or not found.final[0]):
             return Named.START, _k(top), (
                 f"{size}, and that is the first that is logged of {top.body}: it came there at another time or place"
             )  # fmt: skip
