@@ -1,7 +1,7 @@
 """What it costs to compare long logs, and to record a pymunk space.
 
 `python -m truebreak.compare.bench.logs` compares logs of 1,000,000 events of a gas of 100 discs, with states
-(`--events N`: of others; it takes a C compiler and 250 bytes of disk an event, three times); `--record` measures
+(`--events N`: of others; it takes a C compiler and 250 bytes of disk an event, four times); `--record` measures
 `truebreak.pymunk.record`.
 """
 
@@ -80,7 +80,10 @@ int main(int count, char **words) {
         tb_step(log, e, t);
         tb_contact(log, names[i], j < N ? names[j] : walls[j - N]);
         for (int q = 0; q < (j < N ? 2 : 1); q++) {
-            for (int k = 0; k < 4; k++) state[k] = all[k][q ? j : i];
+            for (int k = 0; k < 4; k++) {
+                state[k] = all[k][q ? j : i];
+                if (nudge == -2) state[k] = nextafter(state[k], (e + k) % 2 ? 99 : -99);
+            }
             tb_state(log, names[q ? j : i], state, 4);
         }
         predict(i, t);
@@ -97,7 +100,7 @@ int main(int count, char **words) {
     return tb_close(log);
 }
 """
-"""A gas of discs, event by event; one velocity is moved by an ulp at one event."""
+"""A gas of discs, event by event; one velocity is moved by an ulp at one event, or each number that is written."""
 
 
 def logs(folder: Path, events: int) -> Iterator[tuple[str, Path, Path]]:
@@ -127,10 +130,20 @@ def logs(folder: Path, events: int) -> Iterator[tuple[str, Path, Path]]:
     yield "nothing", one, other
     made(other, events // 2)
     yield "one ulp, half way", one, other
-    with one.open(encoding="utf-8") as lines, other.open("w", encoding="utf-8") as out:
+    reorder(one, other)
+    yield "independent events in another order", one, other
+    made(other, -2)
+    yield "one ulp in each number", one, other
+    third = folder / "c.jsonl"
+    reorder(other, third)
+    yield "one ulp in each number, and another order", one, third
+
+
+def reorder(source: Path, into: Path) -> None:
+    """Writes a log whose independent neighbours have changed places."""
+    with source.open(encoding="utf-8") as lines, into.open("w", encoding="utf-8") as out:
         for line in interleaved(lines):
             out.write(line)
-    yield "independent events in another order", one, other
 
 
 def interleaved(lines: Iterator[str]) -> Iterator[str]:

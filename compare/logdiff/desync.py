@@ -119,6 +119,8 @@ class Desync:
             yield "records of one alone", f"{found.alone[0]:,} and {found.alone[1]:,}"
         for name, (record, one, other) in list(found.fields.items())[:4]:
             yield f"field {name}", f"differs first at {record.place()}: {str(one)[:40]} and {str(other)[:40]}"
+        for name, (side, record) in list(found.fields_alone.items())[:4]:
+            yield f"field {name}", f"in {(found.a, found.b)[side].name} alone, first at {record.place()}"
         ends = self.ends()
         if ends:
             yield "final states", ends
@@ -145,10 +147,14 @@ class Desync:
         )
         return f"differ in {len(differ)} of {len(common)} bodies, by up to {apart:.3g} in place"
 
+    def curves(self) -> list[tuple[str, Curve]]:
+        """The growth of bodies, those first that differ first."""
+        return sorted(self.found.growing.by_body.items(), key=lambda item: item[1].points[0][0])
+
     def bodies(self) -> Iterator[dict[str, Any]]:
         """How the difference grew, by body: those first that differ first."""
         unit = self.found.growing.unit
-        for body, curve in list(self.found.growing.by_body.items())[:SHOWN_BODIES]:
+        for body, curve in self.curves()[:SHOWN_BODIES]:
             rate = rate_of(curve, unit)
             first, largest = curve.points[0], max(bits for _, _, bits in curve.points)
             told = f"from record {first[0]}, {_power(first[2])} to {_power(largest)} ulps"
@@ -206,11 +212,12 @@ class Desync:
                     "body": body, "first": curve.points[0][0],
                     "points": [[n, _finite(t), _finite(bits)] for n, t, bits in curve.points],
                 }
-                for body, curve in found.growing.by_body.items()
+                for body, curve in self.curves()
             ],
             "contacts": found.contacts, "alone": found.alone, "missing": found.missing_count,
             "fields": {name: _place((record, record)) for name, (record, _, _) in found.fields.items()},
-            "names": found.names, "clock": found.clock, "notes": list(verdict.notes),
+            "names": found.names, "clock": None if found.clock is None else _finite(found.clock),
+            "notes": list(verdict.notes),
             "law": None if self.lawful is None else self.lawful.data(),
         }  # fmt: skip
 

@@ -37,6 +37,9 @@ PLAYER = {
 }
 
 
+FLAT = " Of three dimensions x is drawn across and y up."
+
+
 def desync_html(compared: Sequence[Desync], *, command: str = "") -> str:
     """The page; the player shows the pair whose verdict is the gravest, if its logs have states."""
     worst = gravest(compared)
@@ -55,7 +58,7 @@ def desync_html(compared: Sequence[Desync], *, command: str = "") -> str:
         for one in compared
     ]  # fmt: skip
     text = laid_out(report_json(compared)) + "\n"
-    return rendered(
+    page = rendered(
         "desync.html.jinja",
         recording=played_logs(worst),
         engines=max(1, len(worst.found.growing.by_body)),
@@ -63,19 +66,20 @@ def desync_html(compared: Sequence[Desync], *, command: str = "") -> str:
         lead=worst.line,
         same=worst.verdict.same,
         sections=sections,
-        player=PLAYER,
+        player={**PLAYER, "note": PLAYER["note"] + (FLAT if "z" in (worst.found.growing.names or ()) else "")},
         command=command or "truebreak diff",
         file=download("diff.json", "all results (JSON)", "application/json", text, "the command above, with --json"),
         provenance={"versions": versions(), "written": day()},
         footnote="Solid and blue: the first log.",
     )
+    return page.encode("utf-8", "backslashreplace").decode("utf-8")  # ids may have halves of letters in them
 
 
 def growth_plot(one: Desync) -> Markup | None:
     """The growth by body: bits above one ulp over the records."""
     curves = [
         Line(body, [(float(n), max(bits, 0.0)) for n, _, bits in curve.points], f"e{k}")
-        for k, (body, curve) in enumerate(list(one.found.growing.by_body.items())[:8])
+        for k, (body, curve) in enumerate(one.curves()[:8])
         if len(curve.points) > 1
     ]
     if not curves:
@@ -89,7 +93,8 @@ def played_logs(one: Desync) -> dict[str, Any] | None:
     first = verdict.first[0].number if verdict.first else 0
     names = {theirs: ours for ours, theirs in found.names.items()}
     sides = [_window(log.name, first, renamed) for log, renamed in ((found.a, {}), (found.b, names))]
-    ids = sorted({body for records in sides for record in records for body in record.states})
+    own = [{body for record in records for body in record.states} for records in sides]
+    ids = sorted(own[0] & own[1])
     if not ids or any(len(records) < 2 for records in sides):
         return None
     axes = _axes(found.growing.names)
@@ -103,6 +108,10 @@ def played_logs(one: Desync) -> dict[str, Any] | None:
     wide, high = max(max(xs) - min(xs), 1e-9), max(max(ys) - min(ys), 1e-9)
     room = 0.06 * max(wide, high)
     view = [min(xs) - room, min(ys) - room, max(wide, 0.2 * high) + 2 * room, max(high, 0.2 * wide) + 2 * room]
+    if not all(
+        math.isfinite(value) for value in (*view, *(t for run in runs if run is not None for t in run["times"]))
+    ):
+        return None
     outlines = {**found.b.outlines, **found.a.outlines}
     shapes = [outlines.get(body) for body in ids]
     dot = DOT * max(view[2], view[3])
@@ -167,7 +176,7 @@ def _run(records: list[Record], ids: list[str], axes: tuple[int, int, int | None
     by_body: dict[str, list[tuple[int, list[float]]]] = {body: [] for body in ids}
     for k, record in enumerate(records):
         for body, row in record.states.items():
-            if len(row) > max(x, y) and math.isfinite(row[x]) and math.isfinite(row[y]):
+            if body in by_body and len(row) > max(x, y) and math.isfinite(row[x]) and math.isfinite(row[y]):
                 by_body[body].append((k, row))
     knots: list[list[float]] = []
     for place, body in enumerate(ids):

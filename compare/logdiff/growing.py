@@ -106,19 +106,48 @@ class Rate:
     points: int
 
 
+@dataclass(frozen=True)
+class Fewer:
+    """The log of two whose numbers have fewer digits: `digits`, or `decimals` after the point, or are of 24 bits."""
+
+    side: int
+    digits: int | None
+    decimals: int | None
+
+    @property
+    def words(self) -> str:
+        """What its numbers are."""
+        if self.decimals is not None:
+            return f"numbers of {self.decimals} digits after the point"
+        return "numbers of 24 bits" if self.digits is None else f"numbers of {self.digits} digits"
+
+    def explains(self, a: float, b: float) -> bool:
+        """Whether two numbers, one of each log, are the same but for what was left out: by one of its last digit."""
+        short, long = (a, b) if self.side == 0 else (b, a)
+        if self.decimals is not None:
+            return abs(short - long) <= 1.01 * 10.0**-self.decimals
+        if self.digits is not None:
+            return short == long or abs(short - long) <= 1.01 * 10.0 ** (
+                math.floor(math.log10(max(abs(short), abs(long)))) + 1 - self.digits
+            )
+        return abs(short - long) <= 2.0**-23 * max(abs(short), abs(long))
+
+
 class Unit:
     """What one rounding is, of each number of a state: its type's ulp at the largest such number so far.
 
     Attributes:
         bits: 24 or 53, as declared or as the numbers show.
+        fewer: which log has numbers of fewer digits than the other; None where they are alike.
         digits: decimal digits of the numbers, where the log has fewer than their type; else None.
     """
 
     def __init__(self, bits: int, digits: int | None, decimals: int | None) -> None:
         self.bits, self.digits, self.decimals = bits, digits, decimals
+        self.fewer: Fewer | None = None
         self.ulp = 2.0 ** (1 - bits)
         self._ulp_bits = 1.0 - bits
-        self.scales: dict[Any, float] = {}
+        self.scales: dict[Any, list[float]] = {}
         self.largest = 0.0
 
     @property
@@ -128,47 +157,60 @@ class Unit:
 
     def widen(self, row: Sequence[float], key: Any = None) -> None:
         """Takes a state into the largest numbers."""
-        scales = self.scales
+        scales = self._scales(key, len(row))
         for j, value in enumerate(row):
             size = abs(value)
-            if size > scales.get((key, j), 0.0) and size < math.inf:
-                scales[key, j] = size
+            if scales[j] < size < math.inf:
+                scales[j] = size
                 if key is None and size > self.largest:
                     self.largest = size
 
+    def _scales(self, key: Any, width: int) -> list[float]:
+        """The largest numbers so far of one kind of row."""
+        scales = self.scales.get(key)
+        if scales is None:
+            scales = self.scales[key] = []
+        if len(scales) < width:
+            scales.extend([0.0] * (width - len(scales)))
+        return scales
+
     def bits_off(self, a: float, b: float, key: Any) -> float:
-        """log2 of a difference in ulps at the largest such number."""
+        """log2 of a difference in ulps at the largest such number; the key is that of its rows, and its place there."""
         if a == b or (math.isnan(a) and math.isnan(b)):
             return NEVER
         off = abs(a - b)
         if not off < math.inf:
             return math.inf
-        scale = max(self.scales.get(key, 0.0), abs(a), abs(b))
-        self.scales[key] = scale
-        if key[0] is None:
+        rows, j = key
+        scales = self._scales(rows, j + 1)
+        scale = scales[j] = max(scales[j], abs(a), abs(b))
+        if rows is None:
             self.largest = max(self.largest, scale)
             scale = max(scale, self.largest * LEAST)
         return math.log2(off) - math.log2(scale) - self._ulp_bits if off > 0 else NEVER
 
     def most_off(self, one: Sequence[float], other: Sequence[float], key: Any) -> tuple[float, int]:
         """The same for the numbers of two states: the largest, and which number it is of."""
-        worst, place = 0.0, 0
-        scales = self.scales
-        for j, (x, y) in enumerate(zip(one, other, strict=True)):
+        worst, place, j = 0.0, 0, -1
+        scales = self.scales.get(key)
+        if scales is None or len(scales) < len(one):
+            scales = self._scales(key, len(one))
+        least = self.largest * LEAST if key is None else 0.0
+        for x, y in zip(one, other, strict=True):
+            j += 1
             if x == y:
                 continue
-            off = abs(x - y)
+            off = x - y if x > y else y - x
             if not off < math.inf:
                 if math.isnan(x) and math.isnan(y):
                     continue
                 return math.inf, j
-            scale = max(scales.get((key, j), 0.0), x, y, -x, -y)
-            scales[key, j] = scale
-            if key is None:
-                if scale > self.largest:
-                    self.largest = scale
-                elif scale < self.largest * LEAST:
-                    scale = self.largest * LEAST
+            scale = scales[j]
+            if not (-scale <= x <= scale and -scale <= y <= scale):
+                scale = scales[j] = max(x, y, -x, -y)
+                if key is None and scale > self.largest:
+                    self.largest, least = scale, scale * LEAST
+            scale = max(scale, least)
             if off > worst * scale:
                 worst, place = off / scale, j
         return (math.log2(worst) - self._ulp_bits if worst else NEVER), place
@@ -191,7 +233,19 @@ def unit_of(logs: Sequence[Log], heads: Sequence[Sequence[Record]]) -> Unit:
     bits = min(declared) if declared else 24 if singles else 53
     if bits <= 24 and (digits is None or digits >= 7):
         digits = decimals = None
-    return Unit(min(bits, 53), digits, decimals)
+    unit = Unit(min(bits, 53), digits, decimals)
+    each = [list(_numbers([head])) for head in heads]
+    written = [_written(numbers) for numbers in each]
+    if written[0] != written[1] and not (singles or declared == {24}):
+        ranks = [(d is not None, d or 0, n is not None, n or 0) for n, d in written]
+        short = [side for side in (0, 1) if written[side] != (None, None)]
+        side = short[0] if len(short) == 1 else ranks.index(min(ranks))
+        unit.fewer = Fewer(side, *written[side])
+    elif not declared and not singles:
+        single = [len(numbers) >= 8 and all(map(_single, numbers)) for numbers in each]
+        if single[0] != single[1]:
+            unit.fewer = Fewer(single.index(True), None, None)
+    return unit
 
 
 def _numbers(heads: Sequence[Sequence[Record]]) -> Iterable[float]:
@@ -223,13 +277,20 @@ def _written(values: Sequence[float]) -> tuple[int | None, int | None]:
     if len(values) < 50:
         return None, None
     digits = decimals = 0
+    reached = [0, 0]  # numbers that have as many digits, and as many after the point
     for value in values:
         sign = Decimal(repr(value)).as_tuple()
         exponent = sign.exponent if isinstance(sign.exponent, int) else 0
-        digits = max(digits, len("".join(map(str, sign.digits)).rstrip("0")))
-        decimals = max(decimals, -exponent)
+        own = len("".join(map(str, sign.digits)).rstrip("0"))
+        reached = [
+            1 if mine > most else count + (mine == most)
+            for mine, most, count in zip((own, -exponent), (digits, decimals), reached, strict=True)
+        ]
+        digits, decimals = max(digits, own), max(decimals, -exponent)
         if digits > 14 and decimals > 12:
             return None, None
+    if digits <= 14 and (decimals > 12 or reached[0] > reached[1]):
+        return digits, None
     return (None, decimals) if decimals <= 12 else (digits, None)
 
 
@@ -247,6 +308,8 @@ class Growing:
 
     def __init__(self, unit: Unit, names: list[str] | None) -> None:
         self.unit, self.names = unit, names
+        self._least = LEAP_SINGLE if unit.bits <= 24 else LEAP_DOUBLE
+        self._most = unit.whole + 10
         self.early: list[Difference] = []
         self.whole = Curve()
         self.by_body: dict[str, Curve] = {}
@@ -298,11 +361,12 @@ class Growing:
         if worst == NEVER:
             self.same(body, a.number)
             return NEVER
-        placed = False
+        placed = None  # the first differences alone are kept with all that is known of them
         if len(self.early) < EARLY:
             placed = a.time == b.time and all(one[j] == other[j] for j in self.places(len(one)))
-        name = name or self.name_of(place, len(one))
-        self.note(a, b, body, name, one[place], other[place], worst, touching, before, placed)
+        if not name and (placed is not None or worst - max(before, 0.0) > self._least):
+            name = self.name_of(place, len(one))
+        self.note(a, b, body, name or "", one[place], other[place], worst, touching, before, bool(placed))
         return worst
 
     def places(self, width: int) -> range | list[int]:
@@ -316,31 +380,36 @@ class Growing:
         before: float, placed: bool = False,
     ) -> None:  # fmt: skip
         """One difference, already measured."""
-        fresh = body not in self.same_at
-        if len(self.counted) < EARLY and (not self.counted or self.counted[-1][0] != a.number):
-            self.counted.append((a.number, self.onsets))
-        if (not fresh or body in self.bodies) and body not in self._twice:
+        early = len(self.early) < EARLY
+        if body not in self._twice and (body in self.same_at or body in self.bodies):
             self._twice.add(body)
             self.second["differs"] += 1
-        found = None
-        if len(self.early) < EARLY or self.leap_from(bits, before):
+        leap = bits - (before if before > 0.0 else 0.0) > self._least and self.leap_from(bits, before)
+        if early or leap:
+            if len(self.counted) < EARLY and (not self.counted or self.counted[-1][0] != a.number):
+                self.counted.append((a.number, self.onsets))
+            fresh = body not in self.same_at
             gap = a.number - self.same_at[body] if not fresh else 0
             found = Difference(
                 a.number, a.step, a.time, (a.line, b.line), body, name, x, y, bits, fresh, gap, touching, before, placed
             )
-            if len(self.early) < EARLY:
+            if early:
                 self.early.append(found)
-            if self.leap_from(bits, before) and len(self.leaps) < EARLY:
+            if leap and len(self.leaps) < EARLY:
                 self.leaps.append(found)
         if body not in self.bodies:
             self.bodies.add(body)
             if len(self.by_body) < CURVES:
                 self.by_body[body] = Curve()
-        curve = self.by_body.get(body)
-        shown = min(bits, self.unit.whole + 10)
-        if curve is not None:
-            curve.add(a.number, a.clock or 0.0, shown)
-        self.whole.add(a.number, a.clock or 0.0, shown)
+        most = self._most
+        shown = bits if bits < most else most
+        for curve in (self.by_body.get(body), self.whole):
+            if curve is None:
+                continue
+            if curve.seen % curve.stride:
+                curve.seen += 1
+            else:
+                curve.add(a.number, a.clock or 0.0, shown)
         self.largest = max(self.largest, bits)
         self.off[body] = bits
 
@@ -354,8 +423,7 @@ class Growing:
         One contact the more or the less follows from a difference of so many bits about once in as many contacts as
         there are such differences in the way of a step, a few percent of the scene.
         """
-        least = LEAP_SINGLE if self.unit.bits <= 24 else LEAP_DOUBLE
-        if bits - max(before, 0.0) <= least:
+        if bits - max(before, 0.0) <= self._least:
             return False
         chance = max(self.largest, 0.0) + math.log2(self.onsets + 1)
         self.sated = len(self.early) >= EARLY and chance > self.unit.whole

@@ -43,7 +43,16 @@ TELLS = frozenset({"log", "outline", "order", "end"})
 KEPT = 256
 """Parsed lines that are kept for the other log: so far apart independent events usually are."""
 
-DECODE = json.JSONDecoder().raw_decode
+USELESS = 4_000
+"""Lines in a row that are not among the other's, after which they are no longer kept for it."""
+
+
+def _whole(text: str) -> float:
+    """A number without a point: printf writes the zero below 0 as -0."""
+    return -0.0 if text == "-0" else int(text)
+
+
+DECODE = json.JSONDecoder(parse_int=_whole).raw_decode
 
 WORDS = re.compile(r"[\s,;:=]+")
 
@@ -137,6 +146,7 @@ class Log:
         self.count = 0
         self.stride = 0
         self.parsed: dict[str, dict[str, Any]] = {}
+        self._misses = self._shared = 0  # lines in a row that the other log had not lately, and letters that are kept
         self._form: Callable[[Log, int, str], Record | None] | None = None
         self._pending: Record | None = None  # a step that may have further lines
         self._last = ""
@@ -300,8 +310,12 @@ class Log:
 
     def _json(self, number: int, text: str) -> Record | None:
         """What a line of JSON says; None for one that is no event: a header, an outline, the end."""
-        value = self.parsed.pop(text, None)
-        if value is None:
+        sharing = self._misses < USELESS
+        value = self.parsed.pop(text, None) if sharing else None
+        if value is not None:
+            self._misses = 0
+        else:
+            self._misses += 1
             try:
                 value, stop = DECODE(text)
             except (ValueError, RecursionError):
@@ -310,9 +324,12 @@ class Log:
                 value = self._loaded(number, text)
                 if value is None:
                     return None
-            if len(self.parsed) > KEPT:
-                self.parsed.clear()
-            self.parsed[text] = value
+            if sharing:
+                self._shared += len(text)
+                if len(self.parsed) > KEPT or self._shared > MOST_LINE:
+                    self.parsed.clear()
+                    self._shared = len(text)
+                self.parsed[text] = value
         if self.end is not None:
             raise self._fail(number, "comes after the end; leave it out, or put the end last")
         record = Record(number, text)
@@ -373,7 +390,7 @@ class Log:
         if "log" in value:
             self._take_header(number, value)
         elif "outline" in value:
-            self.outlines[str(value.get("body", ""))] = value["outline"]
+            self._outline(number, value.get("body", ""), value["outline"])
         elif "order" in value:
             order = value["order"]
             if not isinstance(order, list) or not order or not all(isinstance(body, str) for body in order):
@@ -381,6 +398,22 @@ class Log:
             self._order = order
         else:
             self.end, self.quiet = self._number(number, "end", value["end"]), bool(value.get("quiet", False))
+
+    def _outline(self, number: int, body: Any, outline: Any) -> None:
+        """Takes the shape of a body: one or more of a circle, a polygon and a segment."""
+        parts = outline if isinstance(outline, list) else [outline]
+        for part in parts:
+            if not isinstance(part, dict) or not all(
+                _points(part[key], least) for key, least in (("polygon", 1), ("segment", 2)) if key in part
+            ) or not ("circle" not in part or (_sized(part["circle"]) and _points([part.get("at", [0, 0])], 1))) or (
+                not part.keys() & {"circle", "polygon", "segment"} or not _sized(part.get("radius", 0))
+            ):  # fmt: skip
+                raise self._fail(
+                    number,
+                    f"outline of {str(body)[:SHOWN]!r} = {str(part)[:SHOWN]}; must be circle, polygon or segment, as "
+                    'in {"circle": 1} or {"polygon": [[0, 0], [1, 0], [0, 1]]}, in finite numbers',
+                )
+        self.outlines[str(body)] = outline
 
     def _take_header(self, number: int, value: dict[str, Any]) -> None:
         version = value.get("log", FORMAT)
@@ -393,7 +426,8 @@ class Log:
             self.names = names
         outlines = value.get("outlines")
         if isinstance(outlines, dict):
-            self.outlines.update(outlines)
+            for body, outline in outlines.items():
+                self._outline(number, body, outline)
         self.header.update({k: v for k, v in value.items() if k not in ("log", "outlines")})
 
     def _states(self, number: int, states: Any) -> dict[str, list[float]]:
@@ -526,6 +560,19 @@ class Log:
                     record.fields[name] = row[name]
         record.hash = row.get("hash")
         return record
+
+
+def _sized(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
+
+
+def _points(value: Any, least: int) -> bool:
+    """Whether this is a list of points in the plane."""
+    return (
+        isinstance(value, list)
+        and len(value) >= least
+        and all(isinstance(point, list) and len(point) == 2 and all(map(_sized, point)) for point in value)
+    )
 
 
 def _as_json(match: re.Match[str]) -> str:

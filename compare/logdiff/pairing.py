@@ -10,10 +10,14 @@ from pathlib import Path
 from .growing import NEVER, Growing, unit_of
 from .log_format import Record
 from .record_pairs import RecordPairs
-from .sides import Found, Meeting, Side, TwoLogs, check, grid, names, touched_told
+from .sides import Found, Meeting, Side, TwoLogs, all_told, check, grid, names, touched_told
 
-WAITING = 200_000
-"""Events that may wait for their like in the other log; then the body that waits longest has parted."""
+WAITING, MOST_LETTERS = 200_000, 1 << 26
+"""Parts in events that may wait for their like in the other log, and letters of their lines; beyond that the bodies
+that wait longest have parted."""
+
+MOST_FRAMES = 2_000
+"""Records without contacts that may wait for the other log to come to their time."""
 
 LOOKED_AHEAD = 3
 """Lines in a row whose loss is told from another history."""
@@ -44,6 +48,7 @@ def pair(one: str | Path, other: str | Path, ignore: frozenset[str] = frozenset(
     found.grid = grid(a) and grid(b)
     found.contacts_each = any(r.contacts for side in (a, b) for r in side.head)
     begun = any(side.log.header.get("contacts") == "begun" for side in (a, b))
+    found.all_told = all_told(a) or all_told(b)
     found.touched_told = found.contacts_each and not begun and all(touched_told(side) for side in (a, b))
     (_BySteps if steps else _ByBodies)(a, b, found, ignore).run()
     return found
@@ -90,7 +95,7 @@ class _BySteps(RecordPairs):
     def both(self, a: Record, b: Record) -> None:
         found, growing = self.found, self.growing
         if a.repeats != b.repeats:
-            found.repeated.append(("a", a.line) if a.repeats > b.repeats else ("b", b.line))
+            self.repeated(*((0, a.line) if a.repeats > b.repeats else (1, b.line)))
         if a is b or (self.plain and a.texts == b.texts):
             self.alike(a, b)
             return
@@ -100,24 +105,29 @@ class _BySteps(RecordPairs):
         found.last_common = a
         self.times(a, b)
         self.contacts(a, b)
-        partners: dict[str, set[str]] = {}
-        for p, q in chain(a.contacts, b.contacts):
-            partners.setdefault(p, set()).add(q)
-            partners.setdefault(q, set()).add(p)
-        before = {body: growing.before(body, partners.get(body, ())) for body in a.states}
+        partners: dict[str, list[str]] = {}
+        for p, q in a.contacts if a.contacts == b.contacts else chain(a.contacts, b.contacts):
+            partners.setdefault(p, []).append(q)
+            partners.setdefault(q, []).append(p)
+        states, perm, number = b.states, self.perm, a.number
+        befores = {body: growing.before(body, partners.get(body, ())) for body in a.states} if growing.off else {}
+        if a.states.keys() != states.keys():
+            self.uneven(a, b)
         for body, one in a.states.items():
-            other = b.states.get(body)
+            other = states.get(body)
             if other is None:
                 continue
             found.compared["states"] += 1
-            if self.perm is not None and len(other) == len(self.perm):
-                other = [other[j] for j in self.perm]
+            if perm is not None and len(other) == len(perm):
+                other = [other[j] for j in perm]
             if one == other:
-                growing.same(body, a.number)
+                growing.same(body, number)
+                if 0.0 in one:
+                    self.zeros(a, one, other)
                 if found.pairs % 8 == 1:
                     growing.unit.widen(one)
             else:
-                growing.differs(a, b, body, (one, other), body in partners, before[body])
+                growing.differs(a, b, body, (one, other), body in partners, befores.get(body, NEVER))
         self.others(a, b)
 
     def times(self, a: Record, b: Record) -> None:
@@ -148,7 +158,7 @@ class _BySteps(RecordPairs):
         if found.meeting is not None:
             return
         more = sorted((counts[0] - counts[1]).keys()) or sorted((counts[1] - counts[0]).keys())
-        body = more[0][0]
+        body = min(more[0], key=lambda i: sum(i in p for r in (a, b) for p in r.contacts))  # a ground has many
         own = [[q if p == body else p for p, q in r.contacts if body in (p, q)] for r in (a, b)]
         told = [" + ".join(sorted(names)) or None for names in own]
         self.meet(Meeting(a.number, a.step, a.time, body, told[0], told[1], (a.time, b.time), (a.line, b.line)))
@@ -161,10 +171,11 @@ def _step(record: Record) -> int:
 class _Entry:
     """A body's part in one event."""
 
-    __slots__ = ("event", "partners", "record", "role")
+    __slots__ = ("event", "letters", "partners", "record", "role")
 
     def __init__(self, event: int, partners: tuple[str, ...], role: bool, record: Record) -> None:
         self.event, self.partners, self.role, self.record = event, partners, role, record
+        self.letters = len(record.texts[0]) // len(record.contacts)
 
 
 class _ByBodies(RecordPairs):
@@ -177,10 +188,10 @@ class _ByBodies(RecordPairs):
         self.frames: tuple[deque[Record], deque[Record]] = (deque(), deque())
         self.spacing = math.inf
         self.last_frame = [math.nan, math.nan]
-        self.waiting = 0
+        self.waiting = self.letters = 0
         self.shift = 0.0
-        self.events: tuple[deque[Record], deque[Record]] = (deque(), deque())
-        self.last_record: tuple[dict[str, Record], dict[str, Record]] = ({}, {})
+        self.restarts = 0
+        self.last_record: tuple[dict[str, int], dict[str, int]] = ({}, {})  # its letters, hashed
 
     def run(self) -> None:
         one, other = self.a, self.b
@@ -211,47 +222,87 @@ class _ByBodies(RecordPairs):
             self.last_frame = [a.clock or 0.0, b.clock or 0.0]
             return
         one, other = self.last_record
+        letters = _letters(a)
         for contact in a.contacts:
             for body in contact:
-                one[body], other[body] = a, b
+                one[body] = other[body] = letters
                 if not a.states:
                     self.growing.same(body, a.number)
         self.a.events += 1
         self.b.events += 1
 
+    def close(self, a: Record, b: Record) -> bool:
+        """Whether two records are one event, at times that rounding alone sets apart, once something differs."""
+        return (
+            bool(self.growing.early)
+            and self.growing.largest <= CLOSE
+            and a.clock is not None
+            and b.clock is not None
+            and a.contacts == b.contacts
+            and bool(a.contacts and a.states and b.states)
+            and abs(b.clock - self.shift - a.clock) <= 2.0 ** (CLOSE - 52) * abs(a.clock)
+        )
+
     def level(self, a: Record, b: Record) -> bool:
         """Compares two events of the same contacts at about one time, with nothing waiting; whether they are such."""
-        if a.contacts != b.contacts or not a.contacts or a.clock is None or b.clock is None:
+        if self.a.events != self.b.events or not self.close(a, b):
             return False
-        if abs(b.clock - self.shift - a.clock) > 2.0 ** (CLOSE - 52) * abs(a.clock) or not a.states or not b.states:
-            return False
-        if self.a.events != self.b.events or self.growing.largest > CLOSE or not self.growing.early:
-            return False
-        found, growing = self.found, self.growing
         self.take(0, a)
         self.take(1, b)
-        count = len(a.contacts)
-        found.pairs += 2 * count
-        found.last_common = a
-        found.compared["contacts"] += 2 * count
-        growing.onsets += count
+        self.growing.onsets += len(a.contacts)
         self.a.events += 1
         self.b.events += 1
-        partners: dict[str, list[str]] = {}
-        for p, q in a.contacts:
-            partners.setdefault(p, []).append(q)
-            partners.setdefault(q, []).append(p)
+        self.together(a, b)
+        self.others(a, b)
+        return True
+
+    def together(self, a: Record, b: Record) -> None:
+        """Compares one event of both runs, whose contacts are the same."""
+        found, growing = self.found, self.growing
+        count = 2 * len(a.contacts)
+        found.pairs += count
+        found.last_common = a
+        found.compared["contacts"] += count
+        if len(a.contacts) == 1:
+            ((p, q),) = a.contacts
+            partners: dict[str, list[str]] = {p: [q], q: [p]}
+        else:
+            partners = {}
+            for p, q in a.contacts:
+                partners.setdefault(p, []).append(q)
+                partners.setdefault(q, []).append(p)
         befores = {body: growing.before(body, others) for body, others in partners.items()}
+        letters = _letters(a), _letters(b)
         most = NEVER
         first = None
         for body, others in partners.items():
-            self.last_record[0][body], self.last_record[1][body] = a, b
+            if body not in growing.bodies:
+                self.last_record[0][body], self.last_record[1][body] = letters
             if body in a.states and body in b.states:
                 first = first or body
-                most = max(most, self.states(a, b, body, others, befores[body]))
+            most = max(most, self.states(a, b, body, others, befores[body]))
         if first is not None:
             self.clocks(a, b, first, True, most, befores[first])
-        self.others(a, b)
+
+    def twin(self, side: int, event: int, record: Record, p: str, q: str) -> bool:
+        """Compares at once an event of two bodies that comes next for both in the other log, at about the same time."""
+        own, theirs = self.queues[side], self.queues[1 - side]
+        mine, other = theirs.get(p), theirs.get(q)
+        if not mine or not other or own.get(p) or own.get(q):
+            return False
+        entry = mine[0]
+        if entry.record is not other[0].record:
+            return False
+        a, b = (record, entry.record) if side == 0 else (entry.record, record)
+        if not self.close(a, b):
+            return False
+        self.taken(mine)
+        self.taken(other)
+        self.together(a, b)
+        if event == entry.event:
+            self.others(a, b)
+        elif self.found.reordered is None:
+            self.found.reordered = (event, entry.event) if side == 0 else (entry.event, event)
         return True
 
     def feed(self, side: int, record: Record) -> None:
@@ -271,7 +322,7 @@ class _ByBodies(RecordPairs):
             p, q = contacts[0]
             if p in parted and q in parted:
                 return
-            if self.whole(side, event, record, p, q):
+            if self.whole(side, event, record, p, q) or self.twin(side, event, record, p, q):
                 return
             entries = [(p, _Entry(event, (q,), True, record)), (q, _Entry(event, (p,), False, record))]
         else:
@@ -291,9 +342,10 @@ class _ByBodies(RecordPairs):
                 queue = own[body] = deque()
             queue.append(entry)
             self.waiting += 1
+            self.letters += entry.letters
             if theirs.get(body):
                 self.drain(body, ended=False)
-        if self.waiting > WAITING:
+        if self.waiting > WAITING or self.letters > MOST_LETTERS:
             self.give_up()
 
     def whole(self, side: int, event: int, record: Record, p: str, q: str) -> bool:
@@ -306,9 +358,8 @@ class _ByBodies(RecordPairs):
         twin = entry.record
         if twin is not other[0].record or twin.texts != record.texts or twin.clock != record.clock:
             return False
-        mine.popleft()
-        other.popleft()
-        self.waiting -= 2
+        self.taken(mine)
+        self.taken(other)
         a, b = (record, twin) if side == 0 else (twin, record)
         found, growing = self.found, self.growing
         found.pairs += 2
@@ -321,8 +372,7 @@ class _ByBodies(RecordPairs):
         else:
             self.others(a, b)
         one, two = self.last_record
-        one[p] = one[q] = a
-        two[p] = two[q] = b
+        one[p] = one[q] = two[p] = two[q] = _letters(a)
         states = a.states
         for body in (p, q):
             row = states.get(body)
@@ -364,6 +414,9 @@ class _ByBodies(RecordPairs):
                 self.lone(0, one.popleft())
             else:
                 self.lone(1, other.popleft())
+        for which, waiting in enumerate(self.frames):
+            if len(waiting) > MOST_FRAMES:
+                self.lone(which, waiting.popleft())
 
     def lone(self, side: int, record: Record) -> None:
         found = self.found
@@ -374,6 +427,8 @@ class _ByBodies(RecordPairs):
     def framed(self, a: Record, b: Record) -> None:
         self.found.pairs += 1
         self.found.last_common = a
+        if a.states.keys() != b.states.keys():
+            self.uneven(a, b)
         before = {body: self.growing.before(body, ()) for body in a.states}
         for body in a.states:
             if body in b.states:
@@ -384,6 +439,8 @@ class _ByBodies(RecordPairs):
                 if one == other:
                     self.growing.same(body, a.number)
                     self.growing.unit.widen(one)
+                    if 0.0 in one:
+                        self.zeros(a, one, other)
                 else:
                     self.growing.differs(a, b, body, (one, other), False, before[body])
         self.others(a, b)
@@ -395,8 +452,7 @@ class _ByBodies(RecordPairs):
             x, y = one[0], other[0]
             alike = x.partners == y.partners or sorted(x.partners) == sorted(y.partners)
             if alike and (body in self.growing.bodies or self.near(x, y, body)):
-                self.matched(body, one.popleft(), other.popleft())
-                self.waiting -= 2
+                self.matched(body, self.taken(one), self.taken(other))
                 continue
             clean = body not in self.growing.bodies
             if clean:
@@ -406,8 +462,7 @@ class _ByBodies(RecordPairs):
                 if not ended and min(len(one), len(other)) <= LOOKED_AHEAD:
                     return
             if alike:
-                self.matched(body, one.popleft(), other.popleft())
-                self.waiting -= 2
+                self.matched(body, self.taken(one), self.taken(other))
             else:
                 self.part(body, x, y)
 
@@ -437,12 +492,10 @@ class _ByBodies(RecordPairs):
             for k in range(1, LOOKED_AHEAD + 1):
                 if len(longer) > k and _exact(longer[k], shorter[0], body, self.perm):
                     for _ in range(k):
-                        entry = longer.popleft()
-                        self.waiting -= 1
+                        entry = self.taken(longer)
                         last = self.last_record[side].get(body)
-                        if last is not None and last.texts == entry.record.texts:
-                            if ("ab"[side], entry.record.line) not in self.found.repeated:
-                                self.found.repeated.append(("ab"[side], entry.record.line))
+                        if last is not None and last == _letters(entry.record):
+                            self.repeated(side, entry.record.line)
                         else:
                             self.miss(side, entry.record)
                     return True
@@ -463,12 +516,13 @@ class _ByBodies(RecordPairs):
         found.compared["contacts"] += 1
         if found.reordered is None and (x.event != y.event or x.partners != y.partners or x.role != y.role):
             found.reordered = x.event, y.event
-        self.last_record[0][body], self.last_record[1][body] = a, b
+        if body not in growing.bodies:
+            self.last_record[0][body], self.last_record[1][body] = _letters(a), _letters(b)
         if growing.sated and x.event % SAMPLE:
             return
         before = growing.before(body, x.partners)
         stated = body in a.states and body in b.states
-        off = self.states(a, b, body, x.partners) if stated else NEVER
+        off = self.states(a, b, body, x.partners, before)
         self.clocks(a, b, body, stated, off, before)
         if x.event == y.event and body == next(iter(a.contacts))[0]:
             self.others(a, b)
@@ -478,6 +532,7 @@ class _ByBodies(RecordPairs):
         if a.clock is None or b.clock is None:
             return
         found, growing = self.found, self.growing
+        a_log, b_log = self.a.log, self.b.log
         found.compared["times"] += 1
         if a.clock == b.clock or a.clock == b.clock - self.shift:
             if not stated:
@@ -494,6 +549,10 @@ class _ByBodies(RecordPairs):
         if self.shift and abs(late - self.shift) <= 8 * math.ulp(scale):
             if not stated:
                 growing.same(body, a.number)
+            return
+        restarts = len(a_log.restarts) + len(b_log.restarts)
+        if stated and off == NEVER and restarts != self.restarts:
+            self.restarts, self.shift = restarts, late  # a clock began anew in one of them
             return
         if stated and off == NEVER and abs(late - self.shift) > 1e-6 * scale:
             if found.times_differ is None:
@@ -525,15 +584,30 @@ class _ByBodies(RecordPairs):
     def drop(self, body: str) -> None:
         self.parted.add(body)
         for queues in self.queues:
-            self.waiting -= len(queues.pop(body, ()))
+            queue = queues.pop(body, ())
+            self.waiting -= len(queue)
+            self.letters -= sum(entry.letters for entry in queue)
+
+    def taken(self, queue: deque[_Entry]) -> _Entry:
+        """The entry that waits longest of a body, which waits no more."""
+        entry = queue.popleft()
+        self.waiting -= 1
+        self.letters -= entry.letters
+        return entry
 
     def give_up(self) -> None:
-        """Lets the body go that waits longest: the other log has nothing of it."""
-        side, body = max(
-            ((s, i) for s, queues in enumerate(self.queues) for i in queues), key=lambda k: len(self.queues[k[0]][k[1]])
+        """Lets bodies go, those first that wait longest, until half are left: the other log has nothing of them."""
+        longest = sorted(
+            ((len(queue), side, body) for side, queues in enumerate(self.queues) for body, queue in queues.items()),
+            reverse=True,
         )
-        self.alone(side, self.queues[side][body][0], body)
-        self.drop(body)
+        for _, side, body in longest:
+            if self.waiting <= WAITING // 2 and self.letters <= MOST_LETTERS // 2:
+                break
+            if body in self.queues[side]:
+                if self.queues[side][body]:
+                    self.alone(side, self.queues[side][body][0], body)
+                self.drop(body)
 
     def alone(self, side: int, entry: _Entry, body: str) -> None:
         """A meeting that the other log has not, though it goes on beyond it."""
@@ -559,9 +633,8 @@ class _ByBodies(RecordPairs):
                 shift = self.shift if side == 0 else -self.shift
                 if limit is not None and clock is not None and clock + shift < limit:
                     last = self.last_record[side].get(body)
-                    if last is not None and last.texts == entry.record.texts:
-                        if ("ab"[side], entry.record.line) not in self.found.repeated:
-                            self.found.repeated.append(("ab"[side], entry.record.line))
+                    if last is not None and last == _letters(entry.record):
+                        self.repeated(side, entry.record.line)
                     elif self.growing.bodies or self.found.meeting is not None:
                         self.alone(side, entry, body)
                     else:
@@ -574,6 +647,12 @@ class _ByBodies(RecordPairs):
                     self.found.longer = self.found.longer or "ab"[side]
                 else:
                     self.lone(side, record)
+
+
+def _letters(record: Record) -> int:
+    """The lines of a record as one number."""
+    texts = record.texts
+    return hash(texts[0]) if len(texts) == 1 else hash(tuple(texts))
 
 
 def _exact(x: _Entry, y: _Entry, body: str, perm: list[int] | None) -> bool:

@@ -10,6 +10,15 @@ from .growing import NEVER
 from .log_format import Record
 from .sides import Found, Meeting, Side, kinds
 
+MOST_FIELDS = 100
+"""Free fields of which it is kept where they differ."""
+
+MOST_BODIES = 100_000
+"""Bodies of which the last state is kept."""
+
+MOST_REPEATED = 20
+"""Lines that are there twice of which it is kept which they are."""
+
 
 class RecordPairs:
     """What both ways of pairing share."""
@@ -43,9 +52,17 @@ class RecordPairs:
         found = self.found
         found.contacts[side] += len(record.contacts)
         if record.states:
-            found.final[side].update(record.states)
+            self.end(found.final[side], record.states)
             if found.first_states is None and side == 0:
                 found.first_states = record.number
+
+    @staticmethod
+    def end(final: dict[str, list[float]], states: dict[str, list[float]]) -> None:
+        """Keeps the last states of bodies, of the first that there are."""
+        if len(final) < MOST_BODIES:
+            final.update(states)
+        else:
+            final.update((body, row) for body, row in states.items() if body in final)
 
     def alike(self, a: Record, b: Record) -> None:
         """Two records that are the same to the letter, and mean the same."""
@@ -58,8 +75,8 @@ class RecordPairs:
         growing.onsets += count
         compared["contacts"] += count
         if states:
-            found.final[0].update(states)
-            found.final[1].update(states)
+            self.end(found.final[0], states)
+            self.end(found.final[1], states)
             if found.first_states is None:
                 found.first_states = a.number
             compared["states"] += len(states)
@@ -84,6 +101,21 @@ class RecordPairs:
                     growing.same(f"({name})", a.number)
                     growing.unit.widen((float(value),), name)
 
+    def uneven(self, a: Record, b: Record) -> None:
+        """Keeps the first record of which one log has the state of a body and the other only those of others."""
+        if self.found.uneven is None and a.states and b.states:
+            for side, more in enumerate((a.states.keys() - b.states.keys(), b.states.keys() - a.states.keys())):
+                if more:
+                    self.found.uneven = side, a, min(more), self.found.pairs
+                    break
+
+    def zeros(self, a: Record, one: list[float], other: list[float]) -> None:
+        """Keeps the first record at which a zero has another sign: two such are equal, and have other bits."""
+        if self.found.zeros is None and any(
+            x == 0.0 and math.copysign(1.0, x) != math.copysign(1.0, y) for x, y in zip(one, other, strict=True)
+        ):
+            self.found.zeros = a
+
     def others(self, a: Record, b: Record) -> None:
         """Compares what is not of a body: hash, input and free fields."""
         found = self.found
@@ -99,6 +131,9 @@ class RecordPairs:
             if found.input is None:
                 found.input = a, b
         if a.fields or b.fields:
+            for name in a.fields.keys() ^ b.fields.keys():
+                if name not in self.ignore and name not in found.fields_alone and len(found.fields_alone) < MOST_FIELDS:
+                    found.fields_alone[name] = (0, a) if name in a.fields else (1, b)
             for name in a.fields.keys() & b.fields.keys():
                 if name in self.ignore:
                     continue
@@ -114,13 +149,15 @@ class RecordPairs:
                         self.growing.differs(
                             a, b, f"({name})", ((float(x),), (float(y),)), False, before, key=name, name=name
                         )
-                elif not _alike(x, y) and name not in found.fields:
+                elif not _alike(x, y) and name not in found.fields and len(found.fields) < MOST_FIELDS:
                     found.fields[name] = a, x, y
 
     def states(self, a: Record, b: Record, body: str, partners: Any, before: float | None = None) -> float:
         """Compares one body's states, if both have one; by how many bits they are off."""
         one, other = a.states.get(body), b.states.get(body)
         if one is None or other is None:
+            if one is not other:
+                self.uneven(a, b)
             return NEVER
         self.found.compared["states"] += 1
         if self.perm is not None and len(other) == len(self.perm):
@@ -129,12 +166,20 @@ class RecordPairs:
             if self.found.nans is None and any(map(math.isnan, one)):
                 self.found.nans = a.place()
             self.growing.same(body, a.number)
+            if 0.0 in one:
+                self.zeros(a, one, other)
             if self.found.compared["states"] % 8 == 1:
                 self.growing.unit.widen(one)
             return NEVER
         if before is None:
             before = self.growing.before(body, partners)
         return self.growing.differs(a, b, body, (one, other), bool(partners), before)
+
+    def repeated(self, side: int, line: int) -> None:
+        """Keeps a line that is there twice."""
+        lines = self.found.repeated
+        if len(lines) < MOST_REPEATED and ("ab"[side], line) not in lines:
+            lines.append(("ab"[side], line))
 
     def meet(self, meeting: Meeting) -> None:
         """Keeps the earliest difference of partners."""

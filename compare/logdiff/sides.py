@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections import Counter, deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import chain, islice, pairwise
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ..foreign.lines import text_lines
 from ..validation import EngineError
@@ -17,6 +20,12 @@ from .log_format import MOST_LINE, Log, Record
 
 HEAD = 400
 """Records that are read ahead, to learn what a log has."""
+
+MOST_HEAD = 1 << 25
+"""Letters of them."""
+
+NEAR, MOST_NEAR = 1e-7, 5_000
+"""Share of the scene within which bodies start nearly alike, and bodies up to which such are looked for."""
 
 AROUND = 3
 """Records kept for the table, on each side of the first difference."""
@@ -60,6 +69,11 @@ class Found:
         reordered: the first (number, number) of what comes at another place.
         missing: (log, place) of lines that one log has and the other has not, though it goes on as if it had.
         repeated: (log, line) of lines that are there twice.
+        uneven: the first record at which one log has the state of a body and the other only those of others: whose log
+            has it (0 or 1), the record, the body, and how many pairs of records there were up to it.
+        all_told: whether each record with states, of one log at least, has those of all bodies.
+        zeros: the first record at which a zero has another sign.
+        fields_alone: free fields that one log has at a record and the other has not: whose, and the record.
         alone: how many records of each log had none to be compared with.
         clock: how much later the clock of the second is, where it is otherwise the same.
         names: bodies of the first by what they are called in the second, where that differs.
@@ -84,6 +98,10 @@ class Found:
     input: tuple[Record, Record] | None = None
     fields: dict[str, tuple[Record, Any, Any]] = field(default_factory=dict)
     reordered: tuple[int, int] | None = None
+    uneven: tuple[int, Record, str, int] | None = None
+    all_told: bool = False
+    zeros: Record | None = None
+    fields_alone: dict[str, tuple[int, Record]] = field(default_factory=dict)
     missing: list[tuple[str, str]] = field(default_factory=list)
     missing_count: int = 0
     repeated: list[tuple[str, int]] = field(default_factory=list)
@@ -111,8 +129,13 @@ class Side:
     """One of two logs as it is read: its head, the rest, the last records, and whether it is at its end."""
 
     def __init__(self, log: Log, records: Iterator[Record]) -> None:
-        self.log = log
-        self.head = list(islice(records, HEAD))
+        letters, self.log = 0, log
+        self.head: list[Record] = []
+        for record in islice(records, HEAD):
+            self.head.append(record)
+            letters += sum(map(len, record.texts))
+            if letters > MOST_HEAD:
+                break
         self._records = chain(self.head, records)
         self.ring: deque[Record] = deque(maxlen=AROUND + 1)
         self.rename: dict[str, str] = {}
@@ -247,6 +270,12 @@ def touched_told(side: Side) -> bool:
     return bool(stated) and all(t <= r.states.keys() for t, r in zip(touching, side.head, strict=True))
 
 
+def all_told(side: Side) -> bool:
+    """Whether each record with states has those of the same bodies."""
+    told = [record.states.keys() for record in side.head if record.states]
+    return bool(told) and all(keys == told[0] for keys in told)
+
+
 def _starts(side: Side) -> dict[str, tuple[float, ...]]:
     """The first state of each body of a log's head."""
     found: dict[str, tuple[float, ...]] = {}
@@ -274,8 +303,17 @@ def names(a: Side, b: Side) -> dict[str, str]:
         own = 0
     places = [_unique(s) for s in starts]
     alike = {places[1][row]: places[0][row] for row in places[0].keys() & places[1].keys()}
+    if not common and len(alike) * 2 < min(map(len, starts)):
+        alike = _nearly(*starts)
     if len(alike) <= own or (common and own * 2 >= len(common)):
         return {}
+    rest = [
+        {i: row for i, row in s.items() if i not in known}
+        for s, known in zip(starts, ({*alike.values()}, alike), strict=True)
+    ]
+    if rest[0] and rest[1]:
+        only = len(rest[0]) == len(rest[1]) == 1
+        alike |= {next(iter(rest[1])): next(iter(rest[0]))} if only else _nearly(*rest)
     moved = {theirs: ours for theirs, ours in alike.items() if theirs != ours}
     if not moved or (common and len(alike) * 2 < len(common)):
         return {}
@@ -306,6 +344,25 @@ def _unique(starts: dict[str, tuple[float, ...]]) -> dict[tuple[float, ...], str
     """Bodies by their first state, where no other has it."""
     counts = Counter(starts.values())
     return {row: body for body, row in starts.items() if counts[row] == 1}
+
+
+def _nearly(one: dict[str, tuple[float, ...]], other: dict[str, tuple[float, ...]]) -> dict[Any, str]:
+    """Bodies of the second by those of the first that start nearest, where that is far nearer than any other."""
+    widths = {len(row) for starts in (one, other) for row in starts.values()}
+    if len(widths) != 1 or not widths.isdisjoint({0}) or max(len(one), len(other)) > MOST_NEAR:
+        return {}
+    rows, theirs = np.array(list(one.values())), np.array(list(other.values()))
+    with np.errstate(all="ignore"):
+        scales = np.nanmax(np.abs(rows), axis=0)
+        scales[~(scales > 0)] = 1.0
+        ids, found = list(one), {}
+        for body, row in zip(other, theirs, strict=True):
+            off = np.nan_to_num(np.max(np.abs(rows - row) / scales, axis=1), nan=math.inf)
+            near = int(off.argmin())
+            least, off[near] = off[near], math.inf
+            if least <= NEAR and off.min() > 1e3 * max(least, NEAR):
+                found[body] = ids[near]
+    return found if len(set(found.values())) == len(found) else {}
 
 
 def _names_by_order(a: Side, b: Side, ids: list[set[str]]) -> dict[str, str]:

@@ -49,6 +49,10 @@ FLOATS = Thresholds(start=(4, 8), free=(5, 10), touching=(6, 13))
 SETTLED = 40
 """Contacts that are the same to the last bit in both, after which a build that rounds otherwise had shown itself."""
 
+NEAR_START = 8
+"""Steps from the first record to the second up to which a difference in most bodies is one of the start: a change in
+one of them has not come to most by then."""
+
 PER_STEP = 1.0
 """Bits by which a difference may grow in a step that was not logged, where the log does not tell more."""
 
@@ -98,9 +102,12 @@ def decide(found: Found) -> Verdict:
     growing = found.growing
     notes = tuple(_notes(found))
     if not growing.early:
-        name, event, why = _without_states(found)
+        name, event, why = _gone(found, None) or _without_states(found)
         return Verdict(name, event, why, notes=notes)
     number = min(d.number for d in growing.early)
+    gone = _gone(found, number)
+    if gone is not None:
+        return Verdict(*gone, notes=notes)
     first = tuple(sorted((d for d in growing.early if d.number == number), key=lambda d: -d.bits))
     rate = rate_of(growing.whole, growing.unit)
     name, event, why = _with_states(found, first, rate)
@@ -108,6 +115,32 @@ def decide(found: Found) -> Verdict:
 
 
 Answer = tuple[Named, int | None, str]
+
+
+def _gone(found: Found, number: int | None) -> Answer | None:
+    """Where a body is in one run alone from some record on, before any number differs; None where that is not so.
+
+    Args:
+        number: of the record in which numbers differ first.
+    """
+    if found.uneven is None or found.by != "step":
+        return None
+    side, record, body, pairs = found.uneven
+    begun = [] if number is None else [number]
+    begun += [found.meeting.number] if found.meeting is not None else []
+    begun += [found.hash[0].number] if found.hash is not None else []
+    again = found.growing.same_at.get(body, -1) >= record.number or any(
+        d.body == body and d.number >= record.number for d in found.growing.early
+    )
+    touching = any(body in p for p in record.contacts)
+    if (begun and min(begun) < record.number) or again or pairs < 4 or (touching and not found.all_told):
+        return None
+    fed = found.input[0] if found.input is not None else record
+    first = fed if fed.number < record.number else record
+    return Named.CHANGED, _event(first), (
+        f"{body} is in {(found.a, found.b)[side].name} alone, from {record.place()} on; up to then everything is the "
+        "same to the last bit"
+    )  # fmt: skip
 
 
 def _event(record: Record) -> int:
@@ -153,6 +186,17 @@ def _without_states(found: Found) -> Answer:
         return Named.OPEN, _event(record), (
             f"states, contacts and hashes are the same, but {name!r} is not, first at {record.place()}: "
             f"{_short(one)} and {_short(other)} (--ignore {name}, if that is no part of the run)"
+        )  # fmt: skip
+    if found.fields_alone:
+        name, (side, record) = next(iter(found.fields_alone.items()))
+        return Named.OPEN, _event(record), (
+            f"states, contacts and hashes are the same, but {(found.a, found.b)[side].name} alone has {name!r}, first "
+            f"at {record.place()} (--ignore {name}, if that is no part of the run)"
+        )  # fmt: skip
+    if found.zeros is not None:
+        return Named.OPEN, _event(found.zeros), (
+            f"nothing differs but signs of zeros, first at {found.zeros.place()}: -0 and 0 are equal, and have other "
+            "bits; some writers (JSON in JavaScript) leave the sign out"
         )  # fmt: skip
     if found.reordered is not None and found.grid and not found.compared["states"] + found.compared["hashes"]:
         return Named.OPEN, None, (
@@ -204,6 +248,12 @@ def _incomplete(found: Found) -> str | None:
         ended = logs["b" if found.longer == "a" else "a"]
         last = f", after {found.last_common.place()}" if found.last_common else ""
         return f"{ended.name} ends before the other{last}: the rest cannot be compared"
+    if found.uneven is not None:
+        side, record, body, _ = found.uneven
+        return (
+            f"{(found.b, found.a)[side].name} has no state of {body} at {record.place()} of the other: was it not "
+            "logged, or not there?"
+        )
     few = [side for side in (0, 1) if 0 < found.alone[side] <= max(1, found.pairs // 20)]
     if few and found.pairs:
         log = (found.b, found.a)[few[0]]
@@ -220,6 +270,16 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     """Where numbers differ."""
     growing = found.growing
     top = first[0]
+    if found.names and found.uneven is not None and found.uneven[1].number == found.first_states:
+        return Named.OPEN, _k(top), (
+            f"{_size(top)}; but ids differ, and {found.uneven[2]} starts like none in the other log; name bodies alike"
+        )  # fmt: skip
+    fewer = growing.unit.fewer
+    if fewer is not None and all(fewer.explains(d.a, d.b) for d in first):
+        return Named.OPEN, _k(top), (
+            f"{(found.a, found.b)[fewer.side].name} has {fewer.words}, the other has more, and no difference but what "
+            "that makes: log both alike"
+        )  # fmt: skip
     if growing.unit.coarse:
         return _coarse(found, top)
     single = growing.unit.bits <= 24
@@ -265,6 +325,12 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         return _small(found, first, _k(top), f"{size}, in the first record of all")
     begun = min([top.number, *(pair[0].number for pair in (found.hash, found.input) if pair is not None)])
     early = found.first_states is not None and begun <= found.first_states + 1
+    stride = _stride(found) or 1
+    if early and stride > NEAR_START and top.gap >= 1 and top.bits >= limits.free[0] and len(first) * 2 > known:
+        return Named.OPEN, _k(top), (
+            f"{size}, in {_many(first, known)}, and nothing is logged of the {stride} steps between the start and "
+            "there: another start, or a change since? Log states of every step"
+        )  # fmt: skip
     if early and top.bits >= limits.free[0] and len(first) * 2 > known:
         if top.bits < limits.free[1]:
             return Named.OPEN, _k(top), f"{size}, in the first step ({_many(first, known)}): a setting, or rounding?"
@@ -287,7 +353,7 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         top = next(d for d in first if d.fresh and not d.placed)
         if top.bits < limits.touching[1]:
             return None
-        if top.number < max(3, known):
+        if top.number < max(3, known) and all(d.fresh for d in first if d.body in found.final[0] or not found.final[0]):
             return Named.START, _k(top), (
                 f"{size}, and that is the first that is logged of {top.body}: it came there at another time or place"
             )  # fmt: skip
@@ -388,7 +454,7 @@ def _coarse(found: Found, top: Difference) -> Answer:
     """Where the logs have fewer digits than the engines."""
     unit = found.growing.unit
     digits = f"{unit.decimals} digits after the point" if unit.decimals is not None else f"{unit.digits} digits"
-    scale = unit.scales.get((None, 0), 1.0) or 1.0
+    scale = next(iter(unit.scales.get(None, ())), 0.0) or 1.0
     last = (
         10.0**-unit.decimals
         if unit.decimals is not None
@@ -460,6 +526,11 @@ def _notes(found: Found) -> list[str]:
             told.append(
                 f"In line {line} of {log.name} the count goes from {before:.9g} back to {after:.9g}; it is counted on."
             )
+    if found.zeros is not None and found.growing.early:
+        told.append(f"Signs of zeros differ, too, first at {found.zeros.place()}.")
+    if found.uneven is not None and found.growing.early:
+        side, record, body, _ = found.uneven
+        told.append(f"{(found.a, found.b)[side].name} alone has the state of {body}, first at {record.place()}.")
     if found.nans is not None:
         told.append(f"Both have numbers that are none (NaN), first at {found.nans}.")
     settings = [

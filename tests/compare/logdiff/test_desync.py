@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import random
+import struct
 import tracemalloc
 from collections.abc import Callable
 from pathlib import Path
@@ -15,7 +16,9 @@ import pytest
 from command_line import done as truebreak
 
 from truebreak.compare.documents.schemas import schema
+from truebreak.compare.logdiff import pairing
 from truebreak.compare.logdiff.desync import diff, report_json
+from truebreak.compare.logdiff.desync_page import desync_html
 from truebreak.compare.logdiff.trial_worlds import NONE, Fault, PymunkWorld, run
 from truebreak.compare.logdiff.trials import (
     contacts_only,
@@ -243,3 +246,151 @@ def test_logs_are_read_in_memory_that_does_not_grow_with_them(tmp_path: Path) ->
     for swapped in (False, True):
         peak(1_000, swapped)  # loads what is loaded once
         assert peak(16_000, swapped) < 1.1 * peak(8_000, swapped) + 50_000
+
+
+def drift(steps: int = 40, bodies: int = 5, push: float = 0.0) -> Lines:
+    """States alone of bodies that drift apart, each number with all its digits."""
+    return [
+        {"step": k, "states": {f"b{i}": [i + k * math.pi / (i + 3), k / (i + 7) + push] for i in range(bodies)}}
+        for k in range(steps)
+    ]
+
+
+def test_a_body_that_one_run_has_alone_is_no_identity(compared: Any) -> None:
+    told = drift()
+    gone = [
+        {**line, "states": {i: v for i, v in line["states"].items() if i != "b3" or line["step"] < 20}} for line in told
+    ]
+    for one, other in ((told, gone), (gone, told)):
+        found = compared(one, other)
+        assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 20), found.line
+    touching = [{**line, "contacts": [["b3", "b1"]]} for line in told]
+    found = compared(touching, [{**line, "contacts": [["b3", "b1"]]} for line in gone])
+    assert (found.verdict.name, found.verdict.event) == (Named.CHANGED, 20), found.line
+    hidden = [{**line, "states": {i: v for i, v in line["states"].items() if i != "b3"}} for line in told]
+    back = [
+        {**line, "states": {i: v for i, v in line["states"].items() if i != "b3" or line["step"] != 20}}
+        for line in told
+    ]
+    for other in (hidden, back):  # it may be there, and not logged
+        found = compared(told, other)
+        assert found.verdict.name is Named.OPEN and "has no state of b3" in found.verdict.why, found.line
+
+
+def test_a_number_that_one_run_lacks_is_no_identity(compared: Any) -> None:
+    told = drift()
+    found = compared(told, [{**line, "spawned": "b9"} if line["step"] == 7 else line for line in told])
+    assert (found.verdict.name, found.verdict.event) == (Named.OPEN, 7) and "alone has 'spawned'" in found.verdict.why
+    found = compared(told, [{**line, "spawned": "b9"} for line in told], ignore=["spawned"])
+    assert found.verdict.name is Named.IDENTICAL, found.line
+
+
+@pytest.mark.parametrize("zero", ["-0.0", "-0"], ids=["Python's", "printf's"])
+def test_zeros_of_other_signs_are_not_the_same_to_the_last_bit(zero: str, compared: Any) -> None:
+    lines = "".join(f'{{"step": {k}, "states": {{"a": [{k / 3!r}, 0]}}}}\n' for k in range(9))
+    found = compared(lines, lines.replace("[1.0, 0]", f"[1.0, {zero}]"))
+    assert (found.verdict.name, found.verdict.event) == (Named.OPEN, 3) and "signs of zeros" in found.verdict.why
+
+
+@pytest.mark.parametrize("form", ["%.6f", "%.9g", "single"])
+def test_fewer_digits_in_one_log_are_no_other_start(form: str, compared: Any) -> None:
+    told = drift()
+
+    def short(value: float) -> float:
+        return struct.unpack("f", struct.pack("f", value))[0] if form == "single" else float(form % value)
+
+    printed = [{**line, "states": {i: [*map(short, v)] for i, v in line["states"].items()}} for line in told]
+    for one, other in ((told, printed), (printed, told)):
+        found = compared(one, other)
+        assert found.verdict.name is Named.OPEN and "log both alike" in found.verdict.why, found.line
+    moved = [{**line, "states": {i: [short(v[0] + 0.01), v[1]] for i, v in line["states"].items()}} for line in told]
+    assert compared(told, moved).verdict.name is Named.START
+
+
+def test_who_was_met_before_says_nothing_of_the_start_of_another(compared: Any) -> None:
+    times = [0.1234567890123, 0.2345678901234, 0.3456789012345, 0.4567890123456, 0.5678901234567]
+    told = [
+        {"time": t, "contact": p}
+        for t, p in zip(times, (["a", "b"], ["c", "d"], ["a", "e"], ["b", "c"], ["d", "e"]), strict=True)
+    ]
+    later = [{**line, "time": line["time"] + 1e-3 * (k > 1)} for k, line in enumerate(told)]
+    found = compared(told, later)  # a was faster, or e came from elsewhere
+    assert found.verdict.name is Named.OPEN and "nothing is logged of e before" in found.verdict.why, found.line
+
+
+def test_records_far_apart_do_not_tell_a_start_from_a_change(compared: Any) -> None:
+    apart = [{**line, "step": 100 * line["step"]} for line in drift()]
+    found = compared(apart, [apart[0], *({**line, "step": 100 * line["step"]} for line in drift(push=0.01)[1:])])
+    assert found.verdict.name is Named.OPEN and "another start, or a change since" in found.verdict.why, found.line
+
+
+def test_bodies_of_other_ids_and_an_ulp_are_the_same_bodies(compared: Any) -> None:
+    rng = random.Random(3)
+    told = [
+        {"time": (k + rng.random()) / 7, "contact": [f"d{k % 7}", f"d{(k * 3 + 1) % 7}"]}
+        for k in range(60) if k % 7 != (k * 3 + 1) % 7
+    ]  # fmt: skip
+    rows = {f"d{i}": [rng.random(), rng.random()] for i in range(7)}
+    for line in told:
+        line["states"] = {i: [rows[i][0], rows[i][1] + line["time"]] for i in line["contact"]}
+    other = json.loads(json.dumps(told).replace('"d', '"entity'))
+    for line in other:
+        line["states"] = {i: [math.nextafter(v, 9) for v in row] for i, row in line["states"].items()}
+    found = compared(told, other)
+    assert (found.verdict.name, found.found.names["d4"]) == (Named.GREW, "entity4"), found.line
+
+
+@pytest.mark.parametrize(("off", "named"), [(1e-16, Named.GREW), (0.01, Named.START)])
+def test_the_body_that_starts_elsewhere_is_known_by_the_others(off: float, named: Named, compared: Any) -> None:
+    told = drift()
+    other = json.loads(json.dumps(told).replace('"b', '"entity'))
+    for line in other:
+        line["states"]["entity3"][1] += off * (line["states"]["entity3"][1] + 1)
+    found = compared(told, other)
+    assert (found.verdict.name, found.verdict.event, found.verdict.first[0].body) == (named, 0, "b3"), found.line
+
+
+def test_a_clock_that_begins_anew_in_one_of_two_logs_of_events_is_counted_on(compared: Any) -> None:
+    rng = random.Random(4)
+    told = [
+        {"time": k + rng.random() / 2, "contact": ["a", "wall"], "states": {"a": [rng.random()]}} for k in range(90)
+    ]
+    again = [{**line, "time": line["time"] - 50} if k >= 50 else line for k, line in enumerate(told)]
+    assert compared(told, again).verdict.name is Named.IDENTICAL
+
+
+def test_what_waits_for_its_like_is_bounded(compared: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, most in (("WAITING", 400), ("MOST_LETTERS", 40_000), ("MOST_FRAMES", 50)):
+        monkeypatch.setattr(pairing, name, most)
+    most = [0, 0, 0]
+    plain = pairing._ByBodies.feed
+
+    def feed(self: Any, side: int, record: Any) -> None:
+        plain(self, side, record)
+        most[:] = [
+            max(pair) for pair in zip(most, (self.waiting, self.letters, *[max(map(len, self.frames))]), strict=True)
+        ]
+
+    monkeypatch.setattr(pairing._ByBodies, "feed", feed)
+    bullets = [{"time": k / 8, "contact": [f"bullet{k}", "tank"]} for k in range(2_000)]
+    other = [{**line, "contact": [f"shot{line['contact'][0]}", "tank"]} for line in bullets]
+    compared(
+        [{"time": 0.0, "contact": ["tank", "tank2"]}, *bullets], [{"time": 0.0, "contact": ["tank", "tank2"]}, *other]
+    )
+    frames = [{"time": k / 8, "states": {"a": [k / 3]}} for k in range(400)]
+    compared(frames, [{**frames[0], "time": 0.0}, *({**line, "time": line["time"] * 1.3 + 999} for line in frames)])
+    assert 100 < most[0] <= 402 and most[1] <= 40_200 and 20 < most[2] <= 51, most
+
+
+@pytest.mark.parametrize("outline", ['"x"', '{"polygon": []}', '{"circle": 1e999}', '{"segment": [[0, 0]]}', "{}"])
+def test_an_outline_that_is_none_is_refused(outline: str, compared: Any) -> None:
+    lines = f'{{"body": "a", "outline": {outline}}}\n{{"step": 0, "states": {{"a": [0.5]}}}}\n'
+    with pytest.raises(EngineError, match="line 1: outline of 'a'"):
+        compared(lines, lines)
+
+
+def test_pages_of_strange_ids_and_endless_numbers(compared: Any) -> None:
+    lines = '{"step": 0, "states": {"\\ud800": [1e999, -1e308]}}\n{"step": 1, "states": {"\\ud800": [1e308, 1e308]}}\n'
+    found = compared(lines, lines.replace("1e308]}}\n{", "1e307]}}\n{"))
+    assert "ud800" in desync_html([found]).encode().decode()
+    json.dumps(report_json([found]), allow_nan=False)
