@@ -304,12 +304,13 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         ("if (sign <= 0) refute(`${contacts[a].name} does not push`)", ""), into_two_points,
     ),
     "impulses turn the closing speed round": (
-        ('demand(sign, [0], f"the impulse', 'demand(0, [0], f"the impulse'),
+        ('refuse(self.sign("slack", c), f"the impulse', 'refuse(0, f"the impulse'),
         ("if (s) refute(`the impulse of", "if (0) refute(`the impulse of"),
         lambda: of(Scene(PAIR), {"exact": "7", "met": [[0, 1]], "rounds": [[[0, 1, "2"]]]}),
     ),
     "who does not push is not pushed into": (
-        ('w.rest[c]()) < 0, f"', 'w.rest[c]()) < -1, f"'), ("if (slack < 0) refute(", "if (0) refute("), one_by_one,
+        ('self.sign("slack", c) < 0, f"', 'self.sign("slack", c) < -1, f"'),
+        ("if (slack < 0) refute(", "if (0) refute("), one_by_one,
     ),
     "one after the other is one after the other": (
         ('if self.policy != "simultaneous":', "if 0:"), ("if (!simultaneous) {", "if (0) {"),
