@@ -59,7 +59,8 @@ def refuse(wrong, text, fault=Refuted):
     if wrong: raise fault(text)
 def demand(sign, wanted, text, fault=Refuted):  # goes on if a sign is among those wanted
     if sign not in wanted: raise (Undecided if sign is None else fault)(text)
-class cost: work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes kept
+class Account: work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes
+cost = Account()
 def charge(units, room=0):
     cost.work, cost.room = cost.work + units, cost.room + room
     if cost.work > cost.most: raise Declined(f"costs more than {cost.most} units of work; --work=N")
@@ -328,7 +329,8 @@ class Checker:
         return unturned and any(images.get(k) == m and k in kept for k, m in ((i, j), (j, i)))
     def zero(self, question, c, age):  # whether a number is zero, as a form or by a witness
         charge(3_000 * len(hows := self.witnesses[question, c]))
-        return not self.form.ask(question, c, age) or any(self.proves(question, c, *h) for h in hows)
+        exactly = not self.form.ask(question, c, age)
+        return exactly or any(self.proves(question, c, *how) for how in hows)
     def sign(self, question, c):  # the sign of a number
         if (sign := self.ball.ask(question, c, self.age).sign()) is not None: return sign
         if self.zero(question, c, self.age): return 0

@@ -214,8 +214,7 @@ class Prover(Checker):
         wanted = contacts or {(i, j) for i, j in map(tuple, entry["enter"])}
         hits = []
         for c in sorted(wanted - self.lasting.keys()):
-            m = self.ball.meeting(c, self.ball.start(c))
-            if c not in self.parted and m.closing.sign() == -1 and m.disc.sign() == 1:
+            if c not in self.parted and self._hits(c):
                 hits.append((self.ball.hit(c), c))
         if not hits:
             raise Undecided("whether the contacts of an event meet")
@@ -225,7 +224,8 @@ class Prover(Checker):
         self._list(entry, clock)
         bodies = {i for c in contacts for i in c if i < self.n}
         tried = {clock}
-        for c in sorted(wanted) + [c for c in self.meets if c[1] < 0]:
+        rims = [c for c in self.meets if c[1] < 0] if min(self.things) < 0 else []
+        for c in sorted(wanted) + rims:
             if c not in tried:
                 tried.add(c)
                 self._try(entry, c, leaving=c[1] < 0 and c[0] in bodies)
@@ -243,6 +243,15 @@ class Prover(Checker):
             self._try_all(entry)
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
+
+    def _hits(self, c: Contact) -> bool:
+        """Whether the gap of two falls through zero on their flights; few bits mostly tell."""
+        for world in (self.few, self.ball):
+            m = world.meeting(c, world.start(c))
+            signs = m.closing.sign(), m.disc.sign()
+            if None not in signs:
+                return signs == (-1, 1)
+        return False
 
     def _list(self, entry: dict[str, Any], c: Contact) -> None:
         entry["met"].append(list(c))

@@ -4,7 +4,7 @@ From the project's root, the first 20,000:
 
     PYTHONPATH=tests:tests/compare python -m certificate.campaign FILE --count 20000
 
-A line has `number`, `made` (how, and of what), the exit codes `python` and `node`, what the first one said, and `fault`.
+A line has `number`, `made` (how, and of what), the exit codes `python` and `node`, what the first said, and `fault`.
 That is empty unless the two contradict each other, or verify what the engine's own run of the scene does not show. The
 exit status is 1 if a line has a fault.
 """
