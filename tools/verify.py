@@ -15,7 +15,7 @@ from pathlib import Path
 
 FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-3", 1 << 24, 1000, 1 << 20
 PAIRS, SIZE, DIGITS, ROOTS, FEW, KEEP = 1 << 20, 1 << 30, 100_000, 99, 128, 256
-WORK, EACH, ROOM, PARTS = 8 * 10**9, 16_000, 2 * 10**8, 4 * 10**6
+WORK, EACH, ROOM, PARTS = 16 * 10**9, 32_000, 2 * 10**8, 4 * 10**6
 ROW, COUNT, ANY = rf"\d{{1,{DIGITS}}}+", r"[1-9]\d{0,14}", '".*"'
 CONTACT, PAIR = r"\[\d{1,15},-?\d{1,15}\]", r"\[-?\d{1,15},-?\d{1,15}\]"
 DECIMAL, REASON = rf'"-?{ROW}(?:\.{ROW})?"', '"(events|stopped|horizon|return|quiet)"'

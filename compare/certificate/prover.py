@@ -212,10 +212,8 @@ class Prover(Checker):
                 del w.times[-1]
             return
         wanted = contacts or {(i, j) for i, j in map(tuple, entry["enter"])}
-        hits = []
-        for c in sorted(wanted - self.lasting.keys()):
-            if c not in self.parted and self._hits(c):
-                hits.append((self.ball.hit(c), c))
+        near = (c for c in sorted(wanted - self.lasting.keys()) if c not in self.parted and self._hits(c))
+        hits = [(self.ball.hit(c), c) for c in near]
         if not hits:
             raise Undecided("whether the contacts of an event meet")
         time, clock = min(hits, key=lambda hit: hit[0].m)

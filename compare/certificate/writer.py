@@ -101,8 +101,8 @@ def _without_limit() -> Iterator[None]:
 
 @contextmanager
 def _without_search_for_cycles() -> Iterator[None]:
-    """The numbers of a run refer to those that they come about from, and never in a circle: looking at all of them again
-    and again for some that do is a tenth of what a certificate costs."""
+    """The numbers of a run refer to those that they come about from, never in a circle: looking at all of them, again
+    and again, for some that do is a tenth of what a certificate costs."""
     enabled = gc.isenabled()
     gc.disable()
     try:
