@@ -14,7 +14,7 @@ from math import isqrt, prod
 from pathlib import Path
 
 FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-3", 1 << 24, 1000, 1 << 20
-PAIRS, SIZE, DIGITS, ROOTS, FEW, KEEP = 1 << 20, 1 << 30, 100_000, 99, 128, 256
+PAIRS, SIZE, DIGITS, ROOTS, FEW, KEEP = 1 << 20, 1 << 30, 100_000, 99, 128, 128
 WORK, EACH, ROOM, PARTS = 16 * 10**9, 32_000, 2 * 10**8, 4 * 10**6
 ROW, COUNT, ANY = rf"\d{{1,{DIGITS}}}+", r"[1-9]\d{0,14}", '".*"'
 CONTACT, PAIR = r"\[\d{1,15},-?\d{1,15}\]", r"\[-?\d{1,15},-?\d{1,15}\]"
@@ -416,7 +416,7 @@ class Checker:
         self.resolve([*entry.get("rounds", ())], entry, {*self.movable} if turn else set())
         self.due |= not self.way and 0 < self.count == self.told["scene"].get("reverse_after")
         sharp = (x.bits - x.r.bit_length() for i in self.movable for x in self.ball.flights[i][:4])
-        bits = max(max(sharp, default=0) + KEEP + Ball.bits // 32, self.few.bits)
+        bits = max(max(sharp, default=0) + KEEP, self.few.bits)
         if self.ball.bits - bits >= KEEP // 4: self.ball.bits = bits
     def settle(self, circles):  # proves that they have met nothing but what is known
         found = {c for i in circles for c in self.of[i] if c not in self.known}
