@@ -510,7 +510,7 @@ def once(pairs):  # an object of JSON whose keys differ
 def integer(text):  # a number of JSON, which has to be whole
     return refuse(len(text) > 16, "a number of over 15 digits", Malformed) or int(text)
 def verdict(path, work=None):  # the exit code for a file, and a sentence
-    sys.set_int_max_str_digits(DIGITS + 1)
+    sys.set_int_max_str_digits(2 * DIGITS + 2)  # a decimal has two rows of digits
     try:
         refuse(Path(path).exists() and not Path(path).is_file(), "it is no regular file", Malformed)
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)
