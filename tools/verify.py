@@ -1,13 +1,9 @@
 """Checks a certificate of a run of hard circles, walls and pockets: verify.py FILE [--work=N].
 
 docs/certificates.md defines the format, and says why this suffices. There is no search and no
-queue: what is stated is proved again, or refused. What is done and kept goes to one account.
-
-The laws stand once, in `World`, and run in two: of intervals (`Ball`), which tell a sign truly or
-not at all, and of exact numbers (`Form`), sums of fractions times roots. When a flight ends,
-`clear` proves for all that is not listed that its gap, convex in time, stayed positive: nothing is
-missed. What is listed has gap zero, and had not before: nothing is invented. What touches is
-resolved by the policy, whose impulses are unique. A number is zero as a form, or by a witness.
+queue: what is stated is proved again, or refused. The laws stand once, in `World`, and run in two:
+of intervals (`Ball`), which tell a sign truly or not at all, and of exact numbers (`Form`), sums of
+fractions times roots. What is done and what is kept is charged to one account before.
 """
 import copy, hashlib, json, random, re, sys
 from collections import defaultdict, namedtuple
@@ -18,12 +14,11 @@ from math import isqrt, prod
 from pathlib import Path
 
 FORMAT, BYTES, CIRCLES, BITS = "truebreak/certificate-3", 1 << 24, 1000, 1 << 20
-PAIRS, SIZE, DIGITS, ROOTS, FEW, KEEP = 1 << 20, 1 << 30, 100_000, 99, 128, 256
-WORK, EACH, ROOM, PARTS = 8 * 10**9, 16_000, 2 * 10**8, 4 * 10**6
+PAIRS, SIZE, DIGITS, ROOTS, FEW, KEEP = 1 << 20, 1 << 30, 100_000, 99, 128, 128
+WORK, EACH, ROOM, PARTS = 16 * 10**9, 32_000, 2 * 10**8, 4 * 10**6
 ROW, COUNT, ANY = rf"\d{{1,{DIGITS}}}+", r"[1-9]\d{0,14}", '".*"'
 CONTACT, PAIR = r"\[\d{1,15},-?\d{1,15}\]", r"\[-?\d{1,15},-?\d{1,15}\]"
 DECIMAL, REASON = rf'"-?{ROW}(?:\.{ROW})?"', '"(events|stopped|horizon|return|quiet)"'
-MORE = "costs more than %s; --work=N"
 POLICY = r'"(simultaneous|sequential(:order=scene|:seed=\d{1,18})?)"'
 QUESTION, HOW = '"(?:gap|closing|disc|speed|slack|until|reverse)"', r'(?:"back"|\d{1,15})'
 THINGS = {"circles": "x y vx vy r w", "walls": "x0 y0 x1 y1 length", "pockets": "x y r"}
@@ -64,14 +59,12 @@ def refuse(wrong, text, fault=Refuted):
     if wrong: raise fault(text)
 def demand(sign, wanted, text, fault=Refuted):  # goes on if a sign is among those wanted
     if sign not in wanted: raise (Undecided if sign is None else fault)(text)
-class Account:
-    work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes that are kept
-    def charge(self, units, room=0):
-        self.work, self.room = self.work + units, self.room + room
-        if self.work > self.most: raise Declined(MORE % f"{self.most} units of work")
-        if self.room > self.rooms: raise Declined(MORE % f"{self.rooms} bytes")
+class Account: work, most, room, rooms = 0, WORK, 0, ROOM  # units of about a nanosecond; bytes
 cost = Account()
-charge = cost.charge
+def charge(units, room=0):
+    cost.work, cost.room = cost.work + units, cost.room + room
+    if cost.work > cost.most: raise Declined(f"costs more than {cost.most} units of work; --work=N")
+    if cost.room > cost.rooms: raise Declined(f"costs more than {cost.rooms} bytes; --work=N")
 class Form(dict):
     """An exact number: a sum of terms {roots: factor}; zero if it has none. What takes a division
     or a root, and is not told, is `UNTOLD`, and stays so."""
@@ -206,21 +199,24 @@ class World:
         return low
     def blow(self, age, push, others, s):  # a round with impulses s, if untold by G s = -2u
         met, _ = {c: self.meeting(c, age) for c in (*push, *others)}, charge(2_000 * len(push) ** 2)
-        twice = {c: m.closing + m.closing for c, m in met.items()}
-        def effect(c, o):  # an entry of G
-            both = ((i, *met[c].arms[i], *met[o].arms[i]) for i in met[c].arms if i in met[o].arms)
+        self.before = {c: m.closing for c, m in met.items()}
+        def effect(a, b):  # an entry of G
+            both = ((i, *a[i], *b[i]) for i in a if i in b)
             parts = ((x * p + y * q) * self.things[i][5].at(self.bits) for i, x, y, p, q in both)
             return sum(parts, self.none.at(self.bits))
         if s: s = [*map(self.of, s)]
         elif self.read is Form: s = [UNTOLD] * len(push)
-        else: s = self.solve([[*(effect(c, o) for o in push), -twice[c]] for c in push])
-        self.rest = {c: lambda c=c: sum(  # 2u + G s
-            (effect(c, o) * j for o, j in zip(push, s, strict=True)), twice[c]) for c in met}
+        else: s = self.solve([[*(effect(met[c].arms, met[o].arms) for o in push),
+                               -(met[c].closing + met[c].closing)] for c in push])
         for c, j in zip(push, s, strict=True):
             for i, (x, y) in met[c].arms.items():
                 (u, v, vx, vy, *_), w = self.put(i, age), self.things[i][5].at(self.bits) * j
                 self.flights[i] = Flight(u, v, vx + w * x, vy + w * y, age, {})
         return s
+    def ask(self, question, c, age):  # the number that a witness may show to be zero
+        if question in self.limits: return self.less(self.limits[question], self.times[age])
+        if question == "slack": return self.before[c] + self.meeting(c, age).closing  # 2u + G s
+        return getattr(self.meeting(c, age), question)
     def redirect(self, circles, age, factor):  # their velocities times a factor
         for i, (x, y, vx, vy, *_) in [(i, self.put(i, age)) for i in circles]:
             self.flights[i] = Flight(x, y, vx * self.of(factor), vy * self.of(factor), age, {})
@@ -331,50 +327,53 @@ class Checker:
             return turned and images.get(i) == i and i in kept
         unturned = question in ("closing", "speed") and not any((a - ONE, b, d, e - ONE))
         return unturned and any(images.get(k) == m and k in kept for k, m in ((i, j), (j, i)))
-    def zero(self, question, c, law):  # whether a number is zero, as a form or by a witness
-        charge(3_000 * len(told := self.witnesses[question, c]))
-        return not law(self.form) or any(self.proves(question, c, *how) for how in told)
-    def sign(self, question, c, law=None):  # the sign of a number
-        law = law or (lambda w: getattr(w.meeting(c, self.age), question))
-        if (sign := law(self.ball).sign()) is not None: return sign
-        if self.zero(question, c, law): return 0
+    def zero(self, question, c, age):  # whether a number is zero, as a form or by a witness
+        charge(3_000 * len(hows := self.witnesses[question, c]))
+        exactly = not self.form.ask(question, c, age)
+        return exactly or any(self.proves(question, c, *how) for how in hows)
+    def sign(self, question, c):  # the sign of a number
+        if (sign := self.ball.ask(question, c, self.age).sign()) is not None: return sign
+        if self.zero(question, c, self.age): return 0
         raise Undecided(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
-    def apart(self, c, start, age):  # as `clear`, of circles, in whole numbers at most `off` off
-        few, ends = self.few, ((1, start), (-1, age))[:1 + (age is not None)]
-        if c[1] >= self.n:
-            return age is not None and all(few.meeting(c, at).gap.sign() == 1 for _, at in ends)
-        for turn, at in ends:
-            a, b, reach = few.put(c[0], at)[:4], few.put(c[1], at)[:4], few.reach(c)
-            x, y, vx, vy = (q.m - p.m for p, q in zip(a, b, strict=True))
-            off, reach = reach.r + sum([p.r for p in (*a, *b)]), reach.m
-            far = abs(x) + abs(y) + abs(vx) + abs(vy) + reach
+    def apart(self, c, start, age):  # as `clear`, in whole numbers that are at most `off` off
+        few, (i, j), wall = self.few, c, c[1] >= self.n
+        reach = few.things[i][4] if wall else few.reach(c)
+        for turn, at in ((1, start), (-1, age))[:1 + (age is not None)]:
+            a, b = few.put(i, at)[:4], few.things[j] if wall else few.put(j, at)[:4]
+            off, far = reach.r, abs(reach.m)
+            for z in (*a, *b): off, far = off + z.r, far + abs(z.m)
             charge(15_000 + (far.bit_length() ** 2 >> 10))
-            off *= 4 * (far + off)  # and so is what comes of them
-            gap, closing = x * x + y * y - reach * reach - off, turn * (x * vx + y * vy) - off
+            off *= 4 * (far + off)  # so are sums of products of two of them
+            (x, y, vx, vy), (u, v, p, q, *length) = [z.m for z in a], [z.m for z in b]
+            x, y, size = u - x, v - y, reach.m * (length[0] if wall else reach.m)
+            if wall:
+                if few.sides[c] * (x * p + y * q) + size + off >= 0: return False
+                continue
+            vx, vy = p - vx, q - vy
+            gap, closing = x * x + y * y - size - off, turn * (x * vx + y * vy) - off
             if gap <= 0 or closing >= 0: return gap > 0  # at least as large
             wait = age is not None and few.wait(start, age)
             if wait and (gap << wait.bits) + 2 * closing * (wait.m + wait.r) > 0: return True
             cross, speed = abs(x * vy - y * vx) - off, vx * vx + vy * vy + off
-            if cross > 0 and speed * (reach * reach + off) < cross * cross: return True
-        return False
+            if cross > 0 and speed * (size + off) < cross * cross: return True
+        return wall and age is not None
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
-        start, after = self.ball.start(c), None
+        start, doubt = self.ball.start(c), Undecided(f"whether {c} meet before it")
         if c in self.parted or self.apart(c, start, age): return
-        m, doubt = self.ball.meeting(c, start), Undecided(f"whether {c} meet before it")
-        gap, closing, disc = m.gap.sign(), m.closing.sign(), m.disc.sign()
-        if gap is None and c[1] < 0: raise doubt  # the centre may be in the pocket from the start
-        if (gap == -1 and c[1] < 0) or (gap == 1 and (closing in (0, 1) or disc == -1)): return
-        ever = age is None and (closing, disc) == (-1, 1)
-        refuse(gap in (-1, 0) or ever, f"{c} overlap, or meet")
-        if age is not None:
-            end, wait = self.ball.meeting(c, age), self.ball.wait(start, age)
-            if gap == 1 and (m.gap + m.closing * wait + m.closing * wait).sign() == 1: return
-            back, after = end.gap - end.closing * wait - end.closing * wait, end.gap.sign()
-            if (gap, after, back.sign()) == (1, 1, 1): return
-            late = (closing, disc, end.closing.sign()) == (-1, 1, 1)
-            refuse(after == -1 or late, f"{c} meet before it")
-        for x in ("closing", "disc") if gap == 1 and (last or after == 1) else ():
-            if self.zero(x, c, lambda w, x=x: getattr(w.meeting(c, start), x)): return
+        wait, gaps, meet = age is not None and self.ball.wait(start, age), [], True
+        for turn, at in ((1, start), (-1, age))[:1 + (age is not None)]:  # from then; backwards
+            m = self.ball.meeting(c, at)
+            rise = m.closing if turn > 0 else -m.closing
+            gap, closing, disc = m.gap.sign(), rise.sign(), m.disc.sign()
+            gaps.append(gap)
+            if c[1] < 0 and gaps[0] is None: raise doubt  # the centre may be in it from the start
+            if c[1] < 0 and gaps[0] == -1: return
+            tangent = wait and {*gaps} == {1} and (m.gap + rise * wait + rise * wait).sign() == 1
+            if {*gaps} == {1} and (closing in (0, 1) or disc == -1 or tangent): return
+            meet &= (closing, disc) == (-1, 1)
+        refuse(meet or gaps[0] == 0 or -1 in gaps, f"{c} overlap, or meet before it")
+        for x in ("closing", "disc") if gaps[0] == 1 and (last or gaps[-1] == 1) else ():
+            if self.zero(x, c, start): return
         raise doubt
     def take(self, entry, where):  # takes up the witnesses of an entry
         Checker.where, self.witnesses, self.clock = where, defaultdict(list), None
@@ -410,14 +409,14 @@ class Checker:
             if self.end["reason"] == "return": w.limits["until"] = w.times[age] + w.times[age]
         self.due = False
         for name in self.ball.limits:
-            sign = self.sign(name, self.clock, lambda w, k=name: w.less(w.limits[k], w.times[age]))
+            sign = self.sign(name, self.clock)
             refuse(sign < 0, "the end, or the reversal, comes before it")
             self.due |= name == "reverse" and sign == 0
         refuse(not (met or turn or self.due or age == 0), "nothing falls on it")
         self.resolve([*entry.get("rounds", ())], entry, {*self.movable} if turn else set())
         self.due |= not self.way and 0 < self.count == self.told["scene"].get("reverse_after")
         sharp = (x.bits - x.r.bit_length() for i in self.movable for x in self.ball.flights[i][:4])
-        bits = max(max(sharp, default=0) + KEEP + Ball.bits // 32, self.few.bits)
+        bits = max(max(sharp, default=0) + KEEP, self.few.bits)
         if self.ball.bits - bits >= KEEP // 4: self.ball.bits = bits
     def settle(self, circles):  # proves that they have met nothing but what is known
         found = {c for i in circles for c in self.of[i] if c not in self.known}
@@ -439,18 +438,15 @@ class Checker:
                 told = rounds.pop(0) if rounds else []
                 push = [(i, j) for i, j, *_ in told]
                 s = [number(x) for _, _, *by in told for x in by]
-                twice = len({*push}) < len(push)
-                refuse(not push or twice or {*push} - {*coming}, f"{push} cannot push")
+                wrong = not push or len({*push} & {*coming}) < len(push)
+                refuse(wrong, f"{push} cannot push")
                 others = [c for c in coming if c not in push]
                 balls, _ = (w.blow(self.age, push, others, s) for w in self.worlds)
                 hit = self.movable & {i for c in push for i in c}
                 for c in push if s else ():
-                    sign = self.ball.rest[c]().sign()
-                    if sign is None: sign = self.form.rest[c]().sign()
-                    demand(sign, [0], f"the impulse of {c} is another")
+                    refuse(self.sign("slack", c), f"the impulse of {c} is another")
                 for impulse in balls: demand(impulse.sign(), [1], f"{push} do not push, or may not")
-                for c in others:
-                    refuse(self.sign("slack", c, lambda w, c=c: w.rest[c]()) < 0, f"{c} push too")
+                for c in others: refuse(self.sign("slack", c) < 0, f"{c} push too")
                 for i in circles & self.movable:
                     for rows, contacts in ((self.rows, coming), (pushes, push)):
                         row = {c for c in contacts if i in c}
@@ -480,10 +476,9 @@ class Checker:
     def said(self, value, text):  # that a number is as its decimal says, to one unit of its end
         charge(5_000 + (len(text) ** 2 >> 5) + (len(text) * value.m.bit_length() >> 8))
         scale, at = 10 ** len(text.partition(".")[2]), int(text.replace(".", ""))
-        least, most = (value.m - value.r) * scale, (value.m + value.r) * scale
-        low, high = at - 1 << value.bits, at + 1 << value.bits
-        refuse(most <= low or high <= least, f"a number is not {text[:40]}")
-        refuse(least <= low or high <= most, f"whether a number is {text[:40]}", Undecided)
+        off, unit = abs(value.m * scale - (at << value.bits)), 1 << value.bits
+        refuse(off - value.r * scale >= unit, f"a number is not {text[:40]}")
+        refuse(off + value.r * scale >= unit, f"whether a number is {text[:40]}", Undecided)
     def check(self):  # instant by instant; then what ended the run, and the final state
         for entry in self.told["instants"]: self.instant(entry)
         self.take(self.end, "at the end")
@@ -515,7 +510,7 @@ def once(pairs):  # an object of JSON whose keys differ
 def integer(text):  # a number of JSON, which has to be whole
     return refuse(len(text) > 16, "a number of over 15 digits", Malformed) or int(text)
 def verdict(path, work=None):  # the exit code for a file, and a sentence
-    sys.set_int_max_str_digits(DIGITS + 1)
+    sys.set_int_max_str_digits(2 * DIGITS + 2)  # a decimal has two rows of digits
     try:
         refuse(Path(path).exists() and not Path(path).is_file(), "it is no regular file", Malformed)
         with Path(path).open("rb") as file: text = file.read(BYTES + 1)

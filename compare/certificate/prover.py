@@ -6,7 +6,7 @@ for, and kept if the checker accepts it. So nothing here is trusted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Set
+from collections.abc import Iterable, Iterator, Set
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
@@ -107,6 +107,7 @@ class Prover(Checker):
         self.contacts, self.digits = contacts, digits
         self.known_isometries: dict[str, int] = {}
         self.history: list[dict[int, Any]] = []
+        self._apart: dict[tuple[Contact, int, int | None], bool] = {}
         self.things_exact = {k: [Exact.of(x) for x in row] for k, row in self.things.items()}
         self.likely = Isometries(self.things_exact, self.n)
         told = self.form
@@ -182,6 +183,7 @@ class Prover(Checker):
 
     def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
+        self._apart.clear()
         if "turn" not in entry:
             self._gather(entry, self.contacts[self.age + 1])
         super().instant(entry)
@@ -197,8 +199,7 @@ class Prover(Checker):
         entry["met"] = []
         if self.age == 0:
             for c in self.meets:
-                law = gap_of(c, 0)
-                if law(self.ball).sign() in (None, 0) and self.zero("gap", c, law):
+                if self.ball.ask("gap", c, 0).sign() in (None, 0) and self.zero("gap", c, 0):
                     entry["met"].append(list(c))
             self.age -= 1
             return
@@ -211,11 +212,8 @@ class Prover(Checker):
                 del w.times[-1]
             return
         wanted = contacts or {(i, j) for i, j in map(tuple, entry["enter"])}
-        hits = []
-        for c in sorted(wanted - self.lasting.keys()):
-            m = self.ball.meeting(c, self.ball.start(c))
-            if c not in self.parted and m.closing.sign() == -1 and m.disc.sign() == 1:
-                hits.append((self.ball.hit(c), c))
+        near = (c for c in sorted(wanted - self.lasting.keys()) if c not in self.parted and self._hits(c))
+        hits = [(self.ball.hit(c), c) for c in near]
         if not hits:
             raise Undecided("whether the contacts of an event meet")
         time, clock = min(hits, key=lambda hit: hit[0].m)
@@ -224,7 +222,8 @@ class Prover(Checker):
         self._list(entry, clock)
         bodies = {i for c in contacts for i in c if i < self.n}
         tried = {clock}
-        for c in sorted(wanted) + [c for c in self.meets if c[1] < 0]:
+        rims = [c for c in self.meets if c[1] < 0] if min(self.things) < 0 else []
+        for c in sorted(wanted) + rims:
             if c not in tried:
                 tried.add(c)
                 self._try(entry, c, leaving=c[1] < 0 and c[0] in bodies)
@@ -243,6 +242,15 @@ class Prover(Checker):
         self.age -= 1
         del self.ball.times[-1], self.form.times[-1]
 
+    def _hits(self, c: Contact) -> bool:
+        """Whether the gap of two falls through zero on their flights; few bits mostly tell."""
+        for world in (self.few, self.ball):
+            m = world.meeting(c, world.start(c))
+            signs = m.closing.sign(), m.disc.sign()
+            if None not in signs:
+                return signs == (-1, 1)
+        return False
+
     def _list(self, entry: dict[str, Any], c: Contact) -> None:
         entry["met"].append(list(c))
         self.clock = self.clock or c
@@ -257,29 +265,28 @@ class Prover(Checker):
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
         if c in self.lasting or c in self.met or c not in self.meets or (c in self.parted and not leaving):
             return False
-        if self._far(c):
+        if self.apart(c, self.ball.start(c), self.age):
             return False
         for world in (self.few, self.ball):
             m = world.meeting(c, self.age)
             if m.gap.sign() in (-1, 1) or (m.closing.sign() == 1 and not leaving):
                 return False
-        if not self.zero("gap", c, gap_of(c, self.age)):
+        if not self.zero("gap", c, self.age):
             return False
         self._list(entry, c)
         return True
 
-    def _far(self, c: Contact) -> bool:
-        """Whether two circles are apart at the instant: most are, and whole numbers show it at least cost."""
-        if not 0 <= c[1] < self.n:
-            return False
-        a, b, reach = self.few.put(c[0], self.age), self.few.put(c[1], self.age), self.few.reach(c)
-        off = reach.r + a.x.r + a.y.r + b.x.r + b.y.r
-        x, y = abs(b.x.m - a.x.m), abs(b.y.m - a.y.m)
-        return x > reach.m + off or y > reach.m + off or x * x + y * y > (reach.m + off) ** 2 + 2 * off * (x + y)
+    def apart(self, c: Contact, start: int, age: int | None) -> bool:
+        """As the checker's, whose answer is kept: it is asked for to gather an instant, and to end the flights."""
+        if start == age:  # the flights since an instant may change once more at it
+            return super().apart(c, start, age)
+        if (c, start, age) not in self._apart:
+            self._apart[c, start, age] = super().apart(c, start, age)
+        return self._apart[c, start, age]
 
     # -- witnesses
 
-    def zero(self, question: str, c: Contact, law: Callable[[World], Any]) -> bool:
+    def zero(self, question: str, c: Contact, age: int) -> bool:
         """Whether a number is shown to be zero; a witness that shows it is kept."""
         if any(
             self.proves(question, c, how, *map(tuple, o))
@@ -287,7 +294,7 @@ class Prover(Checker):
             if (q, tuple(k)) == (question, c)
         ):
             return True
-        for witness in self._witnesses(question, c, law):
+        for witness in self._witnesses(question, c, age):
             if witness is None:
                 return True
             if self.proves(question, c, *witness):
@@ -297,7 +304,7 @@ class Prover(Checker):
                 return True
         return False
 
-    def _witnesses(self, question: str, c: Contact, law: Any) -> Iterator[Any]:
+    def _witnesses(self, question: str, c: Contact, age: int) -> Iterator[Any]:
         """What might be a witness, the likeliest and shortest first; None where it is shown to be zero exactly."""
         others: list[tuple[Contact, ...]] = [()]
         if question in ("gap", "closing"):
@@ -312,12 +319,12 @@ class Prover(Checker):
         elif question in ("closing", "speed"):
             yield from ((k,) for k in self._new(self.likely.holding(c)))
         yield from (("back", *other) for other in others if self.way and c)
-        if self._exact(law):
+        if self._exact(cast(Lazy, self.form.ask(question, c, age))):
             yield None
 
-    def _exact(self, law: Any) -> bool:
+    def _exact(self, value: Lazy) -> bool:
         """Whether a number is zero exactly, within the roots and the work that it may take."""
-        before, spent, value = len(Exact.roots), Exact.work, cast(Lazy, law(self.form))
+        before, spent = len(Exact.roots), Exact.work
         Exact.most, Exact.budget = before + DEEP_ROOTS, spent + DEEP_WORK
         done: list[Lazy] = []
         zero = False
@@ -349,11 +356,6 @@ class Prover(Checker):
                 self.isometries.append(g)
                 self.told["isometries"].append(told)
             yield self.known_isometries[key]
-
-
-def gap_of(c: Contact, age: int) -> Callable[[World], Any]:
-    """The gap of two at an instant, in whatever world."""
-    return lambda world: world.meeting(c, age).gap
 
 
 def _compute(value: Lazy, done: list[Lazy]) -> None:

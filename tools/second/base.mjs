@@ -27,7 +27,7 @@ export function words(x) {
 }
 
 /** Work is counted, not timed: about one unit for each product of two words, 64 for each operation. */
-const EACH = 64, MOST_WORK = 2e9, MOST_WORK_A_BYTE = 4000, MOST_BYTES = 2e8;
+const EACH = 64, MOST_WORK = 4e9, MOST_WORK_A_BYTE = 12000, MOST_BYTES = 2e8;
 
 /** One account over all that is tried with a file: what is done, and what is kept. */
 export class Work {

@@ -34,15 +34,26 @@ def by_program(path: Path) -> tuple[int, str]:
     return done.returncode, done.stdout.strip()
 
 
-def by_node(paths: Iterable[Path]) -> list[tuple[int, str]]:
-    """The second checker's verdicts, all by one process."""
+def started_node(paths: Iterable[Path]) -> subprocess.Popen[str]:
+    """The second checker, at work on files."""
     assert NODE is not None
-    words = [str(path) for path in paths]
-    done = subprocess.run([NODE, str(TOOLS / "verify.mjs"), *words], capture_output=True, text=True, check=False)
-    lines = done.stdout.splitlines()
-    assert done.stderr == "" and len(lines) == len(words)
+    command = [NODE, str(TOOLS / "verify.mjs"), *map(str, paths)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+
+def node_verdicts(process: subprocess.Popen[str], count: int) -> list[tuple[int, str]]:
+    """What it said of so many."""
+    out, errors = process.communicate()
+    lines = out.splitlines()
+    assert errors == "" and len(lines) == count, errors
     codes = {"verified": 0, "refuted": 1, "no certificate": 2, "not decided": 4, "declined": 4}
     return [(codes[line.partition(":")[0]], line) for line in lines]
+
+
+def by_node(paths: Iterable[Path]) -> list[tuple[int, str]]:
+    """The second checker's verdicts, all by one process."""
+    files = list(paths)
+    return node_verdicts(started_node(files), len(files))
 
 
 def both_verify(certificates: Iterable[tuple[str, dict[str, Any]]], folder: Path) -> None:

@@ -97,6 +97,9 @@ CASES: dict[str, tuple[int, Told | str]] = {
         UNDECIDED, with_first(BY_SHIFT, zeros=[["gap", [0, 1], 0, [0, 7]]]),
     ),
     "a time that is not the one": (REFUTED, with_first(exact="2")),
+    "a time of two long rows of digits": (
+        VERIFIED, {**LEE, "instants": [{"time": f"{'0' * 100_000}.{'0' * 99_000}"}, *LEE["instants"][1:]]},
+    ),
     "a time that is the one": (VERIFIED, with_first(exact="1")),
     "a time in a root that there is not": (NO_CERTIFICATE, with_first(exact="1*r1")),
     "impulses that are not so": (REFUTED, with_first(rounds=[[[0, 1, "1/9"], [1, 2, "3/2"]]])),

@@ -7,13 +7,14 @@ import subprocess
 from collections.abc import Callable
 from math import isqrt
 from pathlib import Path
+from random import Random
 from types import ModuleType
 from typing import Any
 
 import pytest
 
 from certificate.checkers import NODE, TOOLS, needs_node
-from certificate.forging import SAME, Told, refused_by_both, told
+from certificate.forging import SAME, Told, added, refused_by_both, told
 from certificate.test_loopholes import (
     an_entry_hidden_by_the_leaving,
     nothing_told_up_to_a_horizon,
@@ -228,6 +229,91 @@ def a_blow_that_is_not_mapped() -> Told:
     return {**cert, "bits": 160}
 
 
+def nothing_told(*circles: Circle, end: Told | None = None, **values: Any) -> Told:
+    """Nothing is said to happen."""
+    cert = of(Scene(circles or PAIR), end=end or {"reason": "quiet"}, **values)
+    return {**cert, "instants": [{"time": "0"}]}
+
+
+def with_data(index: int, kind: str = "circles", **values: str) -> Told:
+    """Circles at rest, and a wall, whose data are otherwise."""
+    cert = told(Scene([Circle(0, 0), Circle(9, 0, m="oo")], [Wall(-9, 0, -9, 1)]))
+    cert["scene"][kind][index] |= values
+    return cert
+
+
+def a_time_at_the_start() -> Told:
+    """Time 0 is said to be another."""
+    cert = told(Scene(PAIR))
+    cert["instants"][0]["exact"] = "5"
+    return cert
+
+
+def listed_twice() -> Told:
+    """Two that touch are listed twice."""
+    cert = told(Scene([Circle(0, 0), Circle(2, 0)]))
+    cert["instants"][0]["met"] *= 2
+    return cert
+
+
+def an_overlap_that_ends() -> Told:
+    """Two that overlap are said to meet where they part."""
+    cert = told(Scene([Circle(0, 0), Circle(9, 0, vx=1)]))
+    cert["scene"]["circles"][1]["x"] = "1"
+    cert["instants"].append({"time": "0", "exact": "1", "met": [[0, 1]]})
+    return cert
+
+
+def a_round_too_many() -> Told:
+    """A blow is told twice."""
+    cert = told(Scene(PAIR))
+    cert["instants"][1]["rounds"] *= 2
+    return cert
+
+
+def what_does_not_approach_pushes() -> Told:
+    """Of three in a row, of which two touch, both contacts are said to push at once: only the one approaches."""
+    cert = of(Scene([*PAIR, Circle(11, 0)]), end=STOPPED)
+    cert["instants"][1] |= {"exact": "7", "rounds": [[[0, 1, "2/3"], [1, 2, "1/3"]]]}
+    return cert
+
+
+def pushed_by_halves() -> Told:
+    """An impulse is told in two halves."""
+    return of(Scene(PAIR), {"met": [[0, 1]], "rounds": [[[0, 1, "1/4"], [0, 1, "1/4"]]]}, end=STOPPED)
+
+
+def another_draw() -> Told:
+    """The first of two contacts pushes where the seed takes the second."""
+    seed = next(k for k in range(99) if Random(k).randrange(2))
+    scene = Scene([Circle(-3, 0, vx=1), Circle(0, 0), Circle(3, 0, vx=-1)], tie_policy="sequential")
+    return of(scene, tie_policy=f"sequential:seed={seed}", end=STOPPED)
+
+
+def through_a_third() -> Told:
+    """A third circle is in the way of two that meet."""
+    cert = of(Scene([*PAIR, Circle("9/2", 50)]), MEET, end=STOPPED)
+    cert["scene"]["circles"][2]["y"] = "0"
+    return cert
+
+
+def nearly_alike() -> Told:
+    """Of two pairs, one meets a little later; the identity is said to take it to the other."""
+    cert = of(
+        Scene([Circle(0, 0, vx=1), Circle(4, 1), Circle(0, 9, vx=1), Circle(4, 10)]),
+        {"met": [[0, 1], [2, 3]], "rounds": [[[0, 1]], [[2, 3]]], "zeros": [["gap", [2, 3], 0]]},
+        end=STOPPED,
+    )
+    added(cert, 3, "x")
+    cert["isometries"] = [{**SAME, "map": [[k, k] for k in range(4)]}]
+    return cert
+
+
+def beyond_the_end_of_a_horizon() -> Told:
+    """A horizon at which two overlap."""
+    return nothing_told(end={"reason": "horizon", "until": "8"})
+
+
 STOPPED = {"reason": "stopped"}
 MEET = {"met": [[0, 1]], "rounds": [[[0, 1]]]}
 TURN = ({"exact": "12"}, {"turn": True})
@@ -304,12 +390,13 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
         ("if (sign <= 0) refute(`${contacts[a].name} does not push`)", ""), into_two_points,
     ),
     "impulses turn the closing speed round": (
-        ('demand(sign, [0], f"the impulse', 'demand(0, [0], f"the impulse'),
+        ('refuse(self.sign("slack", c), f"the impulse', 'refuse(0, f"the impulse'),
         ("if (s) refute(`the impulse of", "if (0) refute(`the impulse of"),
         lambda: of(Scene(PAIR), {"exact": "7", "met": [[0, 1]], "rounds": [[[0, 1, "2"]]]}),
     ),
     "who does not push is not pushed into": (
-        ('w.rest[c]()) < 0, f"', 'w.rest[c]()) < -1, f"'), ("if (slack < 0) refute(", "if (0) refute("), one_by_one,
+        ('self.sign("slack", c) < 0, f"', 'self.sign("slack", c) < -1, f"'),
+        ("if (slack < 0) refute(", "if (0) refute("), one_by_one,
     ),
     "one after the other is one after the other": (
         ('if self.policy != "simultaneous":', "if 0:"), ("if (!simultaneous) {", "if (0) {"),
@@ -387,6 +474,97 @@ CONDITIONS: dict[str, tuple[Change, Change | None, Callable[[], Told]]] = {
     "an isometry takes no two to one": (
         ("refuse(twice or signs", "refuse(signs"),
         ("if (this.inverse.size !== given.map.length) refute(", "if (0) refute("), two_to_one,
+    ),
+    "a wall is as long as is said": (
+        ("demand(sign_of(p * p + q * q - r * r), ", "demand(0, "),
+        ("demand((A, w) => A.sub(A.add(A.square(wall.n[0][w])", "void ((A, w) => A.sub(A.add(A.square(wall.n[0][w])"),
+        lambda: with_data(0, "walls", length="2"),
+    ),
+    "what is fixed has no velocity": (
+        ("refuse(moves, ", "refuse(0, "), ("for (const v of [c.vx, c.vy]) demand(", "for (const v of []) demand("),
+        lambda: with_data(1, vx="1"),
+    ),
+    "no radius is negative": (
+        ("for x in (*sizes, *limits.values()): demand(", "for x in (): demand("),
+        ("c.point = demand(c.r, [0, 1],", "c.point = demand(c.r, [-1, 0, 1],"), lambda: with_data(0, r="-1"),
+    ),
+    "time 0 is time 0": (
+        ("refuse(told and (turn or not age), ", "refuse(0, "), ("refute('it has a time already')", "void 0"),
+        a_time_at_the_start,
+    ),
+    "no contact is listed twice": (
+        ("refuse(len({*met} & self.meets) < len(met) * (1 + turn), ", "refuse(0, "),
+        ("refute('a contact meets twice')", "void 0"), listed_twice,
+    ),
+    "what parts was not apart": (
+        ("if age and self.met[c] > 0: self.clear(c, last=True)", "pass"),
+        ("if (this.k && sign > 0) {", "if (0) {"), an_overlap_that_ends,
+    ),
+    "something falls on an instant": (
+        ("refuse(not (met or turn or self.due or age == 0), ", "refuse(0, "), ("refute('nothing meets')", "void 0"),
+        lambda: of(Scene(PAIR), {"exact": "3"}, MEET),
+    ),
+    "a reversal that is due is told": (
+        ("refuse(left, ", "refuse(0, "), ("if (run.due && !last) refute(", "if (0) refute("),
+        lambda: of(Scene(PAIR), reverse_after=1),
+    ),
+    "there is no return without a reversal": (
+        ('(reason == "return" and not self.way)', "False"),
+        ("if (end.reason === 'return' && !run.turnTime) refute(", "if (0) refute("),
+        lambda: of(Scene(PAIR), end={"reason": "return"}),
+    ),
+    "no horizon is beyond a reversal that is not told": (
+        ('if reason not in ("events", "stopped") and', "if reason == 0 and"),
+        ("refute('the reversal is not told')", "void 0"),
+        lambda: of(Scene(PAIR), reverse_at="50", end={"reason": "horizon", "until": "60"}),
+    ),
+    "all rounds are used up": (
+        ('refuse(rounds, "none', 'refuse(0, "none'), ("refute('a round in which nothing approaches')", "void 0"),
+        a_round_too_many,
+    ),
+    "what pushes approaches": (
+        ("wrong = not push or len({*push} & {*coming}) < len(push)", "wrong = not push"),
+        ("new Map(list.map(x => [x.c.name, x]))", "new Map(group.map(x => [x.c.name, x]))"),
+        what_does_not_approach_pushes,
+    ),
+    "what pushes pushes once": (
+        ("wrong = not push or len({*push} & {*coming}) < len(push)", "wrong = not push"),
+        None,  # the second one has an impulse for each contact, and no more
+        pushed_by_halves,
+    ),
+    "the seed says which pushes": (
+        ("self.draw.randrange(len(coming)) if many else 0", "0"), ("run.random.below(list.length)", "0"), another_draw,
+    ),
+    "nothing more happens where it is quiet": (
+        ("for c in self.meets: self.clear(c, None", "for c in (): self.clear(c, None"),
+        ("run.apart(c, end.reason === 'quiet' ? 'ever' : 'end')", "void 0"), nothing_told,
+    ),
+    "nothing else is met on a flight": (
+        ("for c in found & self.meets: self.clear(", "for c in (): self.clear("), ("this.apart(c, 'flight')", "void 0"),
+        through_a_third,
+    ),
+    "what approaches is not apart for that": (
+        ("closing in (0, 1) or", "closing in (-1, 0, 1) or"),
+        ("if (closing >= 0) return;", "if (closing >= -1) return;"), nothing_told,
+    ),
+    "what has a positive discriminant is not apart for that": (
+        ("disc == -1 or tangent", "disc == 1 or tangent"), ("if (disc < 0 || (", "if (disc > 0 || ("), nothing_told,
+    ),
+    "the tangent is above zero": (
+        ("(m.gap + rise * wait + rise * wait).sign() == 1", "(m.gap + rise * wait + rise * wait).sign() == -1"),
+        ("if (this.sign((A, w) => atStart(A, w)) > 0) return;", "if (this.sign((A, w) => atStart(A, w)) < 0) return;"),
+        through_a_third,
+    ),
+    "the gap is positive at the end too": (
+        ("if {*gaps} == {1} and (closing in", "if gaps[0] == 1 and (closing in"), ("if (gapNow > 0) {", "if (1) {"),
+        beyond_the_end_of_a_horizon,
+    ),
+    "circles do not overlap": (
+        ("if c[1] < 0 and gaps[0] == -1: return", "if gaps[0] == -1: return"),
+        ("if (gap < 0 && c.kind === 'pocket') return;", "if (gap < 0) return;"), lambda: with_data(1, x="1"),
+    ),
+    "an image is that of the other": (
+        ("self.image(images, c) == other", "1"), (" && g.contact(c)?.key === other.c.key;", ";"), nearly_alike,
     ),
 }  # fmt: skip
 

@@ -174,6 +174,11 @@ def exact_text(text: str, roots: list[str]) -> str:
     return re.sub(r"r(\d+)", lambda m: f"sqrt({exact_text(roots[int(m[1]) - 1], roots)})", text)
 
 
+def mass(inverse: str) -> str:
+    """The mass of an inverse mass, however zero is written."""
+    return "oo" if Quantity.of(inverse) == Quantity.of(0) else f"1/({inverse})"
+
+
 def run_again(told: Told) -> Told:
     """The certificate of the engine's own run of a certificate's scene, to the same end."""
     scene, end = told["scene"], told["end"]
@@ -182,7 +187,7 @@ def run_again(told: Told) -> Told:
     def things(kind: Any, name: str, **more: Any) -> list[Any]:
         rows = (
             {key: exact_text(v, roots) if key != "id" else v for key, v in row.items() if key not in ("w", "length")}
-            | ({"m": "oo" if row["w"] == "0" else f"1/({exact_text(row['w'], roots)})"} if "w" in row else {})
+            | ({"m": mass(exact_text(row["w"], roots))} if "w" in row else {})
             for row in scene.get(name, ())
         )
         return [kind(**row, **(more if Quantity.of(row.get("r", "1")) == Quantity.of(0) else {})) for row in rows]
