@@ -10,7 +10,7 @@ from fractions import Fraction
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.lazy.frozen import frozen
+from ..scenarios.lazy import frozen
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
@@ -197,7 +197,7 @@ def converted(label: str, text: str, hint: Any) -> Any:
     """
     from ..scenarios.errors import SceneError
     from ..scenarios.numbers.quantity import Quantity
-    from ..scenarios.tie_policy import TiePolicy
+    from ..scenarios.settings import TiePolicy
 
     options = typing.get_args(hint) if typing.get_origin(hint) in (typing.Union, types.UnionType) else (hint,)
     if type(None) in options and text.lower() in ("none", "null"):

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from hashlib import sha256
 
 from ..scenarios import catalogue
-from ..scenarios.numbers.real import Real
+from ..scenarios.numbers.quantity import Real
 from ..scenarios.trajectory import Trajectory
 from .engine import ExactEngine
 

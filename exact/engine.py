@@ -11,12 +11,11 @@ from flint import arb
 
 from ..scenarios.engine import Declared
 from ..scenarios.errors import SceneError, TimeIsUp
-from ..scenarios.event import Event, Pocketing, Reversal
-from ..scenarios.lazy.late import Late
+from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import check_doubles
 from ..scenarios.numbers.quantity import QuantityLike
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import OnProgress, Stop, StopReason, Trajectory
+from ..scenarios.trajectory import Event, OnProgress, Pocketing, Reversal, Stop, StopReason, Trajectory
 from .certified.decider import CertifiedDecider
 from .certified.precision import FIRST_BITS
 from .numbers import ball

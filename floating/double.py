@@ -8,9 +8,8 @@ from math import nan, sqrt
 
 from ..exact.numbers.system import Nearest, NumberSystem
 from ..exact.policies import Policy
-from ..scenarios.lazy.late import Late
-from ..scenarios.numbers.quantity import Quantity, QuantityLike
-from ..scenarios.numbers.real import Real
+from ..scenarios.lazy import Late
+from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, Trajectory
 from .flat.loop import FlatDecider, FlatLoop, follows

@@ -21,7 +21,7 @@ from ..exact.laws.formulas import advance
 from ..exact.numbers.undecided import Undecided
 from ..scenarios.engine import EventDriven
 from ..scenarios.errors import SceneError
-from ..scenarios.numbers.doubles import digits_of, hull
+from ..scenarios.numbers.precision import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
 from ..exact.numbers.system import NumberSystem
-from ..scenarios.numbers.doubles import Double
-from ..scenarios.numbers.quantity import Quantity
-from ..scenarios.numbers.real import Real
+from ..scenarios.numbers.precision import Double
+from ..scenarios.numbers.quantity import Quantity, Real
 from ..scenarios.trajectory import Motion
 from .double_double import DoubleDouble
 from .plain.event_engine import EventEngine

@@ -12,8 +12,7 @@ from ...exact.replay.contact import touch_of
 
 if TYPE_CHECKING:
     from ...exact.replay.contact import Touch
-    from ...scenarios.event import Contact
-    from ...scenarios.trajectory import State, Trajectory
+    from ...scenarios.trajectory import Contact, State, Trajectory
 
 Velocities: TypeAlias = "dict[str, tuple[float, float]]"
 

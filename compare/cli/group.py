@@ -94,7 +94,7 @@ def _version(context: click.Context, parameter: click.Parameter, asked: bool) ->
     """One line: the version, and what is compiled."""
     if not asked or context.resilient_parsing:
         return
-    from ...scenarios.lazy.version import VERSION
+    from ...scenarios.lazy import VERSION
 
     click.echo(f"truebreak {VERSION} ({_compiled_parts()})")
     context.exit()

@@ -12,11 +12,9 @@ from ...exact.policies.sequential import Sequential
 from ...exact.replay.contact import Touch, contact_of
 from ...exact.results.value import ExactValue
 from ...scenarios.errors import SceneError
-from ...scenarios.event import Contact
-from ...scenarios.numbers.quantity import QuantityLike
-from ...scenarios.numbers.real import Real
+from ...scenarios.numbers.quantity import QuantityLike, Real
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import OnProgress, Progress, StopReason, Trajectory
+from ...scenarios.trajectory import Contact, OnProgress, Progress, StopReason, Trajectory
 from .scripted import BranchDone, Choice, Scripted
 
 DEFAULT_CAP = 256

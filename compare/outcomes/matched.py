@@ -19,8 +19,7 @@ from .pockets import Entries
 from .table import changed_outcomes
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact, Event, Pocketing
-    from ...scenarios.trajectory import Motion, Trajectory
+    from ...scenarios.trajectory import Contact, Event, Motion, Pocketing, Trajectory
     from ..alignment.align import Alignment
     from ..alignment.patience import Patience
 

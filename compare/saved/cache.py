@@ -16,7 +16,7 @@ from ...exact.engine import ExactEngine
 from ...exact.results.motion import ExactMotion
 from ...exact.simulation.limits import run_limits
 from ...scenarios.errors import SceneError
-from ...scenarios.lazy.version import VERSION
+from ...scenarios.lazy import VERSION
 from ...scenarios.trajectory import StopReason
 from ..engines import engine as engine_named
 
@@ -200,7 +200,7 @@ def _keep(path: Path, run: Trajectory) -> None:
     """Writes a run beside its place and moves it there; makes room first."""
     import gzip
 
-    from ...scenarios.files.disk import write_file
+    from ...scenarios.disk import write_file
     from .run_file import saved_run
 
     try:

@@ -12,10 +12,10 @@ from ...exact.replay.contact import AtWall, Entry, Link, Pair, Touch
 from ...exact.replay.steps import Flip, Go, Kick, Step, Take
 from ...exact.results.ball_parts import from_parts, parts_of
 from ...exact.results.times import Source
+from ...scenarios.numbers.nested_roots import Tower
 from ...scenarios.numbers.parsing import MAX_LENGTH
 from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.tower.element import Element
-from ...scenarios.numbers.tower.tower import Tower
+from ...scenarios.numbers.tower_element import Element
 
 Written: TypeAlias = Any
 """What JSON holds: whole numbers, text, lists."""

@@ -8,8 +8,8 @@ from ...exact.replay.contact import Entry
 from ...exact.simulation.instants.instant import Instant
 from ...exact.simulation.limits import Limits
 from ...exact.simulation.tape import Found, Reached, Tape
-from ...scenarios.event import Contact, Tie, TieProof
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.trajectory import Contact, Tie, TieProof
 from .run_numbers import Written, link_of, links_data, links_of, set_time_data
 
 

@@ -10,8 +10,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from ...scenarios.disk import held
 from ...scenarios.errors import SceneError
-from ...scenarios.files.disk import held
 from .rows.cell import StressRow
 from .table import family
 

@@ -15,8 +15,7 @@ from ...exact.results.value import ExactValue
 if TYPE_CHECKING:
     from ...exact.replay.contact import Link
     from ...exact.results.motion import ExactMotion
-    from ...scenarios.event import Event
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Event, Trajectory
 
 BITS = 128
 """Accuracy of the times that are compared; where they are not told apart the graze counts as one."""

@@ -18,10 +18,9 @@ from ...exact.results.motion import ExactMotion, steps_through
 from .grazes import first_graze
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Event
     from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Event, Trajectory
 
 
 class NoTangentMap(ValueError):

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...exact.engine import ExactEngine
 from ...scenarios import catalogue
-from ...scenarios.catalogue.draw import Draw
+from ...scenarios.catalogue.scene_entry import Draw
 from ..chaos.growth.spectrum import TURNING, spectrum
 from ..tangent.impacts import impacts
 

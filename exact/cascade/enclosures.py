@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from flint import fmpq
 
-from ...scenarios.event import TieProof
-from ...scenarios.numbers.tower.sums import sign_of_root_sum
+from ...scenarios.numbers.tower_element import sign_of_root_sum
+from ...scenarios.trajectory import TieProof
 from ..numbers import ball
 from ..numbers.field import LeavesField, field_sign
 from ..predicates.question import Decision, Question

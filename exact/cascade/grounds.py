@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy import frozen
 from ...scenarios.scene import Scene
 from ..predicates.ties import TieRule
 from ..replay.contact import Link

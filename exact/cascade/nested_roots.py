@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...scenarios.lazy.frozen import frozen
-from ...scenarios.numbers.tower import TowerLimit, sign_of_root_sum
+from ...scenarios.lazy import frozen
+from ...scenarios.numbers.tower_element import sign_of_root_sum
+from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ...scenarios.work import Work
 from ..numbers.nested import Nested

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...scenarios.event import TieProof
+from ...scenarios.trajectory import TieProof
 from ..predicates.question import Decision, Question
 from ..symmetry.log_symmetry import LogSymmetry
 from .grounds import Grounds

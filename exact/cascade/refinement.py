@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from flint import arb
 
-from ...scenarios.event import TieProof
+from ...scenarios.trajectory import TieProof
 from ...scenarios.work import Work
 from ..numbers import ball
 from ..numbers.undecided import Undecided

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 from flint import arb
 
-from ...scenarios.event import Assumption
 from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Assumption
 from ..cascade.cascade import Cascade
 from ..cascade.enclosures import InBalls
 from ..cascade.grounds import Grounds

@@ -16,7 +16,7 @@ from typing import Any
 
 from sympy import Integer, Matrix
 
-from ...scenarios.tie_policy import TiePolicy
+from ...scenarios.settings import TiePolicy
 from .laws import Disc, Line, approach_sign, velocities_after
 from .sign import SymbolicUndecided, normal, sign
 

@@ -26,11 +26,21 @@ from sympy import Expr, Integer
 
 from ...scenarios.engine import SCENE_KEYS, Declared, horizon
 from ...scenarios.errors import SceneError, TimeIsUp
-from ...scenarios.event import Contact, Event, Reversal, Tie, TieProof
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle
-from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
+from ...scenarios.trajectory import (
+    Contact,
+    Event,
+    OnProgress,
+    Progress,
+    Reversal,
+    Stop,
+    StopReason,
+    Tie,
+    TieProof,
+    Trajectory,
+)
 from .contacts import Collided, Indices, Touching, UnendingCollision, collide, coupled
 from .laws import Disc, Line, touch_times
 from .motion import SymbolicMotion

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.real import Real
+from ...scenarios.numbers.quantity import Quantity, Real
 from .laws import Disc
 from .sign import normal, quantity, sign
 

@@ -6,11 +6,10 @@ from typing import TypeAlias
 
 from flint import arb, fmpq
 
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.rationals import rational_root
-from ...scenarios.numbers.tower.element import Element
-from ...scenarios.numbers.tower.field import TowerLimit
-from ...scenarios.numbers.tower.tower import Tower
+from ...scenarios.numbers.nested_roots import Tower
+from ...scenarios.numbers.quantity import Quantity, rational_root
+from ...scenarios.numbers.tower_element import Element
+from ...scenarios.numbers.tower_ring import TowerLimit
 from . import ball
 
 FieldNumber: TypeAlias = fmpq | Element

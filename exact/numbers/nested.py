@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from ...scenarios.numbers.nested_roots import Tower
 from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.tower.element import Element
-from ...scenarios.numbers.tower.tower import Tower
+from ...scenarios.numbers.tower_element import Element
 from ...scenarios.work import Work
 from . import ball
 from .field import BOUND_BITS

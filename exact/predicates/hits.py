@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ClassVar, Generic, TypeVar
 
-from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity
 from ..numbers.system import N
 from ..replay.contact import AtWall, Entry, Link, Round

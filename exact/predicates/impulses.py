@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import ClassVar
 
-from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy import frozen
 from ..numbers.linear import solve_positive
 from ..numbers.system import N
 from ..replay.contact import Link, Touch

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple, Protocol, TypeAlias
 
-from ...scenarios.event import TieProof
+from ...scenarios.trajectory import TieProof
 from ..numbers.system import N
 from ..replay.contact import Link
 from ..replay.state import State

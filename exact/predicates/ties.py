@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...scenarios.errors import SceneError
-from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy import frozen
 
 MAX_ASSUMED = 1_000_000
 """Most bits that agreement may be asked to."""

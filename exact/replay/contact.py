@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple, Protocol, TypeAlias
 
-from ...scenarios.event import Contact
 from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Contact
 from ..numbers.system import N
 from .body import Body
 

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb, fmpq
 
-from ...scenarios.lazy.frozen import frozen
-from ...scenarios.lazy.kept import kept
-from ...scenarios.numbers.doubles import certain_double
+from ...scenarios.lazy import frozen, kept
+from ...scenarios.numbers.nested_roots import Tower
+from ...scenarios.numbers.precision import certain_double
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
-from ...scenarios.numbers.tower.element import Element
-from ...scenarios.numbers.tower.tower import Tower
+from ...scenarios.numbers.tower_element import Element
 from ..laws.formulas import advance
 from ..numbers import ball
 from ..numbers.field import Known, known_ball
@@ -29,8 +28,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ...scenarios.event import Event
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Event, Trajectory
 
 RunTime: TypeAlias = ExactValue | Quantity
 """A time of an exact run, or a number."""

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...scenarios.errors import SceneError
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.real import Real
-from ...scenarios.numbers.tower.element import AnyTower, Element
-from ...scenarios.numbers.tower.field import TowerLimit
+from ...scenarios.numbers.quantity import Quantity, Real
+from ...scenarios.numbers.tower_element import AnyTower, Element
+from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.trajectory import StopReason, Trajectory
 from ..numbers.field import Known, known_ball
 from ..replay.contact import Named

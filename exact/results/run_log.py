@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ...scenarios.numbers.tower.element import Element
-from ...scenarios.numbers.tower.field import TowerLimit
+from ...scenarios.numbers.tower_element import Element
+from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.scene import Scene
 from ...scenarios.work import Work
 from ..numbers import ball

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy import frozen
 from ..numbers.field import Known
 from ..numbers.system import N
 from ..replay.contact import Link

@@ -8,10 +8,10 @@ from typing import Any
 
 from flint import arb, fmpq
 
-from ...scenarios.lazy.kept import kept
-from ...scenarios.numbers.doubles import BITS_PER_DIGIT, bounds_of, certain_double, decimals_of, nearest_double
-from ...scenarios.numbers.tower.element import Element
-from ...scenarios.numbers.tower.tower import Tower
+from ...scenarios.lazy import kept
+from ...scenarios.numbers.nested_roots import Tower
+from ...scenarios.numbers.precision import BITS_PER_DIGIT, bounds_of, certain_double, decimals_of, nearest_double
+from ...scenarios.numbers.tower_element import Element
 from ..numbers import ball
 from ..numbers.field import Known
 from ..numbers.undecided import Undecided

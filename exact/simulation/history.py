@@ -6,8 +6,8 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Generic, NamedTuple, TypeAlias, TypeVar
 
-from ...scenarios.event import Assumption, Tie
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.trajectory import Assumption, Tie
 from ..replay.contact import Link, Touch
 from ..replay.steps import Step
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...scenarios.engine import horizon
-from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy import frozen
 from ...scenarios.numbers.quantity import Quantity, QuantityLike
 from ...scenarios.scene import Scene
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 from math import inf
 from typing import TypeAlias
 
-from ...scenarios.lazy.frozen import frozen
+from ...scenarios.lazy import frozen
 from ...scenarios.scene import Scene
 from ..numbers.field import LeavesField
 from .isometry import Isometry, Matrix, Vector, from_vectors, minus, scene_data, turned

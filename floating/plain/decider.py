@@ -17,9 +17,9 @@ from ...exact.replay.steps import Step
 from ...exact.simulation.arrivals.prediction import Predictor
 from ...exact.simulation.arrivals.queue import Arrival, ArrivalQueue
 from ...exact.simulation.history import History
-from ...scenarios.event import TieProof
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
+from ...scenarios.trajectory import TieProof
 from .standing import StandingClock
 
 

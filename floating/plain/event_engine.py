@@ -10,9 +10,8 @@ from ...exact.numbers.system import NumberSystem, Ordered
 from ...exact.policies import Policy
 from ...exact.simulation.collecting import SELDOM_COLLECTED
 from ...scenarios.engine import EventDriven
-from ...scenarios.numbers.doubles import Double
-from ...scenarios.numbers.quantity import QuantityLike
-from ...scenarios.numbers.real import Real
+from ...scenarios.numbers.precision import Double
+from ...scenarios.numbers.quantity import QuantityLike, Real
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Motion, OnProgress, Trajectory
 from ..knots import DoubleMotion

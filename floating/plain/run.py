@@ -11,12 +11,10 @@ from ...exact.replay.contact import Named
 from ...exact.simulation.history import Mark
 from ...exact.simulation.limits import Limits, run_limits
 from ...exact.simulation.loop import Loop
-from ...scenarios.event import Event, Pocketing, Reversal
-from ...scenarios.lazy.late import Late
-from ...scenarios.numbers.quantity import QuantityLike
-from ...scenarios.numbers.real import Real
+from ...scenarios.lazy import Late
+from ...scenarios.numbers.quantity import QuantityLike, Real
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import Motion, OnProgress, StopReason, Trajectory
+from ...scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, StopReason, Trajectory
 from .decider import PlainDecider
 
 Passed: TypeAlias = tuple[M, M, M, M, M, int]

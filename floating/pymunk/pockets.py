@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
-from ...scenarios.event import Pocketing
-from ...scenarios.numbers.doubles import Double
+from ...scenarios.numbers.precision import Double
 from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Pocketing
 from ..knots import DoubleKnot
 
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import pymunk
 
-from ...scenarios.event import Contact, Event, Tie, TieProof
-from ...scenarios.numbers.doubles import Double
+from ...scenarios.numbers.precision import Double
 from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Contact, Event, Tie, TieProof
 from ..knots import DoubleKnot
 from .space import PymunkSpace
 

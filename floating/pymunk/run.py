@@ -14,11 +14,10 @@ import numpy as np
 
 from ...scenarios.engine import horizon
 from ...scenarios.errors import TimeIsUp
-from ...scenarios.event import Reversal
-from ...scenarios.numbers.doubles import Double
+from ...scenarios.numbers.precision import Double
 from ...scenarios.numbers.quantity import QuantityLike
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason, Trajectory
+from ...scenarios.trajectory import OnProgress, Progress, Reversal, Stop, StopReason, Trajectory
 from ..knots import DoubleMotion
 from .pockets import entries, last_entry
 from .record import Recorder

@@ -151,7 +151,7 @@ CONTACTS = (
         "impulses together are reckoned with the mass of the first circle of a contact",
     ),
     Mutant(
-        "touch_at_start_of_walls", "scenarios/checks/validation.py",
+        "touch_at_start_of_walls", "scenarios/neighbours.py",
         "return sign == 0\n\n\ndef shown_amount",
         "return sign == 0 and height.sign() > 0\n\n\ndef shown_amount",
         "a circle that touches a wall from its other side is not seen at time 0",

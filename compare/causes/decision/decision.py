@@ -9,7 +9,7 @@ from typing import Literal
 from flint import arb
 
 from ....exact.numbers import ball
-from ....scenarios.numbers.real import Real
+from ....scenarios.numbers.quantity import Real
 
 FIRST_BITS, MOST_BITS = 256, 1 << 14
 """Precision at which a decision is first looked at, and the most: beyond it is called zero to so many bits."""

@@ -10,8 +10,7 @@ from ...alignment.instants import instants
 from .decision import DecidingNumber, Pairing
 
 if TYPE_CHECKING:
-    from ....scenarios.event import Contact
-    from ....scenarios.trajectory import Trajectory
+    from ....scenarios.trajectory import Contact, Trajectory
     from ...alignment.align import Alignment
     from ...alignment.divergence import Divergence
     from ...alignment.walk import Walk

@@ -10,8 +10,7 @@ from flint import arb
 
 from ....exact.laws import formulas as law
 from ....exact.numbers import ball
-from ....scenarios.numbers.quantity import Quantity
-from ....scenarios.numbers.real import real
+from ....scenarios.numbers.quantity import Quantity, real
 from .decision import FIRST_BITS, MOST_BITS, DecidingNumber, OwnFlight, Pairing
 from .zeros import grazes_exactly, touches_exactly
 

@@ -7,8 +7,7 @@ from itertools import combinations, product
 from typing import TYPE_CHECKING, NamedTuple
 
 from ....exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
-from ....scenarios.numbers.quantity import Quantity
-from ....scenarios.numbers.real import Real, real
+from ....scenarios.numbers.quantity import Quantity, Real, real
 from ...alignment.streams import history
 from .decision import OwnFlight
 

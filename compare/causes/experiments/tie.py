@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from ..diagnosis import CauseName, Experiment
 
 if TYPE_CHECKING:
-    from ....scenarios.event import Contact
+    from ....scenarios.trajectory import Contact
     from ..laboratory.laboratory import Laboratory
     from ..so_far import SoFar
 

@@ -16,9 +16,8 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from ....scenarios.errors import SceneError
-from ....scenarios.numbers.doubles import Double
-from ....scenarios.numbers.quantity import Quantity
-from ....scenarios.numbers.real import real
+from ....scenarios.numbers.precision import Double
+from ....scenarios.numbers.quantity import Quantity, real
 from ....scenarios.things import Circle
 from ...alignment.align import align
 from ...alignment.streams import history

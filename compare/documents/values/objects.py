@@ -21,10 +21,10 @@ from mpmath.libmp import MPZ
 from ....exact.results.ball_parts import from_parts, parts_of
 from ....scenarios.errors import SceneError
 from ....scenarios.files import dump_json, loads_json
-from ....scenarios.lazy.late import Late
-from ....scenarios.numbers.doubles import Double
+from ....scenarios.lazy import Late
+from ....scenarios.numbers.precision import Double
 from ....scenarios.numbers.quantity import Quantity
-from ....scenarios.numbers.tower.element import Element
+from ....scenarios.numbers.tower_element import Element
 from ....scenarios.scene import Scene
 from ...saved.run_numbers import NumberReader, NumberWriter, set_time_data, step_data, step_of
 
@@ -75,13 +75,13 @@ CLASSES = (
     "floating.knots:EventMotion",
     "floating.quad:QuadMotion",
     "floating.quad:QuadTime",
-    "scenarios.event:Assumption",
-    "scenarios.event:Contact",
-    "scenarios.event:Event",
-    "scenarios.event:Pocketing",
-    "scenarios.event:Reversal",
-    "scenarios.event:Tie",
-    "scenarios.event:TieProof",
+    "scenarios.trajectory:Assumption",
+    "scenarios.trajectory:Contact",
+    "scenarios.trajectory:Event",
+    "scenarios.trajectory:Pocketing",
+    "scenarios.trajectory:Reversal",
+    "scenarios.trajectory:Tie",
+    "scenarios.trajectory:TieProof",
     "scenarios.trajectory:CircleState",
     "scenarios.trajectory:State",
     "scenarios.trajectory:Stop",

@@ -5,17 +5,16 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ....scenarios.checks.showing import printable
-from ....scenarios.numbers.real import real
+from ....scenarios.errors import printable
+from ....scenarios.numbers.quantity import real
 from ...documents.values.amounts import bounds, double
 from ..counting import counted
 from .output import TextTable, console, grid, say
 
 if TYPE_CHECKING:
     from ....scenarios.catalogue import SceneEntry
-    from ....scenarios.event import Event
     from ....scenarios.scene import Scene
-    from ....scenarios.trajectory import Trajectory
+    from ....scenarios.trajectory import Event, Trajectory
     from ...deadline import Clock
 
 SHOWN_EVENTS = 40

@@ -9,10 +9,9 @@ from __future__ import annotations
 from math import inf
 from typing import Generic
 
-from ....scenarios.event import Tie
 from ....scenarios.numbers.quantity import Quantity
 from ....scenarios.scene import Scene
-from ....scenarios.trajectory import Stop, StopReason
+from ....scenarios.trajectory import Stop, StopReason, Tie
 from ...numbers.system import N
 from ...predicates.hits import BeforeTime, Moment
 from ...predicates.question import Decision

@@ -16,9 +16,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Generic
 
-from ....scenarios.event import Tie
 from ....scenarios.numbers.quantity import Quantity
 from ....scenarios.scene import Scene
+from ....scenarios.trajectory import Tie
 from ...numbers.system import N
 from ...policies.policy import Policy
 from ...predicates.hits import Closing, RelativeSpeed, Rim

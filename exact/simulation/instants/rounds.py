@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 
-from ....scenarios.lazy.frozen import frozen
+from ....scenarios.lazy import frozen
 from ...numbers.undecided import BudgetSpent
 from ...policies.complementarity import Ask
 from ...policies.policy import Policy

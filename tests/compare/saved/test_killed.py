@@ -25,7 +25,7 @@ from truebreak.compare.stress.plan import carry_out
 from truebreak.compare.stress.plan import plan as stress_plan
 from truebreak.compare.stress.store import Store as StressStore
 from truebreak.scenarios import SceneError
-from truebreak.scenarios.files.disk import UNFINISHED
+from truebreak.scenarios.disk import UNFINISHED
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes that are forked, and killed")
 

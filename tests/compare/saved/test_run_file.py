@@ -21,8 +21,8 @@ from truebreak.exact.numbers import ball
 from truebreak.exact.replay.steps import Flip, Go, Take
 from truebreak.exact.results.ball_parts import from_parts, parts_of
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
+from truebreak.scenarios.disk import digest
 from truebreak.scenarios.files import loads_json
-from truebreak.scenarios.files.sealed import digest
 
 BOX = (Wall(0, 0, 0, 1), Wall(9, 0, 9, 1), Wall(0, 0, 1, 0), Wall(0, 7, 1, 7))
 

@@ -14,7 +14,7 @@ from truebreak.exact.results.motion import Constant
 from truebreak.exact.results.run_log import RunLog
 from truebreak.exact.results.value import ExactValue
 from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
-from truebreak.scenarios.numbers.doubles import decimals_of
+from truebreak.scenarios.numbers.precision import decimals_of
 
 ENGINE = ExactEngine()
 

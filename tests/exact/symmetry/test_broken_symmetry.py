@@ -13,7 +13,7 @@ from touch import assert_all_touch, proofs
 from truebreak.exact.symmetry.scene_symmetry import symmetries
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
-from truebreak.scenarios.event import TieProof
+from truebreak.scenarios.trajectory import TieProof
 
 pytestmark = pytest.mark.usefixtures("long_balls")
 

@@ -13,7 +13,7 @@ from truebreak.exact import ExactEngine
 from truebreak.exact.symmetry.scene_symmetry import symmetries
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
-from truebreak.scenarios.event import TieProof
+from truebreak.scenarios.trajectory import TieProof
 
 pytestmark = pytest.mark.usefixtures("long_balls")
 

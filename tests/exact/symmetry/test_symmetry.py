@@ -17,7 +17,7 @@ from truebreak.exact.symmetry.log_symmetry import LogSymmetry
 from truebreak.exact.symmetry.past import Past
 from truebreak.exact.symmetry.scene_symmetry import Symmetry, symmetries
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
-from truebreak.scenarios.event import TieProof
+from truebreak.scenarios.trajectory import TieProof
 
 pytestmark = pytest.mark.usefixtures("long_balls")
 
