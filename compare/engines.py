@@ -52,7 +52,7 @@ ENGINES: dict[str, EngineEntry] = {
     "quad": EngineEntry("quad", "floating.quad:QuadEngine", "event-driven in pairs of doubles: 106 bits"),
     "rounded": EngineEntry("rounded", "floating.rounded:RoundedEngine", "event-driven, rounded to N bits each time"),
     "interval": EngineEntry("interval", "floating.interval:IntervalEngine", "in intervals; stops where unsure"),
-    "pymunk": EngineEntry("pymunk", "floating.pymunk.engine:PymunkEngine", "the game engine Chipmunk, by time steps"),
+    "pymunk": EngineEntry("pymunk", "floating.pymunk_engine:PymunkEngine", "the game engine Chipmunk, by time steps"),
     "box2d": EngineEntry("box2d", "compare.adapters.box2d:Box2DEngine", "the game engine Box2D 2.3, by time steps"),
     "rapier": EngineEntry("rapier", "compare.adapters.rapier:RapierEngine", "the game engine Rapier, by time steps"),
     "mujoco": EngineEntry("mujoco", "compare.adapters.mujoco:MujocoEngine", "MuJoCo: contacts are springs, by steps"),

@@ -25,9 +25,7 @@ from ..scenarios.numbers.precision import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain.decider import PlainDecider
-from .plain.run import run_plain
-from .plain.state import PlainState
+from .plain import PlainDecider, PlainState, run_plain
 
 MIN_BITS, MAX_BITS = 24, 100_000
 

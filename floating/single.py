@@ -15,7 +15,7 @@ from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain.event_engine import EventEngine
+from .plain import EventEngine
 
 
 class Singles(Nearest):

@@ -15,8 +15,8 @@ SHORT_RUN = {
     "cli.group cli.progress documents.values.amounts foreign.guard report.counting report.text.listing "
     "report.text.output saved.cache",
     "scenarios": "engine errors lazy neighbours numbers.nested_roots numbers.parsing numbers.precision "
-    "numbers.quantity numbers.tower_element numbers.tower_ring scene settings things trajectory work catalogue.article catalogue.gas "
-    "catalogue.scene_entry catalogue.scene_table",
+    "numbers.quantity numbers.tower_element numbers.tower_ring scene settings things trajectory work "
+    "catalogue.article catalogue.gas catalogue.scene_entry catalogue.scene_table",
     "exact": "engine cascade certified compiled laws.formulas laws.tangent_formulas numbers policies predicates replay "
     "results simulation symmetry",
     "floating": "double flat knots plain",

@@ -149,7 +149,7 @@ class _Impact:
 
     def __init__(self, trajectory: Trajectory, places: Velocities, velocities: Velocities) -> None:
         from ...floating.double import DOUBLES  # here, since it loads numpy, which a listing does without
-        from ...floating.plain.decider import PlainDecider
+        from ...floating.plain import PlainDecider
 
         scene = trajectory.scene
         self.least_reach = min((r for c in scene.circles if (r := float(c.r)) > 0), default=1.0)

@@ -77,7 +77,7 @@ def distances(subject: PolicyScene, step: Fraction) -> Iterator[PolicyDistance]:
     [True, False]
     """
     from ...exact.engine import ExactEngine
-    from ...floating.pymunk.engine import PymunkEngine
+    from ...floating.pymunk_engine import PymunkEngine
 
     played = uninterrupted(PymunkEngine(dt=float(step)).run(subject.scene, until=subject.until)).final.array()
     for policy in POLICIES:

@@ -105,7 +105,7 @@ def _compiled_parts() -> str:
     import os
 
     from ...exact.compiled import PURE, cells, predictions, steps
-    from ...floating.flat.formulas import compiled
+    from ...floating.flat.flat_meetings import compiled
 
     parts = {"predictions": predictions, "cells": cells, "steps": steps, "double": compiled}
     missing = [name for name, part in parts.items() if part is None]

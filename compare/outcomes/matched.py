@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ...floating.pymunk.pockets import time_to_enter
+from ...floating.pymunk_run import time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import Span
 from ..alignment.instants import instants

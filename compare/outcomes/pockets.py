@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from typing import TYPE_CHECKING, Any
 
-from ...floating.pymunk.pockets import time_to_enter
+from ...floating.pymunk_run import time_to_enter
 from ...scenarios.trajectory import StopReason
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ FILTERED, BALLS, LIVE = (
     "exact/replay/refinable.py",
 )
 PUSHING, MOTION, BALL = "exact/policies/complementarity.py", "exact/results/motion.py", "exact/numbers/ball.py"
-PLAIN = "floating/plain/decider.py"
+PLAIN = "floating/plain.py"
 TOO_SMALL = " * 2.0**-20"
 
 CONTACTS = (

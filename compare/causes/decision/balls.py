@@ -13,7 +13,7 @@ from ....exact.replay.steps import Flip, Step
 from ....exact.results.motion import motion_of, steps_through
 from ....exact.simulation.limits import run_limits
 from ....exact.simulation.loop import Loop
-from ....floating.plain.decider import PlainDecider
+from ....floating.plain import PlainDecider
 from .reader import FlightBalls, RunReader
 
 if TYPE_CHECKING:

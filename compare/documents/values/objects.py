@@ -68,7 +68,7 @@ CLASSES = (
     "exact.simulation.limits:Limits",
     "exact.simulation.tape:Reached",
     "exact.simulation.tape:Tape",
-    "floating.double_double:DoubleDouble",
+    "floating.quad:DoubleDouble",
     "floating.interval:IntervalMotion",
     "floating.interval:IntervalNumber",
     "floating.knots:DoubleMotion",

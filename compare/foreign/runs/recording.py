@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ....floating.knots import EventMotion
-from ....floating.pymunk.pockets import entries, last_entry
+from ....floating.pymunk_run import entries, last_entry
 from ....scenarios.numbers.precision import Double
 from ....scenarios.settings import positive_count, positive_time
 from ....scenarios.trajectory import Event, Progress, Reversal, Stop, StopReason, Trajectory

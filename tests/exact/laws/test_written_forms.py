@@ -36,9 +36,9 @@ from truebreak.exact.replay.contact import AtWall, Pair
 from truebreak.exact.replay.state import State
 from truebreak.exact.replay.steps import Go
 from truebreak.exact.simulation.arrivals import prediction
-from truebreak.floating.flat.formulas import flying, inlined
+from truebreak.floating import pymunk_run as pockets
+from truebreak.floating.flat import flying, inlined
 from truebreak.floating.knots import DoubleMotion
-from truebreak.floating.pymunk import pockets
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
 
 

@@ -11,8 +11,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from truebreak.floating.pymunk import engine as pymunk_engine
-from truebreak.floating.pymunk.engine import PymunkEngine
+from truebreak.floating import pymunk_engine
+from truebreak.floating.pymunk_engine import PymunkEngine
 from truebreak.scenarios import Circle, Contact, Scene, StopReason, Trajectory, Wall
 
 FINE = PymunkEngine(dt=1 / 16384)

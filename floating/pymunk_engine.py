@@ -8,16 +8,13 @@ from typing import Any
 
 import pymunk
 
-from ...scenarios.engine import SCENE_KEYS, Declared
-from ...scenarios.errors import SceneError
-from ...scenarios.numbers.quantity import QuantityLike
-from ...scenarios.scene import Scene
-from ...scenarios.trajectory import (
-    OnProgress,
-    Trajectory,
-)
-from .run import Run
-from .space import COLLISION_PERSISTENCE, DAMPING, ELASTICITY, FRICTION, GRAVITY, PymunkSpace, build_space
+from ..scenarios.engine import SCENE_KEYS, Declared
+from ..scenarios.errors import SceneError
+from ..scenarios.numbers.quantity import QuantityLike
+from ..scenarios.scene import Scene
+from ..scenarios.trajectory import OnProgress, Trajectory
+from .pymunk_run import Run
+from .pymunk_space import COLLISION_PERSISTENCE, DAMPING, ELASTICITY, FRICTION, GRAVITY, PymunkSpace, build_space
 
 DEFAULT_MAX_STEPS = 10_000_000
 """Some fifteen seconds for ten circles."""

@@ -11,7 +11,7 @@ from collections.abc import Container, Iterable
 from heapq import heappush
 from math import sqrt
 
-from ....exact.laws.formulas import (
+from ...exact.laws.formulas import (
     advance,
     pair_approach,
     pair_discriminant,
@@ -23,7 +23,7 @@ from ....exact.laws.formulas import (
     wall_gap,
     wall_hit_time,
 )
-from ..flights import FlatFlight, FlatFlights, FlatLine
+from .flat_flights import FlatFlight, FlatFlights, FlatLine
 
 
 def walls(f: FlatFlights, i: int, lines: Iterable[FlatLine], standing: Container[int]) -> None:

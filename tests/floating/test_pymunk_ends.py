@@ -13,9 +13,9 @@ import pymunk
 import pytest
 from test_pymunk_engine import FINE, collided, gas, velocities
 
+from truebreak.floating import pymunk_run
 from truebreak.floating.knots import DoubleMotion
-from truebreak.floating.pymunk import run as pymunk_run
-from truebreak.floating.pymunk.engine import PymunkEngine
+from truebreak.floating.pymunk_engine import PymunkEngine
 from truebreak.scenarios import Circle, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.errors import TimeIsUp
 from truebreak.scenarios.trajectory import Progress, Stop

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable
 from heapq import heappush
 from math import sqrt
-from ..flights import FlatFlight, FlatFlights, FlatLine
+from .flat_flights import FlatFlight, FlatFlights, FlatLine
 
 def walls(f: FlatFlights, i: int, lines: Iterable[FlatLine], standing: Container[int]) -> None:
     x, y, vx, vy, t, _, _ = f.flights[i]

@@ -1,7 +1,7 @@
 /* `pairs` and `walls` of flying.py, compiled: the same operations on doubles in the same order, so the same bits; the
  * same entries are queued in the same order. Built where there is a compiler; without it, inlined.py runs.
  */
-#include "../../../exact/compiled/reading.h"
+#include "../../exact/compiled/reading.h"
 
 #define ENTRY 8 /* of the queue: time, order, two places, their serial numbers, the wait, and whether it is a graze */
 
