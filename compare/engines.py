@@ -45,8 +45,10 @@ class EngineEntry:
 
 
 ENGINES: dict[str, EngineEntry] = {
-    "exact": EngineEntry("exact", "exact.engine:ExactEngine", "certified: every decision proved, or it says so"),
-    "sympy": EngineEntry("sympy", "exact.literal.engine:SymbolicEngine", "SymPy alone, literally: slow, an oracle"),
+    "exact": EngineEntry("exact", "exact.exact_engine:ExactEngine", "certified: every decision proved, or it says so"),
+    "sympy": EngineEntry(
+        "sympy", "exact.literal.symbolic_engine:SymbolicEngine", "SymPy alone, literally: slow, an oracle"
+    ),
     "double": EngineEntry("double", "floating.double:DoubleEngine", "event-driven in 53-bit floating point"),
     "single": EngineEntry("single", "floating.single:SingleEngine", "event-driven in 24-bit floating point"),
     "quad": EngineEntry("quad", "floating.quad:QuadEngine", "event-driven in pairs of doubles: 106 bits"),

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import nan, sqrt
 
 from ..exact.numbers.system import Nearest, NumberSystem
-from ..exact.policies import Policy
+from ..exact.simulation.policies import Policy
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene

@@ -18,7 +18,7 @@ from mpmath.libmp import to_float
 from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
-from ..exact.numbers.undecided import Undecided
+from ..exact.numbers.system import Undecided
 from ..scenarios.engine import EventDriven
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.precision import digits_of, hull

@@ -8,21 +8,14 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, 
 from math import inf
 from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 
-from ..exact.numbers.system import M, NumberSystem, Ordered
-from ..exact.numbers.undecided import BudgetSpent, Undecided
-from ..exact.policies import Policy
-from ..exact.predicates.hits import Approach, Discriminant, Gap, Moment, Sooner
-from ..exact.predicates.question import Decision, Question
-from ..exact.replay.body import Body
-from ..exact.replay.contact import AtWall, Entry, Link, Named, name_of
-from ..exact.replay.state import State
-from ..exact.replay.steps import Step
-from ..exact.simulation.arrivals.prediction import Predictor
-from ..exact.simulation.arrivals.queue import Arrival, ArrivalQueue
-from ..exact.simulation.collecting import SELDOM_COLLECTED
-from ..exact.simulation.history import History, Mark
-from ..exact.simulation.limits import Limits, run_limits
-from ..exact.simulation.loop import Loop
+from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
+from ..exact.question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
+from ..exact.replay.contact import AtWall, Body, Entry, Link, Named, name_of
+from ..exact.replay.state import State, Step
+from ..exact.simulation.decider import History, Limits, Mark, run_limits
+from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
+from ..exact.simulation.policies import Policy
+from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
 from ..scenarios.engine import EventDriven
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import Double
@@ -66,7 +59,7 @@ class StandingClock:
     ...     clock.look(events, 4.0, lambda: [events % 2])
     Traceback (most recent call last):
         ...
-    truebreak.exact.numbers.undecided.BudgetSpent: rounds without end: 541 events at time 4, and the same flights again
+    truebreak.exact.numbers.system.BudgetSpent: rounds without end: 541 events at time 4, and the same flights again
     """
 
     def __init__(self) -> None:

@@ -11,8 +11,8 @@ from .numbers.quantity import Quantity, QuantityLike
 # -- What happens when several contacts fall on one instant: the names of the modelling choices.
 
 POLICIES: dict[str, str] = {
-    "simultaneous": "..exact.policies.simultaneous:Simultaneous",
-    "sequential": "..exact.policies.sequential:Sequential",
+    "simultaneous": "..exact.simulation.policies:Simultaneous",
+    "sequential": "..exact.simulation.policies:Sequential",
 }
 """Where each policy lives, seen from `scenarios`; loaded by the engine that follows it. A new one is its own file, and
 one line here."""

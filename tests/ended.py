@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from truebreak.exact.certified.decider import CertifiedDecider
+from truebreak.exact.certified.certified_decider import CertifiedDecider
 from truebreak.floating.plain import PlainDecider
 
 

@@ -17,8 +17,8 @@ SHORT_RUN = {
     "scenarios": "engine errors lazy neighbours numbers.nested_roots numbers.parsing numbers.precision "
     "numbers.quantity numbers.tower_element numbers.tower_ring scene settings things trajectory work "
     "catalogue.article catalogue.gas catalogue.scene_entry catalogue.scene_table",
-    "exact": "engine cascade certified compiled laws.formulas laws.tangent_formulas numbers policies predicates replay "
-    "results simulation symmetry",
+    "exact": "certified compiled exact_engine exact_motion isometry laws.formulas laws.tangent_formulas log_symmetry "
+    "numbers question replay simulation",
     "floating": "double flat knots plain",
 }
 """What a short run of the command line may load of each layer: modules, and rooms with all that is in them."""

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from ...exact.policies.complementarity import pushing_contacts
 from ...exact.replay import state as exact_state
 from ...exact.replay.contact import touch_of
+from ...exact.simulation.policies import pushing_contacts
 
 if TYPE_CHECKING:
     from ...exact.replay.contact import Touch

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from ...exact.exact_motion import motion_of
 from ...exact.numbers import ball
-from ...exact.results.motion import motion_of
 from ...scenarios.trajectory import StopReason
 from ..deadline import OutOfTime, time_limit
 from .decision.balls import BallRun, Replay

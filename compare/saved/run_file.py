@@ -6,11 +6,8 @@ import json
 import os
 from typing import Any
 
-from ...exact.results.motion import ExactMotion
-from ...exact.results.run_log import RunLog
-from ...exact.results.times import TimeFormula, time_of
-from ...exact.results.value import ExactValue
-from ...exact.simulation.history import Mark
+from ...exact.exact_motion import ExactMotion, ExactValue, RunLog, TimeFormula, time_of
+from ...exact.simulation.decider import Mark
 from ...scenarios.disk import Seal, fits, text_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, loads_json

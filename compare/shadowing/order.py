@@ -10,10 +10,8 @@ import numpy as np
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.body import Flight
-from ...exact.replay.contact import AtWall, Pair, Touch
-from ...exact.replay.state import State
-from ...exact.replay.steps import Go, Kick
+from ...exact.replay.contact import AtWall, Flight, Pair, Touch
+from ...exact.replay.state import Go, Kick, State
 from ..tangent.growth import Displacements, unit_displacements
 from ..tangent.impacts import Impact, moving
 from .record import Indices, Record

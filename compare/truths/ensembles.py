@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...scenarios import catalogue
 from ...scenarios.catalogue.scene_entry import Draw
 from ..chaos.growth.spectrum import TURNING, spectrum

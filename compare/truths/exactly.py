@@ -7,7 +7,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import takewhile
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...exact.numbers import ball
 from ...scenarios import catalogue
 from ...scenarios.catalogue.article import EE_AND_LEE, MURPHY

@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from functools import cache
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...scenarios import catalogue
 from ...scenarios.catalogue.billiards import FOLDED, IN_A_BOX, PINBALL
 from ...scenarios.numbers.quantity import Quantity

@@ -8,10 +8,9 @@ from itertools import count
 from math import inf
 from typing import TypeAlias
 
-from ...exact.replay.body import Body, Flight
-from ...exact.replay.contact import AtWall, Link, Pair
+from ...exact.replay.contact import AtWall, Body, Flight, Link, Pair
 from ...exact.replay.state import State
-from ...exact.simulation.arrivals.queue import Arrival, ArrivalQueue
+from ...exact.simulation.prediction import Arrival, ArrivalQueue
 from ...scenarios.scene import Scene
 
 # -- The flights of a run in doubles: plain floats in flat lists, and the queue's entries upon them.

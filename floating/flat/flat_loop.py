@@ -8,16 +8,11 @@ from math import inf
 from typing import TypeAlias, cast
 
 from ...exact.numbers.system import NumberSystem
-from ...exact.policies import Policy, policy_for
-from ...exact.policies.sequential import Sequential
-from ...exact.policies.simultaneous import Simultaneous
-from ...exact.replay.state import State
-from ...exact.replay.steps import Go, Kick, Step
-from ...exact.simulation.history import History, Mark, Noted, Record
-from ...exact.simulation.instants.gathering import Gatherer
-from ...exact.simulation.instants.instant import Instant
-from ...exact.simulation.limits import Limits
+from ...exact.replay.state import Go, Kick, State, Step
+from ...exact.simulation.decider import History, Limits, Mark, Noted, Record
+from ...exact.simulation.instant import Gatherer, Instant
 from ...exact.simulation.loop import Loop
+from ...exact.simulation.policies import Policy, Sequential, Simultaneous, policy_for
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Stop
 from ..plain import PlainDecider

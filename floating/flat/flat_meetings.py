@@ -9,14 +9,12 @@ from typing import Protocol, cast
 
 from ...exact.compiled import CellLists, loaded
 from ...exact.numbers.system import NumberSystem
-from ...exact.predicates.question import Question
-from ...exact.replay.body import Body
-from ...exact.replay.contact import Link
+from ...exact.question import Question
+from ...exact.replay.contact import Body, Link
 from ...exact.replay.state import State
-from ...exact.simulation.arrivals import grid as crowding
-from ...exact.simulation.arrivals.cells import FARTHEST as FAR
-from ...exact.simulation.arrivals.crowd import cells_for
-from ...exact.simulation.arrivals.grid import FloatFlight
+from ...exact.simulation import cells as crowding
+from ...exact.simulation.cells import FARTHEST as FAR
+from ...exact.simulation.cells import FloatFlight, cells_for
 from ...scenarios.scene import Scene
 from ..plain import PlainMeetings
 from . import inlined

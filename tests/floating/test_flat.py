@@ -158,7 +158,7 @@ def test_the_formulas_in_python_give_the_same(name: str, code: Any, monkeypatch:
 def test_most_instants_of_a_gas_are_ordinary(monkeypatch: pytest.MonkeyPatch) -> None:
     """So the general loop resolves but few: none, after that at time 0, where nothing falls together."""
     resolved: list[object] = []
-    from truebreak.exact.simulation.instants.instant import Resolver
+    from truebreak.exact.simulation.instant import Resolver
 
     resolve = Resolver.resolve
     monkeypatch.setattr(Resolver, "resolve", lambda self, *given: resolved.append(self) or resolve(self, *given))

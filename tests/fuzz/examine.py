@@ -14,7 +14,7 @@ from fuzz.maps import MAPS, check_cut, check_interval, check_map
 from fuzz.referee import referee
 from fuzz.table import Doubt, TooLong
 from truebreak.exact import ExactEngine
-from truebreak.exact.engine import DEFAULT_WORK
+from truebreak.exact.exact_engine import DEFAULT_WORK
 from truebreak.floating import IntervalEngine
 
 MODES = ("map", "plain", "cut", "plain", "map", "interval", "plain", "plain")

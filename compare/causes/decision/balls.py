@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ....exact.exact_motion import motion_of, steps_through
 from ....exact.laws.formulas import pair_approach, pair_discriminant
 from ....exact.numbers import ball
 from ....exact.replay.ball_state import BallState
-from ....exact.replay.steps import Flip, Step
-from ....exact.results.motion import motion_of, steps_through
-from ....exact.simulation.limits import run_limits
+from ....exact.replay.state import Flip, Step
+from ....exact.simulation.decider import run_limits
 from ....exact.simulation.loop import Loop
 from ....floating.plain import PlainDecider
 from .reader import FlightBalls, RunReader

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb
 
+from ....exact.exact_motion import motion_of, steps_through
 from ....exact.laws.formulas import pair_impulse
 from ....exact.numbers import ball
 from ....exact.replay.state import State
-from ....exact.results.motion import motion_of, steps_through
 from ...tangent.growth import Displacements
 from ...tangent.impacts import LEAST_BITS, moving
 from .margins import Course, margins

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ....exact.exact_motion import ExactValue
 from ....exact.replay.state import State, replay
-from ....exact.results.value import ExactValue
 from ....scenarios.numbers.quantity import Quantity
 
 LONGEST = 96

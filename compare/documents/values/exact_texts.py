@@ -7,7 +7,7 @@ from typing import Any
 
 from flint import arb
 
-from ....exact.results.value import ExactValue
+from ....exact.exact_motion import ExactValue
 from ....scenarios.numbers.quantity import Real
 from ...deadline import Clock
 

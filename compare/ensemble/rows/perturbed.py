@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ....exact.engine import ExactEngine
+from ....exact.exact_engine import ExactEngine
 from ....scenarios.catalogue.scene_entry import Draw
 from ....scenarios.engine import Declared
 from ....scenarios.errors import SceneError

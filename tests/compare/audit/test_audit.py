@@ -350,7 +350,7 @@ sys.meta_path.insert(0, Blocker())
 from truebreak.compare.alignment.align import align
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.tangent.growth import certified_growth, error_growth
-from truebreak.exact.engine import ExactEngine
+from truebreak.exact.exact_engine import ExactEngine
 from truebreak.floating.double import DoubleEngine
 from truebreak.scenarios.catalogue import build
 

@@ -14,7 +14,7 @@ from truebreak.compare.causes.decision.decision import Pairing
 from truebreak.compare.causes.decision.reader import RunReader
 from truebreak.compare.causes.margin import BitsEnough, Margin
 from truebreak.compare.report.sentences import margin_phrase
-from truebreak.exact.engine import ExactEngine
+from truebreak.exact.exact_engine import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.scenarios import Circle, Scene, catalogue
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 import pytest
 from indeterminates import World
 
-from truebreak.exact.replay.body import Flight
-from truebreak.exact.replay.contact import AtWall, Pair
-from truebreak.exact.replay.flights import SeenWall
-from truebreak.exact.replay.state import State
-from truebreak.exact.replay.steps import Go, Kick
+from truebreak.exact.replay.contact import AtWall, Flight, Pair
+from truebreak.exact.replay.state import Go, Kick, SeenWall, State
 from truebreak.scenarios import Circle, Scene, Wall
 
 either = pytest.mark.parametrize("younger", [0, 1])

@@ -31,14 +31,11 @@ from indeterminates import World, balls_are, stub
 from sympy import lambdify
 
 from truebreak.exact.laws import derivation as law
-from truebreak.exact.replay.ball_state import BallState
-from truebreak.exact.replay.body import Flight
-from truebreak.exact.replay.contact import Pair
-from truebreak.exact.replay.lone import carrying
-from truebreak.exact.replay.lone.centred import LoneCentred
-from truebreak.exact.replay.lone.contacts import LoneContacts
-from truebreak.exact.replay.state import State
-from truebreak.exact.replay.steps import Go, Kick
+from truebreak.exact.replay import deviations as carrying
+from truebreak.exact.replay.ball_state import BallState, LoneContacts
+from truebreak.exact.replay.centred_state import LoneCentred
+from truebreak.exact.replay.contact import Flight, Pair
+from truebreak.exact.replay.state import Go, Kick, State
 from truebreak.scenarios import Scene
 
 

@@ -27,15 +27,23 @@ from contact_worlds import (
 )
 from indeterminates import Formula, World, root_of, stub
 
+from truebreak.exact.certified import filtered as double_filter
 from truebreak.exact.laws import formulas
-from truebreak.exact.predicates import double_filter
-from truebreak.exact.predicates.hits import BeforeTime, Discriminant, Moment, RelativeSpeed, Sooner
-from truebreak.exact.predicates.impulses import Coupling, Pivot, Share, Slack, Strength
-from truebreak.exact.replay.body import Body, Flight
-from truebreak.exact.replay.contact import AtWall, Pair
-from truebreak.exact.replay.state import State
-from truebreak.exact.replay.steps import Go
-from truebreak.exact.simulation.arrivals import prediction
+from truebreak.exact.question import (
+    BeforeTime,
+    Coupling,
+    Discriminant,
+    Moment,
+    Pivot,
+    RelativeSpeed,
+    Share,
+    Slack,
+    Sooner,
+    Strength,
+)
+from truebreak.exact.replay.contact import AtWall, Body, Flight, Pair
+from truebreak.exact.replay.state import Go, State
+from truebreak.exact.simulation import prediction
 from truebreak.floating import pymunk_run as pockets
 from truebreak.floating.flat import flying, inlined
 from truebreak.floating.knots import DoubleMotion

@@ -9,13 +9,12 @@ import pytest
 from flint import arb, ctx
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.engine import ExactEngine as Engine
+from truebreak.exact.exact_engine import ExactEngine as Engine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.contact import Pair
 from truebreak.exact.replay.refinable import RefinableState
-from truebreak.exact.replay.state import State, replay
-from truebreak.exact.replay.steps import Go, Kick
+from truebreak.exact.replay.state import Go, Kick, State, replay
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 
