@@ -19,11 +19,11 @@ from ..scenarios.scene import Scene
 from ..scenarios.work import Work
 from .laws.formulas import advance
 from .numbers import ball
-from .numbers.ball import Known, Nested, known_ball, reduced
+from .numbers.ball import Known, NestedNumbers, known_ball, reduced
 from .numbers.system import N, Undecided, number_system
 from .replay.centred_state import CentredState
 from .replay.contact import Link
-from .replay.state import State, Step, causal_past, replay, step_units
+from .replay.state import ReplayState, Step, causal_past, replay, step_units
 from .simulation.decider import Knot, Mark
 from .simulation.loop import Tape
 
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ..scenarios.trajectory import Event, Trajectory
-    from .numbers.expression import Expression
+    from .numbers.expression import SymPyExpression
 
 # -- The log of a finished run, from which every number of it is computed again.
 
@@ -46,7 +46,7 @@ TEXT_WORK = 1_000_000
 class Formula(Protocol):
     """Computes a number from a state, in its numbers."""
 
-    def __call__(self, state: State[N], /) -> N: ...
+    def __call__(self, state: ReplayState[N], /) -> N: ...
 
 
 class RunLog:
@@ -96,19 +96,19 @@ class RunLog:
         past = frozenset(needed)
         if any(deep <= past for deep in self._too_deep):
             return None
-        numbers = Nested(TEXT_DEPTH, Work(TEXT_WORK))
+        numbers = NestedNumbers(TEXT_DEPTH, Work(TEXT_WORK))
         try:
-            state = State(self.scene, numbers, only=held)
+            state = ReplayState(self.scene, numbers, only=held)
             replay(state, steps, needed)
             return formula(state)
         except TowerLimit:
             self._too_deep.append(past)
             return None
 
-    def in_expressions(self, upto: int, bodies: Sequence[int]) -> State[Expression]:
+    def in_expressions(self, upto: int, bodies: Sequence[int]) -> ReplayState[SymPyExpression]:
         """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""
         needed, held = causal_past(self.steps[:upto], bodies)
-        state: State[Expression] = State(self.scene, number_system("expression"), only=held)
+        state: ReplayState[SymPyExpression] = ReplayState(self.scene, number_system("expression"), only=held)
         replay(state, self.steps, needed)
         return state
 
@@ -381,7 +381,7 @@ class TimeFormula:
             return (0,)
         return (self.source,) if isinstance(self.source, int) else self.source.circles[:1]
 
-    def __call__(self, state: State[N]) -> N:
+    def __call__(self, state: ReplayState[N]) -> N:
         source = self.source
         if isinstance(source, int):
             return state.bodies[source].flight.instant
@@ -429,7 +429,7 @@ class Place:
     axis: int
     time: ExactValue | Quantity
 
-    def __call__(self, state: State[N]) -> N:
+    def __call__(self, state: ReplayState[N]) -> N:
         flight = state.bodies[self.body].flight
         place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
         if flight.rest:
@@ -445,7 +445,7 @@ class Velocity:
     body: int
     axis: int
 
-    def __call__(self, state: State[N]) -> N:
+    def __call__(self, state: ReplayState[N]) -> N:
         flight = state.bodies[self.body].flight
         return flight.vx if self.axis == 0 else flight.vy
 
@@ -456,7 +456,7 @@ class Constant:
 
     value: Quantity
 
-    def __call__(self, state: State[N]) -> N:
+    def __call__(self, state: ReplayState[N]) -> N:
         return state.constant(self.value)
 
 

@@ -10,7 +10,7 @@ from ..scenarios.numbers.quantity import Quantity
 from ..scenarios.trajectory import TieProof
 from .numbers.system import N, solve_positive
 from .replay.contact import AtWall, Entry, Link, Round, Touch
-from .replay.state import State
+from .replay.state import ReplayState
 
 # -- A question that a run asks of its numbers, the sign of something that any number system can compute; its answer.
 #
@@ -61,11 +61,11 @@ class Question(Protocol):
         """The circles whose states the number depends on."""
         ...
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         """The number."""
         ...
 
-    def sum_of_roots(self, state: State[N]) -> RootSum[N]:
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
         """The number as A + B*sqrt(D1) + C*sqrt(D2), with parts that need no new root."""
         ...
 
@@ -89,11 +89,11 @@ class Plain:
 class RootFree(Plain):
     """A question whose number needs no root."""
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         """Each question has its own."""
         raise NotImplementedError
 
-    def sum_of_roots(self, state: State[N]) -> RootSum[N]:
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
         """The number itself."""
         zero = state.zero
         return self.value(state), zero, zero, zero, zero
@@ -129,7 +129,7 @@ class Approach(OfOne[Link]):
 
     words = "whether {} come nearer or part"
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         return self.link.approach(state)
 
     def is_zero_by(self, form: Form) -> bool:
@@ -141,7 +141,7 @@ class Closing(OfOne[Link]):
 
     words = "whether {} come nearer or part as they touch"
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         return self.link.closing(state)
 
     def is_zero_by(self, form: Form) -> bool:
@@ -153,7 +153,7 @@ class Gap(OfOne[Link]):
 
     words = "whether {} touch"
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         return self.link.gap(state)
 
 
@@ -162,7 +162,7 @@ class Discriminant(OfOne[Round]):
 
     words = "whether {} hit, graze or miss"
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         return state.discriminant(self.link)
 
 
@@ -171,7 +171,7 @@ class RelativeSpeed(OfOne[Round]):
 
     words = "whether {} move together"
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         pair = state.relation(self.link)
         return pair.vx * pair.vx + pair.vy * pair.vy
 
@@ -184,7 +184,7 @@ class Rim(OfOne[Entry]):
 
     words = "whether the centre of {} stands on the rim"
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         return state.rim(self.link)
 
 
@@ -195,13 +195,13 @@ class Moment:
     link: Link
     graze: bool = False
 
-    def wait(self, state: State[N]) -> tuple[N, N]:
+    def wait(self, state: ReplayState[N]) -> tuple[N, N]:
         """The clock from which it is reckoned, and the time from that."""
         if self.graze and not isinstance(self.link, AtWall):
             return state.graze(self.link)
         return self.link.hit(state)
 
-    def parts(self, state: State[N]) -> tuple[N, N, N]:
+    def parts(self, state: ReplayState[N]) -> tuple[N, N, N]:
         """p, q, D with time p + q*sqrt(D)."""
         if self.graze:
             clock, wait = self.wait(state)
@@ -220,14 +220,14 @@ class Sooner:
     def bodies(self) -> tuple[int, ...]:
         return circles_of(self.first.link, self.second.link)
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         t1, wait1 = self.first.wait(state)
         t2, wait2 = self.second.wait(state)
         if t1 is t2:
             return wait1 - wait2
         return (t1 - t2) + wait1 - wait2
 
-    def sum_of_roots(self, state: State[N]) -> RootSum[N]:
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
         p1, q1, d1 = self.first.parts(state)
         p2, q2, d2 = self.second.parts(state)
         return p1 - p2, q1, d1, -q2, d2
@@ -253,16 +253,16 @@ class BeforeTime(Plain):
     def bodies(self) -> tuple[int, ...]:
         return self.moment.link.circles
 
-    def _limit(self, state: State[N]) -> N:
+    def _limit(self, state: ReplayState[N]) -> N:
         if self.time is None:
             return state.flip_time + state.flip_time
         return state.constant(self.time)
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         t, wait = self.moment.wait(state)
         return (t - self._limit(state)) + wait
 
-    def sum_of_roots(self, state: State[N]) -> RootSum[N]:
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
         p, q, d = self.moment.parts(state)
         return p - self._limit(state), q, d, state.zero, state.zero
 
@@ -286,11 +286,11 @@ class Strength(RootFree):
     def bodies(self) -> tuple[int, ...]:
         return circles_of(*self.basis, self.link)
 
-    def _strengths(self, state: State[N]) -> list[N]:
+    def _strengths(self, state: ReplayState[N]) -> list[N]:
         matrix, speeds = state.contact_system(self.basis)
         return solve_positive(matrix, [-(u + u) for u in speeds])
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         return self._strengths(state)[self.basis.index(self.link)]
 
     def describe(self, name: Callable[[Link], str]) -> str:
@@ -302,7 +302,7 @@ class Slack(Strength):
 
     words = "whether {} separate fast enough"
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         matrix, speeds = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
         strengths = solve_positive(inner, [-(u + u) for u in speeds[:-1]])
@@ -317,7 +317,7 @@ class Pivot(Strength):
 
     words = "whether the contact of {} depends on its neighbours"
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         matrix, _ = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
         column = matrix[-1][:-1]
@@ -333,7 +333,7 @@ class Share(Strength):
 
     entering: Touch
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         matrix, _ = state.contact_system((*self.basis, self.entering))
         inner = [row[:-1] for row in matrix[:-1]]
         return solve_positive(inner, matrix[-1][:-1])[self.basis.index(self.link)]
@@ -353,7 +353,7 @@ class Coupling(RootFree):
     def bodies(self) -> tuple[int, ...]:
         return circles_of(self.first, self.second)
 
-    def value(self, state: State[N]) -> N:
+    def value(self, state: ReplayState[N]) -> N:
         return state.contact_system((self.first, self.second))[0][0][1]
 
     def describe(self, name: Callable[[Link], str]) -> str:

@@ -11,7 +11,7 @@ from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
 from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
 from ..exact.question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
 from ..exact.replay.contact import AtWall, Body, Entry, Link, Named, name_of
-from ..exact.replay.state import State, Step
+from ..exact.replay.state import ReplayState, Step
 from ..exact.simulation.decider import History, Limits, Mark, run_limits
 from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
 from ..exact.simulation.policies import Policy
@@ -27,8 +27,8 @@ from .knots import DoubleMotion
 # -- The state of a run in finite precision.
 
 
-class PlainState(State[M]):
-    """See `State`; two that rounding has put into each other, and that approach, collide at once.
+class PlainState(ReplayState[M]):
+    """See `ReplayState`; two that rounding has put into each other, and that approach, collide at once.
 
     What the law of their meeting tells is then when they would have met on their way here: before the instant at which
     they stand, and long before it where they are all but at rest with each other.
@@ -112,7 +112,7 @@ class PlainReading(Generic[M]):
         numbers: its system.
     """
 
-    def __init__(self, state: State[M], numbers: NumberSystem[M]) -> None:
+    def __init__(self, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
         self._state = state
         self._bounds = numbers.bounds
 
@@ -168,7 +168,7 @@ class PlainMeetings(Generic[M]):
     def __init__(
         self,
         scene: Scene,
-        state: State[M],
+        state: ReplayState[M],
         queue: ArrivalQueue[M],
         plan: Counter[str],
         numbers: NumberSystem[M],
@@ -266,7 +266,7 @@ class PlainDecider(Generic[M]):
         numbers: the system that the state is in; what its signs do not tell is undecided.
     """
 
-    def __init__(self, scene: Scene, state: State[M], numbers: NumberSystem[M]) -> None:
+    def __init__(self, scene: Scene, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
         self.scene = scene
         self.state = state
         self.history: History[M] = History()

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from followed import followed
 
 ROOT = Path(__file__).resolve().parent.parent
 TESTS = ROOT / "tests"
@@ -139,6 +140,30 @@ def test_no_class_is_large() -> None:
                 large[f"{module}.{node.name}"] = methods(node)
     assert large.keys() == KNOWN_LARGE_CLASSES.keys()
     assert all(n <= KNOWN_LARGE_CLASSES[name] for name, n in large.items())
+
+
+LOWER = ("scenarios", "exact", "floating")
+"""The layers in which a name stands once: of a module, and of a public class."""
+
+
+def test_no_name_of_a_module_or_of_a_public_class_stands_twice() -> None:
+    places: dict[str, list[str]] = {}
+    for module, path in FILES.items():
+        if module.partition(".")[0] in LOWER and path.name not in ("__init__.py", "__main__.py"):
+            places.setdefault(path.name, []).append(module)
+        if module.partition(".")[0] in LOWER:
+            for node in ast.parse(path.read_text("utf-8")).body:
+                if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                    places.setdefault(node.name, []).append(module)
+    assert len(places) > 200
+    assert {name: modules for name, modules in places.items() if len(modules) > 1} == {}
+
+
+def test_one_event_is_followed_through_few_modules() -> None:
+    """A reader opens these, and no more, to follow an event of the exact engine."""
+    modules = followed("event")
+    assert {"exact.simulation.loop", "exact.replay.state", "scenarios.scene"} <= set(modules) <= set(FILES)
+    assert len(modules) <= 28, modules
 
 
 def test_resolver_sees_relative_lazy_and_named_imports() -> None:

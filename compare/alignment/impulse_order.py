@@ -154,7 +154,7 @@ class _Impact:
         scene = trajectory.scene
         self.least_reach = min((r for c in scene.circles if (r := float(c.r)) > 0), default=1.0)
         self._places = {name: place for place, name in enumerate(scene.ids)}
-        self._state = exact_state.State(scene, DOUBLES)
+        self._state = exact_state.ReplayState(scene, DOUBLES)
         self._names = [str(c.id) for c in scene.circles]
         for name, body in zip(self._names, self._state.bodies.values(), strict=True):
             (x, y), (vx, vy) = places[name], velocities[name]

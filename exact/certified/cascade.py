@@ -17,12 +17,12 @@ from ...scenarios.trajectory import TieProof
 from ...scenarios.work import Work
 from ..log_symmetry import LogSymmetry, Retrace
 from ..numbers import ball
-from ..numbers.ball import LeavesField, Nested, field_sign
+from ..numbers.ball import LeavesField, NestedNumbers, field_sign
 from ..numbers.system import Undecided
 from ..question import Decision, Question
 from ..replay.contact import Link
 from ..replay.refinable import RefinableState
-from ..replay.state import State, Step, causal_past, replay, step_units
+from ..replay.state import ReplayState, Step, causal_past, replay, step_units
 
 # -- What is taken for a zero: proof alone, or the user's own word where proof fails.
 
@@ -295,9 +295,9 @@ class NestedRoots:
         for known in self._hopeless:
             if known.past <= past and (known.work is None or known.work >= allowed):
                 return None, "its past holds one that was too deep for nested square roots"
-        numbers = Nested(MAX_DEPTH, work)
+        numbers = NestedNumbers(MAX_DEPTH, work)
         try:
-            state = State(self.scene, numbers, only=bodies)
+            state = ReplayState(self.scene, numbers, only=bodies)
             replay(state, steps, needed)
             return sign_of_root_sum(*question.sum_of_roots(state)), ""
         except TowerLimit as limit:

@@ -285,7 +285,7 @@ def field_text(value: FieldNumber) -> str:
 # -- Nested square roots in normal form, within a depth and counted work.
 
 
-class Nested:
+class NestedNumbers:
     """The numbers of one tower.
 
     Args:

@@ -89,8 +89,8 @@ class Nearest:
 
 SYSTEMS: dict[str, str] = {
     "ball": ".numbers.ball:BALLS",
-    "field": ".numbers.field:Field",
-    "nested": ".numbers.nested:Nested",
+    "field": ".numbers.ball:Field",
+    "nested": ".numbers.ball:NestedNumbers",
     "expression": ".numbers.expression:EXPRESSIONS",
     "double": "..floating.double:DOUBLES",
     "single": "..floating.single:SINGLES",

@@ -20,7 +20,7 @@ from ..laws.formulas import (
 )
 from ..numbers import ball
 from .contact import AtWall, Body, Flight, Landed, Link, Pair, Round, Touch, new_flight
-from .state import State
+from .state import ReplayState
 
 # -- A state on balls that loses few bits: clocks without radius, reflections as matrices, contacts from laws.
 #
@@ -47,8 +47,8 @@ Mirror: TypeAlias = tuple[arb, arb, arb]
 """(xx, xy, yy) of a symmetric matrix."""
 
 
-class BallState(State[arb]):
-    """`State` on `flint.arb`, at flint's working precision."""
+class BallState(ReplayState[arb]):
+    """`ReplayState` on `flint.arb`, at flint's working precision."""
 
     def __init__(self, scene: Scene) -> None:
         super().__init__(scene, ball.BALLS)
@@ -84,12 +84,12 @@ class BallState(State[arb]):
         return dx, dy
 
     def go(self, source: Link | int | Quantity, bodies: tuple[int, ...]) -> None:
-        """As `State.go`."""
+        """As `ReplayState.go`."""
         self._told = self._root = None
         super().go(source, bodies)
 
     def kick(self, links: tuple[Touch, ...]) -> None:
-        """As `State.kick`; the law of the meeting tells the first impulse of an instant, and no other."""
+        """As `ReplayState.kick`; the law of the meeting tells the first impulse of an instant, and no other."""
         if self._root is not None and self._told is not None and links == (self._told[0],):
             self._bounce_first(*self._told, self._root)
         else:
@@ -124,7 +124,7 @@ class BallState(State[arb]):
         self.instant, self.late, self.met = other.instant, other.late, other.met
 
     def round_hit(self, link: Round) -> tuple[arb, arb]:
-        """As `State.round_hit`, in the sharper form."""
+        """As `ReplayState.round_hit`, in the sharper form."""
         return self._meeting(link)[:2]
 
     def _meeting(self, link: Round) -> tuple[arb, arb, arb, arb, arb | None]:
@@ -157,7 +157,7 @@ class BallState(State[arb]):
         return pair_head_on(dx, dy, ux, uy, speed, reach)
 
     def bounce_pair(self, link: Pair) -> None:
-        """As `State.bounce_pair`; where the two met head on, the lines are mixed, as the velocities are."""
+        """As `ReplayState.bounce_pair`; where the two met head on, the lines are mixed, as the velocities are."""
         if self._told is None or self._told[0] != link or not self._straight:
             super().bounce_pair(link)
             return
@@ -213,7 +213,7 @@ class BallState(State[arb]):
         )
 
     def bounce_wall(self, link: AtWall) -> None:
-        """As `State.bounce_wall`: the line is mirrored."""
+        """As `ReplayState.bounce_wall`: the line is mirrored."""
         body, line = self.bodies[link.circle], self.line(link.circle, link.wall)
         xx, xy, yy = self.mirror_of(link)
         x, y, vx, vy, t, instant, late, last, rest = body.flight
@@ -372,11 +372,11 @@ class Unchanging:
 
 # -- A contact alone, carried out in one go: the flight to it and its impulse, in balls.
 #
-# `State` does it in two steps, for any contacts and any numbers; here is what those come to where one contact stands
-# alone, of two circles that move, or of one and a wall, and nothing is exact. The formulas are the same; numbers that
-# the one step makes for the other are made once, those that no flight changes once for a run, and all are rounded to
-# what the clocks are known to. Whatever is not ordinary (a circle at rest, circles that fly exactly head on, a
-# discriminant that may vanish) is left to the steps, with nothing changed.
+# `ReplayState` does it in two steps, for any contacts and any numbers; here is what those come to where one contact
+# stands alone, of two circles that move, or of one and a wall, and nothing is exact. The formulas are the same;
+# numbers that the one step makes for the other are made once, those that no flight changes once for a run, and all
+# are rounded to what the clocks are known to. Whatever is not ordinary (a circle at rest, circles that fly exactly
+# head on, a discriminant that may vanish) is left to the steps, with nothing changed.
 
 SPARE_BITS = 64
 """Bits of working precision kept beyond the accuracy of the numbers at hand."""

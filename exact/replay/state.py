@@ -363,7 +363,7 @@ class Flights(Generic[N]):
 # a time.
 
 
-class State(Flights[N]):
+class ReplayState(Flights[N]):
     """Flights, and the steps of a log upon them.
 
     Args:
@@ -555,7 +555,7 @@ class State(Flights[N]):
             body.flight = Flight(x, y, vx, vy, t, instant, late, self.steps_done, rest)
 
 
-def replay(state: State[N], steps: Sequence[Step], needed: Iterable[int]) -> None:
+def replay(state: ReplayState[N], steps: Sequence[Step], needed: Iterable[int]) -> None:
     """Carries out the needed steps of a log on a state that may hold only some of the bodies."""
     held = state.bodies
     for k in needed:

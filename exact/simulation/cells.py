@@ -66,7 +66,7 @@ class Grid(NamedTuple):
         return ends
 
 
-class Frame(NamedTuple):
+class CellFrame(NamedTuple):
     """What a run's cells are measured by.
 
     Attributes:
@@ -84,10 +84,10 @@ class Frame(NamedTuple):
     sharp: float
 
 
-def frame_of(grid: Grid) -> Frame:
+def frame_of(grid: Grid) -> CellFrame:
     """What some cells are measured by; `sharp` is derived where cells.py has their bound."""
     x, y, width, columns, rows = grid
-    return Frame(
+    return CellFrame(
         grid,
         (*leaves(x, width, columns), *leaves(y, width, rows)),
         (last_within(x, width, columns), last_within(y, width, rows)),

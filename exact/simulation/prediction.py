@@ -23,7 +23,7 @@ from ..laws.formulas import (
 )
 from ..numbers.system import M, N
 from ..replay.contact import AtWall, Body, Entry, Link, Pair, Round, Touch, touch_of
-from ..replay.state import State
+from ..replay.state import ReplayState
 from . import cells as crowding
 from .cells import FARTHEST, Crowd, FloatFlight, cells_for
 
@@ -403,7 +403,7 @@ class Predictor(Generic[M]):
     def __init__(
         self,
         scene: Scene,
-        state: State[M],
+        state: ReplayState[M],
         queue: ArrivalQueue[M],
         plan: Counter[str],
         bounds: Callable[[M], tuple[float, float]],
@@ -606,7 +606,7 @@ def link_of(a: Body[M], b: Body[M]) -> Round:
     return Pair(a.index, b.index) if a.index < b.index else Pair(b.index, a.index)
 
 
-def earliest_possible(state: State[M], link: Link, bounds: Callable[[M], tuple[float, float]]) -> float:
+def earliest_possible(state: ReplayState[M], link: Link, bounds: Callable[[M], tuple[float, float]]) -> float:
     """A double before which a doubtful meeting cannot come: the gap over the greatest closing speed; inf: never."""
     t, gap = link.later(state).flight.instant, link.gap(state)
     if isinstance(link, AtWall):

@@ -9,7 +9,7 @@ from math import inf
 from typing import TypeAlias
 
 from ...exact.replay.contact import AtWall, Body, Flight, Link, Pair
-from ...exact.replay.state import State
+from ...exact.replay.state import ReplayState
 from ...exact.simulation.prediction import Arrival, ArrivalQueue
 from ...scenarios.scene import Scene
 
@@ -54,7 +54,7 @@ class FlatFlights:
         unsure: deals with a meeting of two places whose signs are not plain.
     """
 
-    def __init__(self, scene: Scene, state: State[float]) -> None:
+    def __init__(self, scene: Scene, state: ReplayState[float]) -> None:
         self.n = n = state.n
         self.wall_count = len(scene.walls)
         places = n + self.wall_count

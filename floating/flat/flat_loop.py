@@ -8,7 +8,7 @@ from math import inf
 from typing import TypeAlias, cast
 
 from ...exact.numbers.system import NumberSystem
-from ...exact.replay.state import Go, Kick, State, Step
+from ...exact.replay.state import Go, Kick, ReplayState, Step
 from ...exact.simulation.decider import History, Limits, Mark, Noted, Record
 from ...exact.simulation.instant import Gatherer, Instant
 from ...exact.simulation.loop import Loop
@@ -175,7 +175,7 @@ EVENTS_A_LOOK = 256
 class FlatDecider(PlainDecider[float]):
     """See `PlainDecider`; ordinary instants are not asked about."""
 
-    def __init__(self, scene: Scene, state: State[float], numbers: NumberSystem[float]) -> None:
+    def __init__(self, scene: Scene, state: ReplayState[float], numbers: NumberSystem[float]) -> None:
         super().__init__(scene, state, numbers)
         vars(self.meetings).clear()  # others take their place
         self.flights = FlatFlights(scene, state)

@@ -11,7 +11,7 @@ from ...exact.compiled import CellLists, loaded
 from ...exact.numbers.system import NumberSystem
 from ...exact.question import Question
 from ...exact.replay.contact import Body, Link
-from ...exact.replay.state import State
+from ...exact.replay.state import ReplayState
 from ...exact.simulation import cells as crowding
 from ...exact.simulation.cells import FARTHEST as FAR
 from ...exact.simulation.cells import FloatFlight, cells_for
@@ -170,7 +170,7 @@ class FlatMeetings(PlainMeetings[float]):
     def __init__(
         self,
         scene: Scene,
-        state: State[float],
+        state: ReplayState[float],
         queue: FlatQueue,
         plan: Counter[str],
         numbers: NumberSystem[float],

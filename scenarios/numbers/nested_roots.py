@@ -36,7 +36,7 @@ from flint import fmpz
 from ..lazy import kept
 from ..work import Work
 from .tower_element import Element, Rational, rational_number, reduced
-from .tower_ring import ONE, ZERO, Field, Integral, Nested, TowerLimit, masks_of, split_bit, subtract
+from .tower_ring import ONE, ZERO, Integral, Nested, TowerField, TowerLimit, masks_of, split_bit, subtract
 
 if TYPE_CHECKING:
     from .tower_descent import Descent
@@ -56,7 +56,7 @@ class Tower:
 
     def __init__(self, max_depth: int | None = None, work: Work | None = None) -> None:
         self.max_depth = max_depth
-        self.field = Field(work)
+        self.field = TowerField(work)
         self._roots: dict[Element, Element] = {}
 
     def __repr__(self) -> str:

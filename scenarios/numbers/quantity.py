@@ -38,7 +38,7 @@ def rational_root(q: fmpq) -> fmpq | None:
 Op: TypeAlias = Literal["q", "+", "-", "*", "/", "sqrt"]
 
 
-class Arithmetic(Protocol):
+class ExpressionArithmetic(Protocol):
     """What the evaluation of an expression asks of a number system."""
 
     def __add__(self: N, other: N, /) -> N: ...
@@ -47,7 +47,7 @@ class Arithmetic(Protocol):
     def __truediv__(self: N, other: N, /) -> N: ...
 
 
-N = TypeVar("N", bound=Arithmetic)
+N = TypeVar("N", bound=ExpressionArithmetic)
 
 
 class Expression:

@@ -23,9 +23,9 @@ from .tower_element import AnyTower, Element, reduced
 from .tower_ring import (
     ONE,
     ZERO,
-    Field,
     Integral,
     Nested,
+    TowerField,
     bit_length,
     extent,
     leaf_masks,
@@ -183,7 +183,7 @@ class ResidueMap:
 
     __slots__ = ("_chance", "_field", "_products", "_rows", "bits", "modulus", "nested", "roots")
 
-    def __init__(self, field: Field, modulus: int, chance: Random) -> None:
+    def __init__(self, field: TowerField, modulus: int, chance: Random) -> None:
         self._field = field
         self._chance = chance
         self.modulus = modulus
@@ -291,7 +291,7 @@ class ResidueMap:
 class Characters:
     """Proves by characters modulo primes that numbers of a field are not squares; the primes are drawn by chance."""
 
-    def __init__(self, field: Field) -> None:
+    def __init__(self, field: TowerField) -> None:
         self._field = field
         self._places: dict[int, list[ResidueMap]] = {}
         self._exhausted: set[tuple[int, tuple[int, ...]]] = set()

@@ -10,12 +10,25 @@ from flint import arb, fmpq, fmpz
 
 from ..work import gcd_units
 from .precision import at_bits
-from .tower_ring import LONG, ONE, Field, Integral, add, coefficients, content, count_of, divide, key, negated, scale
+from .tower_ring import (
+    LONG,
+    ONE,
+    Integral,
+    TowerField,
+    add,
+    coefficients,
+    content,
+    count_of,
+    divide,
+    key,
+    negated,
+    scale,
+)
 
 # -- Numbers of a field written out: as text in the grammar of scene files, and as SymPy expressions.
 
 
-def text_of(field: Field, num: Integral, den: fmpz) -> str:
+def text_of(field: TowerField, num: Integral, den: fmpz) -> str:
     """num / den as text, made of + - * / sqrt ( )."""
     out = ""
     for c, factor in _terms(field, num, den):
@@ -28,7 +41,7 @@ def text_of(field: Field, num: Integral, den: fmpz) -> str:
     return out or "0"
 
 
-def _terms(field: Field, x: Integral, den: fmpz) -> list[tuple[fmpq, str]]:
+def _terms(field: TowerField, x: Integral, den: fmpz) -> list[tuple[fmpq, str]]:
     """Coefficients and factors as text; nested roots first, the rational term last."""
     if isinstance(x, fmpz):
         return [(fmpq(x, den), "")] if x else []
@@ -47,7 +60,7 @@ def _terms(field: Field, x: Integral, den: fmpz) -> list[tuple[fmpq, str]]:
     return [head, *_terms(field, x.a, den)]
 
 
-def sympy_form(field: Field, num: Integral, den: fmpz) -> Any:
+def sympy_form(field: TowerField, num: Integral, den: fmpz) -> Any:
     """num / den as a SymPy expression."""
     sympy: Any = import_module("sympy")
 
@@ -71,7 +84,7 @@ class AnyTower(Protocol):
     """What elements and those who make them need of a tower."""
 
     @property
-    def field(self) -> Field:
+    def field(self) -> TowerField:
         """The generators so far, and the arithmetic in them."""
         ...
 

@@ -17,7 +17,9 @@ from .precision import at_bits
 # - `fmpz`: a whole number;
 # - `dict[int, fmpz]`: a sum of c * sqrt(product of the m_i with bit i set), not all bits 0;
 # - `Nested`: a + b * s_k with b != 0, and a, b of lower level.
-# Values are never changed once made, and no coefficient of a dict is zero. Products need the radicands: see `Field`.
+#
+# Values are never changed once made, and no coefficient of a dict is zero. Products need the radicands: see
+# `TowerField`.
 
 ZERO: Final = fmpz(0)
 ONE: Final = fmpz(1)
@@ -226,7 +228,7 @@ class TowerLimit(Exception):
     """The tower would become deeper, or its work longer, than the caller allowed."""
 
 
-class Field:
+class TowerField:
     """The generators so far, and arithmetic with integral values in them.
 
     Attributes:
@@ -441,7 +443,7 @@ class Frame:
 
     __slots__ = ("_field", "_nested", "_precision", "_roots", "_units")
 
-    def __init__(self, field: Field, precision: int) -> None:
+    def __init__(self, field: TowerField, precision: int) -> None:
         self._field = field
         self._precision = precision
         self._units = 1 + 2 * product_units(precision, precision)  # of two terms

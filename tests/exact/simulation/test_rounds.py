@@ -15,7 +15,7 @@ from truebreak.exact.numbers.ball import Field
 from truebreak.exact.numbers.system import BudgetSpent
 from truebreak.exact.question import Question
 from truebreak.exact.replay.contact import Pair, Touch
-from truebreak.exact.replay.state import State
+from truebreak.exact.replay.state import ReplayState
 from truebreak.exact.simulation.policies import pushing_contacts
 from truebreak.scenarios import Circle, Quantity, Scene, Trajectory
 
@@ -98,7 +98,7 @@ def test_the_impulses_of_a_round_solve_the_complementarity_problem(seed: int, fi
 
     hub = C(0, 0, vx=draw.randrange(1, 4), vy=draw.randrange(-3, 4), m=draw.randrange(1, 5))
     others = [ball(x, y, "oo" if fixed else draw.randrange(1, 5)) for x, y in draw.choice(AROUND)]
-    machine = State(Scene([hub, *others]), Field())
+    machine = ReplayState(Scene([hub, *others]), Field())
     links: list[Touch] = [Pair(0, k) for k in range(1, 4)]
     _, speeds = machine.contact_system(links)
     approaching = [link for link, speed in zip(links, speeds, strict=True) if speed < 0]

@@ -15,7 +15,7 @@ from flint import fmpz
 
 from truebreak.scenarios.numbers.nested_roots import Tower
 from truebreak.scenarios.numbers.tower_element import Element
-from truebreak.scenarios.numbers.tower_ring import Field, TowerLimit, count_of
+from truebreak.scenarios.numbers.tower_ring import TowerField, TowerLimit, count_of
 from truebreak.scenarios.work import Work, gcd_units, product_units
 
 
@@ -128,14 +128,14 @@ def test_work_stops_a_tower_that_grows_beyond_reason(grow: Any) -> None:
 def counted_terms(patch: pytest.MonkeyPatch) -> list[int]:
     """How many products of two terms each `mul_surds` from here on computes."""
     done: list[int] = []
-    plain = Field.mul_surds
+    plain = TowerField.mul_surds
 
-    def counting(self: Field, x: Any, y: Any) -> Any:
+    def counting(self: TowerField, x: Any, y: Any) -> Any:
         product = plain(self, x, y)
         done.append(len(x) * len(y))
         return product
 
-    patch.setattr(Field, "mul_surds", counting)
+    patch.setattr(TowerField, "mul_surds", counting)
     return done
 
 
