@@ -233,9 +233,9 @@ def test_pymunk_engine_is_independent_of_the_exact_layer() -> None:
 def test_symbolic_engine_does_not_share_the_event_loop() -> None:
     own = (
         "exact.simulation",
-        "exact.predicates",
-        "exact.symmetry",
-        "exact.cascade",
+        "exact.question",
+        "exact.isometry",
+        "exact.log_symmetry",
         "exact.numbers",
         "exact.exact_engine",
         "exact.replay",

@@ -4,7 +4,7 @@
  */
 #include "rows.h"
 
-/* As in exact/replay/error_bounds.py, derivatives.py and deviations.py, and exact/replay/contact.py and lone/: a test
+/* As in exact/replay: error_bounds.py, deviations.py, contact.py, ball_state.py and centred_state.py: a test
  * holds these against those. */
 #define UP (1.0 + 0x1p-40)
 #define WIDER (1.0 + 0x1p-39)

@@ -1,7 +1,7 @@
 """Forms written by hand elsewhere are the laws' too: predictions in doubles, questions, the flat loop, derivatives.
 
 As in `test_contact_forms.py` the code itself runs on formulas. Where it bounds roundings, the unit of rounding is set
-to 0 here: what is left is the formula; that the bounds hold is the matter of `tests/exact/predicates`, and of
+to 0 here: what is left is the formula; that the bounds hold is the matter of `tests/exact/certified`, and of
 docs/error-bound.md.
 """
 
