@@ -597,7 +597,7 @@ def link_of(a: Body[M], b: Body[M]) -> Round:
 
     >>> from truebreak.exact.numbers.system import number_system
     >>> from truebreak.scenarios import Circle
-    >>> two = State(Scene([Circle(0, 0), Circle(3, 0)]), number_system("double")).bodies
+    >>> two = ReplayState(Scene([Circle(0, 0), Circle(3, 0)]), number_system("double")).bodies
     >>> link_of(two[1], two[0])
     Pair(a=0, b=1)
     """
