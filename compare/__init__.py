@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..scenarios.lazy.names import handed_on
+from ..scenarios.lazy import handed_on
 
 if TYPE_CHECKING:
     from .alignment.align import Alignment

@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
-from ..scenarios.pictures.notebook import html_table, shown
+from ..scenarios.pictures import html_table, shown
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
 from .alignment.align import UNKNOWING, VERDICTS

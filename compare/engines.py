@@ -10,7 +10,7 @@ from fractions import Fraction
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.lazy.frozen import frozen
+from ..scenarios.lazy import frozen
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine
@@ -45,14 +45,16 @@ class EngineEntry:
 
 
 ENGINES: dict[str, EngineEntry] = {
-    "exact": EngineEntry("exact", "exact.engine:ExactEngine", "certified: every decision proved, or it says so"),
-    "sympy": EngineEntry("sympy", "exact.literal.engine:SymbolicEngine", "SymPy alone, literally: slow, an oracle"),
+    "exact": EngineEntry("exact", "exact.exact_engine:ExactEngine", "certified: every decision proved, or it says so"),
+    "sympy": EngineEntry(
+        "sympy", "exact.literal.symbolic_engine:SymbolicEngine", "SymPy alone, literally: slow, an oracle"
+    ),
     "double": EngineEntry("double", "floating.double:DoubleEngine", "event-driven in 53-bit floating point"),
     "single": EngineEntry("single", "floating.single:SingleEngine", "event-driven in 24-bit floating point"),
     "quad": EngineEntry("quad", "floating.quad:QuadEngine", "event-driven in pairs of doubles: 106 bits"),
     "rounded": EngineEntry("rounded", "floating.rounded:RoundedEngine", "event-driven, rounded to N bits each time"),
     "interval": EngineEntry("interval", "floating.interval:IntervalEngine", "in intervals; stops where unsure"),
-    "pymunk": EngineEntry("pymunk", "floating.pymunk.engine:PymunkEngine", "the game engine Chipmunk, by time steps"),
+    "pymunk": EngineEntry("pymunk", "floating.pymunk_engine:PymunkEngine", "the game engine Chipmunk, by time steps"),
     "box2d": EngineEntry("box2d", "compare.adapters.box2d:Box2DEngine", "the game engine Box2D 2.3, by time steps"),
     "rapier": EngineEntry("rapier", "compare.adapters.rapier:RapierEngine", "the game engine Rapier, by time steps"),
     "mujoco": EngineEntry("mujoco", "compare.adapters.mujoco:MujocoEngine", "MuJoCo: contacts are springs, by steps"),
@@ -197,7 +199,7 @@ def converted(label: str, text: str, hint: Any) -> Any:
     """
     from ..scenarios.errors import SceneError
     from ..scenarios.numbers.quantity import Quantity
-    from ..scenarios.tie_policy import TiePolicy
+    from ..scenarios.settings import TiePolicy
 
     options = typing.get_args(hint) if typing.get_origin(hint) in (typing.Union, types.UnionType) else (hint,)
     if type(None) in options and text.lower() in ("none", "null"):

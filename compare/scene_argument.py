@@ -58,7 +58,7 @@ def changed(
     if changes:
         loaded = loaded.with_changes(**changes)
     if symmetric:
-        from ..exact.symmetry.scene_symmetry import symmetries
+        from ..exact.log_symmetry import symmetries
 
         if not symmetries(loaded):
             raise SceneError(

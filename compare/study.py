@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from ..scenarios.errors import SceneError
-from ..scenarios.numbers.doubles import Double
+from ..scenarios.numbers.precision import Double
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
 from .alignment.align import UNKNOWING, Alignment, Span, align
 from .alignment.instants import Finer, SharedInstant, instants, velocity_difference

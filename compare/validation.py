@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence, Set
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
-from ..scenarios.checks.limits import positive_time
 from ..scenarios.engine import SCENE_KEYS
 from ..scenarios.errors import SceneError
-from ..scenarios.event import Assumption, Event, Pocketing, Reversal, Tie
 from ..scenarios.scene import Scene
-from ..scenarios.trajectory import Stop, StopReason, Trajectory
+from ..scenarios.settings import positive_time
+from ..scenarios.trajectory import Assumption, Event, Pocketing, Reversal, Stop, StopReason, Tie, Trajectory
 
 if TYPE_CHECKING:
     from ..scenarios.engine import Engine

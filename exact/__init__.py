@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..scenarios.lazy.names import handed_on
+from ..scenarios.lazy import handed_on
 
 if TYPE_CHECKING:
-    from .engine import ExactEngine
-    from .literal.engine import SymbolicEngine
+    from .exact_engine import ExactEngine
+    from .literal.symbolic_engine import SymbolicEngine
 
 __all__ = ["ExactEngine", "SymbolicEngine"]
 
-__getattr__, __dir__ = handed_on(__name__, {"ExactEngine": "engine", "SymbolicEngine": "literal.engine"})
+__getattr__, __dir__ = handed_on(__name__, {"ExactEngine": "exact_engine", "SymbolicEngine": "literal.symbolic_engine"})

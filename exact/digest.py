@@ -16,9 +16,9 @@ from hashlib import sha256
 
 from ..scenarios import catalogue
 from ..scenarios.engine import Engine
-from ..scenarios.numbers.real import Real
+from ..scenarios.numbers.quantity import Real
 from ..scenarios.trajectory import Trajectory
-from .engine import ExactEngine
+from .exact_engine import ExactEngine
 
 EVENTS = 120
 """Instants of each scene: all kinds of proof that the catalogue has come up by then."""

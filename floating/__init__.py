@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..scenarios.lazy.names import handed_on
+from ..scenarios.lazy import handed_on
 
 if TYPE_CHECKING:
     from .double import DoubleEngine
     from .interval import IntervalEngine
-    from .pymunk.engine import PymunkEngine
+    from .pymunk_engine import PymunkEngine
     from .quad import QuadEngine
     from .rounded import RoundedEngine
     from .single import SingleEngine
@@ -19,7 +19,7 @@ __all__ = ["DoubleEngine", "IntervalEngine", "PymunkEngine", "QuadEngine", "Roun
 _HOMES = {
     "DoubleEngine": "double",
     "IntervalEngine": "interval",
-    "PymunkEngine": "pymunk.engine",
+    "PymunkEngine": "pymunk_engine",
     "QuadEngine": "quad",
     "RoundedEngine": "rounded",
     "SingleEngine": "single",

@@ -7,17 +7,14 @@ from dataclasses import dataclass
 from math import nan, sqrt
 
 from ..exact.numbers.system import Nearest, NumberSystem
-from ..exact.policies import Policy
-from ..scenarios.lazy.late import Late
-from ..scenarios.numbers.quantity import Quantity, QuantityLike
-from ..scenarios.numbers.real import Real
+from ..exact.simulation.policies import Policy
+from ..scenarios.lazy import Late
+from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Motion, OnProgress, Trajectory
-from .flat.loop import FlatDecider, FlatLoop, follows
+from .flat.flat_loop import FlatDecider, FlatLoop, follows
 from .knots import DoubleMotion
-from .plain.event_engine import EventEngine
-from .plain.run import Passed, run_plain
-from .plain.state import PlainState
+from .plain import EventEngine, Passed, PlainState, run_plain
 
 
 class Doubles(Nearest):

@@ -18,16 +18,14 @@ from mpmath.libmp import to_float
 from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
-from ..exact.numbers.undecided import Undecided
+from ..exact.numbers.system import Undecided
 from ..scenarios.engine import EventDriven
 from ..scenarios.errors import SceneError
-from ..scenarios.numbers.doubles import digits_of, hull
+from ..scenarios.numbers.precision import digits_of, hull
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain.decider import PlainDecider
-from .plain.run import run_plain
-from .plain.state import PlainState
+from .plain import PlainDecider, PlainState, run_plain
 
 MIN_BITS, MAX_BITS = 24, 100_000
 

@@ -13,7 +13,7 @@ from typing import Any
 from ..exact.numbers.system import Nearest, NumberSystem
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import Quantity
-from .plain.event_engine import EventEngine
+from .plain import EventEngine
 
 MIN_BITS, MAX_BITS = 4, 53
 """Bits of a significand: with fewer than four no gas keeps its discs apart; a double has 53."""

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from ..exact.numbers.system import Nearest, NumberSystem
-from ..exact.policies import Policy
+from ..exact.simulation.policies import Policy
 from ..scenarios.errors import SceneError
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import OnProgress, Trajectory
-from .plain.event_engine import EventEngine
+from .plain import EventEngine
 
 
 class Singles(Nearest):

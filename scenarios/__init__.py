@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .lazy.names import handed_on
+from .lazy import handed_on
 
 if TYPE_CHECKING:
     from .engine import Declared, Engine
     from .errors import Disturbed, SceneError
-    from .event import Contact, Event
     from .numbers.quantity import Quantity
     from .scene import Scene
+    from .settings import TiePolicy
     from .things import Circle, Pocket, Wall
-    from .tie_policy import TiePolicy
-    from .trajectory import State, Stop, StopReason, Trajectory
+    from .trajectory import Contact, Event, State, Stop, StopReason, Trajectory
 
 __all__ = [
     "Circle",
@@ -37,11 +36,11 @@ __all__ = [
 
 _HOMES = {
     "Circle": "things",
-    "Contact": "event",
+    "Contact": "trajectory",
     "Declared": "engine",
     "Disturbed": "errors",
     "Engine": "engine",
-    "Event": "event",
+    "Event": "trajectory",
     "Pocket": "things",
     "Quantity": "numbers.quantity",
     "Scene": "scene",
@@ -49,7 +48,7 @@ _HOMES = {
     "State": "trajectory",
     "Stop": "trajectory",
     "StopReason": "trajectory",
-    "TiePolicy": "tie_policy",
+    "TiePolicy": "settings",
     "Trajectory": "trajectory",
     "Wall": "things",
 }

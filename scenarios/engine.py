@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any, Protocol
 
-from .checks.limits import positive_count, positive_time
 from .numbers.quantity import Quantity, QuantityLike
 from .scene import Scene
+from .settings import positive_count, positive_time
 from .trajectory import OnProgress, Trajectory
 
 DEFAULT_EVENTS = 1_000

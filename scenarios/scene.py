@@ -7,14 +7,12 @@ from copy import copy
 from dataclasses import field, fields
 from typing import Any, TypeVar
 
-from .checks.limits import checked_truth, positive_count, positive_time
-from .checks.validation import check_apart
 from .errors import SceneError
-from .lazy.frozen import frozen
-from .lazy.kept import kept
+from .lazy import frozen, kept
+from .neighbours import check_apart
 from .numbers.quantity import Quantity, QuantityLike
+from .settings import TiePolicy, checked_truth, positive_count, positive_time
 from .things import Circle, Pocket, Wall
-from .tie_policy import TiePolicy
 
 MAX_CIRCLES = 100_000
 """A gas of so many is built in some seconds, and its first event comes in some twenty; each has nine near it."""
@@ -189,9 +187,8 @@ class Scene:
 
     def _repr_html_(self) -> str:
         """The circles as a table, and a picture of them at time 0, for a notebook."""
-        from .checks.showing import shortened
-        from .pictures.notebook import html_table, shown
-        from .pictures.picture import scene_picture
+        from .errors import shortened
+        from .pictures import html_table, scene_picture, shown
 
         keys = ("x", "y", "r", "vx", "vy", "m")
         rows = ([shortened(text) for text in _texts(circle, keys).values()] for circle in self.circles)

@@ -5,12 +5,11 @@ from __future__ import annotations
 from math import inf
 from typing import Any, Literal
 
-from .checks.limits import checked_truth
-from .checks.showing import cut
-from .errors import SceneError
-from .lazy.frozen import frozen
-from .numbers.forms.sympy_form import is_sympy
+from .errors import SceneError, cut
+from .lazy import frozen
+from .numbers.parsing import is_sympy
 from .numbers.quantity import ZERO, Quantity, QuantityLike
+from .settings import checked_truth
 
 FIXED = "oo"
 """The mass of a circle that never moves."""

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from truebreak.exact.certified.decider import CertifiedDecider
-from truebreak.floating.plain.decider import PlainDecider
+from truebreak.exact.certified.certified_decider import CertifiedDecider
+from truebreak.floating.plain import PlainDecider
 
 
 def unlike_twins(n: int) -> dict[str, Any]:

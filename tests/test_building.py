@@ -85,7 +85,7 @@ def test_a_wheel_without_compiled_parts_is_of_any_platform(tmp_path: Path) -> No
         assert not any(entry.endswith((".so", ".pyd")) for entry in wheel.namelist())
         (told,) = [wheel.read(entry).decode() for entry in wheel.namelist() if entry.endswith(".dist-info/WHEEL")]
         assert "Root-Is-Purelib: true" in told
-        assert "truebreak/exact/engine.py" in wheel.namelist()
+        assert "truebreak/exact/exact_engine.py" in wheel.namelist()
 
 
 def test_a_new_folder_is_a_package_without_being_listed(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import pytest
 import sdist
 
 ROOT = Path(__file__).resolve().parent.parent
-SOME = ("tests/scenarios/test_scene.py", "tests/scenarios/files/test_files.py", "tests/test_lowest.py")
+SOME = ("tests/scenarios/test_scene.py", "tests/scenarios/test_files.py", "tests/test_lowest.py")
 """Tests that read data, folders of the project, and modules beside them."""
 
 

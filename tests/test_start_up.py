@@ -14,13 +14,11 @@ SHORT_RUN = {
     "cli.arguments.examples cli.arguments.numbers cli.arguments.options cli.entry cli.exit_codes "
     "cli.group cli.progress documents.values.amounts foreign.guard report.counting report.text.listing "
     "report.text.output saved.cache",
-    "scenarios": "engine errors event scene things tie_policy trajectory work checks lazy numbers.forms.conversion "
-    "numbers.doubles numbers.forms.expression numbers.parsing numbers.precision numbers.quantity "
-    "numbers.rationals numbers.real numbers.forms.sympy_form numbers.tower.element numbers.tower.field "
-    "numbers.tower.ring numbers.tower.sums numbers.tower.tower numbers.tower.written catalogue.draw "
-    "catalogue.entry catalogue.settings catalogue.table catalogue.scenes.article catalogue.scenes.gas",
-    "exact": "engine cascade certified compiled laws.formulas laws.tangent_formulas numbers policies predicates replay "
-    "results simulation symmetry",
+    "scenarios": "engine errors lazy neighbours numbers.nested_roots numbers.parsing numbers.precision "
+    "numbers.quantity numbers.tower_element numbers.tower_ring scene settings things trajectory work "
+    "catalogue.article catalogue.gas catalogue.scene_entry catalogue.scene_table",
+    "exact": "certified compiled exact_engine exact_motion isometry laws.formulas laws.tangent_formulas log_symmetry "
+    "numbers question replay simulation",
     "floating": "double flat knots plain",
 }
 """What a short run of the command line may load of each layer: modules, and rooms with all that is in them."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from flint import arb, ctx  # type: ignore[attr-defined]
 
 from truebreak.scenarios import Trajectory, Wall
-from truebreak.scenarios.event import TieProof
+from truebreak.scenarios.trajectory import TieProof
 
 GAP_BITS = 1200
 """Precision of the gaps. It is far above that of a run, so a tie that is none shows unless it is closer still."""

@@ -85,7 +85,7 @@ _HOMES = {
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        value: Any = import_module(".scenarios.lazy.version", __name__).VERSION
+        value: Any = import_module(".scenarios.lazy", __name__).VERSION
     elif name in _HOMES:
         module, attribute = _HOMES[name]
         value = getattr(import_module(f".{module}", __name__), attribute)

@@ -7,10 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
-from ...exact.engine import ExactEngine
-from ...scenarios.checks.limits import positive_time
+from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.settings import positive_time
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..engines import engine as engine_named

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from ...exact.numbers import ball
-from ...scenarios.numbers.real import real
+from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
 from .divergence import Divergence, Kind
 from .impulse_order import same_velocity
@@ -23,7 +23,7 @@ from .streams import Streams, history
 from .walk import REPEATED, Walk, walk
 
 if TYPE_CHECKING:
-    from ...scenarios.numbers.real import Real
+    from ...scenarios.numbers.quantity import Real
     from ...scenarios.trajectory import Trajectory
 
 Verdict: TypeAlias = Literal["diverged", "unsettled", "undecided", "agree"]

@@ -6,14 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from ...exact.policies.complementarity import pushing_contacts
 from ...exact.replay import state as exact_state
 from ...exact.replay.contact import touch_of
+from ...exact.simulation.policies import pushing_contacts
 
 if TYPE_CHECKING:
     from ...exact.replay.contact import Touch
-    from ...scenarios.event import Contact
-    from ...scenarios.trajectory import State, Trajectory
+    from ...scenarios.trajectory import Contact, State, Trajectory
 
 Velocities: TypeAlias = "dict[str, tuple[float, float]]"
 
@@ -150,12 +149,12 @@ class _Impact:
 
     def __init__(self, trajectory: Trajectory, places: Velocities, velocities: Velocities) -> None:
         from ...floating.double import DOUBLES  # here, since it loads numpy, which a listing does without
-        from ...floating.plain.decider import PlainDecider
+        from ...floating.plain import PlainDecider
 
         scene = trajectory.scene
         self.least_reach = min((r for c in scene.circles if (r := float(c.r)) > 0), default=1.0)
         self._places = {name: place for place, name in enumerate(scene.ids)}
-        self._state = exact_state.State(scene, DOUBLES)
+        self._state = exact_state.ReplayState(scene, DOUBLES)
         self._names = [str(c.id) for c in scene.circles]
         for name, body in zip(self._names, self._state.bodies.values(), strict=True):
             (x, y), (vx, vy) = places[name], velocities[name]

@@ -13,8 +13,7 @@ from .divergence import Divergence, Kind
 from .impulse_order import impulses_among, merging_changes, order_reproduces
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact, Event
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Contact, Event, Trajectory
     from .walk import Walk
 
 Finer: TypeAlias = "Callable[[int, SharedInstant], float | None]"

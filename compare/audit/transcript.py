@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from flint import arb
 
 from ...floating.knots import DoubleMotion, EventMotion
-from ...scenarios.numbers.real import real
+from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Contact, Trajectory
 
 WIDE_STATES = 4_000
 """States of circles that are read off a run of enclosures, a millisecond each; the rest is not audited."""

@@ -76,8 +76,8 @@ def distances(subject: PolicyScene, step: Fraction) -> Iterator[PolicyDistance]:
     >>> [distance.velocity < 1e-9 for distance in distances(lee, Fraction(1, 64))]
     [True, False]
     """
-    from ...exact.engine import ExactEngine
-    from ...floating.pymunk.engine import PymunkEngine
+    from ...exact.exact_engine import ExactEngine
+    from ...floating.pymunk_engine import PymunkEngine
 
     played = uninterrupted(PymunkEngine(dt=float(step)).run(subject.scene, until=subject.until)).final.array()
     for policy in POLICIES:

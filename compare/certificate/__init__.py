@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...scenarios.lazy.names import handed_on
+from ...scenarios.lazy import handed_on
 
 if TYPE_CHECKING:
     from .writer import CertificateError, certificate_json, certificate_of

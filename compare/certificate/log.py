@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from ...exact.exact_motion import ExactValue
 from ...exact.replay.contact import places_of
-from ...exact.replay.steps import Kick, Step
-from ...exact.results.value import ExactValue
-from ...scenarios.event import Event, Pocketing
-from ...scenarios.numbers.real import Real
-from ...scenarios.trajectory import Trajectory
+from ...exact.replay.state import Kick, Step
+from ...scenarios.numbers.quantity import Real
+from ...scenarios.trajectory import Event, Pocketing, Trajectory
 from .scene_text import exact_number, text_of
 
 Contact = tuple[int, int]

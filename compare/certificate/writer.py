@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from copy import deepcopy
 from typing import Any
 
-from ...exact.certified.precision import FIRST_BITS
+from ...exact.certified.certified_decider import FIRST_BITS
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason, Trajectory

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...scenarios import catalogue
 from ..engines import engine as engine_named
 from ..tangent.impacts import impacts

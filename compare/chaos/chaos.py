@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...exact.results.motion import motion_of
+from ...exact.exact_motion import motion_of
 from ..tangent.impacts import NoTangentMap, impacts
 from .horizon import Forecaster, Horizon
 

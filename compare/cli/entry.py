@@ -210,7 +210,7 @@ def _cut(text: str, longest: int) -> str:
 
 def _say(line: str) -> None:
     """One line on stderr, which may be closed; of what a file or an engine says, nothing that a terminal acts on."""
-    from ...scenarios.checks.showing import printable
+    from ...scenarios.errors import printable
 
     try:
         click.echo(printable(line), err=True)

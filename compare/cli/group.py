@@ -94,7 +94,7 @@ def _version(context: click.Context, parameter: click.Parameter, asked: bool) ->
     """One line: the version, and what is compiled."""
     if not asked or context.resilient_parsing:
         return
-    from ...scenarios.lazy.version import VERSION
+    from ...scenarios.lazy import VERSION
 
     click.echo(f"truebreak {VERSION} ({_compiled_parts()})")
     context.exit()
@@ -105,7 +105,7 @@ def _compiled_parts() -> str:
     import os
 
     from ...exact.compiled import PURE, cells, predictions, steps
-    from ...floating.flat.formulas import compiled
+    from ...floating.flat.flat_meetings import compiled
 
     parts = {"predictions": predictions, "cells": cells, "steps": steps, "double": compiled}
     missing = [name for name, part in parts.items() if part is None]

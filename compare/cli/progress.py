@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
-from ...scenarios.checks.showing import printable
+from ...scenarios.errors import printable
 
 if TYPE_CHECKING:
     from rich.status import Status

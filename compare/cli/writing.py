@@ -46,8 +46,8 @@ def write_whole(path: str | Path, text: str) -> None:
     Raises:
         SceneError: if the place cannot be written to.
     """
+    from ...scenarios.disk import write_file
     from ...scenarios.errors import SceneError
-    from ...scenarios.files.disk import write_file
 
     target = Path(path)
     try:

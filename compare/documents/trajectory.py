@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ...scenarios.numbers.real import real
+from ...scenarios.numbers.quantity import real
 from ..deadline import Clock
 from .values.amounts import bounds, double, plain
 from .values.exact_texts import ExactTexts
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Assumption, Event
-    from ...scenarios.trajectory import State, Stop, Trajectory
+    from ...scenarios.trajectory import Assumption, Event, State, Stop, Trajectory
 
 TRAJECTORY_SCHEMA = "truebreak/trajectory-1"
 

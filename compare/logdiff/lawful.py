@@ -78,7 +78,7 @@ def lawful_runs(one: str | Path, other: str | Path, scene: Scene) -> Lawful:
     Raises:
         EngineError: for a log that is none of this scene.
     """
-    from ...exact.engine import ExactEngine
+    from ...exact.exact_engine import ExactEngine
     from ..foreign.log import read_log
     from ..tangent.growth import certified_growth
 

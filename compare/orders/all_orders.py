@@ -6,17 +6,14 @@ from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol, runtime_checkable
 
-from ...exact.numbers.undecided import Undecided
-from ...exact.policies.policy import Policy
-from ...exact.policies.sequential import Sequential
+from ...exact.exact_motion import ExactValue
+from ...exact.numbers.system import Undecided
 from ...exact.replay.contact import Touch, contact_of
-from ...exact.results.value import ExactValue
+from ...exact.simulation.policies import Policy, Sequential
 from ...scenarios.errors import SceneError
-from ...scenarios.event import Contact
-from ...scenarios.numbers.quantity import QuantityLike
-from ...scenarios.numbers.real import Real
+from ...scenarios.numbers.quantity import QuantityLike, Real
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import OnProgress, Progress, StopReason, Trajectory
+from ...scenarios.trajectory import Contact, OnProgress, Progress, StopReason, Trajectory
 from .scripted import BranchDone, Choice, Scripted
 
 DEFAULT_CAP = 256

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ...exact.policies.complementarity import Ask
-from ...exact.policies.policy import Policy
 from ...exact.replay.contact import Touch, touch_of
+from ...exact.simulation.policies import Ask, Policy
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import Trajectory
 

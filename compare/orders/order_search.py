@@ -12,7 +12,7 @@ from .all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, OrderTree, all_orders
 from .scripted import BranchDone, Scripted
 
 if TYPE_CHECKING:
-    from ...exact.policies import Policy
+    from ...exact.simulation.policies import Policy
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import OnProgress, Trajectory

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from typing import NamedTuple
 
-from ...exact.policies.complementarity import Ask
-from ...exact.policies.policy import Policy
 from ...exact.replay.contact import Touch
+from ...exact.simulation.policies import Ask, Policy
 
 
 class Choice(NamedTuple):

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from ...floating.pymunk.pockets import time_to_enter
+from ...floating.pymunk_run import time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import Span
 from ..alignment.instants import instants
@@ -19,8 +19,7 @@ from .pockets import Entries
 from .table import changed_outcomes
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact, Event, Pocketing
-    from ...scenarios.trajectory import Motion, Trajectory
+    from ...scenarios.trajectory import Contact, Event, Motion, Pocketing, Trajectory
     from ..alignment.align import Alignment
     from ..alignment.patience import Patience
 

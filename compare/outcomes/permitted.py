@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.real import real
+from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.trajectory import StopReason, Trajectory
 from ..deadline import OutOfTime
 from ..orders.all_orders import Runner, all_orders

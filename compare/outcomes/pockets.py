@@ -6,12 +6,11 @@ import math
 from bisect import bisect_right
 from typing import TYPE_CHECKING, Any
 
-from ...floating.pymunk.pockets import time_to_enter
+from ...floating.pymunk_run import time_to_enter
 from ...scenarios.trajectory import StopReason
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Pocketing
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Pocketing, Trajectory
     from ..alignment.align import Alignment, Span
     from ..alignment.patience import Patience
 

@@ -46,7 +46,7 @@ def mirror(scene: Scene, axis: Axis) -> tuple[Quantity, dict[str, str]] | None:
     >>> mirror(Scene([Circle(0, 2, id="a"), Circle(0, -2, id="b")]), "y")[1]
     {'a': 'b', 'b': 'a'}
     """
-    from ...exact.symmetry.scene_symmetry import symmetries
+    from ...exact.log_symmetry import symmetries
     from ...scenarios.numbers.quantity import ZERO
 
     circles = scene.circles

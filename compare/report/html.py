@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from ...scenarios.pictures.picture import PICTURED_CIRCLES, scene_picture
+from ...scenarios.pictures import PICTURED_CIRCLES, scene_picture
 from ..chaos.foreseen import foreseen
 from .foreseen import foreseen_phrase, not_foreseen_phrase
 from .page.outcome_tables import changed, kept

@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
-from ...scenarios.numbers.real import real
+from ...scenarios.numbers.quantity import real
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Event
+    from ...scenarios.trajectory import Event
 
 BITS = (256, 1_024, 4_096)
 """Bits to which two instants are known before they are called one: near-ties of the catalogue need up to 1,400."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from ...scenarios.pictures.picture import scene_picture
+from ...scenarios.pictures import scene_picture
 from ..documents.orders import choices_phrase, orders_json, orders_sentence, velocities_phrase
 from ..outcomes.break_pattern import pattern
 from .counting import counted

@@ -12,16 +12,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...exact.engine import ExactEngine
-from ...exact.results.motion import ExactMotion
-from ...exact.simulation.limits import run_limits
+from ...exact.exact_engine import ExactEngine
+from ...exact.exact_motion import ExactMotion
+from ...exact.simulation.decider import run_limits
 from ...scenarios.errors import SceneError
-from ...scenarios.lazy.version import VERSION
+from ...scenarios.lazy import VERSION
 from ...scenarios.trajectory import StopReason
 from ..engines import engine as engine_named
 
 if TYPE_CHECKING:
-    from ...exact.simulation.limits import Limits
+    from ...exact.simulation.decider import Limits
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
@@ -200,7 +200,7 @@ def _keep(path: Path, run: Trajectory) -> None:
     """Writes a run beside its place and moves it there; makes room first."""
     import gzip
 
-    from ...scenarios.files.disk import write_file
+    from ...scenarios.disk import write_file
     from .run_file import saved_run
 
     try:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import json
 import os
 
-from ...scenarios.files.disk import text_of
-from ...scenarios.files.sealed import Seal
+from ...scenarios.disk import Seal, text_of
 from ..cli.writing import write_whole
 from ..comparison import Comparison
 from ..documents.comparison import comparison_json

@@ -6,8 +6,7 @@ import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from ...exact.engine import ExactEngine
-from ...exact.results.resumed import NOT_ITS_LOG, tape_of
+from ...exact.exact_engine import NOT_ITS_LOG, ExactEngine, tape_of
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import Trajectory
 from .run_file import load_run

@@ -6,18 +6,13 @@ import json
 import os
 from typing import Any
 
-from ...exact.results.motion import ExactMotion
-from ...exact.results.run_log import RunLog
-from ...exact.results.times import TimeFormula, time_of
-from ...exact.results.value import ExactValue
-from ...exact.simulation.history import Mark
+from ...exact.exact_motion import ExactMotion, ExactValue, RunLog, TimeFormula, time_of
+from ...exact.simulation.decider import Mark
+from ...scenarios.disk import Seal, fits, text_of
 from ...scenarios.errors import SceneError
-from ...scenarios.event import Assumption, Event, Pocketing, Reversal, TieProof
 from ...scenarios.files import dump_json, loads_json
-from ...scenarios.files.disk import text_of
-from ...scenarios.files.sealed import Seal, fits
 from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.trajectory import Stop, StopReason, Trajectory
+from ...scenarios.trajectory import Assumption, Event, Pocketing, Reversal, Stop, StopReason, TieProof, Trajectory
 from .run_numbers import (
     NumberReader,
     NumberWriter,

@@ -7,15 +7,14 @@ from typing import Any, TypeAlias
 
 from flint import arb, fmpq, fmpz
 
-from ...exact.numbers.field import Known
+from ...exact.exact_motion import Source
+from ...exact.numbers.ball import Known, from_parts, parts_of
 from ...exact.replay.contact import AtWall, Entry, Link, Pair, Touch
-from ...exact.replay.steps import Flip, Go, Kick, Step, Take
-from ...exact.results.ball_parts import from_parts, parts_of
-from ...exact.results.times import Source
+from ...exact.replay.state import Flip, Go, Kick, Step, Take
+from ...scenarios.numbers.nested_roots import Tower
 from ...scenarios.numbers.parsing import MAX_LENGTH
 from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.tower.element import Element
-from ...scenarios.numbers.tower.tower import Tower
+from ...scenarios.numbers.tower_element import Element
 
 Written: TypeAlias = Any
 """What JSON holds: whole numbers, text, lists."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from ...exact.replay.contact import Entry
-from ...exact.simulation.instants.instant import Instant
-from ...exact.simulation.limits import Limits
-from ...exact.simulation.tape import Found, Reached, Tape
-from ...scenarios.event import Contact, Tie, TieProof
+from ...exact.simulation.decider import Limits
+from ...exact.simulation.instant import Instant
+from ...exact.simulation.loop import Found, Reached, Tape
 from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.trajectory import Contact, Tie, TieProof
 from .run_numbers import Written, link_of, links_data, links_of, set_time_data
 
 

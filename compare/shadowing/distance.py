@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from flint import arb
 
+from ...exact.exact_motion import motion_of
 from ...exact.numbers import ball
-from ...exact.numbers.field import known_ball
-from ...exact.results.motion import motion_of
+from ...exact.numbers.ball import known_ball
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -10,10 +10,8 @@ import numpy as np
 from flint import arb
 
 from ...exact.numbers import ball
-from ...exact.replay.body import Flight
-from ...exact.replay.contact import AtWall, Pair, Touch
-from ...exact.replay.state import State
-from ...exact.replay.steps import Go, Kick
+from ...exact.replay.contact import AtWall, Flight, Pair, Touch
+from ...exact.replay.state import Go, Kick, ReplayState
 from ..tangent.growth import Displacements, unit_displacements
 from ..tangent.impacts import Impact, moving
 from .record import Indices, Record
@@ -80,7 +78,7 @@ class FixedOrder:
         self.scene = scene
         self.chain = chain
         self.free = moving(scene)
-        self._made = State(scene, ball.BALLS)
+        self._made = ReplayState(scene, ball.BALLS)
         self._bits = ball.bits_in_use()
 
     def image(self, k: int, node: Node) -> tuple[Node, list[Impact]]:
@@ -107,9 +105,9 @@ class FixedOrder:
             told += [flight.vx, flight.vy]
         return told, struck
 
-    def _state(self, segment: Segment, node: Node) -> State[arb]:
+    def _state(self, segment: Segment, node: Node) -> ReplayState[arb]:
         if self._bits != ball.bits_in_use():
-            self._made, self._bits = State(self.scene, ball.BALLS), ball.bits_in_use()
+            self._made, self._bits = ReplayState(self.scene, ball.BALLS), ball.bits_in_use()
         state, begin = self._made, arb(segment.begin)
         for body in state.bodies.values():
             body.flight = body.flight._replace(last=0)
@@ -128,7 +126,7 @@ class FixedOrder:
         return carried.matrix * 2.0**carried.scale
 
 
-def _impact(state: State[arb], link: Touch) -> Impact:
+def _impact(state: ReplayState[arb], link: Touch) -> Impact:
     """The impact that is about to push."""
     i = link.circles[0]
     flight = state.bodies[i].flight

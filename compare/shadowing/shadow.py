@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import rational

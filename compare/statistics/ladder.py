@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from statistics import NormalDist, fmean, stdev
 from typing import TYPE_CHECKING
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...scenarios.engine import DEFAULT_EVENTS
 from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason

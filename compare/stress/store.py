@@ -9,6 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ...scenarios.disk import held
 from ...scenarios.errors import SceneError
 from ...scenarios.files.disk import Lines
 from .rows.cell import StressRow

@@ -6,10 +6,8 @@ import json
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...scenarios.checks.showing import cut
-from ...scenarios.errors import SceneError
-from ...scenarios.files.disk import text_of
-from ...scenarios.files.sealed import fits
+from ...scenarios.disk import fits, text_of
+from ...scenarios.errors import SceneError, cut
 from .document import SUITE_SCHEMA
 
 if TYPE_CHECKING:

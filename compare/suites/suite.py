@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ...scenarios.disk import text_of
 from ...scenarios.errors import SceneError
-from ...scenarios.files.disk import text_of
-from ...scenarios.files.reader import MAX_TOML, toml_table
+from ...scenarios.files import MAX_TOML, toml_table
 from ..engines import engine, split_engines, suggestion
 from ..foreign.loading import label_of
 from ..scene_argument import FILE_SUFFIXES, scene_from

@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from flint import arb
 
+from ...exact.exact_motion import ExactValue
 from ...exact.laws.formulas import advance, pair_approach, pair_nearest_time
 from ...exact.numbers import ball
-from ...exact.numbers.field import known_ball
-from ...exact.results.value import ExactValue
+from ...exact.numbers.ball import known_ball
 
 if TYPE_CHECKING:
+    from ...exact.exact_motion import ExactMotion
     from ...exact.replay.contact import Link
-    from ...exact.results.motion import ExactMotion
-    from ...scenarios.event import Event
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Event, Trajectory
 
 BITS = 128
 """Accuracy of the times that are compared; where they are not told apart the graze counts as one."""

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from flint import arb, arb_mat
 
+from ...exact.exact_motion import motion_of
 from ...exact.laws.formulas import wall_bounce
 from ...exact.laws.tangent_formulas import pair_tangent
 from ...exact.numbers import ball
-from ...exact.results.motion import motion_of
 from .impacts import LEAST_BITS, Impact, NoTangentMap, Real, impacts, moving
 
 if TYPE_CHECKING:

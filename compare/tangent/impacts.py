@@ -8,20 +8,19 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
 from flint import arb
 
+from ...exact.exact_motion import ExactMotion, steps_through
 from ...exact.laws.formulas import pair_impulse, wall_bounce
 from ...exact.numbers import ball
 from ...exact.replay.ball_state import BallState
-from ...exact.replay.centred.centred_state import CentredState
+from ...exact.replay.centred_state import CentredState
 from ...exact.replay.contact import AtWall, Touch
-from ...exact.replay.steps import Go, Kick
-from ...exact.results.motion import ExactMotion, steps_through
+from ...exact.replay.state import Go, Kick
 from .grazes import first_graze
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Event
     from ...scenarios.numbers.quantity import Quantity
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Event, Trajectory
 
 
 class NoTangentMap(ValueError):

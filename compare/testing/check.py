@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...exact.engine import DEFAULT_WORK, ExactEngine
+from ...exact.exact_engine import DEFAULT_WORK, ExactEngine
 from ...scenarios.engine import DEFAULT_EVENTS
 from ...scenarios.errors import SceneError
 from ...scenarios.scene import Scene

@@ -22,7 +22,7 @@ def truebreak_scenes(*specs: str) -> list[str]:
     >>> truebreak_scenes("lee", "gas:n=3..4,seed=1..2")
     ['lee', 'gas:n=3,seed=1', 'gas:n=3,seed=2', 'gas:n=4,seed=1', 'gas:n=4,seed=2']
     """
-    from ...scenarios.catalogue.table import entry
+    from ...scenarios.catalogue.scene_table import entry
     from ...scenarios.errors import SceneError
     from ..scene_argument import FILE_SUFFIXES
 

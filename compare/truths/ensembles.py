@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...scenarios import catalogue
-from ...scenarios.catalogue.draw import Draw
+from ...scenarios.catalogue.scene_entry import Draw
 from ..chaos.growth.spectrum import TURNING, spectrum
 from ..tangent.impacts import impacts
 

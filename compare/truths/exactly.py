@@ -7,15 +7,15 @@ from fractions import Fraction
 from functools import cache
 from itertools import takewhile
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...exact.numbers import ball
 from ...scenarios import catalogue
-from ...scenarios.catalogue.scenes.billiards import CHALLENGE, PINBALL
-from ...scenarios.catalogue.scenes.impacts import EE_AND_LEE, MURPHY
+from ...scenarios.catalogue.article import EE_AND_LEE, MURPHY
+from ...scenarios.catalogue.billiards import CHALLENGE, PINBALL
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
+from ...scenarios.settings import TiePolicy
 from ...scenarios.things import Circle, Wall
-from ...scenarios.tie_policy import TiePolicy
 from ..orders.all_orders import all_orders
 from ..repeller.expansion import ladder, settled
 from ..repeller.orbits import BITS, orbit, pinball

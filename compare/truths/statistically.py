@@ -6,9 +6,9 @@ import math
 from fractions import Fraction
 from functools import cache
 
-from ...exact.engine import ExactEngine
+from ...exact.exact_engine import ExactEngine
 from ...scenarios import catalogue
-from ...scenarios.catalogue.scenes.billiards import FOLDED, IN_A_BOX, PINBALL
+from ...scenarios.catalogue.billiards import FOLDED, IN_A_BOX, PINBALL
 from ...scenarios.numbers.quantity import Quantity
 from ..chaos.following import follow
 from ..chaos.growth.spectrum import spectrum

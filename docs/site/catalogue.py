@@ -12,7 +12,7 @@ from truebreak.compare.report.sentences import proof_phrase, verdict_sentence
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import dump_json, dump_toml
-from truebreak.scenarios.pictures.picture import scene_picture
+from truebreak.scenarios.pictures import scene_picture
 from truebreak.scenarios.scene import Scene
 
 ENGINES = ("double", "pymunk")

@@ -19,7 +19,7 @@ PURE = "TRUEBREAK_PURE_PYTHON"
 Doubles: TypeAlias = tuple[float, ...]
 
 
-class Predictions(Protocol):
+class CompiledPredictions(Protocol):
     """See predictions.c; flights, lines and bounds are those of `DoubleFilter`."""
 
     def pairs(
@@ -59,7 +59,7 @@ class Predictions(Protocol):
         ...
 
 
-class Steps(Protocol):
+class CompiledSteps(Protocol):
     """See steps.c; sets are `ErrorSet`, and what is told of a contact is `Carried`."""
 
     def bounce(
@@ -154,7 +154,7 @@ class CellLists(Protocol):
         ...
 
 
-class Cells(Protocol):
+class CompiledCells(Protocol):
     """See cells.c."""
 
     def Cells(
@@ -187,7 +187,7 @@ def loaded(module: str) -> object:
         return None
 
 
-predictions = cast("Predictions | None", loaded(f"{__name__}._predictions"))
-steps = cast("Steps | None", loaded(f"{__name__}._steps"))
-cells = cast("Cells | None", loaded(f"{__name__}._cells"))
+predictions = cast("CompiledPredictions | None", loaded(f"{__name__}._predictions"))
+steps = cast("CompiledSteps | None", loaded(f"{__name__}._steps"))
+cells = cast("CompiledCells | None", loaded(f"{__name__}._cells"))
 """None where Python runs, as `predictions` and `steps`."""

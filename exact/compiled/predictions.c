@@ -1,5 +1,5 @@
-/* What `double_filter.py`, `FilteredPredictor.predict` and `ArrivalQueue` do in doubles, compiled: the same operations
- * in the same order, so that both give the same bits. The bounds are derived in double_filter.py; nothing is decided
+/* What `filtered.py`, `FilteredPredictor.predict` and `ArrivalQueue` do in doubles, compiled: the same operations
+ * in the same order, so that both give the same bits. The bounds are derived in filtered.py; nothing is decided
  * here that is not decided there. Built where there is a compiler; without it, the Python runs.
  *
  * No operation may be fused or kept wider than a double: see pyproject.toml for the compiler's options.
@@ -498,7 +498,7 @@ static PyMethodDef methods[] = {
 };
 
 static struct PyModuleDef module = {
-    PyModuleDef_HEAD_INIT, "_predictions", "Predictions in doubles, compiled: see double_filter.py.", -1, methods,
+    PyModuleDef_HEAD_INIT, "_predictions", "Predictions in doubles, compiled: see filtered.py.", -1, methods,
     NULL, NULL, NULL, NULL,
 };
 

@@ -1,10 +1,10 @@
-/* What `exact/replay/lone/carrying.py` does, compiled: the deviations of midpoints, carried through one contact. The same
+/* What `exact/replay/deviations.py` does, compiled: the deviations of midpoints, carried through one contact. The same
  * operations in the same order, on the same lists of an `ErrorSet`, so that both leave the same bits. The bounds are
  * derived in docs/error-bound.md.
  */
 #include "rows.h"
 
-/* As in exact/replay/centred/errors.py, derivatives.py and deviations.py, and exact/replay/body.py and lone/: a test
+/* As in exact/replay: error_bounds.py, deviations.py, contact.py, ball_state.py and centred_state.py: a test
  * holds these against those. */
 #define UP (1.0 + 0x1p-40)
 #define WIDER (1.0 + 0x1p-39)

@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from sympy import Expr, diff, solve, symbols, together
+from sympy import diff, solve, symbols, together
 
 from .derivation import (
     LawError,
@@ -33,6 +33,7 @@ from .derivation import (
     b_y,
     bprime_x,
     bprime_y,
+    is_zero,
     pair_touch,
     pair_velocities,
     w_x0,
@@ -41,7 +42,6 @@ from .derivation import (
     w_y1,
     wall_velocities,
 )
-from .elimination import is_zero
 from .stable_forms import R, StableForm, dx, dy, render, vx, vy, wa, wb
 
 px, py, qx, qy = symbols("px, py, qx, qy")
@@ -100,7 +100,7 @@ FORMS = (
 
 
 @cache
-def pair_displacement() -> tuple[Expr, Expr, Expr, Expr]:
+def pair_displacement() -> tuple[Any, Any, Any, Any]:
     """What b's displacement gains, per inverse mass: position x, y and velocity x, y, at contact, where |d| is R.
 
     Raises:
@@ -121,7 +121,7 @@ def pair_displacement() -> tuple[Expr, Expr, Expr, Expr]:
 
 
 @cache
-def wall_displacement() -> tuple[Expr, Expr, Expr, Expr]:
+def wall_displacement() -> tuple[Any, Any, Any, Any]:
     """A displacement of position and velocity after a bounce off a wall.
 
     >>> from .derivation import w_x0, w_y0, w_x1, w_y1

@@ -31,6 +31,7 @@ from .derivation import (
     b_x,
     b_y,
     fixed_circle_velocities,
+    is_zero,
     pair_instant_speed,
     pair_times,
     pair_touch,
@@ -49,7 +50,6 @@ from .derivation import (
     y0,
     y1,
 )
-from .elimination import is_zero
 from .stable_forms import FORMS, StableForm, render
 
 FORMULAS = Path(__file__).with_name("formulas.py")

@@ -1,14 +1,22 @@
-"""Balls: midpoint and radius that enclose the exact value, through `flint.arb`."""
+"""The numbers of certified runs: balls, the field of a scene, nested square roots."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf, nan, nextafter
+from typing import TypeAlias
 
-from flint import arb
+from flint import arb, fmpq, fmpz
 
 from ...scenarios.numbers import precision as working
-from ...scenarios.numbers.quantity import Quantity
-from .undecided import Undecided
+from ...scenarios.numbers.nested_roots import Tower
+from ...scenarios.numbers.quantity import Quantity, rational_root
+from ...scenarios.numbers.tower_element import Element
+from ...scenarios.numbers.tower_ring import TowerLimit
+from ...scenarios.work import Work
+from .system import Undecided
+
+# -- Balls: midpoint and radius that enclose the exact value, through `flint.arb`.
 
 precision, use_bits, bits_in_use = working.at_bits, working.use_bits, working.bits_in_use
 """Flint's working precision: for a while, from now on, and which it is."""
@@ -111,3 +119,195 @@ class Balls:
 
 
 BALLS = Balls()
+
+
+# -- Balls as whole numbers, bit for bit, and how they pickle.
+
+Parts: TypeAlias = tuple[int, int, int, int] | tuple[()]
+"""Midpoint and radius as m, e, r, f: m * 2**e +/- r * 2**f. Nothing, for a ball that is not finite."""
+
+
+def parts_of(ball: arb) -> Parts:
+    """A ball as whole numbers.
+
+    >>> parts_of(arb(3) / 4), float(from_parts(*parts_of(arb(3) / 4)))
+    ((3, -2, 0, 0), 0.75)
+    """
+    if not ball.is_finite():
+        return ()
+    middle, radius = ball.mid().man_exp(), ball.rad().man_exp()
+    return int(middle[0]), int(middle[1]), int(radius[0]), int(radius[1])
+
+
+def from_parts(*parts: int) -> arb:
+    """The ball of these parts, at any working precision; one that says nothing, for none."""
+    if not parts:
+        return arb.nan()
+    m, e, r, f = parts
+    middle, radius = (fmpz(m), fmpz(e)), arb((fmpz(r), fmpz(f)))
+    wide = arb(middle, radius)
+    if _is(wide.rad(), radius):
+        return wide
+    spare = RADIUS_BITS - r.bit_length()
+    same = arb(middle, arb((fmpz((r << spare) - 1), fmpz(f - spare))))
+    return same if _is(same.rad(), radius) else wide
+
+
+RADIUS_BITS = 31
+"""One more than a radius has: flint adds a unit in the last place to one that it takes, so it is given half of one
+less. What comes of it is looked at, and the wider ball taken where it is not the one wanted."""
+
+
+def _is(one: arb, other: arb) -> bool:
+    """Whether two numbers without a radius are the same."""
+    return bool(one == other)
+
+
+def reduced(ball: arb) -> tuple[Callable[..., arb], Parts]:
+    """What pickle keeps of a ball."""
+    return from_parts, parts_of(ball)
+
+
+# -- The field of a scene: rationals, with the square roots that the scene's own numbers are made of.
+
+FieldNumber: TypeAlias = fmpq | Element
+"""`flint.fmpq` while no root is about, else a tower's `Element`."""
+
+Known: TypeAlias = arb | FieldNumber
+"""A number as a certified run keeps it: exact where it is at hand exactly, else a ball."""
+
+MAX_ROOTS = 4
+"""Nested levels that a scene's constants may need for its runs to be kept in their field."""
+
+BOUND_BITS = 64
+"""Bits to which a number is enclosed for its bounds as doubles."""
+
+
+class LeavesField(Exception):
+    """A square root that is not in the field."""
+
+
+class Field:
+    """Constants and roots within the smallest field that holds a scene's numbers."""
+
+    def __init__(self) -> None:
+        self.tower = Tower(max_depth=MAX_ROOTS)
+
+    def constant(self, q: Quantity) -> FieldNumber:
+        """An exact number; its roots join the field.
+
+        Raises:
+            LeavesField: if the field would grow too deep.
+        """
+        if q.rational is not None:
+            return q.rational
+        try:
+            element = q.in_tower(self.tower)
+        except TowerLimit as limit:
+            raise LeavesField from limit
+        return _simplest(element)
+
+    def root(self, value: FieldNumber) -> FieldNumber:
+        """The square root of a number of the field.
+
+        Raises:
+            LeavesField: if it is not in the field, or the number is negative.
+        """
+        if isinstance(value, fmpq):
+            if value < 0:
+                raise LeavesField
+            root = rational_root(value)
+            if root is not None:
+                return root
+            if self.tower.depth == 0:
+                raise LeavesField
+            value = self.tower.rational(value)
+        if value.sign() < 0:
+            raise LeavesField
+        within = self.tower.own_root(value)
+        if within is None:
+            raise LeavesField
+        return _simplest(within)
+
+    def leaves(self, value: FieldNumber) -> bool:
+        """Whether the square root of a number, which is not negative, is in no field of rationals alone."""
+        return isinstance(value, fmpq) and rational_root(value) is None
+
+    def sign(self, value: FieldNumber) -> int:
+        """Always decided."""
+        return field_sign(value)
+
+    def bounds(self, value: FieldNumber) -> tuple[float, float]:
+        """See `NumberSystem.bounds`."""
+        with precision(BOUND_BITS):
+            return double_bounds(field_ball(value, BOUND_BITS))
+
+    def element(self, value: FieldNumber) -> Element:
+        """The number as an element of the tower."""
+        return self.tower.rational(value) if isinstance(value, fmpq) else value
+
+
+def _simplest(element: Element) -> FieldNumber:
+    fraction = element.fraction()
+    return element if fraction is None else fraction
+
+
+def field_sign(value: FieldNumber) -> int:
+    """-1, 0 or +1."""
+    if isinstance(value, fmpq):
+        return (value > 0) - (value < 0)
+    return value.sign()
+
+
+def field_ball(value: FieldNumber, bits: int) -> arb:
+    """A ball around the number, at flint's working precision, which is `bits`."""
+    return arb(value) if isinstance(value, fmpq) else value.ball(bits)
+
+
+def known_ball(value: Known, bits: int) -> arb:
+    """A ball around a number of a certified run, in at least so many bits where it is known exactly."""
+    if isinstance(value, arb):
+        return value
+    with precision(bits):
+        return field_ball(value, bits)
+
+
+def height(value: FieldNumber) -> int:
+    """Bits of the longest whole number in it."""
+    return value.height_bits()
+
+
+def field_text(value: FieldNumber) -> str:
+    """The number's normal form as text: equal for equal numbers, and for no others, within one field."""
+    return str(value) if isinstance(value, fmpq) else value.text()
+
+
+# -- Nested square roots in normal form, within a depth and counted work.
+
+
+class NestedNumbers:
+    """The numbers of one tower.
+
+    Args:
+        max_depth: nested levels that it may have.
+        work: what it may cost; both raise `TowerLimit` beyond.
+    """
+
+    def __init__(self, max_depth: int, work: Work) -> None:
+        self.tower = Tower(max_depth=max_depth, work=work)
+
+    def constant(self, q: Quantity) -> Element:
+        """See `Arithmetic.constant`."""
+        return q.in_tower(self.tower)
+
+    def root(self, value: Element) -> Element:
+        """See `Arithmetic.root`."""
+        return self.tower.sqrt(value)
+
+    def sign(self, value: Element) -> int:
+        """Always decided."""
+        return value.sign()
+
+    def bounds(self, value: Element) -> tuple[float, float]:
+        """See `NumberSystem.bounds`."""
+        return double_bounds(value.ball(BOUND_BITS))

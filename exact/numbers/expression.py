@@ -9,7 +9,7 @@ from sympy import Add, Mul, Pow, Rational, sympify  # pyright: ignore[reportMiss
 from ...scenarios.numbers.quantity import Quantity
 
 
-class Expression:
+class SymPyExpression:
     """A SymPy expression under construction."""
 
     __slots__ = ("expression",)
@@ -17,32 +17,32 @@ class Expression:
     def __init__(self, expression: Any) -> None:
         self.expression = expression
 
-    def __add__(self, other: Expression) -> Expression:
-        return Expression(Add(self.expression, other.expression, evaluate=False))
+    def __add__(self, other: SymPyExpression) -> SymPyExpression:
+        return SymPyExpression(Add(self.expression, other.expression, evaluate=False))
 
-    def __sub__(self, other: Expression) -> Expression:
+    def __sub__(self, other: SymPyExpression) -> SymPyExpression:
         return self + (-other)
 
-    def __mul__(self, other: Expression) -> Expression:
-        return Expression(Mul(self.expression, other.expression, evaluate=False))
+    def __mul__(self, other: SymPyExpression) -> SymPyExpression:
+        return SymPyExpression(Mul(self.expression, other.expression, evaluate=False))
 
-    def __truediv__(self, other: Expression) -> Expression:
-        return self * Expression(Pow(other.expression, -1, evaluate=False))
+    def __truediv__(self, other: SymPyExpression) -> SymPyExpression:
+        return self * SymPyExpression(Pow(other.expression, -1, evaluate=False))
 
-    def __neg__(self) -> Expression:
-        return Expression(-1) * self if not self.expression.is_Rational else Expression(-self.expression)
+    def __neg__(self) -> SymPyExpression:
+        return SymPyExpression(-1) * self if not self.expression.is_Rational else SymPyExpression(-self.expression)
 
 
 class Expressions:
     """The system: constants and roots; a sign is SymPy's business (see the literal engine)."""
 
-    def constant(self, q: Quantity) -> Expression:
+    def constant(self, q: Quantity) -> SymPyExpression:
         """See `Arithmetic.constant`."""
-        return Expression(sympify(q.sympy()))
+        return SymPyExpression(sympify(q.sympy()))
 
-    def root(self, value: Expression) -> Expression:
+    def root(self, value: SymPyExpression) -> SymPyExpression:
         """See `Arithmetic.root`."""
-        return Expression(Pow(value.expression, Rational(1, 2), evaluate=False))
+        return SymPyExpression(Pow(value.expression, Rational(1, 2), evaluate=False))
 
 
 EXPRESSIONS = Expressions()

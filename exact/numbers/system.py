@@ -1,12 +1,26 @@
-"""What a system of numbers must do, and the table of those that there are."""
+"""What a system of numbers must do, the table of those that there are, and linear systems in any of them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import import_module
 from typing import Any, Protocol, Self, TypeVar
 
 from ...scenarios.numbers.quantity import Quantity
 from ..laws.formulas import N, Number
+
+# -- The typed outcome of a comparison that a number system cannot answer.
+
+
+class Undecided(Exception):
+    """A sign that is not known. The message says which, at which event, to how many bits."""
+
+
+class BudgetSpent(Exception):
+    """A limit that the user set on effort was reached before an answer was."""
+
+
+# -- What a system of numbers must do, and the table of those that there are.
 
 
 class Ordered(Number, Protocol):
@@ -75,8 +89,8 @@ class Nearest:
 
 SYSTEMS: dict[str, str] = {
     "ball": ".numbers.ball:BALLS",
-    "field": ".numbers.field:Field",
-    "nested": ".numbers.nested:Nested",
+    "field": ".numbers.ball:Field",
+    "nested": ".numbers.ball:NestedNumbers",
     "expression": ".numbers.expression:EXPRESSIONS",
     "double": "..floating.double:DOUBLES",
     "single": "..floating.single:SINGLES",
@@ -101,3 +115,29 @@ def number_system(name: str) -> Any:
     """
     module, _, attribute = SYSTEMS[name].partition(":")
     return getattr(import_module(module, PACKAGE), attribute)
+
+
+# -- Small linear systems in any numbers.
+
+
+def solve_positive(matrix: Sequence[Sequence[N]], right: Sequence[N]) -> list[N]:
+    """Solves a symmetric positive definite system by elimination; its pivots need no choice.
+
+    >>> from fractions import Fraction as Q
+    >>> solve_positive([[Q(2), Q(1)], [Q(1), Q(2)]], [Q(3), Q(0)])
+    [Fraction(2, 1), Fraction(-1, 1)]
+    """
+    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
+    size = len(rows)
+    for k in range(size):
+        for below in rows[k + 1 :]:
+            factor = below[k] / rows[k][k]
+            for column in range(k + 1, size + 1):
+                below[column] = below[column] - factor * rows[k][column]
+    solution: list[N] = []  # from the last to the first
+    for k in reversed(range(size)):
+        value = rows[k][size]
+        for column in range(k + 1, size):
+            value = value - rows[k][column] * solution[size - 1 - column]
+        solution.append(value / rows[k][k])
+    return solution[::-1]

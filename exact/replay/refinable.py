@@ -15,14 +15,11 @@ from flint import arb
 
 from ...scenarios.scene import Scene
 from ..numbers import ball
-from ..numbers.field import Field, FieldNumber, LeavesField, field_ball, height
-from .body import Body, Flight
-from .centred.centred_state import CentredState
-from .contact import AtWall, Pair, Touch
-from .lone.centred import lone_contacts
-from .lone.contacts import SPARE_BITS
-from .state import State
-from .steps import Flip, Go, Kick, Step, circles_of
+from ..numbers.ball import Field, FieldNumber, LeavesField, field_ball, height
+from .ball_state import SPARE_BITS
+from .centred_state import CentredState, lone_contacts
+from .contact import AtWall, Body, Flight, Pair, Touch
+from .state import Flip, Go, Kick, ReplayState, Step, circles_of
 
 FIELD_BITS = 768
 """Longest exact numbers kept. Rationals of this length cost about as much as balls; Galperin's, which grow by 27
@@ -67,7 +64,7 @@ class RefinableState:
         for body in self.bodies.values():
             body.acc = bits
         try:
-            self.field: State[FieldNumber] | None = State(scene, self.numbers)
+            self.field: ReplayState[FieldNumber] | None = ReplayState(scene, self.numbers)
             self._admit_walls()
             self.numbers.tower.max_depth = self.numbers.tower.depth
             self.exact = [True] * self.n

@@ -1,26 +1,369 @@
-"""Carries out an event log in any number system: advance bodies to a contact, apply impulses, flip velocities.
-
-An event log holds no decisions: given the scene and the log, every number of a run can be computed
-again, to more bits or in nested square roots. What an event-driven engine keeps while it runs is such a state too, fed
-one step at a time.
-"""
+"""The event log, and the state that it computes in any number system: steps without decisions, carried out."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import isfinite
+from typing import Generic, Literal, NamedTuple, TypeAlias
 
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
-from ..laws.formulas import advance, pair_approach, pair_gap, pair_impulse, wall_bounce
-from ..numbers.linear import solve_positive
-from ..numbers.system import Arithmetic, N
-from .body import Body, Flight
-from .contact import AtWall, Entry, Link, Pair, Round, Touch
-from .flights import Flights
-from .steps import Go, Kick, Step, Take
+from ...scenarios.work import product_units
+from ..laws.formulas import (
+    advance,
+    pair_approach,
+    pair_discriminant,
+    pair_gap,
+    pair_hit_time,
+    pair_impulse,
+    pair_nearest_time,
+    wall_approach,
+    wall_bounce,
+    wall_gap,
+    wall_hit_time,
+)
+from ..numbers.system import Arithmetic, N, solve_positive
+from .contact import AtWall, Body, Entry, Flight, Link, Pair, Round, Touch
+
+# -- The event log: what happened, as steps without decisions, and which of them a number rests on.
+#
+# Given the scene and the log, every number of a run can be computed again: to more bits, in nested square roots.
 
 
-class State(Flights[N]):
+class Go(NamedTuple):
+    """Advance `bodies` to one instant.
+
+    The instant is the hit time of `source` if that is a Link, the clock of a body if it is an int, the constant
+    itself if it is a Quantity.
+    """
+
+    source: Link | int | Quantity
+    bodies: tuple[int, ...]
+
+
+class Kick(NamedTuple):
+    """Apply, together, the impulses that make each of these contacts separate as fast as it approached.
+
+    Attributes:
+        links: the contacts that push.
+        among: the contacts whose law this is: all that approach in a round of the policy `simultaneous`, of which
+            `links` push; the contact alone where an order was chosen. The velocities that come out depend on the
+            state and on `among` alone, so symmetric instants have symmetric `among`, whatever set of contacts was
+            found to push.
+    """
+
+    links: tuple[Touch, ...]
+    among: tuple[Touch, ...]
+
+
+class Flip(NamedTuple):
+    """Negate every velocity; all bodies stand at one instant."""
+
+
+class Take(NamedTuple):
+    """Take a body out of play: it rests where it is, and nothing meets it."""
+
+    body: int
+
+
+Step: TypeAlias = Go | Kick | Flip | Take
+
+
+STEP_UNITS = 60
+"""Work of one step of the log in short numbers: about 60 microseconds."""
+
+STEP_PRODUCTS = 30
+"""Products of a step: those of long numbers are most of it."""
+
+
+def step_units(bits: int) -> int:
+    """Work of one step of the log in numbers of so many bits.
+
+    >>> [step_units(bits) for bits in (256, 10_000, 1_000_000)]
+    [60, 240, 77280]
+    """
+    return STEP_UNITS + STEP_PRODUCTS * product_units(bits, bits)
+
+
+def causal_past(steps: Sequence[Step], bodies: Iterable[int]) -> tuple[list[int], list[int]]:
+    """The steps on which the states of some bodies depend, in order, and all bodies in them.
+
+    Args:
+        steps: the log.
+        bodies: indices of the circles asked about.
+    """
+    wanted = set(bodies)
+    needed: list[int] = []
+    for k in range(len(steps) - 1, -1, -1):
+        step = steps[k]
+        if isinstance(step, Go):
+            if not wanted.isdisjoint(step.bodies):
+                needed.append(k)
+                if isinstance(step.source, int):
+                    wanted.add(step.source)
+                elif not isinstance(step.source, Quantity):
+                    wanted.update(step.source.circles)
+        elif isinstance(step, Kick):
+            touched = {i for link in step.links for i in link.circles}
+            if wanted & touched:
+                needed.append(k)
+                wanted |= touched
+        elif isinstance(step, Take):
+            if step.body in wanted:
+                needed.append(k)
+        else:
+            needed.append(k)
+    needed.reverse()
+    return needed, sorted(wanted)
+
+
+def circles_of(step: Step, count: int) -> tuple[int, ...]:
+    """The circles that take part in a step, of so many."""
+    if type(step) is Go:
+        source = step.source
+        if isinstance(source, tuple):
+            extra = [i for i in source.circles if i not in step.bodies]
+            return (*step.bodies, *extra) if extra else step.bodies
+        return (*step.bodies, source) if isinstance(source, int) else step.bodies
+    if type(step) is Kick:
+        if len(step.links) == 1:
+            return step.links[0].circles
+        return tuple({i for link in step.links for i in link.circles})
+    if isinstance(step, Take):
+        return (step.body,)
+    return tuple(range(count))
+
+
+# -- On which side of a wall a circle lies.
+
+CLEAR = 2.0**-40
+"""Share of its terms beyond which a height in doubles has the sign of the true one. Six roundings to doubles, of
+2**-53 each, and the roundings of five operations come to less than 2**-49 of them."""
+
+
+class Sides:
+    """On which side of each wall each circle starts, and so stays: decided exactly, once, when asked."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self._known: dict[tuple[int, int], bool] = {}
+        self._walls: dict[int, tuple[float, float, float, float] | None] = {}
+
+    def negative(self, circle: int, wall: int) -> bool:
+        """Whether the circle lies where the wall's own normal does not point."""
+        key = (circle, wall)
+        if key not in self._known:
+            where = self.scene.circles[circle]
+            told = self._in_doubles(circle, wall)
+            self._known[key] = self.scene.walls[wall].height(where.x, where.y).sign() < 0 if told is None else told
+        return self._known[key]
+
+    def _in_doubles(self, circle: int, wall: int) -> bool | None:
+        """The same, where doubles tell it."""
+        if wall not in self._walls:
+            exact = self.scene.walls[wall]
+            try:
+                nx, ny = exact.normal
+                self._walls[wall] = (float(nx), float(ny), float(exact.x0), float(exact.y0))
+            except OverflowError:
+                self._walls[wall] = None
+        line, where = self._walls[wall], self.scene.circles[circle]
+        if line is None:
+            return None
+        nx, ny, x0, y0 = line
+        try:
+            x, y = float(where.x), float(where.y)
+        except OverflowError:
+            return None
+        height = nx * (x - x0) + ny * (y - y0)
+        terms = abs(nx) * (abs(x) + abs(x0)) + abs(ny) * (abs(y) + abs(y0))
+        lost = CLEAR * terms + TINIEST * (1.0 + abs(nx) + abs(ny) + abs(x) + abs(y) + abs(x0) + abs(y0))
+        return height < 0.0 if isfinite(terms) and abs(height) > lost else None
+
+
+TINIEST = 1e-280
+"""More than what underflow may take from a factor, or from a product: half of 2**-1074 each."""
+
+
+# -- The circles and walls of a scene in one number system, as they fly: how far two are apart, and when they meet.
+
+
+class SeenWall(NamedTuple, Generic[N]):
+    """A wall as seen from one circle: a point on it, the normal to the circle's side, and |n|^2, |n|."""
+
+    x0: N
+    y0: N
+    nx: N
+    ny: N
+    nn: N
+    length: N
+
+
+class Relation(NamedTuple, Generic[N]):
+    """Two bodies at the later of their clocks: that clock, d = b - a, v = b - a, R."""
+
+    t: N
+    dx: N
+    dy: N
+    vx: N
+    vy: N
+    reach: N
+
+
+class Flights(Generic[N]):
+    """Bodies and walls of a scene in one number system.
+
+    Args:
+        scene: the scene; its state at time 0 is the state's first state.
+        numbers: the system.
+        only: the circles that will be asked for; others are left out, to spare work.
+
+    Attributes:
+        bodies: the circles, by index.
+        pockets: the pockets, as bodies at rest.
+        sides: on which side of each wall each circle lies.
+    """
+
+    def __init__(self, scene: Scene, numbers: Arithmetic[N], only: Iterable[int] | None = None) -> None:
+        self.scene = scene
+        self.constant = constant = numbers.constant
+        self.root = numbers.root
+        self.n = len(scene.circles)
+        self.zero: N = constant(Quantity.of(0))
+        self.one: N = constant(Quantity.of(1))
+        self._measures: dict[tuple[Quantity, Quantity | Literal["oo"]], tuple[N, N]] = {}
+        self.bodies = {i: self._circle(i) for i in (range(self.n) if only is None else sorted(only))}
+        self.pockets = [self._pocket(k) for k in range(len(scene.pockets))]
+        self._lines: dict[int, tuple[SeenWall[N], SeenWall[N]]] = {}
+        self.sides = Sides(scene)
+
+    def _circle(self, i: int) -> Body[N]:
+        circle, constant, zero = self.scene.circles[i], self.constant, self.zero
+        x, y, vx, vy = constant(circle.x), constant(circle.y), constant(circle.vx), constant(circle.vy)
+        flight = Flight(x, y, vx, vy, zero, zero, rest=circle.at_rest)
+        r, m = circle.r, circle.m
+        if r.rational is None or (isinstance(m, Quantity) and m.rational is None):
+            return Body(i, flight, constant(r), constant(circle.inverse_mass))
+        known = self._measures.get((r, m))
+        if known is None:
+            known = self._measures[r, m] = constant(r), constant(circle.inverse_mass)
+        return Body(i, flight, *known)
+
+    def _pocket(self, k: int) -> Body[N]:
+        pocket, zero = self.scene.pockets[k], self.zero
+        flight = Flight(self.constant(pocket.x), self.constant(pocket.y), zero, zero, zero, zero, rest=True)
+        return Body(k, flight, self.constant(pocket.r), zero, is_pocket=True)
+
+    # -- what the steps need
+
+    def line(self, circle: int, wall: int) -> SeenWall[N]:
+        """The wall as seen from a circle."""
+        if wall not in self._lines:
+            exact = self.scene.walls[wall]
+            nx, ny = exact.normal
+            x0, y0, mx, my = (self.constant(value) for value in (exact.x0, exact.y0, nx, ny))
+            nn = mx * mx + my * my
+            length = self.root(nn)
+            self._lines[wall] = (SeenWall(x0, y0, mx, my, nn, length), SeenWall(x0, y0, -mx, -my, nn, length))
+        return self._lines[wall][self.sides.negative(circle, wall)]
+
+    def relation(self, link: Round) -> Relation[N]:
+        """The two of a contact at the later of their clocks, which the log's order tells without a comparison."""
+        a, b = link.ends(self)
+        f, g = a.flight, b.flight
+        ax, ay, bx, by = f.x, f.y, g.x, g.y
+        if f.last >= g.last:
+            t = f.t
+            if not g.rest:
+                lag = f.t - g.t
+                bx, by = advance(bx, g.vx, lag), advance(by, g.vy, lag)
+        else:
+            t = g.t
+            if not f.rest:
+                lag = g.t - f.t
+                ax, ay = advance(ax, f.vx, lag), advance(ay, f.vy, lag)
+        return Relation(t, bx - ax, by - ay, g.vx - f.vx, g.vy - f.vy, self.reach(a, b))
+
+    def later(self, link: Round) -> Body[N]:
+        """The one of the two of a contact whose flight is newer."""
+        a, b = link.ends(self)
+        return a if a.flight.last >= b.flight.last else b
+
+    def reach(self, a: Body[N], b: Body[N]) -> N:
+        """The sum of two radii; for a pocket its own, as a centre enters it."""
+        return b.r if b.is_pocket else a.r + b.r
+
+    # -- two circles, or a centre and a pocket
+
+    def round_gap(self, link: Round) -> N:
+        """|d|^2 - R^2 at the later clock; in enclosures, whose clocks may stand beside it, at the instant."""
+        pair, late = self.relation(link), self.later(link).flight.late
+        if late is None:
+            return pair_gap(pair.dx, pair.dy, pair.reach)
+        return pair_gap(advance(pair.dx, pair.vx, late), advance(pair.dy, pair.vy, late), pair.reach)
+
+    def round_approach(self, link: Round) -> N:
+        """d.v then: negative while the two come nearer."""
+        pair, late = self.relation(link), self.later(link).flight.late
+        if late is None:
+            return pair_approach(pair.dx, pair.dy, pair.vx, pair.vy)
+        return pair_approach(advance(pair.dx, pair.vx, late), advance(pair.dy, pair.vy, late), pair.vx, pair.vy)
+
+    def discriminant(self, link: Round) -> N:
+        """|v|^2 R^2 - (d x v)^2."""
+        pair = self.relation(link)
+        return pair_discriminant(pair.dx, pair.dy, pair.vx, pair.vy, pair.reach)
+
+    def round_hit(self, link: Round) -> tuple[N, N]:
+        """The clock from which the hit is reckoned, and the time from it to the hit."""
+        t, dx, dy, vx, vy, reach = self.relation(link)
+        root = self.root(pair_discriminant(dx, dy, vx, vy, reach))
+        return t, pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
+
+    def graze(self, link: Round) -> tuple[N, N]:
+        """As `round_hit`, for two that touch without pushing: the time at which they are nearest."""
+        t, dx, dy, vx, vy, _ = self.relation(link)
+        return t, pair_nearest_time(pair_approach(dx, dy, vx, vy), vx, vy)
+
+    def round_parts(self, link: Round) -> tuple[N, N, N]:
+        """p, q, D with hit time p + q*sqrt(D): the textbook root, for comparisons that add no root."""
+        t, dx, dy, vx, vy, reach = self.relation(link)
+        a = vx * vx + vy * vy
+        disc = pair_discriminant(dx, dy, vx, vy, reach)
+        return t - pair_approach(dx, dy, vx, vy) / a, -(self.one / a), disc
+
+    # -- a circle and a wall
+
+    def wall_gap(self, link: AtWall) -> N:
+        """The distance of a circle from a wall, less its radius, times |n|; when, see `round_gap`."""
+        x, y, vx, vy, _, _, late, *_ = self.bodies[link.circle].flight
+        if late is None:
+            return self._wall_gap(link, x, y)
+        return self._wall_gap(link, advance(x, vx, late), advance(y, vy, late))
+
+    def _wall_gap(self, link: AtWall, x: N, y: N) -> N:
+        line = self.line(*link[:2])
+        return wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, self.bodies[link.circle].r * line.length)
+
+    def wall_approach(self, link: AtWall) -> N:
+        """n.v: negative while the circle comes nearer."""
+        flight, line = self.bodies[link.circle].flight, self.line(*link[:2])
+        return wall_approach(flight.vx, flight.vy, line.nx, line.ny)
+
+    def wall_hit(self, link: AtWall) -> tuple[N, N]:
+        """As `round_hit`."""
+        flight = self.bodies[link.circle].flight
+        return flight.t, wall_hit_time(self._wall_gap(link, flight.x, flight.y), self.wall_approach(link))
+
+
+# -- Carries out an event log in any number system: advance bodies to a contact, apply impulses, flip velocities.
+#
+# An event log holds no decisions: given the scene and the log, every number of a run can be computed again, to more
+# bits or in nested square roots. What an event-driven engine keeps while it runs is such a state too, fed one step at
+# a time.
+
+
+class ReplayState(Flights[N]):
     """Flights, and the steps of a log upon them.
 
     Args:
@@ -212,7 +555,7 @@ class State(Flights[N]):
             body.flight = Flight(x, y, vx, vy, t, instant, late, self.steps_done, rest)
 
 
-def replay(state: State[N], steps: Sequence[Step], needed: Iterable[int]) -> None:
+def replay(state: ReplayState[N], steps: Sequence[Step], needed: Iterable[int]) -> None:
     """Carries out the needed steps of a log on a state that may hold only some of the bodies."""
     held = state.bodies
     for k in needed:

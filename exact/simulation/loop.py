@@ -1,37 +1,171 @@
-"""Predict, gather the next instant, resolve it, repeat: the event-driven loop, written once for every number system.
-
-1. Every pair's next meeting is predicted from the flights as they are, and put in a queue.
-2. What falls on the next instant is gathered (`Gatherer`): what comes first, all that comes with it, and a limit.
-3. The whole instant is resolved (`Resolver`), and only then noted.
-4. The next meetings of the circles whose flights changed are predicted; on to 2.
-
-A run that has to stop within an instant, because a sign is not to be had or the user interrupts it, ends at the last
-whole one.
-"""
+"""Predict, gather the next instant, resolve it, repeat: the event-driven loop, for every number system."""
 
 from __future__ import annotations
 
+import gc
 import time as clock
 from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, field
 from math import inf
-from typing import Generic
+from threading import Lock
+from types import TracebackType
+from typing import Generic, NamedTuple, TypeAlias
 
 from ...scenarios.errors import TimeIsUp, endable
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
-from ..numbers.system import N
-from ..numbers.undecided import BudgetSpent, Undecided
-from ..policies import Policy, policy_for
-from ..predicates.hits import Closing
-from ..replay.body import Body
-from ..replay.contact import Link, Touch
-from .arrivals.initial import rims_at_start, touching_at_start
-from .decider import Decider, Ordinary
-from .history import K
-from .instants.gathering import Gatherer
-from .instants.instant import Instant, Resolved, Resolver
-from .limits import Limits
-from .tape import Found, Tape, instant_of
+from ..numbers.system import BudgetSpent, N, Undecided
+from ..question import Closing
+from ..replay.contact import AtWall, Body, Link, Pair, Touch
+from .decider import Decider, History, K, Limits, Ordinary
+from .instant import Gatherer, Instant, Resolved, Resolver
+from .policies import Policy, policy_for
+from .prediction import rims_at_start, touching_at_start
+
+# -- What a run leaves for one that goes on from it: its instants, and what it had counted by then.
+
+Found: TypeAlias = Instant | Pair | AtWall
+"""What was gathered for one instant; of a contact alone, the contact."""
+
+
+class Reached(NamedTuple):
+    """How far a run was when it last began to look for an instant.
+
+    Attributes:
+        instants: how many it had carried out, besides that at time 0.
+        plan: what it had counted.
+        rises: how often its precision had risen.
+        assumed: how many assumptions it had made.
+    """
+
+    instants: int
+    plan: dict[str, int]
+    rises: int
+    assumed: int
+
+
+_new = tuple.__new__
+"""Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""
+
+
+@dataclass
+class Tape:
+    """The instants of a run, in order, without that at time 0.
+
+    Attributes:
+        limits: where the run was to end.
+        found: the instants.
+        reached: how many of them are whole, with all that followed from them; None before the first look.
+        rises: as the history has them.
+        grazes: by the number of the instant at which the later of their flights begins: the pairs proved to graze.
+    """
+
+    limits: Limits
+    found: list[Found] = field(default_factory=list)
+    reached: Reached | None = None
+    rises: list[tuple[int, bool]] = field(default_factory=list)
+    grazes: dict[int, list[Link]] = field(default_factory=dict)
+
+    def mark(self, history: History[K]) -> None:
+        """Called before each look for an instant."""
+        done = len(self.found)
+        if self.reached is None or self.reached.instants != done:
+            self.reached = _new(Reached, (done, dict(history.plan), len(history.rises), len(history.assumptions)))
+
+    def add(self, instant: Instant, *, whole: bool) -> None:
+        """An instant that was gathered; kept `whole`, or as its contact if that stands alone.
+
+        Where strides may be taken a contact is what one carried out, so that it is carried out again like that.
+        """
+        link = instant.clock
+        if (
+            not whole
+            and isinstance(link, Pair | AtWall)
+            and instant == Instant(instant.number, hits=(link,), clock=link)
+        ):
+            self.found.append(link)
+        else:
+            self.found.append(instant)
+
+    def whole(self) -> list[Found]:
+        """The instants up to where all that followed from them is known."""
+        return [] if self.reached is None else self.found[: self.reached.instants]
+
+
+def instant_of(found: Found, number: int) -> Instant:
+    """An instant, from what a tape keeps of it and its number.
+
+    >>> instant_of(Pair(0, 1), 2).hits
+    (Pair(a=0, b=1),)
+    """
+    return found if isinstance(found, Instant) else Instant(number, hits=(found,), clock=found)
+
+
+# -- Python's collector of cyclic garbage looks seldom while a run goes on, which makes tuples by the thousand, no
+# cycles.
+#
+# It looks through what is new each time that 700 more objects have been made than freed, and through all that there
+# is whenever a quarter has been added: among 1,000 discs, a tenth to a third of the exact engine's time. What keeps
+# itself alive is found all the same, `SELDOM` objects later at most; all else goes when nobody holds it, as ever.
+# What a run has made and is still held at its end counts as old from then on, as it would once the collector had been
+# through it.
+
+SELDOM = 100_000
+"""Objects more made than freed, between two looks: some ten megabytes. An event makes about ten that last."""
+
+
+class SeldomCollected:
+    """While it is entered, by any number of runs in any number of threads, collections are seldom.
+
+    A collector that is switched off, or that somebody has told to look still less often, stays as it is.
+
+    >>> before = gc.get_threshold()
+    >>> with SELDOM_COLLECTED:
+    ...     gc.get_threshold()[0] >= SELDOM
+    True
+    >>> gc.get_threshold() == before
+    True
+    """
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._entered = 0
+        self._before = (0, 0, 0)
+
+    def __enter__(self) -> None:
+        with self._lock:
+            self._entered += 1
+            if self._entered == 1:
+                self._before = gc.get_threshold()
+                if 0 < self._before[0] < SELDOM:
+                    gc.set_threshold(SELDOM, *self._before[1:])
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, traceback: TracebackType | None, /
+    ) -> None:
+        with self._lock:
+            self._entered -= 1
+            if not self._entered:
+                if not gc.get_freeze_count():
+                    gc.freeze()
+                    gc.unfreeze()  # all is old now
+                gc.set_threshold(*self._before)
+
+
+SELDOM_COLLECTED = SeldomCollected()
+"""What every run enters."""
+
+
+# -- Predict, gather the next instant, resolve it, repeat: the event-driven loop, written once for every number
+# system.
+#
+# 1. Every pair's next meeting is predicted from the flights as they are, and put in a queue. 2. What falls on the
+# next instant is gathered (`Gatherer`): what comes first, all that comes with it, and a limit. 3. The whole instant
+# is resolved (`Resolver`), and only then noted. 4. The next meetings of the circles whose flights changed are
+# predicted; on to 2.
+#
+# A run that has to stop within an instant, because a sign is not to be had or the user interrupts it, ends at the
+# last whole one.
 
 PROGRESS_EVERY = 0.2
 """Seconds between progress reports."""

@@ -1,15 +1,20 @@
-"""Reads exact numbers from text, by whitelist: never eval."""
+"""Reads exact numbers by whitelist: from text, from SymPy, and from number types of one's own. Never eval."""
 
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from importlib import import_module
+from math import isfinite
+from numbers import Rational
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar, runtime_checkable
 
 from flint import fmpq, fmpz
 
-from ..checks.showing import shortened
-from ..errors import SceneError
+from ..errors import SceneError, shortened
+
+# -- Reads exact numbers from text, by whitelist: never eval.
 
 MAX_LENGTH = 20_000
 """Longest text of one number, in characters: ten times what any scene needs, read in a millisecond."""
@@ -247,3 +252,97 @@ class _Parser(Generic[N]):
         value = fmpq(fmpz((whole + part) or "0"), fmpz(10) ** len(part))
         shift = int(exponent or 0)
         return value * fmpz(10) ** shift if shift >= 0 else value / fmpz(10) ** -shift
+
+
+# -- Exact numbers from SymPy expressions, by whitelist.
+
+MAX_ROOTS = 1 << 10
+"""Largest denominator of an exponent, a power of two: ten roots of one number."""
+
+
+def is_sympy(value: object) -> bool:
+    """Whether a value is a SymPy expression: never where SymPy is not loaded."""
+    return "sympy" in sys.modules and isinstance(value, sys.modules["sympy"].Basic)
+
+
+def from_sympy(value: Any, number: Callable[[fmpq], N]) -> N:
+    """The exact number that a SymPy expression is, built from what `number` makes of rationals.
+
+    Raises:
+        SceneError: unless the expression is made of rationals, + - * /, and powers whose exponents have a power of two
+            below the fraction bar.
+
+    >>> import sympy
+    >>> from .quantity import rational
+    >>> from_sympy(sympy.sqrt(3) / 2, rational)
+    Quantity('(1/2)*sqrt(3)')
+    """
+    sympy: Any = import_module("sympy")
+    if isinstance(value, sympy.Float):
+        return from_sympy(sympy.Rational(value), number)
+    if isinstance(value, sympy.Rational) and value.q != 0:
+        return number(fmpq(int(value.p), int(value.q)))
+    if isinstance(value, sympy.Add):
+        total, *parts = (from_sympy(argument, number) for argument in value.args)
+        for part in parts:
+            total = total + part
+        return total
+    if isinstance(value, sympy.Mul):
+        product = number(fmpq(1))
+        for argument in value.args:
+            product = product * from_sympy(argument, number)
+        return product
+    if isinstance(value, sympy.Pow) and isinstance(value.exp, sympy.Rational):
+        base = from_sympy(value.base, number)
+        if value.exp.q == 1:
+            return base ** int(value.exp)
+        denominator = int(value.exp.q)
+        if denominator & (denominator - 1) == 0 and denominator <= MAX_ROOTS:
+            while denominator > 1:
+                base, denominator = base.sqrt(), denominator // 2
+            return base ** int(value.exp.p)
+    raise SceneError(f"{shortened(str(value))!r} is not made of rationals and square roots")
+
+
+# -- From exact numbers of every kind to those of one's own.
+
+
+@runtime_checkable
+class _Ratio(Protocol):
+    """A number that is a ratio of whole numbers, such as a Decimal, or a float of numpy's."""
+
+    def as_integer_ratio(self) -> tuple[int, int]: ...
+
+
+def converted(value: Any, number: Callable[[fmpq], N]) -> N:
+    """The exact number that `value` is, built from what `number` makes of rationals (see `Quantity.of`).
+
+    Raises:
+        SceneError: for what is no exact number.
+    """
+    if isinstance(value, bool):
+        raise SceneError(f'{value!r} is not a number; write a whole number or text such as "9/4"')
+    if isinstance(value, (int, fmpz)):
+        return number(fmpq(value))
+    if isinstance(value, str):
+        return parse(value, number)
+    if isinstance(value, fmpq):
+        return number(value)
+    if isinstance(value, float):
+        if not isfinite(value):
+            raise SceneError(f"{value!r} is not a finite number")
+        return number(fmpq(*value.as_integer_ratio()))
+    if isinstance(value, Rational):
+        return number(fmpq(int(value.numerator), int(value.denominator)))
+    if is_sympy(value):
+        return from_sympy(value, number)
+    if isinstance(value, _Ratio):
+        try:
+            numerator, denominator = value.as_integer_ratio()
+        except (OverflowError, ValueError) as error:
+            raise SceneError(f"{value!r} is not a finite number") from error
+        return number(fmpq(int(numerator), int(denominator)))
+    raise SceneError(
+        f"{value!r} ({type(value).__name__}) is not an exact number; "
+        'write a whole number, a Fraction, or text such as "sqrt(3)/2"'
+    )

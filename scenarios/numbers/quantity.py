@@ -2,22 +2,132 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, Protocol, Self, SupportsFloat, TypeAlias, TypeVar, runtime_checkable
 
 from flint import arb, fmpq
 
-from ..errors import SceneError
-from ..lazy.kept import kept
-from .doubles import BITS_PER_DIGIT, bounds_of, certain_double, digits_of, nearest_double
-from .forms.conversion import converted
-from .forms.expression import Expression, Op
-from .precision import at_bits
-from .rationals import rational_root
+from ..errors import SceneError, shortened
+from ..lazy import kept
+from .parsing import converted
+from .precision import BITS_PER_DIGIT, Double, at_bits, bounds_of, certain_double, digits_of, nearest_double
 
 if TYPE_CHECKING:
-    from .tower import AnyTower, Element
+    from .tower_element import AnyTower, Element
+
+# -- Roots of rationals that are rational.
+
+
+def rational_root(q: fmpq) -> fmpq | None:
+    """The square root of a non-negative rational if that is rational, else None.
+
+    >>> from flint import fmpq
+    >>> rational_root(fmpq(4, 9)), rational_root(fmpq(2))
+    (2/3, None)
+    """
+    p, r = q.p, q.q
+    if not p.is_square() or not r.is_square():
+        return None
+    return fmpq(p.isqrt(), r.isqrt())
+
+
+# -- Expressions of rationals with + - * / and square roots: their form, written as text and in other number systems.
+
+Op: TypeAlias = Literal["q", "+", "-", "*", "/", "sqrt"]
+
+
+class ExpressionArithmetic(Protocol):
+    """What the evaluation of an expression asks of a number system."""
+
+    def __add__(self: N, other: N, /) -> N: ...
+    def __sub__(self: N, other: N, /) -> N: ...
+    def __mul__(self: N, other: N, /) -> N: ...
+    def __truediv__(self: N, other: N, /) -> N: ...
+
+
+N = TypeVar("N", bound=ExpressionArithmetic)
+
+
+class Expression:
+    """A rational, or an operation on expressions.
+
+    Attributes:
+        op: "q" for a rational.
+        args: what the operation acts on.
+        rational: its value, if it is a rational.
+    """
+
+    __slots__ = ("__dict__", "args", "op", "rational")
+
+    def __init__(self, op: Op, args: tuple[Self, ...], rational: fmpq | None = None) -> None:
+        self.op: Op = op
+        self.args = args
+        self.rational = rational
+
+    @property
+    def size(self) -> int:
+        """How many numbers it holds."""
+        return self._size
+
+    @kept
+    def _size(self) -> int:
+        return sum(argument.size for argument in self.args) if self.args else 1
+
+    @kept
+    def radicands(self) -> frozenset[str]:
+        """The distinct expressions under its roots, as text."""
+        inner = frozenset[str]().union(*(argument.radicands for argument in self.args))
+        return inner | {self.args[0].text()} if self.op == "sqrt" else inner
+
+    def evaluated(self, number: Callable[[fmpq], N], root: Callable[[N], N]) -> N:
+        """The same expression in another number system, from its rationals and its square root.
+
+        >>> from .quantity import Quantity
+        >>> Quantity.of("sqrt(2) + 1/2").evaluated(lambda q: int(q.p) / int(q.q), lambda x: x**0.5)
+        1.9142135623730951
+        """
+        if self.rational is not None:
+            return number(self.rational)
+        if self.op == "sqrt":
+            return root(self.args[0].evaluated(number, root))
+        left, right = (argument.evaluated(number, root) for argument in self.args)
+        if self.op == "+":
+            return left + right
+        if self.op == "-":
+            return left - right
+        if self.op == "*":
+            return left * right
+        return left / right
+
+    def text(self) -> str:
+        """The expression as text that `parse` reads back to the same number."""
+        if self.rational is not None:
+            return str(self.rational)
+        if self.op == "sqrt":
+            return f"sqrt({self.args[0].text()})"
+        left, right = (argument.text() for argument in self.args)
+        if self.op == "+":
+            loose = self.args[1].op in "+-" or right.startswith("-")
+            return f"{left} + ({right})" if loose else f"{left} + {right}"
+        if self.op == "-":
+            return f"{left} - {self._wrapped(self.args[1], '+-', right)}"
+        left = self._wrapped(self.args[0], "+-", left)
+        return f"{left}{self.op}{self._wrapped(self.args[1], '+-*/', right)}"
+
+    def brief(self) -> str:
+        """The text, cut to what an error shows."""
+        return shortened(self.text())
+
+    @staticmethod
+    def _wrapped(argument: Expression, weak: str, text: str) -> str:
+        rational = argument.rational
+        loose = argument.op in weak or (rational is not None and (rational < 0 or rational.q != 1))
+        return f"({text})" if loose else text
+
+
+# -- Exact real numbers for scenes: rationals and square roots, kept as the expression that they are.
 
 QuantityLike: TypeAlias = "Quantity | int | str | float | Fraction | Any"
 """What `Quantity.of` takes; SymPy numbers, which have no types, are among it."""
@@ -193,7 +303,8 @@ class Quantity(Expression):
     @kept
     def _element(self) -> Element:
         from ..work import Work
-        from .tower import Tower, TowerLimit  # loaded for numbers that need it
+        from .nested_roots import Tower
+        from .tower_ring import TowerLimit  # loaded for numbers that need it
 
         if len(self.radicands) > MAX_ROOTS:
             raise SceneError(f"{self.brief()}: too close to zero to be told from it, with over {MAX_ROOTS} roots")
@@ -343,3 +454,53 @@ def rational(q: fmpq) -> Quantity:
 
 
 ZERO = Quantity.of(0)
+
+
+# -- What the numbers of every run can do, whatever the engine computes in.
+
+
+@runtime_checkable
+class Real(Protocol):
+    """A number of a run: a time, a coordinate, a speed. `Quantity` and `Double` are two; engines have more.
+
+    The enclosures hold what the engine knows: the value itself, or an interval that is as narrow as it gets.
+    """
+
+    def __float__(self) -> float:
+        """The nearest double; the middle of an interval."""
+        ...
+
+    def bounds(self) -> tuple[float, float]:
+        """Doubles at or below, and at or above, the value."""
+        ...
+
+    def text(self) -> str | None:
+        """The exact value in the grammar of scene files; None where it is not known, or too deep to be written."""
+        ...
+
+    def digits(self, count: int) -> str:
+        """The value in decimals: as many digits as are known, and at most `count`; "" if none is."""
+        ...
+
+    def ball(self, bits: int) -> arb:
+        """An enclosure, to about `bits` bits where the engine can go that far."""
+        ...
+
+
+def real(value: Any) -> Real:
+    """A number of any engine as a `Real`: those of an engine that hands back plain floats are doubles.
+
+    >>> real(0.375).text(), real(10**400).bounds()[1], real("sqrt(2)").digits(10)
+    ('3/8', inf, '1.414213562')
+    """
+    if type(value) is float:
+        return Double(value)
+    if isinstance(value, Real):
+        return value
+    if isinstance(value, float):
+        return Double(value)
+    try:
+        return Quantity.of(value)
+    except SceneError:
+        number: SupportsFloat = value
+        return Double(number)

@@ -14,8 +14,7 @@ from truebreak.compare.validation import EngineError, check_engine, check_trajec
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine
 from truebreak.scenarios import Circle, Contact, Declared, Scene, SceneError, Trajectory, catalogue
 from truebreak.scenarios.engine import SCENE_KEYS
-from truebreak.scenarios.event import Pocketing, Reversal
-from truebreak.scenarios.trajectory import Stop, StopReason
+from truebreak.scenarios.trajectory import Pocketing, Reversal, Stop, StopReason
 
 PAIR = Scene([Circle(0, 0, vx=1, id="a"), Circle(4, "1/3", id="b")], name="pair")
 WIDER = Scene([Circle(0, 0, vx=1, id="a"), Circle(5, "1/3", id="b")], name="pair")

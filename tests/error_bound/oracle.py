@@ -14,7 +14,7 @@ from flint import arb, arb_mat
 
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import AtWall, Entry, Pair
-from truebreak.exact.replay.steps import Flip, Go, Kick, Step, Take
+from truebreak.exact.replay.state import Flip, Go, Kick, Step, Take
 from truebreak.scenarios import Scene
 
 BITS = 4096

@@ -13,12 +13,11 @@ import pytest
 from error_bound.campaign import LATER, PILOT, tallies
 from error_bound.scenes import KINDS, scene_of
 from error_bound.watch import Tally, watched
-from truebreak.exact.replay.centred import deviations, error_set
-from truebreak.exact.replay.centred.derivatives import pair_derivative, wall_steepness
-from truebreak.exact.replay.centred.deviations import Deviations
-from truebreak.exact.replay.centred.error_set import ErrorSet
-from truebreak.exact.replay.centred.errors import CLOSE, Bounds
-from truebreak.exact.replay.lone import carrying
+from truebreak.exact.replay import deviations, error_set
+from truebreak.exact.replay import deviations as carrying
+from truebreak.exact.replay.deviations import Deviations
+from truebreak.exact.replay.error_bounds import CLOSE, Bounds, pair_derivative, wall_steepness
+from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.scenarios import Circle, Scene, Wall
 
 OF_THE_CATALOGUE = ("gas:n=3,seed=2", "gas:n=5,seed=1,mixed=yes", "rack:rows=3,gap=0", "lorentz")

@@ -16,18 +16,17 @@ from error_bound.oracle import BITS, Line, Truth, table_of
 from error_bound.zonotope import BITS as MATRIX_BITS
 from error_bound.zonotope import Zonotope
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified import decider, precision
+from truebreak.exact.certified import certified_decider as decider
+from truebreak.exact.certified import certified_decider as precision
 from truebreak.exact.numbers import ball
+from truebreak.exact.replay import centred_state as lone_centred
+from truebreak.exact.replay import deviations as lone_carrying
 from truebreak.exact.replay import refinable
-from truebreak.exact.replay.body import Body
-from truebreak.exact.replay.centred.centred_state import CentredState
-from truebreak.exact.replay.centred.deviations import Deviations, Moved
-from truebreak.exact.replay.contact import Touch
-from truebreak.exact.replay.lone import carrying as lone_carrying
-from truebreak.exact.replay.lone import centred as lone_centred
-from truebreak.exact.replay.lone.centred import LoneCentred, lone_contacts
+from truebreak.exact.replay.centred_state import CentredState, LoneCentred, lone_contacts
+from truebreak.exact.replay.contact import Body, Touch
+from truebreak.exact.replay.deviations import Deviations, Moved
 from truebreak.exact.replay.refinable import RefinableState
-from truebreak.exact.replay.steps import Flip, Go, Step, circles_of
+from truebreak.exact.replay.state import Flip, Go, Step, circles_of
 from truebreak.scenarios import Scene
 from truebreak.scenarios.trajectory import Trajectory
 

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 from truebreak.exact.digest import history_lines, main, scene_digest
-from truebreak.exact.engine import ExactEngine
+from truebreak.exact.exact_engine import ExactEngine
 from truebreak.scenarios import catalogue
 
 

@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 
 from truebreak.floating import DoubleEngine
-from truebreak.floating.flat import crowd, meetings, stride
-from truebreak.floating.flat.formulas import flying, inlined, inlining
-from truebreak.floating.flat.loop import follows
-from truebreak.floating.plain.event_engine import EventEngine
+from truebreak.floating.flat import __main__ as inlining
+from truebreak.floating.flat import flat_loop, flat_meetings, flying, inlined
+from truebreak.floating.flat.flat_loop import follows
+from truebreak.floating.plain import EventEngine
 from truebreak.scenarios import Circle, Scene, Trajectory, Wall, catalogue
 from truebreak.scenarios.errors import TimeIsUp
 from truebreak.scenarios.trajectory import StopReason
@@ -148,7 +148,7 @@ def test_the_formulas_written_out_are_current() -> None:
 def test_the_formulas_in_python_give_the_same(name: str, code: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     scene, limits = SCENES[name]()
     run = DoubleEngine().run(scene, **limits)
-    for module in (crowd, meetings, stride):
+    for module in (flat_meetings, flat_loop):
         for function in ("walls", "pairs", "strike", "rebound"):
             if hasattr(module, function):
                 monkeypatch.setattr(module, function, getattr(code, function))
@@ -158,7 +158,7 @@ def test_the_formulas_in_python_give_the_same(name: str, code: Any, monkeypatch:
 def test_most_instants_of_a_gas_are_ordinary(monkeypatch: pytest.MonkeyPatch) -> None:
     """So the general loop resolves but few: none, after that at time 0, where nothing falls together."""
     resolved: list[object] = []
-    from truebreak.exact.simulation.instants.instant import Resolver
+    from truebreak.exact.simulation.instant import Resolver
 
     resolve = Resolver.resolve
     monkeypatch.setattr(Resolver, "resolve", lambda self, *given: resolved.append(self) or resolve(self, *given))
@@ -175,7 +175,7 @@ def test_a_run_pickles_read_or_not() -> None:
     assert again.events == run.events == tuple(run.events)
 
 
-FLAT = str(Path(stride.__file__).parent)
+FLAT = str(Path(flat_loop.__file__).parent)
 
 
 @contextmanager
@@ -202,7 +202,7 @@ def ended_at(line: int, error: BaseException) -> Iterator[list[int]]:
 
 def _in_stride(frame: FrameType | None) -> bool:
     while frame is not None:
-        if frame.f_code.co_filename == stride.__file__ and frame.f_code.co_name == "__call__":
+        if frame.f_code.co_filename == flat_loop.__file__ and frame.f_code.co_name == "__call__":
             return True
         frame = frame.f_back
     return False

@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from truebreak.floating.flat.formulas import compiled, inlined
+from truebreak.floating.flat import inlined
+from truebreak.floating.flat.flat_meetings import compiled
 
 pytestmark = pytest.mark.skipif(compiled is None, reason="nothing is compiled here")
 

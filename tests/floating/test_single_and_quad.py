@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers.system import SYSTEMS, number_system
 from truebreak.floating import DoubleEngine, QuadEngine, SingleEngine
-from truebreak.floating.double_double import DoubleDouble
-from truebreak.floating.quad import QUADS
+from truebreak.floating.quad import QUADS, DoubleDouble
 from truebreak.floating.single import SINGLES
 from truebreak.scenarios import Circle, Scene, catalogue
 from truebreak.scenarios.errors import SceneError

@@ -6,7 +6,7 @@ import pytest
 
 from truebreak.compare import compare
 from truebreak.compare.engines import engine
-from truebreak.floating.plain import standing
+from truebreak.floating import plain as standing
 from truebreak.scenarios import Circle, Scene, StopReason, Wall, catalogue
 
 SQUEEZED = Scene(

@@ -15,8 +15,8 @@ from fuzz.table import Row, shifted
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
-from truebreak.exact.replay.centred.centred_state import CentredState
-from truebreak.exact.replay.steps import Step
+from truebreak.exact.replay.centred_state import CentredState
+from truebreak.exact.replay.state import Step
 from truebreak.scenarios import Scene, Trajectory
 
 AGREED, AGREED_FINE = 200, 460

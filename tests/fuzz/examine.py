@@ -16,8 +16,8 @@ from fuzz.referee import referee
 from fuzz.relations import FEW_CELLS, cells_from, check_relations
 from fuzz.table import Doubt, TooLong
 from truebreak.exact import ExactEngine
-from truebreak.exact.engine import DEFAULT_WORK
-from truebreak.exact.simulation.arrivals.grid import FEWEST as DEFAULT_CELLS
+from truebreak.exact.exact_engine import DEFAULT_WORK
+from truebreak.exact.simulation.cells import FEWEST as DEFAULT_CELLS
 from truebreak.floating import IntervalEngine
 
 MODES = ("map", "plain", "cut", "plain", "map", "interval", "plain", "plain")

@@ -24,7 +24,7 @@ from fuzz.generators import KINDS, case_of
 from fuzz.ingredients import INGREDIENTS, PAIRS
 from fuzz.referee import referee
 from truebreak.exact import ExactEngine
-from truebreak.scenarios.files.writer import dump_toml
+from truebreak.scenarios.files import dump_toml
 
 PATIENCE = 60.0
 """Seconds of processor time after which a scene counts as a hang: on a loaded machine no sooner than on an idle one."""

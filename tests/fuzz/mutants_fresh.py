@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from fuzz.mutant import Mutant
 
-SIMULATION, SYMMETRY = "exact/simulation", "exact/symmetry"
-INSTANT, ROUNDS, LOOP = (f"{SIMULATION}/{name}.py" for name in ("instants/instant", "instants/rounds", "loop"))
-GATHERING = f"{SIMULATION}/instants/gathering.py"
-MEETINGS, DECIDER = "exact/certified/meetings.py", "exact/certified/decider.py"
-QUEUE, PREDICTION, HISTORY = (f"{SIMULATION}/{n}.py" for n in ("arrivals/queue", "arrivals/prediction", "history"))
-LOG, PAST, ISOMETRY, RETRACE = (f"{SYMMETRY}/{n}.py" for n in ("log_symmetry", "past", "isometry", "retrace"))
-HELD, CASCADE, FILTER = f"{SYMMETRY}/held.py", "exact/cascade/cascade.py", "exact/predicates/double_filter.py"
+SIMULATION, CERTIFIED = "exact/simulation", "exact/certified"
+INSTANT, ROUNDS, LOOP = (f"{SIMULATION}/{name}.py" for name in ("instant", "policies", "loop"))
+GATHERING = INSTANT
+MEETINGS = DECIDER = f"{CERTIFIED}/certified_decider.py"
+QUEUE = PREDICTION = f"{SIMULATION}/prediction.py"
+HISTORY = f"{SIMULATION}/decider.py"
+ISOMETRY = "exact/isometry.py"
+LOG = PAST = RETRACE = HELD = "exact/log_symmetry.py"
+CASCADE, FILTER = f"{CERTIFIED}/cascade.py", f"{CERTIFIED}/filtered.py"
 FILTERED, BALLS, LIVE = (
-    "exact/certified/prediction.py",
+    "exact/certified/filtered.py",
     "exact/replay/ball_state.py",
     "exact/replay/refinable.py",
 )
-PUSHING, MOTION, BALL = "exact/policies/complementarity.py", "exact/results/motion.py", "exact/numbers/ball.py"
-PLAIN = "floating/plain/decider.py"
+PUSHING, MOTION, BALL = "exact/simulation/policies.py", "exact/exact_motion.py", "exact/numbers/ball.py"
+PLAIN = "floating/plain.py"
 TOO_SMALL = " * 2.0**-20"
 
 CONTACTS = (
@@ -127,19 +129,19 @@ CONTACTS = (
         why_it_survives="as dependent_not_seen: a dependent contact is never exchanged",
     ),
     Mutant(
-        "slack_above_zero", "exact/predicates/impulses.py",
+        "slack_above_zero", "exact/question.py",
         "        slack = speeds[-1] + speeds[-1]\n",
         "        slack = speeds[-1]\n",
         "whether a contact separates fast enough is held against half its speed",
     ),
     Mutant(
-        "last_in_order", "exact/policies/sequential.py",
+        "last_in_order", "exact/simulation/policies.py",
         "return (approaching[0],)",
         "return (approaching[-1],)",
         "the last in scene order is kicked, not the first",
     ),
     Mutant(
-        "drawn_without_choice", "exact/policies/sequential.py",
+        "drawn_without_choice", "exact/simulation/policies.py",
         "if self._random is None or len(approaching) == 1:",
         "if self._random is None:",
         "a number is drawn where there is no choice, so later orders differ",
@@ -151,7 +153,7 @@ CONTACTS = (
         "impulses together are reckoned with the mass of the first circle of a contact",
     ),
     Mutant(
-        "touch_at_start_of_walls", "scenarios/checks/validation.py",
+        "touch_at_start_of_walls", "scenarios/neighbours.py",
         "return sign == 0\n\n\ndef shown_amount",
         "return sign == 0 and height.sign() > 0\n\n\ndef shown_amount",
         "a circle that touches a wall from its other side is not seen at time 0",
@@ -265,7 +267,7 @@ GATHERING = (
         "what comes shortly before a wall is left out with what comes after it",
     ),
     Mutant(
-        "wall_of_an_old_flight", "exact/simulation/arrivals/prediction.py",
+        "wall_of_an_old_flight", "exact/simulation/prediction.py",
         "            a.until = inf\n",
         "",
         "the wall that ended the flight before ends the new one too",
@@ -787,7 +789,7 @@ FILTERS = (
 
 NUMBERS = (
     Mutant(
-        "gap_at_the_clock", "exact/replay/flights.py",
+        "gap_at_the_clock", "exact/replay/state.py",
         "        if late is None:\n            return pair_gap(",
         "        if True:\n            return pair_gap(",
         "whether two are apart is told at the clock, not at the instant",
@@ -795,7 +797,7 @@ NUMBERS = (
         "the radius: two that come nearer are further apart there, and gap zero does not reach the question",
     ),
     Mutant(
-        "approach_at_the_clock", "exact/replay/flights.py",
+        "approach_at_the_clock", "exact/replay/state.py",
         "        if late is None:\n            return pair_approach(",
         "        if True:\n            return pair_approach(",
         "whether two come nearer is told at the clock, not at the instant",
@@ -854,7 +856,7 @@ NUMBERS = (
 
 TOLD = (
     Mutant(
-        "wall_from_the_instant", "exact/replay/flights.py",
+        "wall_from_the_instant", "exact/replay/state.py",
         "return flight.t, wall_hit_time(self._wall_gap(link, flight.x, flight.y), self.wall_approach(link))",
         "return flight.t, wall_hit_time(self.wall_gap(link), self.wall_approach(link))",
         "the time to a wall is reckoned from the instant, and added to the clock",

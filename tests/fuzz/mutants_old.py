@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from fuzz.mutant import Mutant
 
-LOOP, INSTANT = "exact/simulation/loop.py", "exact/simulation/instants/instant.py"
-GATHERING = "exact/simulation/instants/gathering.py"
+LOOP, INSTANT = "exact/simulation/loop.py", "exact/simulation/instant.py"
+GATHERING = "exact/simulation/instant.py"
 
 OLD: tuple[Mutant, ...] = (
     Mutant(
@@ -33,7 +33,7 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w03_home_despite_capture",
-        "exact/symmetry/retrace.py",
+        "exact/log_symmetry.py",
         "self.levels = [block.places.get(i, level) for i, level in enumerate(self.levels)]",
         """for i, place in block.places.items():
                     self.levels[i] = sum(not b.kind for b in self.past.rows[i][:place])""",
@@ -54,7 +54,7 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w05_pocket_for_wall",
-        "exact/symmetry/isometry.py",
+        "exact/isometry.py",
         "return None if k is None else Entry(a, k)",
         "return AtWall(a, 0) if k is None else Entry(a, k)",
         "the image of a pocket that has none is taken for wall 0",
@@ -78,14 +78,14 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w07_lasting_not_reached",
-        "exact/simulation/instants/rounds.py",
+        "exact/simulation/policies.py",
         "pending = set(links) | set(touching.all())",
         "pending = set(links)",
         "the lasting contacts of a circle that is hit take no part",
     ),
     Mutant(
         "w08_touches_join_late",
-        "exact/simulation/instants/rounds.py",
+        "exact/simulation/policies.py",
         "        coming = [link for link in links if told[link] < 0]\n",
         """        coming = [link for link in links if told[link] < 0]
         coming = [link for link in coming if known.get(link) != 0] or coming
@@ -94,7 +94,7 @@ OLD: tuple[Mutant, ...] = (
     ),
     Mutant(
         "w09_end_before_the_last",
-        "exact/engine.py",
+        "exact/exact_engine.py",
         "return time_of_return(log, mark, last)",
         "return time_of_return(log, mark, mark.number)",
         "the final state of a run to the return is the one before what happens at that very time",

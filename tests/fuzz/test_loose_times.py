@@ -9,7 +9,7 @@ from fuzz.draft import F
 from fuzz.examine import examine
 from truebreak.compare import engine
 from truebreak.exact import ExactEngine
-from truebreak.exact.simulation.arrivals.queue import ArrivalQueue
+from truebreak.exact.simulation.prediction import ArrivalQueue
 from truebreak.scenarios import Circle, Pocket, Scene, Trajectory
 
 pytestmark = pytest.mark.timeout(120)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ....floating.polygons import Point, clipped
+from ....floating.pymunk_space import Point, clipped
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene

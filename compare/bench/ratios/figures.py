@@ -233,7 +233,7 @@ def galperin(digits: int) -> tuple[Any, int]:
 
 def pymunk_overhead(size: Workload) -> Figure:
     """The pymunk engine, with all that it records, against the bare loop of time steps that it wraps."""
-    from ....floating.pymunk.engine import PymunkEngine
+    from ....floating.pymunk_engine import PymunkEngine
 
     scene, runner = scene_of(GAS), PymunkEngine()
     until = size.steps * runner.dt

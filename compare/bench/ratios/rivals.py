@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ....scenarios.event import Contact
+from ....scenarios.trajectory import Contact
 from ...adapters.billiards import table_of
 from ...adapters.perfect_physics import world_of
 

@@ -13,7 +13,7 @@ from ....exact.numbers import ball
 from ....scenarios.numbers.quantity import Quantity
 
 if TYPE_CHECKING:
-    from ....scenarios.numbers.real import Real
+    from ....scenarios.numbers.quantity import Real
     from ....scenarios.trajectory import State, Trajectory
 
 LEAST_BITS, MOST_BITS = 512, 1 << 14

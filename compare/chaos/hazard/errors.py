@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from flint import arb
 
+from ....exact.exact_motion import motion_of, steps_through
 from ....exact.laws.formulas import pair_impulse
 from ....exact.numbers import ball
-from ....exact.replay.state import State
-from ....exact.results.motion import motion_of, steps_through
+from ....exact.replay.state import ReplayState
 from ...tangent.growth import Displacements
 from ...tangent.impacts import LEAST_BITS, moving
 from .margins import Course, margins
@@ -220,7 +220,7 @@ def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[
     bits = 2 * (log.lost + LEAST_BITS)
     while True:
         with ball.precision(bits):
-            state = State(trajectory.scene, ball.BALLS)
+            state = ReplayState(trajectory.scene, ball.BALLS)
             told: list[dict[int, float]] = []
             done = 0
             for event, impacts in zip(trajectory.events, struck, strict=False):

@@ -6,7 +6,7 @@ from typing import Any
 
 import click
 
-from ....scenarios.checks.showing import shortened
+from ....scenarios.errors import shortened
 
 
 class Whole(click.ParamType):

@@ -37,7 +37,7 @@ class WithDefault(click.Option):
 
 
 def _default_work() -> str:
-    from ....exact.engine import DEFAULT_WORK
+    from ....exact.exact_engine import DEFAULT_WORK
 
     return f"{DEFAULT_WORK:,}"
 

@@ -30,7 +30,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
 
     loaded = scene_from(scene)
     if plot is not None:
-        from ....scenarios.pictures.picture import scene_picture
+        from ....scenarios.pictures import scene_picture
         from ...report.pictures.picture import svg_path
         from ..writing import write_whole
 

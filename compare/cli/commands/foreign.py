@@ -131,9 +131,9 @@ def judge(
 
 def _log(path: str, scene: Scene, bits: int, step: str | None, exact_input: bool, lacks: str) -> LogEngine:
     """The engine of one log, with what the command line declares of it."""
-    from ....scenarios.checks.limits import positive_time
     from ....scenarios.engine import SCENE_KEYS
     from ....scenarios.errors import SceneError
+    from ....scenarios.settings import positive_time
     from ...engines import suggestion
     from ...foreign.log_engine import LogEngine
 

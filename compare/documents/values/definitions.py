@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ....exact.replay.state import State, replay
-from ....exact.results.value import ExactValue
+from ....exact.exact_motion import ExactValue
+from ....exact.replay.state import ReplayState, replay
 from ....scenarios.numbers.quantity import Quantity
 
 LONGEST = 96
@@ -93,7 +93,7 @@ def definitions(values: Sequence[ExactValue]) -> Definitions:
     if log is None:
         return Definitions((), ())
 
-    state = State(log.scene, book)
+    state = ReplayState(log.scene, book)
     done = 0
     for k in order:
         replay(state, log.steps, range(done, values[k].upto))

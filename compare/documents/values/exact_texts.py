@@ -7,8 +7,8 @@ from typing import Any
 
 from flint import arb
 
-from ....exact.results.value import ExactValue
-from ....scenarios.numbers.real import Real
+from ....exact.exact_motion import ExactValue
+from ....scenarios.numbers.quantity import Real
 from ...deadline import Clock
 
 NORMAL_WORK = 5_000_000
@@ -48,7 +48,7 @@ class ExactTexts:
         """Puts the text of a value into a row under `KEY_exact`, now or in `finish`.
 
         >>> row = {}
-        >>> from truebreak.scenarios.numbers.real import real
+        >>> from truebreak.scenarios.numbers.quantity import real
         >>> ExactTexts().put(row, "x", real(0.375))
         >>> row
         {'x_exact': '3/8'}

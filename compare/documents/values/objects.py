@@ -18,13 +18,13 @@ from flint import arb, fmpq
 from mpmath.ctx_iv import ivmpf
 from mpmath.libmp import MPZ
 
-from ....exact.results.ball_parts import from_parts, parts_of
+from ....exact.numbers.ball import from_parts, parts_of
 from ....scenarios.errors import SceneError
 from ....scenarios.files import dump_json, loads_json
-from ....scenarios.lazy.late import Late
-from ....scenarios.numbers.doubles import Double
+from ....scenarios.lazy import Late
+from ....scenarios.numbers.precision import Double
 from ....scenarios.numbers.quantity import Quantity
-from ....scenarios.numbers.tower.element import Element
+from ....scenarios.numbers.tower_element import Element
 from ....scenarios.scene import Scene
 from ...saved.run_numbers import NumberReader, NumberWriter, set_time_data, step_data, step_of
 
@@ -56,31 +56,31 @@ CLASSES = (
     "exact.replay.contact:AtWall",
     "exact.replay.contact:Entry",
     "exact.replay.contact:Pair",
-    "exact.results.motion:Constant",
-    "exact.results.motion:ExactMotion",
-    "exact.results.motion:Place",
-    "exact.results.motion:Velocity",
-    "exact.results.run_log:RunLog",
-    "exact.results.times:TimeFormula",
-    "exact.results.value:ExactValue",
-    "exact.simulation.instants.instant:Instant",
-    "exact.simulation.limits:Limits",
-    "exact.simulation.tape:Reached",
-    "exact.simulation.tape:Tape",
-    "floating.double_double:DoubleDouble",
+    "exact.exact_motion:Constant",
+    "exact.exact_motion:ExactMotion",
+    "exact.exact_motion:Place",
+    "exact.exact_motion:Velocity",
+    "exact.exact_motion:RunLog",
+    "exact.exact_motion:TimeFormula",
+    "exact.exact_motion:ExactValue",
+    "exact.simulation.instant:Instant",
+    "exact.simulation.decider:Limits",
+    "exact.simulation.loop:Reached",
+    "exact.simulation.loop:Tape",
+    "floating.quad:DoubleDouble",
     "floating.interval:IntervalMotion",
     "floating.interval:IntervalNumber",
     "floating.knots:DoubleMotion",
     "floating.knots:EventMotion",
     "floating.quad:QuadMotion",
     "floating.quad:QuadTime",
-    "scenarios.event:Assumption",
-    "scenarios.event:Contact",
-    "scenarios.event:Event",
-    "scenarios.event:Pocketing",
-    "scenarios.event:Reversal",
-    "scenarios.event:Tie",
-    "scenarios.event:TieProof",
+    "scenarios.trajectory:Assumption",
+    "scenarios.trajectory:Contact",
+    "scenarios.trajectory:Event",
+    "scenarios.trajectory:Pocketing",
+    "scenarios.trajectory:Reversal",
+    "scenarios.trajectory:Tie",
+    "scenarios.trajectory:TieProof",
     "scenarios.trajectory:CircleState",
     "scenarios.trajectory:State",
     "scenarios.trajectory:Stop",
@@ -167,7 +167,7 @@ class Writer:
         if id(value) in self._seen:
             return {"same": self._seen[id(value)]}
         kind = type(value)
-        if kind.__name__ in STEPS and kind.__module__ == f"{ROOT}.exact.replay.steps":
+        if kind.__name__ in STEPS and kind.__module__ == f"{ROOT}.exact.replay.state":
             return {"step": step_data(value)}
         self._seen[id(value)] = len(self._seen)
         self._kept.append(value)  # so that no other object gets its identity

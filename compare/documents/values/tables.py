@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ....scenarios.event import Contact
+    from ....scenarios.trajectory import Contact
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ....exact.engine import ExactEngine
-from ....scenarios.catalogue.draw import Draw
+from ....exact.exact_engine import ExactEngine
+from ....scenarios.catalogue.scene_entry import Draw
 from ....scenarios.engine import Declared
 from ....scenarios.errors import SceneError
 from ....scenarios.numbers.quantity import Quantity

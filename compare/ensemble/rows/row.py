@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from ....exact.engine import ExactEngine
+from ....exact.exact_engine import ExactEngine
 from ....scenarios.errors import SceneError
 from ....scenarios.numbers.quantity import Quantity
 from ...alignment.separation import separation

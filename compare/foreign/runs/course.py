@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ....floating.knots import DoubleKnot
-from ....scenarios.event import Contact, Event, Tie, TieProof
-from ....scenarios.numbers.doubles import Double
+from ....scenarios.numbers.precision import Double
+from ....scenarios.trajectory import Contact, Event, Tie, TieProof
 from ...validation import EngineError
 
 if TYPE_CHECKING:

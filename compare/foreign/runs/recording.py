@@ -7,11 +7,10 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ....floating.knots import EventMotion
-from ....floating.pymunk.pockets import entries, last_entry
-from ....scenarios.checks.limits import positive_count, positive_time
-from ....scenarios.event import Event, Reversal
-from ....scenarios.numbers.doubles import Double
-from ....scenarios.trajectory import Progress, Stop, StopReason, Trajectory
+from ....floating.pymunk_run import entries, last_entry
+from ....scenarios.numbers.precision import Double
+from ....scenarios.settings import positive_count, positive_time
+from ....scenarios.trajectory import Event, Progress, Reversal, Stop, StopReason, Trajectory
 from ...validation import EngineError, checked_event
 from .course import Course
 from .impulses import Impacts, Indices, Row

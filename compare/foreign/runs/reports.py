@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ....scenarios.event import Contact
+from ....scenarios.trajectory import Contact
 from ...validation import EngineError, checked_number, falls
 from .impulses import Row
 

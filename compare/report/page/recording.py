@@ -7,15 +7,14 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ....scenarios.pictures.view import DrawnDisc, view_of, wall_line
+from ....scenarios.pictures import DrawnDisc, view_of, wall_line
 from ....scenarios.trajectory import StopReason
 from ..instants import later
 from ..sentences import headline
 
 if TYPE_CHECKING:
-    from ....scenarios.event import Event
     from ....scenarios.scene import Scene
-    from ....scenarios.trajectory import Trajectory
+    from ....scenarios.trajectory import Event, Trajectory
     from ...alignment.divergence import Divergence
     from ...candidate import Candidate
     from ...comparison import Comparison

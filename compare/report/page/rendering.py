@@ -11,7 +11,7 @@ from typing import Any
 import jinja2
 from markupsafe import Markup, escape
 
-from ....scenarios.pictures.picture import STYLE
+from ....scenarios.pictures import STYLE
 from ..pictures.engine_style import engine_css
 
 

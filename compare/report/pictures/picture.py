@@ -6,8 +6,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ....scenarios.pictures.picture import draw, scene_picture
-from ....scenarios.pictures.view import HEIGHT, WIDTH, DrawnDisc, View, view_of
+from ....scenarios.pictures import HEIGHT, WIDTH, DrawnDisc, View, draw, scene_picture, view_of
 from .engine_style import engine_css
 
 if TYPE_CHECKING:

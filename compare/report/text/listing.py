@@ -6,8 +6,8 @@ import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
 from ....exact.numbers.undecided import Undecided
-from ....scenarios.checks.showing import printable
-from ....scenarios.numbers.real import real
+from ....scenarios.errors import printable
+from ....scenarios.numbers.quantity import real
 from ...documents.values.amounts import bounds, double
 from ..counting import counted
 from .output import TextTable, console, grid, say
@@ -15,9 +15,9 @@ from .output import TextTable, console, grid, say
 if TYPE_CHECKING:
     from ....scenarios.catalogue import SceneEntry
     from ....scenarios.event import Event
-    from ....scenarios.numbers.real import Real
+    from ....scenarios.numbers.quantity import Real
     from ....scenarios.scene import Scene
-    from ....scenarios.trajectory import Trajectory
+    from ....scenarios.trajectory import Event, Trajectory
     from ...deadline import Clock
 
 SHOWN_EVENTS = 40

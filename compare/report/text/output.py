@@ -6,7 +6,7 @@ import os
 import sys
 from typing import TYPE_CHECKING, NamedTuple
 
-from ....scenarios.checks.showing import printable
+from ....scenarios.errors import printable
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

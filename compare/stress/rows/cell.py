@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ....exact.engine import ExactEngine
+from ....exact.exact_engine import ExactEngine
 from ...alignment.align import UNKNOWING
 from ...audit.audit import audit_run
 from ...chaos.following import Followed, follow

@@ -7,9 +7,8 @@ from dataclasses import MISSING, fields
 from functools import partial
 from typing import Any
 
-from ....scenarios.checks.showing import cut
-from ....scenarios.errors import SceneError
-from ....scenarios.files.sealed import fits
+from ....scenarios.disk import fits
+from ....scenarios.errors import SceneError, cut
 from ...alignment.align import VERDICTS
 from ..cell import Cell
 from ..since import read_report

@@ -9,7 +9,7 @@ from typing import Any
 
 from ....scenarios.errors import SceneError
 from ....scenarios.files.disk import Lines
-from ....scenarios.lazy.version import VERSION
+from ....scenarios.lazy import VERSION
 from ....scenarios.scene import Scene
 from ...scene_argument import scene_from
 from ..survey import SCENES, SURVEYED, Surveyed, SurveyEntry, installed_version

@@ -15,8 +15,7 @@ from .together import push_together
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ....scenarios.event import Contact
-    from ....scenarios.trajectory import Trajectory
+    from ....scenarios.trajectory import Contact, Trajectory
     from ...tangent.impacts import Impact
     from .local_error import LocalError
 

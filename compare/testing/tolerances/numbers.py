@@ -9,16 +9,15 @@ from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from ....exact.numbers import ball
-from ....scenarios.checks.limits import positive_count
 from ....scenarios.errors import SceneError
-from ....scenarios.numbers.real import real
+from ....scenarios.numbers.quantity import real
+from ....scenarios.settings import positive_count
 from ....scenarios.trajectory import StopReason
 from ...report.counting import counted
 
 if TYPE_CHECKING:
-    from ....scenarios.event import Event
-    from ....scenarios.numbers.real import Real
-    from ....scenarios.trajectory import Trajectory
+    from ....scenarios.numbers.quantity import Real
+    from ....scenarios.trajectory import Event, Trajectory
     from ...candidate import Candidate
     from .reach import OutOfReach, Reach
 

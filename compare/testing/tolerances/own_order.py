@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ....exact.engine import ExactEngine
+from ....exact.exact_engine import ExactEngine
 from ....exact.numbers.ball import double_bounds
-from ....exact.policies.complementarity import Ask, pushing_contacts
 from ....exact.replay.contact import Touch
+from ....exact.simulation.policies import Ask, pushing_contacts
 from ...alignment.align import UNKNOWING, Span, align
 from ...alignment.divergence import Kind
 from ...causes.decision import decisions

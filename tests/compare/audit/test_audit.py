@@ -231,7 +231,7 @@ def test_lateness_and_overlap_are_of_the_step(dt: str) -> None:
 def test_a_restitution_of_an_engine_of_steps_is_no_matter_of_its_step(
     elasticity: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from truebreak.floating.pymunk import space
+    from truebreak.floating import pymunk_space as space
 
     monkeypatch.setattr(space, "ELASTICITY", math.sqrt(elasticity))  # the product of the two of a contact
     found = audited("pymunk", scene_from("gas"), events=25)
@@ -350,7 +350,7 @@ sys.meta_path.insert(0, Blocker())
 from truebreak.compare.alignment.align import align
 from truebreak.compare.audit.audit import audit_run
 from truebreak.compare.tangent.growth import certified_growth, error_growth
-from truebreak.exact.engine import ExactEngine
+from truebreak.exact.exact_engine import ExactEngine
 from truebreak.floating.double import DoubleEngine
 from truebreak.scenarios.catalogue import build
 

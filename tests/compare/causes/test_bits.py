@@ -13,7 +13,7 @@ from truebreak.compare.causes.decision import Pairing
 from truebreak.compare.causes.margin import BallRun, BitsEnough, Margin
 from truebreak.compare.causes.reader import RunReader
 from truebreak.compare.report.sentences import margin_phrase
-from truebreak.exact.engine import ExactEngine
+from truebreak.exact.exact_engine import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.scenarios import Circle, Scene, catalogue
 

@@ -24,7 +24,7 @@ from truebreak.compare.deadline import uninterrupted
 from truebreak.compare.ensemble.rows.store import Store
 from truebreak.compare.saved.run_file import load_run
 from truebreak.exact import ExactEngine
-from truebreak.exact.engine import DEFAULT_WORK
+from truebreak.exact.exact_engine import DEFAULT_WORK
 from truebreak.scenarios import SceneError, StopReason, catalogue
 from truebreak.scenarios.files import load_scene
 from truebreak.scenarios.trajectory import Progress

@@ -23,7 +23,7 @@ from truebreak.compare.documents.schemas import schema
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.orders.order_search import search_orders
 from truebreak.exact import ExactEngine
-from truebreak.exact.simulation.history import History, Noted
+from truebreak.exact.simulation.decider import History, Noted
 from truebreak.exact.simulation.loop import Loop
 from truebreak.scenarios import Scene, SceneError, StopReason, Trajectory, catalogue
 from truebreak.scenarios.errors import TimeIsUp

@@ -13,7 +13,7 @@ from command_line import said
 import truebreak as tb
 from truebreak.compare.ensemble.rows.row import COLUMNS
 from truebreak.compare.ensemble.rows.table import csv_text
-from truebreak.scenarios.checks.showing import printable
+from truebreak.scenarios.errors import printable
 
 EVIL = ("=1+1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0")
 ORDERS = "\u202e", "\u2066", "\x9b2J", "\x1b[2J", "\x07", "\U000e0041"

@@ -10,8 +10,8 @@ import pytest
 
 from truebreak.compare.orders.all_orders import OrderTree, all_orders, equality
 from truebreak.exact import ExactEngine
-from truebreak.exact.policies.complementarity import Ask
 from truebreak.exact.replay.contact import Touch
+from truebreak.exact.simulation.policies import Ask
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Trajectory, Wall, catalogue
 

@@ -18,8 +18,7 @@ from truebreak.compare.reduction.ddmin import ddmin
 from truebreak.compare.reduction.minimise import Reducing
 from truebreak.compare.reduction.smallest import End, Smallest
 from truebreak.scenarios import Circle, Pocket, Scene, SceneError, Wall, catalogue
-from truebreak.scenarios.files import dump_toml, load_scene
-from truebreak.scenarios.files.reader import loads_toml
+from truebreak.scenarios.files import dump_toml, load_scene, loads_toml
 
 TIE = 10**40
 """One part in this many is how far from a tie the scenes of these tests are."""

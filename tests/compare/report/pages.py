@@ -12,7 +12,7 @@ from truebreak.compare.comparison import Comparison
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.report.chaos_html import chaos_html
 from truebreak.compare.report.orders_html import orders_html
-from truebreak.exact.engine import ExactEngine
+from truebreak.exact.exact_engine import ExactEngine
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 COMMAND = "truebreak compare SCENE --html page.html"

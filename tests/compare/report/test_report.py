@@ -15,7 +15,7 @@ from truebreak.compare.report.pictures.plot import separation_plot, ticks
 from truebreak.compare.report.sentences import verdict_sentence
 from truebreak.compare.report.text.side_by_side import side_by_side
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
-from truebreak.scenarios.pictures.picture import scene_picture
+from truebreak.scenarios.pictures import scene_picture
 
 
 @pytest.fixture(scope="module")

@@ -127,7 +127,7 @@ def test_a_run_of_another_scene_in_its_place_is_told(folder: Path) -> None:
 
 
 def test_what_ended_by_the_clock_is_not_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from truebreak.exact.simulation.instants.gathering import Gatherer
+    from truebreak.exact.simulation.instant import Gatherer
 
     def interrupted(self: Gatherer, last: int) -> None:
         raise KeyboardInterrupt

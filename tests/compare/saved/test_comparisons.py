@@ -18,7 +18,7 @@ from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.report.html import html_report
 from truebreak.compare.saved.comparisons import comparison_of, saved_comparison
 from truebreak.scenarios import SceneError, catalogue
-from truebreak.scenarios.files.sealed import digest
+from truebreak.scenarios.disk import digest
 
 
 def of(name: str, *engines: Any, **limits: Any) -> Comparison:

@@ -23,7 +23,7 @@ from truebreak.compare.suites.shown import print_suite
 from truebreak.compare.suites.since import read_report, since
 from truebreak.compare.suites.suite import parsed_suite
 from truebreak.scenarios import SceneError, catalogue
-from truebreak.scenarios.files.sealed import digest
+from truebreak.scenarios.disk import digest
 
 RUNS: dict[str, Callable[[], Any]] = {
     "gas": lambda: tb.run(tb.scene("gas:n=4"), events=12),

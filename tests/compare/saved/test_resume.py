@@ -19,7 +19,7 @@ from truebreak.compare import trajectory_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.saved.run_file import run_of, saved_run
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified import precision
+from truebreak.exact.certified import certified_decider as precision
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.contact import Pair
 from truebreak.exact.simulation.loop import Loop

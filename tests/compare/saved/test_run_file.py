@@ -18,11 +18,11 @@ from truebreak.compare import comparison_json, engine, trajectory_json
 from truebreak.compare.saved.run_file import run_of, saved_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
-from truebreak.exact.replay.steps import Flip, Go, Take
-from truebreak.exact.results.ball_parts import from_parts, parts_of
+from truebreak.exact.numbers.ball import from_parts, parts_of
+from truebreak.exact.replay.state import Flip, Go, Take
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, SceneError, StopReason, Trajectory, Wall, catalogue
+from truebreak.scenarios.disk import digest
 from truebreak.scenarios.files import loads_json
-from truebreak.scenarios.files.sealed import digest
 
 BOX = (Wall(0, 0, 0, 1), Wall(9, 0, 9, 1), Wall(0, 0, 1, 0), Wall(0, 7, 1, 7))
 

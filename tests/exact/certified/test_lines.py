@@ -7,10 +7,10 @@ from collections import Counter
 
 import pytest
 
-from truebreak.exact.certified import prediction
-from truebreak.exact.certified.prediction import FilteredPredictor
+from truebreak.exact.certified import filtered as prediction
+from truebreak.exact.certified.filtered import FilteredPredictor
 from truebreak.exact.replay.refinable import RefinableState
-from truebreak.exact.simulation.arrivals.queue import ArrivalQueue
+from truebreak.exact.simulation.prediction import ArrivalQueue
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
 
 WALLS = {

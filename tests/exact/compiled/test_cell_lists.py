@@ -9,10 +9,8 @@ import pytest
 
 from truebreak.compare import engine
 from truebreak.exact.compiled import CellLists, cells
-from truebreak.exact.simulation.arrivals import cells as in_python
-from truebreak.exact.simulation.arrivals.cells import Cells, cells_of
-from truebreak.exact.simulation.arrivals.grid import FloatFlight, Grid, frame_of
-from truebreak.exact.simulation.arrivals.wall_cells import WallCells
+from truebreak.exact.simulation import cells as in_python
+from truebreak.exact.simulation.cells import Cells, FloatFlight, Grid, WallCells, cells_of, frame_of
 from truebreak.scenarios import Trajectory, Wall
 from truebreak.scenarios.catalogue import build
 

@@ -8,12 +8,12 @@ import pytest
 from flint import arb
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified.prediction import FilteredPredictor
+from truebreak.exact.certified import filtered as double_filter
+from truebreak.exact.certified.filtered import DoubleFilter, FilteredPredictor
 from truebreak.exact.compiled import predictions
-from truebreak.exact.predicates import double_filter
-from truebreak.exact.predicates.double_filter import DoubleFilter, FloatLine
-from truebreak.exact.replay.body import Body, Flight
-from truebreak.exact.simulation.arrivals import queue
+from truebreak.exact.replay.contact import Body, Flight
+from truebreak.exact.simulation import prediction as queue
+from truebreak.exact.simulation.prediction import FloatLine
 from truebreak.scenarios import Circle, Scene, Wall
 from truebreak.scenarios.catalogue import build
 

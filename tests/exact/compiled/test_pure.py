@@ -15,7 +15,7 @@ from truebreak.exact.compiled import PURE
 
 SOURCES = [
     path
-    for folder in ("exact/compiled", "floating/flat/formulas")
+    for folder in ("exact/compiled", "floating/flat")
     for path in sorted((Path(__file__).parents[3] / folder).glob("*.c"))
 ]
 COMPILER = (get_config_var("CC") or "").split()[:1]

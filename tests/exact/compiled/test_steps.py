@@ -12,17 +12,19 @@ import pytest
 from flint import arb
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified import precision
+from truebreak.exact.certified import certified_decider as precision
 from truebreak.exact.compiled import steps
 from truebreak.exact.numbers import ball
-from truebreak.exact.replay import body
-from truebreak.exact.replay.centred import derivatives, deviations, error_set, errors
-from truebreak.exact.replay.centred.centred_state import CentredState
-from truebreak.exact.replay.centred.error_set import ErrorSet
-from truebreak.exact.replay.centred.errors import NO_MIRROR, Spent
+from truebreak.exact.replay import centred_state as lone_centred
+from truebreak.exact.replay import contact as body
+from truebreak.exact.replay import deviations, error_set
+from truebreak.exact.replay import deviations as carrying
+from truebreak.exact.replay import error_bounds as derivatives
+from truebreak.exact.replay import error_bounds as errors
+from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.contact import AtWall, Pair
-from truebreak.exact.replay.lone import carrying
-from truebreak.exact.replay.lone import centred as lone_centred
+from truebreak.exact.replay.error_bounds import NO_MIRROR, Spent
+from truebreak.exact.replay.error_set import ErrorSet
 from truebreak.scenarios import Circle, Scene, Wall
 from truebreak.scenarios.catalogue import build
 

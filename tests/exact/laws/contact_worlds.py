@@ -5,11 +5,8 @@ from __future__ import annotations
 import pytest
 from indeterminates import World
 
-from truebreak.exact.replay.body import Flight
-from truebreak.exact.replay.contact import AtWall, Pair
-from truebreak.exact.replay.flights import SeenWall
-from truebreak.exact.replay.state import State
-from truebreak.exact.replay.steps import Go, Kick
+from truebreak.exact.replay.contact import AtWall, Flight, Pair
+from truebreak.exact.replay.state import Go, Kick, ReplayState, SeenWall
 from truebreak.scenarios import Circle, Scene, Wall
 
 either = pytest.mark.parametrize("younger", [0, 1])
@@ -64,7 +61,7 @@ def along(younger: int, level: bool, backward: bool = False, masses: str = "two"
     return world
 
 
-def stand(state: State, world: World) -> State:
+def stand(state: ReplayState, world: World) -> ReplayState:
     """Gives a state the circles of a world."""
     for body, flight, w, r in zip(
         state.bodies.values(), world.flights, world.masses, (world.r, world.R - world.r), strict=False
@@ -79,11 +76,11 @@ def scene_of(world: World, walls: tuple[Wall, ...] = ()) -> Scene:
     return Scene(circles, walls)
 
 
-def plain(world: World) -> State:
-    return stand(State(scene_of(world), world), world)
+def plain(world: World) -> ReplayState:
+    return stand(ReplayState(scene_of(world), world), world)
 
 
-def steps_of(state: State, link, bodies: tuple[int, ...]) -> State:
+def steps_of(state: ReplayState, link, bodies: tuple[int, ...]) -> ReplayState:
     state.steps_done = STEPS
     state.do(Go(link, bodies))
     state.do(Kick((link,), (link,)))
@@ -96,7 +93,7 @@ def there(flight: Flight, instant):
     return flight.x + flight.vx * lag, flight.y + flight.vy * lag, flight.vx, flight.vy
 
 
-def same(ours: State, plain: State) -> None:
+def same(ours: ReplayState, plain: ReplayState) -> None:
     """One instant; on it, one place and velocity of each circle; the clock and what is late make up the instant."""
     assert ours.instant == plain.instant
     assert ours.steps_done == plain.steps_done == STEPS + 2
@@ -131,7 +128,7 @@ def wall_world(kind: str) -> World:
 WALLS = ("oblique", "level", "level below", "upright", "upright left")
 
 
-def at_wall(state: State, world: World) -> State:
+def at_wall(state: ReplayState, world: World) -> ReplayState:
     """Gives a state the circle and the wall of a world, as the circle sees it."""
     state._lines[0] = (world.seen, world.seen)
     return stand(state, world)

@@ -31,14 +31,11 @@ from indeterminates import World, balls_are, stub
 from sympy import lambdify
 
 from truebreak.exact.laws import derivation as law
-from truebreak.exact.replay.ball_state import BallState
-from truebreak.exact.replay.body import Flight
-from truebreak.exact.replay.contact import Pair
-from truebreak.exact.replay.lone import carrying
-from truebreak.exact.replay.lone.centred import LoneCentred
-from truebreak.exact.replay.lone.contacts import LoneContacts
-from truebreak.exact.replay.state import State
-from truebreak.exact.replay.steps import Go, Kick
+from truebreak.exact.replay import deviations as carrying
+from truebreak.exact.replay.ball_state import BallState, LoneContacts
+from truebreak.exact.replay.centred_state import LoneCentred
+from truebreak.exact.replay.contact import Flight, Pair
+from truebreak.exact.replay.state import Go, Kick, ReplayState
 from truebreak.scenarios import Scene
 
 
@@ -76,7 +73,7 @@ def test_the_plain_contact_of_two_is_the_derived_one(younger):
 @pytest.mark.parametrize("kind", WALLS)
 def test_the_plain_contact_with_a_wall_is_the_derived_one(kind):
     world = wall_world(kind)
-    state = steps_of(at_wall(State(scene_with_wall(), world), world), FACE, (0,))
+    state = steps_of(at_wall(ReplayState(scene_with_wall(), world), world), FACE, (0,))
     x, y, vx, vy = there(world.flights[0], state.instant)
     seen = world.seen
     assert (x - seen.x0) * seen.nx + (y - seen.y0) * seen.ny == world.r * seen.length
@@ -148,7 +145,7 @@ def test_the_contact_with_a_wall_in_balls(kind, monkeypatch):
     world = wall_world(kind)
     balls_are(world, monkeypatch)
     ours = at_wall(BallState(scene_with_wall()), world)
-    same(steps_of(ours, FACE, (0,)), steps_of(at_wall(State(scene_with_wall(), world), world), FACE, (0,)))
+    same(steps_of(ours, FACE, (0,)), steps_of(at_wall(ReplayState(scene_with_wall(), world), world), FACE, (0,)))
 
 
 def test_a_reversal_beside_the_instant_leaves_the_places_at_it(monkeypatch):
@@ -203,7 +200,7 @@ def test_the_contact_with_a_wall_in_one_go(kind, monkeypatch):
     balls_are(world, monkeypatch)
     state = at_wall(BallState(scene_with_wall()), world)
     assert LoneContacts(state).strike(FACE, 300, STEPS) is not None
-    same(state, steps_of(at_wall(State(scene_with_wall(), world), world), FACE, (0,)))
+    same(state, steps_of(at_wall(ReplayState(scene_with_wall(), world), world), FACE, (0,)))
 
 
 # -- midpoints, a contact alone in one go
@@ -270,4 +267,4 @@ def test_the_contact_with_a_wall_on_midpoints(kind, monkeypatch):
     balls_are(world, monkeypatch)
     state = at_wall(BallState(scene_with_wall()), world)
     centred(state, world, FACE, monkeypatch)
-    same(state, steps_of(at_wall(State(scene_with_wall(), world), world), FACE, (0,)))
+    same(state, steps_of(at_wall(ReplayState(scene_with_wall(), world), world), FACE, (0,)))

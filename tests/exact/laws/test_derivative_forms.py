@@ -14,8 +14,9 @@ from truebreak.compare.tangent.growth import Displacements
 from truebreak.compare.tangent.impacts import Impact
 from truebreak.exact.laws import formulas
 from truebreak.exact.laws.tangent_formulas import pair_tangent
-from truebreak.exact.replay.centred import derivatives, error_set
-from truebreak.exact.replay.centred.errors import Collision, Mirror
+from truebreak.exact.replay import error_bounds as derivatives
+from truebreak.exact.replay import error_set
+from truebreak.exact.replay.error_bounds import Collision, Mirror
 from truebreak.scenarios import Circle, Scene
 
 

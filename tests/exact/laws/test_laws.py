@@ -14,7 +14,7 @@ from sympy import Eq, I, Rational, nonlinsolve, sqrt, symbols
 from truebreak.exact.laws import derivation as laws
 from truebreak.exact.laws import formulas, stable_forms
 from truebreak.exact.laws import verification as proofs
-from truebreak.exact.laws.elimination import NotEliminable, eliminate, is_zero, quadratic_roots
+from truebreak.exact.laws.derivation import NotEliminable, eliminate, is_zero, quadratic_roots
 
 F = Fraction
 TEXT = stable_forms.render()

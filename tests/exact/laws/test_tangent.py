@@ -11,13 +11,13 @@ from truebreak.compare.tangent import growth
 from truebreak.compare.tangent.growth import Displacements, certified_growth, error_growth, unit_displacements
 from truebreak.compare.tangent.impacts import NoTangentMap, impacts, moving
 from truebreak.exact import ExactEngine
+from truebreak.exact.exact_motion import ExactMotion
 from truebreak.exact.laws import tangent as tangent_laws
 from truebreak.exact.laws.derivation import LawError
 from truebreak.exact.laws.formulas import wall_bounce
 from truebreak.exact.laws.tangent_formulas import pair_tangent
 from truebreak.exact.laws.verification import functions
 from truebreak.exact.replay.contact import Pair
-from truebreak.exact.results.motion import ExactMotion
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Trajectory, Wall, catalogue
 

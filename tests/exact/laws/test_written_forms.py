@@ -1,7 +1,7 @@
 """Forms written by hand elsewhere are the laws' too: predictions in doubles, questions, the flat loop, derivatives.
 
 As in `test_contact_forms.py` the code itself runs on formulas. Where it bounds roundings, the unit of rounding is set
-to 0 here: what is left is the formula; that the bounds hold is the matter of `tests/exact/predicates`, and of
+to 0 here: what is left is the formula; that the bounds hold is the matter of `tests/exact/certified`, and of
 docs/error-bound.md.
 """
 
@@ -27,23 +27,31 @@ from contact_worlds import (
 )
 from indeterminates import Formula, World, root_of, stub
 
+from truebreak.exact.certified import filtered as double_filter
 from truebreak.exact.laws import formulas
-from truebreak.exact.predicates import double_filter
-from truebreak.exact.predicates.hits import BeforeTime, Discriminant, Moment, RelativeSpeed, Sooner
-from truebreak.exact.predicates.impulses import Coupling, Pivot, Share, Slack, Strength
-from truebreak.exact.replay.body import Body, Flight
-from truebreak.exact.replay.contact import AtWall, Pair
-from truebreak.exact.replay.state import State
-from truebreak.exact.replay.steps import Go
-from truebreak.exact.simulation.arrivals import prediction
-from truebreak.floating.flat.formulas import flying, inlined
+from truebreak.exact.question import (
+    BeforeTime,
+    Coupling,
+    Discriminant,
+    Moment,
+    Pivot,
+    RelativeSpeed,
+    Share,
+    Slack,
+    Sooner,
+    Strength,
+)
+from truebreak.exact.replay.contact import AtWall, Body, Flight, Pair
+from truebreak.exact.replay.state import Go, ReplayState
+from truebreak.exact.simulation import prediction
+from truebreak.floating import pymunk_run as pockets
+from truebreak.floating.flat import flying, inlined
 from truebreak.floating.knots import DoubleMotion
-from truebreak.floating.pymunk import pockets
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
 
 
-def hit_of(world: World, link=PAIR, bodies=(0, 1)) -> State:
-    state = plain(world) if link is PAIR else at_wall(State(scene_with_wall(), world), world)
+def hit_of(world: World, link=PAIR, bodies=(0, 1)) -> ReplayState:
+    state = plain(world) if link is PAIR else at_wall(ReplayState(scene_with_wall(), world), world)
     state.steps_done = STEPS
     state.do(Go(link, bodies))
     return state
@@ -107,7 +115,7 @@ def test_the_earliest_time_of_a_doubtful_meeting_is_the_gap_over_the_speed(monke
     assert speed.near > 0
     assert clock == world.at
     world, seen = wall_world("oblique"), []
-    state = at_wall(State(scene_with_wall(), world), world)
+    state = at_wall(ReplayState(scene_with_wall(), world), world)
     prediction.earliest_possible(state, FACE, lambda value: seen.append(value) or (float(value), float(value)))
     assert seen[0] / seen[1] == state.wall_hit(FACE)[1]
 
@@ -115,7 +123,7 @@ def test_the_earliest_time_of_a_doubtful_meeting_is_the_gap_over_the_speed(monke
 # -- questions
 
 
-def square_roots(state: State, question) -> Formula:
+def square_roots(state: ReplayState, question) -> Formula:
     """What a question's sum of roots comes to."""
     a, b, d1, c, d2 = question.sum_of_roots(state)
     return a + sum((k * state.root(d) for k, d in ((b, d1), (c, d2)) if not d.is_zero()), state.zero)
@@ -144,12 +152,12 @@ def test_a_question_of_time_is_the_same_number_in_either_form(younger):
 @pytest.mark.parametrize("kind", WALLS)
 def test_a_question_of_time_at_a_wall(kind):
     world = wall_world(kind)
-    state = at_wall(State(scene_with_wall(), world), world)
+    state = at_wall(ReplayState(scene_with_wall(), world), world)
     question = BeforeTime(Moment(FACE), Quantity.of(3))
     assert question.value(state) == square_roots(state, question) == hit_of(world, FACE, (0,)).instant - 3
 
 
-def row() -> tuple[State, tuple[Pair | AtWall, ...]]:
+def row() -> tuple[ReplayState, tuple[Pair | AtWall, ...]]:
     """Three circles that touch, the middle one both others, and the last a wall: any places and masses, and velocities,
     as one sees them who flies with the middle one."""
     values = {"px": 2.0, "py": 0.25, "qx": 1.75, "qy": 1.0, "ux": 1.0, "uy": 0.5, "wx": -0.75, "wy": 0.25}
@@ -162,7 +170,7 @@ def row() -> tuple[State, tuple[Pair | AtWall, ...]]:
         Flight(*place, *speed, w.time, w.time, None, 1, False) for place, speed in zip(places, speeds, strict=True)
     )
     scene = Scene([Circle(9 * k, 5) for k in range(3)], [Wall(-9, 0, 99, 0)])
-    state = State(scene, world)
+    state = ReplayState(scene, world)
     for body, flight, mass in zip(state.bodies.values(), world.flights, world.masses, strict=True):
         body.flight, body.w = flight, mass
     seen = stub(x0=zero, y0=zero, nx=w.nx, ny=w.ny)
@@ -170,7 +178,7 @@ def row() -> tuple[State, tuple[Pair | AtWall, ...]]:
     return state, (Pair(0, 1), Pair(1, 2), AtWall(2, 0))
 
 
-def energy(state: State) -> Formula:
+def energy(state: ReplayState) -> Formula:
     """Twice the kinetic energy."""
     flights = [(body.flight, body.w) for body in state.bodies.values()]
     return sum(((f.vx * f.vx + f.vy * f.vy) / w for f, w in flights), state.zero)
@@ -288,7 +296,7 @@ def test_the_flat_loop_predicts_and_carries_out_the_contact_with_a_wall(code, ki
     code.walls(f, 0, [line], ())
     ((time, _, i, wall, _, _, wait, graze),) = f.heap
     assert (i, wall, graze) == (0, 1, False)
-    state = steps_of(at_wall(State(scene_with_wall(), world), world), FACE, (0,))
+    state = steps_of(at_wall(ReplayState(scene_with_wall(), world), world), FACE, (0,))
     assert time == state.instant
     code.rebound(f, 0, 1, time, wait)
     assert f.flights[0][:5] == state.bodies[0].flight[:5]

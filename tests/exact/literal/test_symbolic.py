@@ -10,10 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Integer, Rational, sqrt
 
-from truebreak.exact.literal import sign as symbolic_sign
-from truebreak.exact.literal.engine import SymbolicEngine
-from truebreak.exact.literal.laws import Disc, Line, approach_sign, touch_times, velocities_after
-from truebreak.exact.literal.sign import SymbolicUndecided, enclosure, normal, quantity, sign
+from truebreak.exact.literal import symbolic_sign
+from truebreak.exact.literal.symbolic_contacts import Disc, Line, approach_sign, touch_times, velocities_after
+from truebreak.exact.literal.symbolic_engine import SymbolicEngine
+from truebreak.exact.literal.symbolic_sign import SymbolicUndecided, enclosure, normal, quantity, sign
 from truebreak.scenarios import Circle, Contact, Quantity, Scene, StopReason, Wall, catalogue
 
 Q = Quantity.of

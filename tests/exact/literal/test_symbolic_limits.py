@@ -7,8 +7,7 @@ import pytest
 from referee import compare_to_referee, load
 from test_symbolic import C, Q, lee, run
 
-from truebreak.exact.literal import contacts as symbolic_contacts
-from truebreak.exact.literal import sign as symbolic_sign
+from truebreak.exact.literal import symbolic_contacts, symbolic_sign
 from truebreak.scenarios import Scene, SceneError, StopReason, Wall
 
 # -- limits and reversal

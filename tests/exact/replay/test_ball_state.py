@@ -9,13 +9,12 @@ import pytest
 from flint import arb, ctx
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.engine import ExactEngine as Engine
+from truebreak.exact.exact_engine import ExactEngine as Engine
 from truebreak.exact.numbers import ball
 from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.contact import Pair
 from truebreak.exact.replay.refinable import RefinableState
-from truebreak.exact.replay.state import State, replay
-from truebreak.exact.replay.steps import Go, Kick
+from truebreak.exact.replay.state import Go, Kick, ReplayState, replay
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 
@@ -51,7 +50,7 @@ def test_the_two_forms_enclose_the_same_numbers(scene):
     run = ExactEngine().run(scene, events=60)
     steps = run.motion.log.steps
     ctx.prec = 2000
-    ours, plain = BallState(scene), State(scene, ball.BALLS)
+    ours, plain = BallState(scene), ReplayState(scene, ball.BALLS)
     replay(ours, steps, range(len(steps)))
     ctx.prec = 2000
     replay(plain, steps, range(len(steps)))
@@ -67,7 +66,7 @@ def test_it_loses_fewer_bits_than_the_plain_form():
     run = ExactEngine().run(scene, events=400)
     steps = run.motion.log.steps
     widths = []
-    for make in (lambda: BallState(scene), lambda: State(scene, ball.BALLS)):
+    for make in (lambda: BallState(scene), lambda: ReplayState(scene, ball.BALLS)):
         ctx.prec = 2000
         machine = make()
         replay(machine, steps, range(len(steps)))

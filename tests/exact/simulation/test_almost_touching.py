@@ -12,7 +12,7 @@ from test_touching import ANGLES, FLOOR, ROOT3, C, Q, corner, doubles, exactly, 
 
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine
 from truebreak.scenarios import Scene, SceneError, StopReason
-from truebreak.scenarios.catalogue.angles import cosine, sine
+from truebreak.scenarios.catalogue.scene_entry import cosine, sine
 
 # -- the next double
 

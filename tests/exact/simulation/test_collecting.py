@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import pytest
 
 from truebreak.compare import engine
-from truebreak.exact.replay.body import Body
-from truebreak.exact.simulation.collecting import SELDOM, SeldomCollected
+from truebreak.exact.replay.contact import Body
+from truebreak.exact.simulation.loop import SELDOM, SeldomCollected
 from truebreak.scenarios import catalogue
 
 

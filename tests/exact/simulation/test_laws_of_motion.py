@@ -15,8 +15,10 @@ from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified import decider, precision, reading
-from truebreak.exact.certified import prediction as filtered_prediction
+from truebreak.exact.certified import certified_decider as decider
+from truebreak.exact.certified import certified_decider as precision
+from truebreak.exact.certified import certified_decider as reading
+from truebreak.exact.certified import filtered as filtered_prediction
 from truebreak.exact.replay import refinable as live
 from truebreak.floating import DoubleEngine, IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall

@@ -6,13 +6,12 @@ import pytest
 from flint import arb, ctx
 
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified.stride import Stride
+from truebreak.exact.certified.certified_decider import Stride
 from truebreak.exact.numbers import ball
-from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.ball_state import BallState, LoneContacts
 from truebreak.exact.replay.contact import AtWall, Pair
-from truebreak.exact.replay.lone.contacts import LoneContacts
-from truebreak.exact.replay.steps import Go, Kick
-from truebreak.exact.simulation.tape import instant_of
+from truebreak.exact.replay.state import Go, Kick
+from truebreak.exact.simulation.loop import instant_of
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 
 BITS, SHARP = 384, 4096

@@ -10,7 +10,7 @@ from flint import arb, ctx  # type: ignore[attr-defined]
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine, IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Scene, StopReason, Trajectory, Wall
-from truebreak.scenarios.catalogue.angles import cosine, sine
+from truebreak.scenarios.catalogue.scene_entry import cosine, sine
 
 C = Circle
 Q = Quantity.of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 
 from fuzz.draft import Body, Draft, F, directions, flaw, has_room, mass, reversal, size, span, speed, velocity
-from truebreak.scenarios.catalogue.angles import cosine, sine
+from truebreak.scenarios.catalogue.scene_entry import cosine, sine
 
 
 def slide(draw: Random) -> Draft:

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
-from truebreak.scenarios.catalogue.angles import COSINES, cosine, sine
+from truebreak.scenarios.catalogue.scene_entry import COSINES, cosine, sine
 from truebreak.scenarios.files import dump_json, dump_toml, loads_json, loads_toml
 
 SPECS = (

@@ -17,8 +17,8 @@ from truebreak.exact import ExactEngine, SymbolicEngine
 from truebreak.floating import DoubleEngine, IntervalEngine, PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall
 from truebreak.scenarios.engine import Engine
-from truebreak.scenarios.numbers.doubles import Double, bounds_of, hull
-from truebreak.scenarios.numbers.real import Real, real
+from truebreak.scenarios.numbers.precision import Double, bounds_of, hull
+from truebreak.scenarios.numbers.quantity import Real, real
 
 SCENE = Scene([Circle(0, 0, vx=1), Circle("9/2", 1, vx=-1), Circle(8, 5)], [Wall(12, 0, 12, 1)], reverse_after=2)
 ENGINES = (ExactEngine(), SymbolicEngine(), DoubleEngine(), IntervalEngine(), PymunkEngine())

@@ -21,7 +21,6 @@ from typing import Any, NamedTuple
 
 from truebreak.compare.validation import EngineError
 
-from . import bugs_in_reports  # noqa: F401  # its bugs are planted as it is imported
 from .bugs import BUGS
 from .honest import HONEST
 from .residuals import residuals

@@ -1,0 +1,623 @@
+"""The decider of the exact engine: refines the state as needed, and puts every question to the cascade."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Hashable, Iterable, Sequence
+from typing import Protocol
+
+from flint import arb
+
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.scene import Scene
+from ...scenarios.trajectory import Assumption
+from ..log_symmetry import Held, LogSymmetry, Past, Retrace
+from ..numbers import ball
+from ..numbers.ball import Known, field_ball, field_text
+from ..numbers.system import BudgetSpent, Undecided
+from ..question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
+from ..replay.contact import AtWall, Body, Entry, Link, Touch, name_of
+from ..replay.refinable import Projection, RefinableState
+from ..replay.state import STEP_UNITS, Go, Kick, Step, step_units
+from ..simulation.decider import History, Limits, Mark, Record
+from ..simulation.prediction import Arrival, ArrivalQueue, touching_at_start
+from .cascade import Cascade, Grounds, InBalls, TieRule
+from .filtered import QUICK_BITS, FilteredPredictor
+
+# -- When the state is computed again with more bits, and with how many.
+
+FIRST_BITS = 256
+"""Precision of the state at first: four words, twice the quick one, so the first rise comes late."""
+
+SAFE_BITS = 96
+"""When the times' accuracy falls below this, precision rises at once: predictions would soon be undecided, and
+results should round to doubles without another look."""
+
+FORESIGHT = 1.1
+"""Share by which the bits foreseen for a whole run exceed the extrapolation, so that one rise mostly suffices."""
+
+SET_FORESIGHT = 1.06
+"""The same where deviations are kept in a set, whose rate varies less from one part of a run to another."""
+
+ONCE = 40
+"""Bits that a set loses once and for all: what a body's bound grows within a block beyond the set itself."""
+
+LONG_BITS = 8_000
+"""Precision from which on deviations are kept in a set: it then costs no more, as it needs well under half the bits."""
+
+CENTRED_SHARE = 0.5
+"""Share of the bits that balls need which then suffices; if it does not, one more rise comes."""
+
+PILOTS = 10
+"""By how much fewer bits deviations are first kept in a set, for a start that tells how fast bits go then: what is
+carried out twice is a tenth of the run, with a tenth of the bits, and the rest needs no wide margin."""
+
+MOST_FORESIGHT = 64
+"""Most by which one rise multiplies the precision: an extrapolation from a short past may be far off. With 16, a gas of
+10,000 or 100,000 events rose once more, late, and was carried out nearly twice."""
+
+
+class Precision:
+    """The bits of a run.
+
+    Args:
+        state: what is computed again.
+        history: how far the run is; counts the rises.
+        limits: where it ends; tells how many bits the whole run will need.
+        max_bits: the precision beyond which there is none.
+    """
+
+    def __init__(self, state: RefinableState, history: History[Known], limits: Limits, max_bits: int) -> None:
+        self._state = state
+        self._history = history
+        self._limits = limits
+        self._max_bits = max_bits
+
+    def secure(self) -> None:
+        """More bits, if the last instant is not accurate enough.
+
+        Raises:
+            Undecided: if there are none.
+        """
+        while self._state.lowest < SAFE_BITS:
+            self._rise("accuracy had run low", self._foreseen())
+
+    def rise(self, why: str) -> None:
+        """Twice the bits.
+
+        Raises:
+            Undecided: if there are none, with the reason for which they were wanted.
+        """
+        self._rise(why, 0)
+
+    def where(self) -> str:
+        """How far the run is, as a person reads it."""
+        return f"after {len(self._history.records)} instants"
+
+    def _rise(self, why: str, foreseen: int) -> None:
+        near = foreseen > 0 and self._state.centred  # the rate has settled: no need to double
+        least = self._state.bits * 5 // 4 if near else 2 * self._state.bits
+        bits = max(least, min(foreseen, self._max_bits))
+        if bits > self._max_bits:
+            raise Undecided(
+                f"{why} at {self._state.bits} bits, and max_bits is {self._max_bits}; "
+                f"{self.where()}; allow more bits to go on"
+            )
+        self._history.plan["precision raised"] += 1
+        centred = self._state.centred or bits >= LONG_BITS
+        if centred and not self._state.centred:
+            bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits) // PILOTS)
+        self._history.rises.append((bits, centred))
+        self._state.rise(bits, centred)
+
+    def _foreseen(self) -> int:
+        """The bits that the whole run will need if it goes on losing them as it has."""
+        done = len(self._history.records)
+        wholes: list[float] = []
+        if self._limits.events is not None:
+            wholes.append(self._limits.events)
+        if self._limits.until is not None and done:
+            reached = rough(self._history.records[-1].mark.time)
+            if reached > 0.0:
+                wholes.append(done * ball.double_bounds(ball.constant(self._limits.until))[1] / reached)
+        if not wholes or not done:
+            return 0
+        once = ONCE if self._state.centred else 0
+        lost = max(self._state.bits - self._state.lowest - once, 1)
+        share = SET_FORESIGHT if self._state.centred else FORESIGHT
+        whole = min(wholes) / done * lost * share + once + 2 * SAFE_BITS
+        return int(min(whole, MOST_FORESIGHT * self._state.bits))  # also where times are beyond doubles
+
+
+def rough(time: Known) -> float:
+    """The double below a time, a ball or exact."""
+    return ball.double_bounds(time if isinstance(time, arb) else field_ball(time, QUICK_BITS))[0]
+
+
+# -- When two meet next, certified: predictions through the filter, times in balls, doubts settled by the cascade.
+
+
+class Judge(Protocol):
+    """What decides the questions of a run."""
+
+    def decide(self, question: Question) -> Decision:
+        """The answer to a question."""
+        ...
+
+    def name(self, link: Link) -> str:
+        """A contact as a person reads it."""
+        ...
+
+
+class CertifiedMeetings:
+    """The meetings of a run.
+
+    Args:
+        scene: what runs.
+        state: its state.
+        queue: where arrivals go.
+        plan: counts what is predicted, skipped and settled.
+        precision: the bits of the run.
+        balls: signs at the precision at hand.
+        judge: decides what that leaves open.
+        grazes: told of a pair proved to graze.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        state: RefinableState,
+        queue: ArrivalQueue[arb],
+        plan: Counter[str],
+        precision: Precision,
+        balls: InBalls,
+        judge: Judge,
+        grazes: Callable[[Link], None],
+    ) -> None:
+        self.predictor = FilteredPredictor(scene, state, queue, plan, self._unsure)
+        self._state = state
+        self._plan = plan
+        self._precision = precision
+        self._balls = balls
+        self._judge = judge
+        self._grazes = grazes
+
+    def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """Queues the next meetings of some circles."""
+        self.predictor.predict(moved, standing, gone)
+
+    def off_rim(self, link: Entry) -> bool:
+        """Whether doubles tell a centre from the rim."""
+        return self.predictor.off_rim(link)
+
+    def order(self, first: Arrival[arb], second: Arrival[arb]) -> Decision:
+        """Whether the one comes before, with or after the other."""
+        return self._judge.decide(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))
+
+    def timed(self, arrival: Arrival[arb]) -> Arrival[arb]:
+        """The arrival with its time in full precision."""
+        if arrival.time is None:
+            return arrival._replace(time=self.time(Moment(arrival.link)))
+        return arrival
+
+    def certainly_before(self, first: Arrival[arb], second: Arrival[arb]) -> bool:
+        """Whether the balls of their times tell."""
+        return first.time is not None and second.time is not None and first.time < second.time
+
+    def settled(self, arrival: Arrival[arb]) -> Arrival[arb] | None:
+        """The arrival if it comes.
+
+        Raises:
+            Undecided: where that is not to be had.
+        """
+        link = arrival.link
+        self._plan["doubtful settled"] += 1
+        if self._judge.decide(Approach(link)).sign >= 0:
+            return None
+        disc = 1 if isinstance(link, AtWall) else self._judge.decide(Discriminant(link)).sign
+        if disc < 0:
+            return None
+        time = self._meeting(link, disc)
+        low, high = ball.double_bounds(time)
+        return arrival._replace(low=low, high=high, certain=True, time=time, graze=disc == 0)
+
+    def time(self, moment: Moment) -> arb:
+        """The time of a meeting that is certain, as a ball of full precision that excludes the past."""
+        while True:
+            ball.use_bits(self._state.bits)
+            self._state.sync(moment.link.circles)
+            try:
+                t, wait = moment.wait(self._state.balls)
+                if t + wait > self._begun(moment.link):
+                    return t + wait
+            except ZeroDivisionError:
+                pass
+            self._precision.rise(f"the time of {self._judge.name(moment.link)} is unsharp")
+
+    def _meeting(self, link: Link, disc: int) -> arb:
+        """The time of a hit or, where the discriminant is zero, of a graze, which is noted."""
+        if disc == 0:
+            self._grazes(link)
+        return self.time(Moment(link, disc == 0))
+
+    def _begun(self, link: Link) -> arb:
+        """The instant from which on the flights of two hold."""
+        return link.later(self._state.balls).flight.instant
+
+    def _sign(self, question: Question) -> int | None:
+        return self._balls.sign(question)
+
+    def _unsure(self, link: Link) -> None:
+        """A prediction that short balls could not decide: full balls, and proofs where they leave it open.
+
+        A gap of zero does not occur here: what stands at gap zero at an instant was gathered for it.
+        """
+        self._plan["full predictions"] += 1
+        ball.use_bits(self._state.bits)
+        approach = self._sign(Approach(link))
+        if approach is not None and approach >= 0:
+            return
+        gap = self._sign(Gap(link))
+        if not gap:  # unknown; or zero, as at a rim on which a centre stands still
+            approach = self._judge.decide(Approach(link)).sign if approach is None else approach
+            if approach >= 0:
+                return
+            gap = self._judge.decide(Gap(link)).sign
+        if gap <= 0:
+            if isinstance(link, Entry) and gap < 0:
+                return
+            who, when = self._judge.name(link), self._precision.where()
+            raise AssertionError(f"{who} overlap, or touch unseen, {when}: a defect")
+        disc = 1 if isinstance(link, AtWall) else self._sign(Discriminant(link))
+        if disc is not None and disc < 0:
+            return
+        ball.use_bits(self._state.bits)
+        if approach is None or disc is None:
+            self.predictor.push_doubtful(link)
+        else:
+            self.predictor.push(self._meeting(link, disc), link, disc == 0)
+
+
+# -- What the history keeps of a certified run: exact numbers where they are at hand, else short balls.
+
+
+class CertifiedReading:
+    """Reads a state off.
+
+    Args:
+        state: that state.
+        meetings: knows the times of entries.
+    """
+
+    def __init__(self, state: RefinableState, meetings: CertifiedMeetings) -> None:
+        self._state = state
+        self._meetings = meetings
+
+    def knot(self, body: Body[arb]) -> tuple[Known, Known, Known, Known, Known]:
+        """The state: exact numbers if the body is exact, else short balls."""
+        exact = self._state.exact[body.index]
+        x, y, vx, vy, t = self._state.flight(body.index)[:5] if exact else body.q
+        return t, x, y, vx, vy
+
+    def now(self, body: Body[arb]) -> Known:
+        """The instant of a body's last contact: exact if the body is, else a short ball."""
+        if self._state.exact[body.index]:
+            return self._state.flight(body.index).t
+        ball.use_bits(QUICK_BITS)
+        return +body.flight.instant
+
+    def entry_time(self, link: Entry) -> arb:
+        """The time of an entry as a short ball."""
+        time = self._meetings.time(Moment(link))
+        with ball.precision(QUICK_BITS):
+            return +time
+
+    def reversal_time(self) -> Known:
+        """The time of the reversal: exact if it is at hand exactly, else a ball."""
+        state = self._state.field
+        if state is not None and all(self._state.exact):
+            return state.flip_time
+        return self._state.flip_time
+
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """The bodies' numbers as text, where all are exact."""
+        state = self._state.field
+        if state is None or not self._state.all_exact(tuple(bodies)):
+            return None
+        return tuple(field_text(number) for i in bodies for number in state.bodies[i].flight[:5])
+
+    def rough(self, time: Known) -> float:
+        """The double below a time."""
+        return rough(time)
+
+    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
+        """Doubles that enclose a set time (None: the return)."""
+        ball.use_bits(self._state.bits)
+        if time is None:
+            return ball.double_bounds(self._state.flip_time + self._state.flip_time)
+        return ball.double_bounds(ball.constant(time))
+
+    def note(self) -> str:
+        """The precision at work."""
+        return f"{self._state.bits} bits"
+
+
+# -- Many instants in one go: each of one contact alone, which nothing comes near.
+#
+# Nearly all instants of a run are like that. Nothing is to be gathered or ordered for them, there is one impulse, and
+# what the loop would do step by step (see `Loop`) is done here in a row, to the same end: the same log, the same
+# history, the same queue. Whatever is otherwise is left to the loop.
+
+
+class Stride:
+    """Carries out the ordinary instants of one run.
+
+    Args:
+        state: its state.
+        history: what it has gathered.
+        queue: its arrivals.
+        meetings: predicts.
+        reading: reads the state off.
+        precision: its bits.
+        begin: called before the steps of an instant, with its number.
+        do: carries out a step that is not ordinary, and logs it.
+    """
+
+    def __init__(
+        self,
+        state: RefinableState,
+        history: History[Known],
+        queue: ArrivalQueue[arb],
+        meetings: CertifiedMeetings,
+        reading: CertifiedReading,
+        precision: Precision,
+        begin: Callable[[int], None],
+        do: Callable[[Go | Kick], None],
+    ) -> None:
+        self._state = state
+        self._history = history
+        self._queue = queue
+        self._meetings = meetings
+        self._reading = reading
+        self._precision = precision
+        self._begin = begin
+        self._do = do
+        self._refresh = meetings.predictor.refresh
+        self._take = meetings.predictor.take
+        self._steps: dict[Touch, tuple[tuple[Go, Kick], list[Body[arb]]]] = {}
+
+    def __call__(
+        self, last: int, most: float, before: float, look: Callable[[], None], note: Callable[[Touch], None]
+    ) -> int:
+        """Carries out instants while they are ordinary; gives the number of the last.
+
+        Args:
+            last: the number of the instant before.
+            most: how many at most.
+            before: a time that all come before.
+            look: called before each look for an instant.
+            note: told of each contact.
+        """
+        queue, predict = self._queue, self._meetings.predictor.predict
+        while most > 0:
+            look()
+            link = queue.alone(before)
+            if link is None:
+                break
+            most -= 1
+            last += 2
+            predict(*self._carried_out(link, last, note, self._precision), ())
+        return last
+
+    def again(self, link: Touch, number: int, note: Callable[[Touch], None]) -> None:
+        """Carries out an instant that an earlier run had in a stride; its meetings are not predicted.
+
+        Args:
+            link: its contact.
+            number: of the instant.
+            note: told of the contact.
+        """
+        self._carried_out(link, number, note, None)
+
+    def _carried_out(
+        self, link: Touch, number: int, note: Callable[[Touch], None], precision: Precision | None
+    ) -> tuple[list[Body[arb]], tuple[Touch, ...]]:
+        """Carries out one instant, with the precision looked after if one is given: its circles, and its contact."""
+        history, state, reading = self._history, self._state, self._reading
+        self._begin(number)
+        both, moved = self._steps.get(link) or self._steps_of(link)
+        in_balls = state.strike(link, both)
+        if not in_balls:
+            for step in both:
+                self._do(step)
+        note(link)
+        if precision is not None and state.lowest < SAFE_BITS:
+            precision.secure()
+        circles, alone = both[0].bodies, both[1].links
+        landed = state.lone.landed if in_balls else None
+        if landed is not None:
+            self._take(landed, landed[0][1][4])
+        else:
+            self._refresh(moved)
+        done = len(state.steps)
+        time = +state.balls.instant if in_balls else reading.now(moved[0])  # short, as `refresh` has left it
+        mark = _new(Mark, (number, time, done, circles[0]))
+        history.records.append(_new(Record, (mark, alone, alone, (), False)))
+        knots = history.knots
+        for body in moved:
+            body.serial += 1
+            if in_balls:
+                x, y, vx, vy, t = body.q
+                knots[body.index].append((t, x, y, vx, vy, done, number))
+            else:
+                knots[body.index].append((*reading.knot(body), done, number))
+        history.last = mark
+        return moved, alone
+
+    def _steps_of(self, link: Touch) -> tuple[tuple[Go, Kick], list[Body[arb]]]:
+        """The steps of a contact, and its circles."""
+        steps = Go(link, link.circles), Kick((link,), (link,))
+        found = self._steps[link] = steps, [self._state.bodies[i] for i in link.circles]
+        return found
+
+
+_new = tuple.__new__
+"""Makes a named tuple of all its fields: what its own constructor does, in a third of the time."""
+
+
+# -- The exact engine's decider: keeps the state, refined as needed, and puts every question to the cascade.
+
+ASK_UNITS = 20
+"""Work of a question that balls answer."""
+
+
+class CertifiedDecider:
+    """Decides for the exact engine, and keeps its state (see `Decider`).
+
+    Args:
+        scene: what runs.
+        limits: where it ends; tells how many bits the whole run will need.
+        max_bits: the precision beyond which an undecided sign stays so.
+        work: what one question may cost before it is undecided.
+        rule: what is taken for a zero that is not proved.
+
+    Attributes:
+        state: the state.
+        retrace: what the way back knows of the way out.
+        stride: carries ordinary instants out; None where too little work is allowed for them.
+        grazes: by the number of the instant at which the later of their flights begins: the pairs proved to graze.
+    """
+
+    def __init__(self, scene: Scene, limits: Limits, max_bits: int, work: int, rule: TieRule) -> None:
+        self.scene = scene
+        self.state = RefinableState(scene, FIRST_BITS)
+        self.history: History[Known] = History(steps=self.state.steps)
+        self.bodies = self.state.bodies
+        self.queue = ArrivalQueue(self.bodies)
+        self.retrace = Retrace(Past([not c.fixed for c in scene.circles], self.state.steps), touching_at_start(scene))
+        self.grazes: dict[int, list[Link]] = {}
+        self._past = self.retrace.past
+        self._precision = Precision(self.state, self.history, limits, max_bits)
+        self._work = work
+        self._instant = self._instant_work = 0
+        log = LogSymmetry(scene, self._past)
+        grounds = Grounds(
+            scene, self.state, self.state.steps, self.retrace, log, rule, max_bits, work,
+            self.catch_up, self._precision.rise, self._spend, self._precision.where, self.name,
+        )  # fmt: skip
+        plan = self.history.plan
+        self._cascade = Cascade(grounds, plan)
+        self.meetings = CertifiedMeetings(
+            scene, self.state, self.queue, plan, self._precision, InBalls(grounds), self, self._note_graze
+        )
+        self.reading = CertifiedReading(self.state, self.meetings)
+        self.stride: Stride | None = None
+        if work >= 2 * STEP_UNITS:
+            self.stride = Stride(
+                self.state, self.history, self.queue, self.meetings, self.reading, self._precision, self._count, self.do
+            )
+        self._held = Held(scene, log)
+        if self._held:
+            self.state.held = self._projection
+        self.refresh(self.state.balls.pockets)
+
+    # -- the state
+
+    def begin(self, instant: int) -> None:
+        """Full precision."""
+        self._count(instant)
+        ball.use_bits(self.state.bits)
+
+    def _count(self, instant: int) -> None:
+        """An instant begins."""
+        self._past.begin(instant)
+        self._instant = instant
+        self._instant_work = 0
+
+    def do(self, step: Step) -> None:
+        """Carries out a step and logs it.
+
+        Raises:
+            BudgetSpent: if the steps of one instant, and what had to be proved for them, cost more than is allowed.
+        """
+        ball.use_bits(self.state.bits)
+        self.state.do(step)
+        self._instant_work += step_units(self.state.length)
+        if self._instant_work > self._work:
+            raise BudgetSpent(
+                f"the impulses of one instant cost more than {self._work} units of work, {self._precision.where()}; "
+                "they may have no end: allow more (--work)"
+            )
+
+    def gathered(self, links: Iterable[Link]) -> None:
+        """Notes the contacts at gap zero, for the way back."""
+        self.retrace.gathered(self._instant, (link for link in links if not isinstance(link, Entry)))
+
+    def refresh(self, bodies: Iterable[Body[arb]]) -> None:
+        """Short copies of the states, with more bits first if the last instant is not accurate enough."""
+        self._precision.secure()
+        self.meetings.predictor.refresh(bodies)
+
+    def catch_up(self) -> None:
+        """Brings what is known of the past up to the end of the log."""
+        self.retrace.note(self._past.catch_up())
+
+    def _note_graze(self, link: Link) -> None:
+        self.catch_up()
+        if self.retrace.grazes(link):
+            begun = max(self.history.knots[i][-1][-1] for i in link.circles) // 2 * 2
+            self.grazes.setdefault(begun, []).append(link)
+
+    def graze_again(self, instant: int) -> None:
+        """Notes the grazes that are known of flights that begin at an instant, which has just been carried out."""
+        self.catch_up()
+        for link in self.grazes.get(instant, ()):
+            self.retrace.grazes(link)
+
+    def _projection(self, i: int) -> Projection | None:
+        """What holds a circle to a line or a point, after the last step of the log; None if it stands there."""
+        if self._held.stands(self.state.balls.bodies[i]):
+            return None
+        self.catch_up()
+        return self._held(i)
+
+    def _spend(self, units: int) -> None:
+        self._instant_work += units
+
+    def close(self) -> None:
+        """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
+        vars(self.meetings.predictor).clear()
+        vars(self.meetings).clear()
+        vars(self).clear()
+
+    # -- questions
+
+    def ask(self, question: Question) -> int:
+        """The sign of a question.
+
+        Raises:
+            Undecided: naming the question, what was tried and the bits.
+        """
+        return self.decide(question).sign
+
+    def ask_cheaply(self, question: Question) -> int | None:
+        """The sign if balls or the field tell it, else None."""
+        decision = self._cascade.decide_quickly(question)
+        return None if decision is None else decision.sign
+
+    def decide(self, question: Question) -> Decision:
+        """The answer to a question; what is less than proof is kept as an assumption.
+
+        Raises:
+            Undecided: as `ask`.
+        """
+        self._instant_work += ASK_UNITS
+        decision = self._cascade.decide(question)
+        if decision.bound is not None:
+            event, told = len(self.history.records), question.describe(self.name)
+            self.history.assumptions.append(Assumption(event, told, decision.proof, decision.bound))
+        return decision
+
+    def name(self, link: Link) -> str:
+        """A contact as a person reads it."""
+        return name_of(self.scene, link)

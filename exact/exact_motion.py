@@ -1,0 +1,677 @@
+"""What an exact run gives back: its log, numbers that know their exact value, times, and the motion."""
+
+from __future__ import annotations
+
+import copyreg
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+from flint import arb, fmpq
+
+from ..scenarios.lazy import frozen, kept
+from ..scenarios.numbers.nested_roots import Tower
+from ..scenarios.numbers.precision import BITS_PER_DIGIT, bounds_of, certain_double, decimals_of, nearest_double
+from ..scenarios.numbers.quantity import Quantity, QuantityLike
+from ..scenarios.numbers.tower_element import Element
+from ..scenarios.numbers.tower_ring import TowerLimit
+from ..scenarios.scene import Scene
+from ..scenarios.work import Work
+from .laws.formulas import advance
+from .numbers import ball
+from .numbers.ball import Known, NestedNumbers, known_ball, reduced
+from .numbers.system import N, Undecided, number_system
+from .replay.centred_state import CentredState
+from .replay.contact import Link
+from .replay.state import ReplayState, Step, causal_past, replay, step_units
+from .simulation.decider import Knot, Mark
+from .simulation.loop import Tape
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from ..scenarios.trajectory import Event, Trajectory
+    from .numbers.expression import SymPyExpression
+
+# -- The log of a finished run, from which every number of it is computed again.
+
+TEXT_DEPTH = 5
+"""Nested roots up to which a value is written out in full; beyond, it is given by shared definitions."""
+
+TEXT_WORK = 1_000_000
+"""Units of work that writing out one value may take: about a second."""
+
+
+class Formula(Protocol):
+    """Computes a number from a state, in its numbers."""
+
+    def __call__(self, state: ReplayState[N], /) -> N: ...
+
+
+class RunLog:
+    """A scene and the log of its run: enough to compute every number of the run again.
+
+    Attributes:
+        scene: the scene.
+        steps: the log.
+        lost: how many bits of its precision the run lost, at most, in the time of an event.
+        centred: whether that was with the deviations in a set (see `CentredState`).
+    """
+
+    def __init__(self, scene: Scene, steps: Sequence[Step], lost: int, centred: bool = False) -> None:
+        self.scene = scene
+        self.steps = steps
+        self.lost = lost
+        self.centred = centred
+        self._key: tuple[int, int] | None = None
+        self._state: CentredState | None = None
+        self._too_deep: list[frozenset[int]] = []
+
+    def __getstate__(self) -> dict[str, Any]:
+        """All but what is computed again at need."""
+        return {**self.__dict__, "_key": None, "_state": None, "_too_deep": []}
+
+    def in_balls(self, bits: int, upto: int) -> CentredState:
+        """The state after the first `upto` steps, in balls computed with `bits` bits."""
+        if self._key != (bits, upto):
+            ball.use_bits(bits)
+            state = CentredState(self.scene, self.centred)
+            replay(state, self.steps, range(upto))
+            self._key, self._state = (bits, upto), state
+        assert self._state is not None
+        return self._state
+
+    def units(self, bits: int, upto: int) -> int:
+        """The work of that."""
+        return (len(self.scene.circles) + upto) * step_units(bits)
+
+    def exact(self, upto: int, bodies: Sequence[int], formula: Formula) -> Element | None:
+        """A number after the first `upto` steps in nested roots, or None if it is too deep.
+
+        A value whose causal past contains one that was too deep is not tried.
+        """
+        steps = self.steps[:upto]
+        needed, held = causal_past(steps, bodies)
+        past = frozenset(needed)
+        if any(deep <= past for deep in self._too_deep):
+            return None
+        numbers = NestedNumbers(TEXT_DEPTH, Work(TEXT_WORK))
+        try:
+            state = ReplayState(self.scene, numbers, only=held)
+            replay(state, steps, needed)
+            return formula(state)
+        except TowerLimit:
+            self._too_deep.append(past)
+            return None
+
+    def in_expressions(self, upto: int, bodies: Sequence[int]) -> ReplayState[SymPyExpression]:
+        """The states of some bodies after the first `upto` steps, as SymPy expressions that share their parts."""
+        needed, held = causal_past(self.steps[:upto], bodies)
+        state: ReplayState[SymPyExpression] = ReplayState(self.scene, number_system("expression"), only=held)
+        replay(state, self.steps, needed)
+        return state
+
+
+# -- Numbers of an exact run that know their exact value: to any digits, as SymPy, as text.
+
+copyreg.pickle(arb, reduced)
+
+GUARD_BITS = 32
+"""Bits asked for beyond the digits wanted."""
+
+LEAST_BITS = 320
+"""Bits computed at the least: most numbers asked for one after another then come of one replay."""
+
+
+class ExactValue:
+    """A real number of an exact run.
+
+    float() gives the nearest double, certified; `digits`, `sympy` and `text` give the value itself.
+
+    Attributes:
+        log: the run that it belongs to.
+        upto: how many steps of the log it needs.
+        bodies: the circles that it depends on.
+        formula: computes it from the state after those steps, in any state.
+        near: a short enclosure, or the exact number where it is at hand.
+        instant: for the time of something that happened in the run, the number of its instant.
+    """
+
+    def __init__(
+        self,
+        log: RunLog,
+        upto: int,
+        bodies: Sequence[int],
+        formula: Formula,
+        near: Known,
+        instant: int | None = None,
+    ) -> None:
+        self.log = log
+        self.upto = upto
+        self.bodies = tuple(bodies)
+        self.formula = formula
+        self.near = near
+        self.instant = instant
+
+    def __repr__(self) -> str:
+        try:
+            return f"ExactValue({self.digits(17)})"
+        except Undecided:
+            return f"ExactValue({self.ball(DOUBLE_BITS).str(3)})"
+
+    def ball(self, bits: int) -> arb:
+        """An enclosure accurate to about `bits` bits, relatively (absolutely, for a value that may be zero).
+
+        Raises:
+            Undecided: where counted work does not suffice for that.
+        """
+        if isinstance(self.near, fmpq):
+            with ball.precision(bits + GUARD_BITS):
+                return arb(self.near)
+        if isinstance(self.near, Element):
+            return self.near.ball(bits)
+        if self.near.rel_accuracy_bits() >= bits:
+            return self.near
+        return self._sharpened(bits, lambda value: _is_accurate(value, bits) or _is_faint(value, bits))
+
+    def _sharpened(self, bits: int, enough: Callable[[arb], bool]) -> arb:
+        """The enclosure of a replay with so many bits, or with twice as many, and so on, until it is enough.
+
+        Raises:
+            Undecided: once that has cost all the work that it may.
+        """
+        log, upto = self.log, self.upto
+        working = log.lost + max(bits + GUARD_BITS, LEAST_BITS)
+        allowed = VALUE_WORK + MORE_WORK * log.units(working, upto)
+        with ball.precision(working):
+            while True:
+                state = log.in_balls(working, upto)
+                ball.use_bits(working)
+                value = self.formula(state)
+                if enough(value):
+                    return value
+                working *= 2
+                allowed -= log.units(working, upto)
+                if allowed < 0:
+                    raise Undecided(
+                        f"a number of the run, {value.str(3)}, is not told any nearer with {working // 2} bits of work "
+                        "that is counted, nor proved to be zero; ask for its `ball`, which is what is known of it"
+                    )
+
+    def __float__(self) -> float:
+        return self._double
+
+    @kept
+    def _double(self) -> float:
+        if isinstance(self.near, fmpq):
+            return nearest_double(self.near)
+        double = certain_double(self.near) if isinstance(self.near, arb) else None
+        if double is None and isinstance(self.near, Element):
+            fraction, bits = self.near.fraction(), DOUBLE_BITS
+            if fraction is not None:
+                return nearest_double(fraction)
+            while double is None:  # it is irrational, so that it lies half-way between no doubles
+                bits *= 2
+                double = certain_double(self.near.ball(bits))
+        if double is None:
+            value = self._sharpened(
+                2 * DOUBLE_BITS, lambda value: _is_double(value) or _is_accurate(value, HALF_WAY_BITS)
+            )
+            double = certain_double(value)
+        if double is None:
+            exact = self.exact()
+            fraction = None if exact is None else exact.fraction()
+            if fraction is not None:
+                return nearest_double(fraction)
+            double = certain_double(self._sharpened(2 * HALF_WAY_BITS, _is_double))
+            assert double is not None
+        return double
+
+    def bounds(self) -> tuple[float, float]:
+        """Doubles at or below, and at or above, the value."""
+        return bounds_of(self.ball(DOUBLE_BITS))
+
+    def digits(self, count: int) -> str:
+        """The value in decimals, all of them right (the last may be off by one): the same from any run of the scene.
+
+        "0" is told of what is proved to be zero alone.
+
+        Raises:
+            Undecided: where a number beyond all bits that counted work allows for is not proved to be zero.
+
+        >>> from truebreak.exact import ExactEngine
+        >>> from truebreak.scenarios import Circle, Scene
+        >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 1)])
+        >>> ExactEngine().run(scene).events[0].time.digits(30)
+        '2.26794919243112270647255365849'
+        """
+        near = self.near
+        if isinstance(near, fmpq):
+            return _fraction_in_decimals(near, count)
+        if isinstance(near, Element):
+            return _element_in_decimals(near, count)
+        bits = int(count * BITS_PER_DIGIT) + 2 * GUARD_BITS
+        told = decimals_of(near, count)
+        if told is None:
+            told = decimals_of(
+                self._sharpened(
+                    bits,
+                    lambda value: (
+                        decimals_of(value, count) is not None or _is_faint(value, bits) or _is_accurate(value, 2 * bits)
+                    ),
+                ),
+                count,
+            )
+        if told is None:
+            exact = self.exact()
+            if exact is not None:
+                return _element_in_decimals(exact, count)
+            told = decimals_of(self._sharpened(2 * bits, lambda value: decimals_of(value, count) is not None), count)
+            assert told is not None
+        return told
+
+    def exact(self) -> Element | None:
+        """The value in nested square roots in normal form, or None if it is too deep for that."""
+        if isinstance(self.near, Element):
+            return self.near
+        if isinstance(self.near, fmpq):
+            return Tower().rational(self.near)
+        return self.log.exact(self.upto, self.bodies, self.formula)
+
+    def sympy(self) -> Any:
+        """The value as a SymPy expression.
+
+        In normal form where it needs few nested roots; else the expression that the run computes, unsimplified,
+        its subexpressions shared in memory (do not print it: see `text`).
+        """
+        exact = self.exact()
+        if exact is not None:
+            return exact.sympy()
+        return self.formula(self.log.in_expressions(self.upto, self.bodies)).expression
+
+    def text(self) -> str | None:
+        """The value in the grammar of scene files, or None if it is too deep to be written out.
+
+        >>> from truebreak.exact import ExactEngine
+        >>> from truebreak.scenarios import Circle, Scene
+        >>> scene = Scene([Circle(0, 0, vx=1), Circle(4, 1)])
+        >>> ExactEngine().run(scene).events[0].time.text()
+        '-sqrt(3) + 4'
+        """
+        if isinstance(self.near, fmpq):
+            return str(self.near)
+        exact = self.exact()
+        return None if exact is None else exact.text()
+
+
+DOUBLE_BITS = 64
+"""Accuracy at which a value is held between doubles."""
+
+HALF_WAY_BITS = 512
+"""A value that still straddles two doubles at this accuracy is asked whether it is a rational half-way point."""
+
+VALUE_WORK = 3_000_000
+"""Units of work that one number may cost: a few seconds."""
+
+MORE_WORK = 40
+"""Besides, so many times the work of its first replay: enough for five times twice the bits."""
+
+LOWEST_DOUBLE = 1100
+"""Bits below which an unsigned value rounds to the double zero whatever its sign."""
+
+
+def _is_accurate(value: arb, bits: int) -> bool:
+    """Whether so many bits of a number are told; of zero all are."""
+    return value.rel_accuracy_bits() >= bits or value.is_zero()
+
+
+def _is_faint(value: arb, bits: int) -> bool:
+    """Whether a number may be zero, and is told to so many bits beyond those of all doubles."""
+    return value.contains(0) and bool(value.abs_upper() < arb(2) ** -(bits + LOWEST_DOUBLE))
+
+
+def _is_double(value: arb) -> bool:
+    """Whether the nearest double is told."""
+    return certain_double(value) is not None
+
+
+def _element_in_decimals(value: Element, count: int) -> str:
+    """A number in nested roots in decimals."""
+    fraction, bits = value.fraction(), int(count * BITS_PER_DIGIT) + GUARD_BITS
+    if fraction is not None:
+        return _fraction_in_decimals(fraction, count)
+    while (told := decimals_of(value.ball(bits), count)) is None:  # it is irrational, so no rounding is a tie
+        bits *= 2
+    return told
+
+
+def _fraction_in_decimals(value: fmpq, count: int) -> str:
+    """A fraction in decimals; half a unit of the last is rounded away from zero."""
+    if value.q == 1 and len(str(value.p)) <= count:
+        return str(value.p)
+    with ball.precision(int(count * BITS_PER_DIGIT) + 2 * GUARD_BITS + value.height_bits()):
+        near = arb(value)
+        told = decimals_of(near, count)
+        return told or (near.upper() if value > 0 else near.lower()).str(count, radius=False)
+
+
+# -- The times of a run, each with the formula that computes it again from the log.
+
+RETURN = "return"
+"""The source of the time at which a reversed run is back: twice that of the reversal."""
+
+START = "start"
+"""The source of time 0, where nothing happened after it."""
+
+Source: TypeAlias = int | Link | str
+"""The circle whose clock stands at a time; or the meeting that comes at it; or `REVERSAL`, RETURN, START."""
+
+
+@frozen
+class TimeFormula:
+    """Computes a time from the state at the end of its instant."""
+
+    source: Source
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """The circles that it depends on."""
+        if isinstance(self.source, str):
+            return (0,)
+        return (self.source,) if isinstance(self.source, int) else self.source.circles[:1]
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        source = self.source
+        if isinstance(source, int):
+            return state.bodies[source].flight.instant
+        if not isinstance(source, str):
+            clock, wait = source.hit(state)
+            return clock + wait
+        if source == START:
+            return state.zero
+        return state.flip_time + state.flip_time if source == RETURN else state.flip_time
+
+
+def time_of(log: RunLog, mark: Mark[Known]) -> ExactValue:
+    """The time of an instant, which knows its exact value."""
+    formula = TimeFormula(mark.source)
+    return ExactValue(log, mark.step, formula.bodies, formula, mark.time, instant=mark.number)
+
+
+def time_of_return(log: RunLog, reversal: Mark[Known], instant: int) -> ExactValue:
+    """Twice the time of the reversal; `instant` is the last at which anything happens."""
+    return time_of(log, Mark(instant, reversal.time * 2, reversal.step, RETURN))
+
+
+def time_zero(log: RunLog, zero: Known) -> ExactValue:
+    """Time 0 of a run in which nothing happened."""
+    return time_of(log, Mark(0, zero, 0, START))
+
+
+# -- The motion of an exact run between its events.
+
+RunTime: TypeAlias = ExactValue | Quantity
+"""A time of an exact run, or a number."""
+
+ExactRow: TypeAlias = tuple[ExactValue, ExactValue, ExactValue, ExactValue]
+"""x, y, vx, vy of one circle."""
+
+READ_BITS = 192
+"""Precision at which stored states (short balls) are carried on to a time asked for."""
+
+
+@frozen
+class Place:
+    """Computes a coordinate of a circle at a time, from the state after its last change of velocity before it."""
+
+    body: int
+    axis: int
+    time: ExactValue | Quantity
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        flight = state.bodies[self.body].flight
+        place, speed = (flight.x, flight.vx) if self.axis == 0 else (flight.y, flight.vy)
+        if flight.rest:
+            return place
+        when = self.time.formula(state) if isinstance(self.time, ExactValue) else state.constant(self.time)
+        return advance(place, speed, when - flight.t)
+
+
+@frozen
+class Velocity:
+    """Computes a component of a circle's velocity."""
+
+    body: int
+    axis: int
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        flight = state.bodies[self.body].flight
+        return flight.vx if self.axis == 0 else flight.vy
+
+
+@frozen
+class Constant:
+    """A number that the scene gives."""
+
+    value: Quantity
+
+    def __call__(self, state: ReplayState[N]) -> N:
+        return state.constant(self.value)
+
+
+class ExactMotion:
+    """Positions and velocities at any time, as `ExactValue`s.
+
+    Args:
+        log: the scene and its log.
+        knots: for each circle, (t, x, y, vx, vy, length of the log, number of the instant) at the start and after
+            each instant that changed its velocity.
+        end: the last time that may be asked for.
+        set_times: exact times with the number of the last part of the instant that is known to fall on each.
+
+    Attributes:
+        returned: whether the state at the end is known to be the start with velocities negated.
+        tape: what a run needs that goes on from this one; None if none can.
+    """
+
+    def __init__(
+        self,
+        log: RunLog,
+        knots: Sequence[Sequence[Knot[Known]]],
+        end: ExactValue | Quantity,
+        set_times: Mapping[Quantity, int],
+    ) -> None:
+        self.log = log
+        self.set_times = set_times
+        self.knots = knots
+        self.end = end
+        self.returned = False
+        self.tape: Tape | None = None
+
+    @kept
+    def _rough(self) -> list[list[float]]:
+        """About when each knot is."""
+        return [[float(_ball(knot[0])) for knot in row] for row in self.knots]
+
+    def state(self, time: ExactValue | QuantityLike) -> list[ExactRow]:
+        """(x, y, vx, vy) of every circle; at an instant, after all that happens at it.
+
+        Args:
+            time: a number of any kind (see `Quantity.of`), or a time of this run.
+
+        Raises:
+            ValueError: before 0 or after the end.
+        """
+        if self.returned and time is self.end:
+            log = self.log
+            return [
+                (_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in log.scene.circles
+            ]
+        at = time if isinstance(time, ExactValue) else Quantity.of(time)
+        if isinstance(at, Quantity) and at.sign() < 0:
+            raise ValueError(f"time {at} is before the start; ask for 0 or later")
+        if at is not self.end and self._own(at) is None and self._after(at, self.end):
+            raise ValueError(f"time {_shown(at)} is after the end of the run; run it for longer")
+        return [self._of_circle(i, at) for i in range(len(self.knots))]
+
+    def _own(self, time: RunTime) -> int | None:
+        """The number of the instant of this run that a time is; None for any other time."""
+        return time.instant if isinstance(time, ExactValue) and time.log is self.log else None
+
+    def _after(self, time: RunTime, other: RunTime) -> bool:
+        """Whether a time is later than another; equal times are not.
+
+        Raises:
+            ValueError: if that is not to be had.
+        """
+        mine, theirs = self._own(time), self._own(other)
+        if mine is not None and theirs is not None:
+            return mine > theirs
+        if isinstance(time, Quantity) and isinstance(other, Quantity):
+            return time > other
+        near, far = (_exact_near(value) for value in (time, other))
+        if near is not None and far is not None:
+            return near > far
+        bits = 128
+        while True:
+            with ball.precision(bits + 64):
+                sign = ball.sign_of(time.ball(bits) - other.ball(bits))
+            if sign is not None:
+                return sign > 0
+            if bits >= EQUAL_BITS:
+                return self._exactly_after(time, other)
+            bits *= 2
+
+    def _knot(self, i: int, time: RunTime) -> int:
+        """The last knot of a circle that is not later than a time."""
+        knots = self.knots[i]
+        own = self._own(time)
+        if own is not None:
+            return max(bisect_right(knots, own, key=_instant) - 1, 0)
+        if isinstance(time, Quantity) and time in self.set_times:
+            return max(bisect_right(knots, self.set_times[time], key=_instant) - 1, 0)
+        if time is self.end:
+            return len(knots) - 1
+        rough = self._rough[i]
+        near = float(time.ball(ROUGH_BITS))  # infinite beyond doubles, where every knot is looked at
+        room = abs(near) * 2.0**-50
+        k = bisect_right(rough, near + room) - 1
+        while k > 0 and not rough[k] < near - room and self._after(self._time_value(i, k), time):
+            k -= 1
+        return max(k, 0)
+
+    def _exactly_after(self, time: RunTime, other: RunTime) -> bool:
+        exact = [value.exact() if isinstance(value, ExactValue) else value for value in (time, other)]
+        tower = next((value.tower for value in exact if isinstance(value, Element)), Tower())
+        left, right = (value.in_tower(tower) if isinstance(value, Quantity) else value for value in exact)
+        if left is None or right is None or left.tower is not right.tower:
+            raise ValueError(f"whether an event falls on time {_shown(time)} is not known; ask for a time beside it")
+        return (left - right).sign() > 0
+
+    def _time_value(self, i: int, k: int) -> ExactValue:
+        """The instant of a knot. In balls the knot's own number is only a clock beside it, so nothing is at hand."""
+        t, *_, upto, instant = self.knots[i][k]
+        near = arb.nan() if isinstance(t, arb) else t
+        return time_of(self.log, Mark(instant, near, upto, i))
+
+    def _of_circle(self, i: int, time: RunTime) -> ExactRow:
+        k = self._knot(i, time)
+        t, x, y, vx, vy, upto, _ = self.knots[i][k]
+        if isinstance(time, ExactValue):
+            bodies = (i, *time.bodies)
+            upto = max(upto, time.upto)
+            near_time = time.near
+        else:
+            bodies = (i,)
+            near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
+
+        near_x, near_y = _near(x, vx, near_time, t), _near(y, vy, near_time, t)
+        make = ExactValue
+        return (
+            make(self.log, upto, bodies, Place(i, 0, time), near_x),
+            make(self.log, upto, bodies, Place(i, 1, time), near_y),
+            make(self.log, upto, bodies, Velocity(i, 0), vx),
+            make(self.log, upto, bodies, Velocity(i, 1), vy),
+        )
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """Shape (times, circles, 4), as doubles; times within the run, ascending."""
+        import numpy as np
+
+        result = np.empty((len(times), len(self.knots), 4))
+        for row, time in enumerate(times):
+            exact, at = Quantity.of(float(time)), fmpq(*float(time).as_integer_ratio())
+            for i in range(len(self.knots)):
+                t, x, y, vx, vy, *_ = self.knots[i][self._knot(i, exact)]
+                values = (_near(x, vx, at, t), _near(y, vy, at, t), vx, vy)
+                result[row, i] = [_double(value) for value in values]
+        return result
+
+
+ROUGH_BITS = 64
+"""Accuracy at which a time is looked for among the knots, as a double."""
+
+EQUAL_BITS = 1024
+"""Accuracy at which a time that still cannot be told from an event's is asked to be proved equal."""
+
+
+def _instant(knot: Knot[Known]) -> int:
+    return knot[-1]
+
+
+def _exact_near(time: RunTime) -> fmpq | None:
+    """A time as a rational number, where it is at hand as one."""
+    if isinstance(time, Quantity):
+        return time.rational
+    return time.near if isinstance(time.near, fmpq) else None
+
+
+def _near(x: Known, v: Known, time: Known, t: Known) -> Known:
+    """x + v (time - t) in the numbers at hand: exact if they all are and share a field, else a ball."""
+    numbers = (x, v, time, t)
+    rational = [number for number in numbers if isinstance(number, fmpq)]
+    if len(rational) == len(numbers):
+        return _advanced(*rational)
+    towers = {id(number.tower): number.tower for number in numbers if isinstance(number, Element)}
+    if len(towers) == 1 and not any(isinstance(number, arb) for number in numbers):
+        (tower,) = towers.values()
+        return _advanced(*(tower.rational(n) if isinstance(n, fmpq) else n for n in numbers if not isinstance(n, arb)))
+    with ball.precision(READ_BITS):
+        return advance(_ball(x), _ball(v), _ball(time) - _ball(t))
+
+
+def _advanced(x: N, v: N, time: N, t: N) -> N:
+    """x + v (time - t)."""
+    return advance(x, v, time - t)
+
+
+def _ball(number: Known) -> arb:
+    return known_ball(number, READ_BITS)
+
+
+def _double(number: Known) -> float:
+    """The nearest double where that is certain at the accuracy at hand, else the double nearest the midpoint."""
+    value = _ball(number)
+    double = certain_double(value)
+    return float(value) if double is None else double
+
+
+def motion_of(run: Trajectory) -> ExactMotion | None:
+    """The motion of an exact run, which has its log; None for a run of any other engine."""
+    return run.motion if isinstance(run.motion, ExactMotion) else None
+
+
+def steps_through(event: Event) -> int:
+    """How many steps of its log lead through an event of an exact run."""
+    assert isinstance(event.time, ExactValue)
+    return event.time.upto
+
+
+def _shown(time: RunTime) -> str:
+    return time.ball(ROUGH_BITS).str(17, radius=False)
+
+
+def _known(log: RunLog, value: Quantity) -> ExactValue:
+    near = value.rational if value.rational is not None else value.ball(READ_BITS)
+    return ExactValue(log, 0, (), Constant(value), near)

@@ -1,0 +1,441 @@
+"""The derived laws at SymPy numbers, nothing rearranged, and several contacts at one instant by them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import combinations
+from random import Random
+from typing import Any
+
+from sympy import Expr, Integer, Matrix, Symbol, fraction, sqrt
+from sympy import together as on_one_denominator
+
+from ...scenarios.settings import TiePolicy
+from ..laws.derivation import (
+    a_m,
+    a_r,
+    a_vx,
+    a_vy,
+    a_x,
+    a_y,
+    b_m,
+    b_r,
+    b_vx,
+    b_vy,
+    b_x,
+    b_y,
+    fixed_circle_velocities,
+    pair_instant_speed,
+    pair_times,
+    pair_velocities,
+    w_x0,
+    w_x1,
+    w_y0,
+    w_y1,
+    wall_instant_speed,
+    wall_times,
+    wall_velocities,
+    x0,
+    x1,
+    y0,
+    y1,
+)
+from .symbolic_sign import SymbolicUndecided, normal, root, sign
+
+# -- The derived laws as SymPy gave them, evaluated at numbers: nothing rearranged, every filter decided.
+#
+# The article substitutes numbers into the solutions and filters out what is complex, nan or infinite. With nested
+# roots SymPy may leave a zero unrecognised in a denominator, and give nonsense for nan; so the radicand and the
+# denominator of each solution are looked at first, and their signs decided.
+
+_ROOT = Symbol("root")
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A derived expression taken apart: over / under, in which `_ROOT` stands for sqrt(radicand).
+
+    Attributes:
+        over: numerator.
+        under: denominator.
+        radicand: what the square root is taken of, over its own denominator; None without a root.
+    """
+
+    over: Any
+    under: Any
+    radicand: tuple[Any, Any] | None
+
+    @staticmethod
+    def of(expression: Any) -> Solution:
+        """Takes an expression with at most one square root apart.
+
+        >>> from sympy.abc import x, y
+        >>> Solution.of((1 - sqrt(x)) / y).radicand
+        (x, 1)
+        """
+        half_powers = {part for part in expression.atoms(type(sqrt(Symbol("x")))) if part.exp.q == 2}
+        bases = {part.base for part in half_powers}
+        if not bases:
+            return Solution(*fraction(on_one_denominator(expression)), None)
+        (base,) = bases
+        rational = expression.xreplace({part: _ROOT ** (2 * part.exp) for part in half_powers})
+        return Solution(*fraction(on_one_denominator(rational)), fraction(on_one_denominator(base)))
+
+    def value(self, at: Mapping[Any, Any]) -> Expr | None:
+        """The number that the solution takes, or None where it is complex, nan or infinite."""
+        at = self._with_root(at)
+        if at is None:
+            return None
+        under = normal(self.under.xreplace(at))
+        if sign(under) == 0:
+            return None
+        return normal(self.over.xreplace(at) / under)
+
+    def sign(self, at: Mapping[Any, Any]) -> int | None:
+        """The sign of that number, without computing it; None where it is complex, nan or infinite."""
+        at = self._with_root(at)
+        if at is None:
+            return None
+        under = sign(normal(self.under.xreplace(at)))
+        return under * sign(normal(self.over.xreplace(at))) if under else None
+
+    def _with_root(self, at: Mapping[Any, Any]) -> Any:
+        if self.radicand is None:
+            return at
+        over, under = (normal(part.xreplace(at)) for part in self.radicand)
+        if sign(under) == 0:
+            return None
+        radicand = normal(over / under)
+        if sign(radicand) < 0:
+            return None
+        return {**at, _ROOT: root(radicand)}
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A circle at one moment, in SymPy numbers; `m` is None for a fixed circle."""
+
+    x: Any
+    y: Any
+    vx: Any
+    vy: Any
+    r: Any
+    m: Any | None
+
+
+@dataclass(frozen=True)
+class Line:
+    """A wall through two points, in SymPy numbers."""
+
+    x0: Any
+    y0: Any
+    x1: Any
+    y1: Any
+
+
+def touch_times(a: Disc, b: Disc | Line) -> list[Expr]:
+    """All real times from now at which two things would just touch, not ordered, negative ones too.
+
+    >>> from sympy import Integer as I
+    >>> touch_times(Disc(I(0), I(0), I(2), I(0), I(1), I(1)), Disc(I(4), I(0), I(0), I(0), I(1), I(1)))
+    [1, 3]
+    """
+    found = [
+        solution.value(_at(a, b)) for solution in _solutions("wall touched" if isinstance(b, Line) else "pair touched")
+    ]
+    return [time for time in found if time is not None]
+
+
+def approach_sign(a: Disc, b: Disc | Line) -> int:
+    """The sign of the instant speed at which two things come nearer; 0 where that is nan."""
+    (solution,) = _solutions("wall speed" if isinstance(b, Line) else "pair speed")
+    return solution.sign(_at(a, b)) or 0
+
+
+def velocities_after(a: Disc, b: Disc | Line) -> tuple[Expr, ...]:
+    """(vx, vy) of a after a collision with a wall or fixed circle b, or (vx, vy) of a and of b.
+
+    Raises:
+        ValueError: where the law has no value, as for two points at one place.
+    """
+    solutions = _solutions("wall" if isinstance(b, Line) else "fixed" if b.m is None else "pair")
+    values = [solution.value(_at(a, b)) for solution in solutions]
+    found = tuple(value for value in values if value is not None)
+    if len(found) != len(values):
+        raise ValueError("the velocities after this collision have no value")
+    return found
+
+
+@cache
+def _solutions(law: str) -> Sequence[Solution]:
+    laws: dict[str, Callable[[], tuple[Any, ...]]] = {
+        "pair touched": pair_times,
+        "wall touched": wall_times,
+        "pair speed": lambda: (pair_instant_speed(),),
+        "wall speed": lambda: (wall_instant_speed(),),
+        "pair": lambda: pair_velocities()[1],
+        "fixed": fixed_circle_velocities,
+        "wall": wall_velocities,
+    }
+    return tuple(map(Solution.of, laws[law]()))
+
+
+def _at(a: Disc, b: Disc | Line) -> dict[Any, Any]:
+    """The article's symbols and their numbers."""
+    values: dict[Any, Any] = {
+        a_x: a.x, a_y: a.y, a_vx: a.vx, a_vy: a.vy, a_r: a.r, a_m: a.m,
+    }  # fmt: skip
+    if isinstance(b, Line):
+        return values | {
+            x0: b.x0, y0: b.y0, x1: b.x1, y1: b.y1,
+            w_x0: b.x0, w_y0: b.y0, w_x1: b.x1, w_y1: b.y1,
+        }  # fmt: skip
+    return values | {
+        b_x: b.x, b_y: b.y, b_vx: b.vx, b_vy: b.vy, b_r: b.r, b_m: b.m,
+    }  # fmt: skip
+
+
+# -- Several contacts at one instant, in SymPy numbers: who collides, in which order, with which impulses.
+#
+# `simultaneous` solves, in each round, the complementarity problem of the approaching contacts by trying sets of
+# contacts that push: impulses j >= 0, each contact separates at least as fast as it approached, and faster only where
+# j = 0. The velocities that come of it are unique, since the problem's matrix is symmetric and positive semidefinite
+# (R. Cottle, J.-S. Pang, R. Stone, 'The Linear Complementarity Problem', 3.1).
+
+Indices = tuple[int, int]
+"""Two touching things by place in the scene: circles first, then walls."""
+
+MAX_IMPULSES = 1_000
+"""Impulses allowed in one cluster at one instant. A chain of n equal balls needs about n**2 / 2."""
+
+
+class UnendingCollision(ArithmeticError):
+    """The impulses at one instant passed their limit, and some pair still approached."""
+
+
+@dataclass(frozen=True)
+class Touching:
+    """The things that touch at one instant.
+
+    Attributes:
+        discs: all circles of the scene, with the velocities as the instant comes.
+        lines: all walls of the scene.
+        pairs: the touching pairs, in scene order.
+        came: for a point and a wall: the circles as they were before the two touched, which alone tell on
+            which side of the wall the point is.
+    """
+
+    discs: tuple[Disc, ...]
+    lines: tuple[Line, ...]
+    pairs: tuple[Indices, ...]
+    came: Mapping[Indices, tuple[Disc, ...]]
+
+    def things(self, pair: Indices) -> tuple[Disc, Disc | Line]:
+        """The two things of a pair; a point at a wall placed where it came from, with its velocity of now."""
+        i, j = pair
+        a, n = self.discs[i], len(self.discs)
+        if j < n:
+            return a, self.discs[j]
+        if sign(a.r) == 0:
+            a = replace(a, x=self.came[pair][i].x, y=self.came[pair][i].y)
+        return a, self.lines[j - n]
+
+    def approaching(self, pairs: Sequence[Indices]) -> list[Indices]:
+        """Those of the pairs with a positive instant speed, in scene order."""
+        return [pair for pair in sorted(pairs) if approach_sign(*self.things(pair)) > 0]
+
+    def after(self, velocities: Mapping[int, tuple[Any, Any]]) -> Touching:
+        """The same with some velocities changed."""
+        discs = list(self.discs)
+        for i, (vx, vy) in velocities.items():
+            discs[i] = replace(discs[i], vx=vx, vy=vy)
+        return replace(self, discs=tuple(discs))
+
+    def directions(self, pair: Indices) -> dict[int, tuple[Any, Any]]:
+        """For each circle of a pair that can move, the direction in which an impulse pushes it.
+
+        The two of a pair have opposite directions of one length; a wall pushes to the circle's side.
+        """
+        a, b = self.things(pair)
+        i, j = pair
+        if isinstance(b, Line):
+            nx, ny = b.y0 - b.y1, b.x1 - b.x0
+            side = sign(normal(nx * (a.x - b.x0) + ny * (a.y - b.y0)))
+            return {i: (side * nx, side * ny)}
+        dx, dy = b.x - a.x, b.y - a.y
+        both = {i: (-dx, -dy), j: (dx, dy)}
+        return {k: direction for k, direction in both.items() if self.discs[k].m is not None}
+
+
+@dataclass(frozen=True)
+class Collided:
+    """What the impulses of one instant did.
+
+    Attributes:
+        touching: the same things with the velocities after.
+        first: the contacts that approached as the instant came.
+        contacts: these and the ones that came to approach in its rounds, in scene order.
+        impulses: the pairs that got an impulse, in order.
+    """
+
+    touching: Touching
+    first: tuple[Indices, ...]
+    contacts: tuple[Indices, ...]
+    impulses: tuple[Indices, ...]
+
+
+def collide(touching: Touching, policy: TiePolicy, draw: Random) -> Collided:
+    """Applies impulses until no touching pair approaches, cluster by cluster.
+
+    Args:
+        touching: who touches.
+        policy: all approaching contacts together, or one at a time, looking at all contacts again after each.
+        draw: for `sequential` with a seed, where the choices come from; nothing is drawn without a choice.
+
+    Raises:
+        UnendingCollision: after `MAX_IMPULSES` in one cluster.
+        SymbolicUndecided: if a sign is.
+    """
+    first = touching.approaching(touching.pairs)
+    contacts: set[Indices] = set(first)
+    impulses: list[Indices] = []
+    for cluster in clusters(touching, first):
+        approaching = [pair for pair in first if pair in cluster]
+        stop_at = len(impulses) + MAX_IMPULSES
+        while approaching:
+            if policy.name == "sequential":
+                drawn = policy.seed is not None and len(approaching) > 1
+                approaching = [draw.choice(approaching) if drawn else approaching[0]]
+            touching, pushed = together(touching, approaching)
+            impulses += pushed
+            if len(impulses) > stop_at:
+                raise UnendingCollision(f"over {MAX_IMPULSES} impulses at one instant")
+            approaching = touching.approaching(cluster)
+            contacts.update(approaching)
+    return Collided(touching, tuple(first), tuple(sorted(contacts)), tuple(impulses))
+
+
+def together(touching: Touching, pairs: Sequence[Indices]) -> tuple[Touching, list[Indices]]:
+    """One round: the impulses of some approaching pairs at once, and which pairs got one."""
+    pushed: list[Indices] = []
+    for group in groups(touching, pairs):
+        if len(group) > 1:
+            touching, active = _complementary(touching, group)
+            pushed += active
+            continue
+        (pair,) = group
+        touching = touching.after(_single(touching, pair))
+        pushed.append(pair)
+    return touching, sorted(pushed)
+
+
+def clusters(touching: Touching, first: Sequence[Indices]) -> list[list[Indices]]:
+    """The touching pairs, those together that share a circle, fixed ones too.
+
+    Only clusters that hold a pair of `first`, in the order of the earliest such pair.
+    """
+    found = _joined(touching.pairs, lambda pair: {k for k in pair if k < len(touching.discs)})
+    led = [(min(set(first) & set(members)), members) for members in found if set(first) & set(members)]
+    return [members for _, members in sorted(led)]
+
+
+def groups(touching: Touching, pairs: Sequence[Indices]) -> list[list[Indices]]:
+    """The pairs, those together that share a circle that can move, directly or through others."""
+    return _joined(pairs, lambda pair: set(touching.directions(pair)))
+
+
+def _joined(pairs: Sequence[Indices], bodies_of: Callable[[Indices], set[int]]) -> list[list[Indices]]:
+    found: list[tuple[set[int], list[Indices]]] = []
+    for pair in pairs:
+        bodies, members = bodies_of(pair), [pair]
+        apart = []
+        for others, others_members in found:
+            if others & bodies:
+                bodies, members = bodies | others, others_members + members
+            else:
+                apart.append((others, others_members))
+        found = [*apart, (bodies, members)]
+    return [sorted(members) for _, members in found]
+
+
+def coupled(touching: Touching, pairs: Sequence[Indices]) -> bool:
+    """Whether two contacts share a circle that can move and are not at right angles."""
+    for one, other in combinations(pairs, 2):
+        pushes, others = touching.directions(one), touching.directions(other)
+        for i in pushes.keys() & others.keys():
+            if sign(normal(_dot(pushes[i], others[i]))):
+                return True
+    return False
+
+
+def _single(touching: Touching, pair: Indices) -> dict[int, tuple[Any, Any]]:
+    """Velocities after one collision, from the derived law."""
+    (i, j), (a, b) = pair, touching.things(pair)
+    if isinstance(b, Disc) and a.m is None:
+        (i, j), (a, b) = (j, i), (b, a)
+    try:
+        found = velocities_after(a, b)
+    except ValueError as error:
+        raise SymbolicUndecided(str(error)) from error
+    if len(found) == 2:
+        return {i: (found[0], found[1])}
+    return {i: (found[0], found[1]), j: (found[2], found[3])}
+
+
+def _complementary(touching: Touching, pairs: Sequence[Indices]) -> tuple[Touching, list[Indices]]:
+    """The round's impulses on pairs that share circles."""
+    discs = touching.discs
+    pushes = [touching.directions(pair) for pair in pairs]
+    masses: dict[int, Any] = {i: discs[i].m for push in pushes for i in push}
+    response = [
+        [
+            normal(sum((_dot(one[i], other[i]) / masses[i] for i in one.keys() & other.keys()), Integer(0)))
+            for other in pushes
+        ]
+        for one in pushes
+    ]
+    rates = [normal(sum((_dot(d, (discs[i].vx, discs[i].vy)) for i, d in push.items()), Integer(0))) for push in pushes]
+    impulses = _solve(response, rates)
+    changed: dict[int, tuple[Any, Any]] = {}
+    for i, mass in masses.items():
+        vx, vy = discs[i].vx, discs[i].vy
+        for push, impulse in zip(pushes, impulses, strict=True):
+            if i in push:
+                vx, vy = vx + impulse * push[i][0] / mass, vy + impulse * push[i][1] / mass
+        changed[i] = (normal(vx), normal(vy))
+    active = [pair for pair, impulse in zip(pairs, impulses, strict=True) if sign(impulse)]
+    return touching.after(changed), active
+
+
+def _solve(response: list[list[Any]], rates: list[Any]) -> list[Any]:
+    """Impulses j >= 0 with rate + response j >= -rate, equal where j > 0; largest sets of j > 0 first.
+
+    Raises:
+        SymbolicUndecided: if no set fits, which the theory excludes.
+    """
+    count = len(rates)
+    zero = rates[0] * 0
+    for size in range(count, 0, -1):
+        for active in combinations(range(count), size):
+            matrix = Matrix(size, size, lambda r, c, active=active: response[active[r]][active[c]])
+            if sign(normal(matrix.det(method="berkowitz"))) == 0:
+                continue
+            cofactors = matrix.adjugate(method="berkowitz") * Matrix([-2 * rates[k] for k in active])
+            determinant = matrix.det(method="berkowitz")
+            impulses = [zero] * count
+            for k, value in zip(active, cofactors, strict=True):
+                impulses[k] = normal(value / determinant)
+            excess = [
+                normal(2 * rates[k] + sum(response[k][m] * impulses[m] for m in active))
+                for k in range(count)
+                if k not in active
+            ]
+            if all(sign(value) >= 0 for value in (*impulses, *excess)):
+                return impulses
+    raise SymbolicUndecided("no set of contacts satisfies the laws of a simultaneous collision")
+
+
+def _dot(one: tuple[Any, Any], other: tuple[Any, Any]) -> Any:
+    return one[0] * other[0] + one[1] * other[1]

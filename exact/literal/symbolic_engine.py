@@ -1,0 +1,360 @@
+"""The article's engine taken literally, in SymPy alone: slow, the oracle for small scenes."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from itertools import combinations
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+from sympy import Expr, Integer
+
+from ...scenarios.engine import SCENE_KEYS, Declared, horizon
+from ...scenarios.errors import SceneError, TimeIsUp, endable
+from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
+from ...scenarios.scene import Scene
+from ...scenarios.things import Circle
+from ...scenarios.trajectory import (
+    Contact,
+    Event,
+    OnProgress,
+    Progress,
+    Reversal,
+    Stop,
+    StopReason,
+    Tie,
+    TieProof,
+    Trajectory,
+)
+from .symbolic_contacts import Collided, Disc, Indices, Line, Touching, UnendingCollision, collide, coupled, touch_times
+from .symbolic_sign import SymbolicUndecided, normal, quantity, sign
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+# -- Straight flights between instants, in SymPy numbers.
+
+
+@dataclass(frozen=True)
+class SymbolicMotion:
+    """Positions and velocities of a run: legs, and when each starts.
+
+    Attributes:
+        starts: when each leg starts; of legs that start at one time the last holds.
+        legs: all circles at that time, with the velocities that they leave it with.
+        end: when the run ends.
+    """
+
+    starts: tuple[Any, ...]
+    legs: tuple[tuple[Disc, ...], ...]
+    end: Any
+
+    def state(self, time: Any) -> list[tuple[Real, Real, Real, Real]]:
+        """(x, y, vx, vy) of every circle at a time; at an event, as it leaves it.
+
+        Raises:
+            ValueError: for a time outside of the run.
+        """
+        at: Any = Quantity.of(time).sympy()
+        if sign(at) < 0 or sign(at - self.end) > 0:
+            raise ValueError(f"time {time} is not between 0 and the end of the run, {quantity(self.end)}")
+        for begun, leg in zip(reversed(self.starts), reversed(self.legs), strict=True):
+            since = at - begun
+            if sign(since) >= 0:
+                return [
+                    (
+                        quantity(normal(disc.x + disc.vx * since)),
+                        quantity(normal(disc.y + disc.vy * since)),
+                        quantity(disc.vx),
+                        quantity(disc.vy),
+                    )
+                    for disc in leg
+                ]
+        raise AssertionError("the first leg starts at time 0")
+
+    def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
+        """Shape (times, circles, 4): the same as doubles, flights computed in doubles."""
+        starts = [float(quantity(begun)) for begun in self.starts]
+        import numpy as np  # here, since nothing else of this engine does: it runs where there is none
+
+        legs = np.array([[[float(quantity(n)) for n in (d.x, d.y, d.vx, d.vy)] for d in leg] for leg in self.legs])
+        places = [max(bisect_right(starts, time) - 1, 0) for time in times]
+        found = legs[places].copy()
+        since = np.array(times, dtype=float) - np.array(starts)[places]
+        found[:, :, :2] += found[:, :, 2:] * since[:, None, None]
+        return found
+
+
+# -- The article's engine taken literally, in SymPy alone: slow, the oracle for small scenes.
+#
+# 1. For each circle with each other circle and each wall, put the numbers into the derived solutions for the    time
+# of touch; drop complex, nan and negative times, keep the smallest. 2. Advance every circle to the smallest of all.
+# 3. Of the pairs that touch, those whose instant speed toward each other is positive collide. 4. Put the numbers into
+# the derived solutions for the velocities; repeat.
+#
+# Two additions, for points, where the article's instant speed is nan. At a wall it is taken at the position from
+# which the point came, so that points bounce as the smallest of circles do. Two points never collide with each other,
+# in any engine here: where they meet, no direction of the impact is defined.
+#
+# Source: Carl M. Kadie, 'Perfect, Infinite-Precision, Game Physics in Python', parts 1 and 3, 2023. It uses no
+# formula, number system or decision of the exact engine.
+
+ZERO: Any = Integer(0)
+
+
+@dataclass(frozen=True)
+class SymbolicEngine(Declared):
+    """Runs a scene in SymPy numbers, with the laws as derived and every pair predicted.
+
+    Each pair costs milliseconds while numbers are rational, and more with every square root that nests in
+    the last, so limit a run by `until` or `events`. A sign that cannot be proved ends it as UNDECIDED.
+
+    >>> scene = Scene([Circle(0, 0, vx=2), Circle(4, 0)])
+    >>> trajectory = SymbolicEngine().run(scene)
+    >>> trajectory.events[0].time, trajectory.stop.reason.name
+    (Quantity('1'), 'QUIET')
+    """
+
+    @property
+    def scene_keys(self) -> frozenset[str]:
+        """All but `capture`: no circle is ever taken out of play."""
+        return SCENE_KEYS - {"capture"}
+
+    @property
+    def name(self) -> str:
+        """The name by which the command line and reports call the engine."""
+        return "sympy"
+
+    def run(
+        self,
+        scene: Scene,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """The history of a scene up to a time, a number of instants, or both, whichever comes first.
+
+        Raises:
+            SceneError: for a limit that is not above zero, or a scene in which pockets capture circles.
+        """
+        if scene.capture:
+            raise SceneError(f"scene {scene.name!r}: the sympy engine knows no capture by pockets; set it to false")
+        until_, events_ = horizon(scene, until, events)
+        return _Run(scene, until_, events_, progress).trajectory()
+
+
+@dataclass
+class _Run:
+    """The state of one run, from time 0 on."""
+
+    scene: Scene
+    until: Quantity | None
+    limit: int | None
+    progress: OnProgress | None
+    now: Any = ZERO
+    discs: tuple[Disc, ...] = ()
+    lines: tuple[Line, ...] = ()
+    events: list[Event] = field(default_factory=list)
+    starts: list[Any] = field(default_factory=list)
+    legs: list[tuple[Disc, ...]] = field(default_factory=list)
+    reversal: Reversal | None = None
+    hits: dict[Indices, Any] = field(default_factory=dict)
+    came: dict[Indices, tuple[Disc, ...]] = field(default_factory=dict)
+    plan: dict[str, int] = field(default_factory=lambda: {"predictions": 0, "moves": 0})
+    whole: tuple[int, int, Reversal | None, Any] = (0, 1, None, ZERO)
+
+    def __post_init__(self) -> None:
+        self.discs = tuple(map(_disc, self.scene.circles))
+        self.lines = tuple(Line(*(q.sympy() for q in (w.x0, w.y0, w.x1, w.y1))) for w in self.scene.walls)
+        n = len(self.discs)
+        pairs = [*combinations(range(n), 2), *((i, n + k) for i in range(n) for k in range(len(self.lines)))]
+        self.pairs = sorted(
+            pair
+            for pair in pairs
+            if any(k < n and self.discs[k].m is not None for k in pair)
+            and not all(k < n and self.discs[k].r == 0 for k in pair)
+        )
+        self.names = self.scene.ids
+        self.draw = Random(self.scene.tie_policy.seed)
+        self._leg()
+
+    def trajectory(self) -> Trajectory:
+        """Runs to the end."""
+        stop = self._played()
+        return Trajectory(
+            scene=self.scene,
+            engine="sympy",
+            parameters={},
+            events=tuple(self.events),
+            stop=stop,
+            final_time=quantity(self.now),
+            motion=SymbolicMotion(tuple(self.starts), tuple(self.legs), self.now),
+            reversal=self.reversal,
+            plan=self.plan,
+        )
+
+    def _played(self) -> Stop:
+        """Runs, and says why it ended."""
+        try:
+            with endable():
+                return self._run()
+        except SymbolicUndecided as error:
+            return self._stop(StopReason.UNDECIDED, str(error))
+        except UnendingCollision as error:
+            return self._stop(StopReason.BUDGET, str(error))
+        except TimeIsUp as error:
+            self._drop_unfinished()
+            return self._stop(StopReason.BUDGET, str(error))
+        except KeyboardInterrupt:
+            self._drop_unfinished()
+            return self._stop(StopReason.INTERRUPTED, f"after {len(self.events)} events")
+
+    def _drop_unfinished(self) -> None:
+        """Goes back to the last instant that was done when the next was looked for."""
+        events, legs, self.reversal, self.now = self.whole
+        del self.events[events:], self.legs[legs:], self.starts[legs:]
+
+    def _run(self) -> Stop:
+        while True:
+            touching = self._touching()
+            outcome = collide(touching, self.scene.tie_policy, self.draw)
+            if outcome.first:
+                self._record(outcome)
+                if len(self.events) == self.limit:
+                    return self._stop(StopReason.EVENTS, str(self.limit))
+                if self.reversal is None and len(self.events) == self.scene.reverse_after:
+                    self._reverse()
+                    continue
+            if self._reversal_due() and sign(self.now - self._reverse_at) == 0:
+                self._reverse()
+                continue
+            stop = self._advance(set(touching.pairs))
+            if stop is not None:
+                return stop
+
+    @staticmethod
+    def _stop(reason: StopReason, particulars: str) -> Stop:
+        return Stop(reason, f"{reason.value}: {particulars}")
+
+    @property
+    def _reverse_at(self) -> Any:
+        return self.scene.reverse_at.sympy() if self.scene.reverse_at is not None else None
+
+    def _reversal_due(self) -> bool:
+        return self.reversal is None and self.scene.reverse_at is not None
+
+    def _advance(self, touching: set[Indices]) -> Stop | None:
+        """Moves every circle to the next moment at which something may happen; a Stop if there is none."""
+        self.whole = (len(self.events), len(self.legs), self.reversal, self.now)
+        moments = [hit for pair in self.pairs if (hit := self._hit(pair, pair in touching)) is not None]
+        if self._reversal_due():
+            moments.append(self._reverse_at)
+        soonest = _smallest(moments)
+        end = self.until.sympy() if self.until is not None else None
+        if end is not None and (soonest is None or sign(soonest - end) > 0):
+            self._move(end)
+            return self._stop(StopReason.HORIZON, str(self.until))
+        if soonest is None:
+            self.now = self.starts[-1]  # a graze since then was not an event
+            return Stop(StopReason.QUIET, StopReason.QUIET.value)
+        self._move(soonest)
+        return None
+
+    def _hit(self, pair: Indices, touches: bool) -> Any:
+        """When a pair will touch next, if it does not touch now. It is predicted once a flight."""
+        if pair not in self.hits:
+            i, j = pair
+            n = len(self.discs)
+            b = self.lines[j - n] if j >= n else self.discs[j]
+            self.plan["predictions"] += 1
+            times = [] if touches else [time for time in touch_times(self.discs[i], b) if sign(time) >= 0]
+            found = _smallest(times)
+            self.hits[pair] = None if found is None else normal(self.now + found)
+        elif touches:
+            self.hits[pair] = None  # a grazing touch: on a straight flight there is no other
+        return self.hits[pair]
+
+    def _move(self, time: Any) -> None:
+        duration = normal(time - self.now)
+        before = self.discs
+        self.plan["moves"] += 1
+        self.discs = tuple(replace(d, x=normal(d.x + d.vx * duration), y=normal(d.y + d.vy * duration)) for d in before)
+        for pair, hit in self.hits.items():
+            if hit is not None and sign(hit - time) == 0:
+                self.came[pair] = before
+        self.now = time
+        if self.progress is not None:
+            self.progress(Progress(len(self.events), float(quantity(time))))
+
+    def _touching(self) -> Touching:
+        """Who touches now: what was predicted to, and every other pair by its distance."""
+        found = []
+        for pair in self.pairs:
+            hit = self.hits.get(pair)
+            arrived = hit is not None and sign(hit - self.now) == 0
+            if arrived or sign(self._gap(pair)) == 0:
+                found.append(pair)
+        return Touching(self.discs, self.lines, tuple(found), self.came)
+
+    def _gap(self, pair: Indices) -> Expr:
+        """Square of the distance minus square of the sum of radii."""
+        i, j = pair
+        a, n = self.discs[i], len(self.discs)
+        if j < n:
+            b = self.discs[j]
+            return normal((a.x - b.x) ** 2 + (a.y - b.y) ** 2 - (a.r + b.r) ** 2)
+        w = self.lines[j - n]
+        ux, uy = w.x1 - w.x0, w.y1 - w.y0
+        return normal((ux * (a.y - w.y0) - uy * (a.x - w.x0)) ** 2 / (ux**2 + uy**2) - a.r**2)
+
+    def _record(self, outcome: Collided) -> None:
+        before, self.discs = self.discs, outcome.touching.discs
+        changed = {i for i, (a, b) in enumerate(zip(before, self.discs, strict=True)) if a != b}
+        self.hits = {pair: hit for pair, hit in self.hits.items() if not changed & set(pair)}
+        ties: tuple[Tie, ...] = ()
+        if len(outcome.first) > 1:
+            rational = all(number.is_Rational for d in before for number in (d.x, d.y))
+            proof = TieProof.RATIONAL if rational else TieProof.TOWER
+            ties = (Tie(tuple(map(self._contact, outcome.first)), proof),)
+        self.events.append(
+            Event(
+                index=len(self.events),
+                time=quantity(self.now),
+                contacts=tuple(map(self._contact, outcome.contacts)),
+                impulses=tuple(map(self._contact, outcome.impulses)),
+                ties=ties,
+                coupled=coupled(outcome.touching, outcome.contacts),
+            )
+        )
+        self._leg()
+
+    def _contact(self, pair: Indices) -> Contact:
+        return Contact(self.names[pair[0]], self.names[pair[1]])
+
+    def _reverse(self) -> None:
+        self.discs = tuple(replace(d, vx=-d.vx, vy=-d.vy) for d in self.discs)
+        self.hits = {}
+        self.reversal = Reversal(len(self.events), quantity(self.now))
+        self._leg()
+
+    def _leg(self) -> None:
+        self.starts.append(self.now)
+        self.legs.append(self.discs)
+
+
+def _disc(circle: Circle) -> Disc:
+    x, y, vx, vy, r = (normal(q.sympy()) for q in (circle.x, circle.y, circle.vx, circle.vy, circle.r))
+    return Disc(x, y, vx, vy, r, None if isinstance(circle.m, str) else normal(circle.m.sympy()))
+
+
+def _smallest(times: Sequence[Any]) -> Any:
+    """The smallest number, by proved signs; None of none."""
+    found = None
+    for time in times:
+        if found is None or sign(time - found) < 0:
+            found = time
+    return found

@@ -1,0 +1,360 @@
+"""The questions that a run asks of its numbers, each the sign of something that any number system can compute."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import ClassVar, Generic, NamedTuple, Protocol, TypeAlias, TypeVar
+
+from ..scenarios.lazy import frozen
+from ..scenarios.numbers.quantity import Quantity
+from ..scenarios.trajectory import TieProof
+from .numbers.system import N, solve_positive
+from .replay.contact import AtWall, Entry, Link, Round, Touch
+from .replay.state import ReplayState
+
+# -- A question that a run asks of its numbers, the sign of something that any number system can compute; its answer.
+#
+# A question is posed once and can be put to several number systems: to the balls at hand, to balls of more bits, to
+# nested square roots. `value` may take square roots, so it suits enclosures; `sum_of_roots` adds none.
+
+RootSum: TypeAlias = tuple[N, N, N, N, N]
+"""A, B, D1, C, D2 of a number A + B*sqrt(D1) + C*sqrt(D2)."""
+
+
+class Decision(NamedTuple):
+    """The answer to a question.
+
+    Attributes:
+        sign: negative, zero or positive.
+        rung: what decided it, as the plan counts it.
+        proof: how a sign of zero is known.
+        bound: for an assumption, the bits of agreement.
+    """
+
+    sign: int
+    rung: str
+    proof: TieProof = TieProof.CONSTRUCTION
+    bound: int | None = None
+
+
+class Form(Protocol):
+    """What the form of a run's past proves, by an isometry that maps one part of it to another."""
+
+    def together(self, first: Link, second: Link) -> bool:
+        """Whether some isometry maps one meeting and its past to the other: they fall on one instant."""
+        ...
+
+    def alike(self, link: Link) -> bool:
+        """Whether the two of a contact fly alike.
+
+        A circle flies along a wall if a mirror parallel to it keeps the circle and its past; two circles have one
+        velocity if a shift maps the one and its past to the other. Of a pocket nothing is known.
+        """
+        ...
+
+
+class Question(Protocol):
+    """The sign of a number that depends on the state of some bodies."""
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """The circles whose states the number depends on."""
+        ...
+
+    def value(self, state: ReplayState[N]) -> N:
+        """The number."""
+        ...
+
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
+        """The number as A + B*sqrt(D1) + C*sqrt(D2), with parts that need no new root."""
+        ...
+
+    def is_zero_by(self, form: Form) -> bool:
+        """Whether the form of the past makes the number zero; False says nothing."""
+        ...
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        """The question as a person reads it."""
+        ...
+
+
+class Plain:
+    """What the form of the past never makes zero."""
+
+    def is_zero_by(self, form: Form) -> bool:
+        """False: says nothing."""
+        return False
+
+
+class RootFree(Plain):
+    """A question whose number needs no root."""
+
+    def value(self, state: ReplayState[N]) -> N:
+        """Each question has its own."""
+        raise NotImplementedError
+
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
+        """The number itself."""
+        zero = state.zero
+        return self.value(state), zero, zero, zero, zero
+
+
+def circles_of(*links: Link) -> tuple[int, ...]:
+    """The circles of some contacts, each once."""
+    return tuple(dict.fromkeys(i for link in links for i in link.circles))
+
+
+# -- Questions about meetings: whether and when two touch, and whether they come nearer.
+
+L = TypeVar("L", Link, Round, Entry)
+
+
+@frozen
+class OfOne(RootFree, Generic[L]):
+    """A root-free question about one contact, in words with a place for it; its circles are those it depends on."""
+
+    link: L
+    words: ClassVar[str]
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return self.link.circles
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return self.words.format(name(self.link))
+
+
+class Approach(OfOne[Link]):
+    """Do the two of a contact come nearer (negative) or part (positive)?"""
+
+    words = "whether {} come nearer or part"
+
+    def value(self, state: ReplayState[N]) -> N:
+        return self.link.approach(state)
+
+    def is_zero_by(self, form: Form) -> bool:
+        return form.alike(self.link)
+
+
+class Closing(OfOne[Link]):
+    """At the instant at hand, do the two of a contact come nearer (negative) or part (positive)?"""
+
+    words = "whether {} come nearer or part as they touch"
+
+    def value(self, state: ReplayState[N]) -> N:
+        return self.link.closing(state)
+
+    def is_zero_by(self, form: Form) -> bool:
+        return form.alike(self.link)
+
+
+class Gap(OfOne[Link]):
+    """Are the two of a contact apart (positive) or touching (zero)?"""
+
+    words = "whether {} touch"
+
+    def value(self, state: ReplayState[N]) -> N:
+        return self.link.gap(state)
+
+
+class Discriminant(OfOne[Round]):
+    """Do the paths of two circles hit (positive), graze (zero) or miss (negative)?"""
+
+    words = "whether {} hit, graze or miss"
+
+    def value(self, state: ReplayState[N]) -> N:
+        return state.discriminant(self.link)
+
+
+class RelativeSpeed(OfOne[Round]):
+    """Is the velocity of one circle relative to the other exactly zero (zero) or not (positive)?"""
+
+    words = "whether {} move together"
+
+    def value(self, state: ReplayState[N]) -> N:
+        pair = state.relation(self.link)
+        return pair.vx * pair.vx + pair.vy * pair.vy
+
+    def is_zero_by(self, form: Form) -> bool:
+        return form.alike(self.link)
+
+
+class Rim(OfOne[Entry]):
+    """At the instant at hand, is a centre outside of a pocket (positive), on its rim (zero) or inside (negative)?"""
+
+    words = "whether the centre of {} stands on the rim"
+
+    def value(self, state: ReplayState[N]) -> N:
+        return state.rim(self.link)
+
+
+@frozen
+class Moment:
+    """When two touch next: by a hit, or by a graze, which touches without pushing."""
+
+    link: Link
+    graze: bool = False
+
+    def wait(self, state: ReplayState[N]) -> tuple[N, N]:
+        """The clock from which it is reckoned, and the time from that."""
+        if self.graze and not isinstance(self.link, AtWall):
+            return state.graze(self.link)
+        return self.link.hit(state)
+
+    def parts(self, state: ReplayState[N]) -> tuple[N, N, N]:
+        """p, q, D with time p + q*sqrt(D)."""
+        if self.graze:
+            clock, wait = self.wait(state)
+            return clock + wait, state.zero, state.zero
+        return self.link.parts(state)
+
+
+@frozen
+class Sooner:
+    """Does `first` come before (negative), with (zero) or after (positive) `second`?"""
+
+    first: Moment
+    second: Moment
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return circles_of(self.first.link, self.second.link)
+
+    def value(self, state: ReplayState[N]) -> N:
+        t1, wait1 = self.first.wait(state)
+        t2, wait2 = self.second.wait(state)
+        if t1 is t2:
+            return wait1 - wait2
+        return (t1 - t2) + wait1 - wait2
+
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
+        p1, q1, d1 = self.first.parts(state)
+        p2, q2, d2 = self.second.parts(state)
+        return p1 - p2, q1, d1, -q2, d2
+
+    def is_zero_by(self, form: Form) -> bool:
+        return self.first.graze == self.second.graze and form.together(self.first.link, self.second.link)
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether {name(self.first.link)} meet before, with or after {name(self.second.link)}"
+
+
+@frozen
+class BeforeTime(Plain):
+    """Does a meeting come before (negative), at (zero) or after (positive) a given time?
+
+    `time` None stands for the return: twice the moment at which the velocities were negated.
+    """
+
+    moment: Moment
+    time: Quantity | None
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return self.moment.link.circles
+
+    def _limit(self, state: ReplayState[N]) -> N:
+        if self.time is None:
+            return state.flip_time + state.flip_time
+        return state.constant(self.time)
+
+    def value(self, state: ReplayState[N]) -> N:
+        t, wait = self.moment.wait(state)
+        return (t - self._limit(state)) + wait
+
+    def sum_of_roots(self, state: ReplayState[N]) -> RootSum[N]:
+        p, q, d = self.moment.parts(state)
+        return p - self._limit(state), q, d, state.zero, state.zero
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        when = "the return" if self.time is None else f"time {self.time}"
+        return f"whether {name(self.moment.link)} meet before, at or after {when}"
+
+
+# -- Questions about impulses at one instant: which contacts push, and whether their order matters.
+
+
+@frozen
+class Strength(RootFree):
+    """In a set of contacts kicked together, how strong is one impulse?"""
+
+    basis: tuple[Touch, ...]
+    link: Touch
+    words: ClassVar[str] = "whether {} push each other at all"
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return circles_of(*self.basis, self.link)
+
+    def _strengths(self, state: ReplayState[N]) -> list[N]:
+        matrix, speeds = state.contact_system(self.basis)
+        return solve_positive(matrix, [-(u + u) for u in speeds])
+
+    def value(self, state: ReplayState[N]) -> N:
+        return self._strengths(state)[self.basis.index(self.link)]
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return self.words.format(name(self.link))
+
+
+class Slack(Strength):
+    """Kicking `basis` together, by how much more than needed does a contact outside of it separate?"""
+
+    words = "whether {} separate fast enough"
+
+    def value(self, state: ReplayState[N]) -> N:
+        matrix, speeds = state.contact_system((*self.basis, self.link))
+        inner = [row[:-1] for row in matrix[:-1]]
+        strengths = solve_positive(inner, [-(u + u) for u in speeds[:-1]])
+        slack = speeds[-1] + speeds[-1]
+        for entry, strength in zip(matrix[-1][:-1], strengths, strict=True):
+            slack = slack + entry * strength
+        return slack
+
+
+class Pivot(Strength):
+    """Is a contact's push independent of those in `basis` (positive) or already made of them (zero)?"""
+
+    words = "whether the contact of {} depends on its neighbours"
+
+    def value(self, state: ReplayState[N]) -> N:
+        matrix, _ = state.contact_system((*self.basis, self.link))
+        inner = [row[:-1] for row in matrix[:-1]]
+        column = matrix[-1][:-1]
+        pivot = matrix[-1][-1]
+        for entry, part in zip(column, solve_positive(inner, column), strict=True):
+            pivot = pivot - entry * part
+        return pivot
+
+
+@frozen
+class Share(Strength):
+    """How much of `entering`'s push is made of `link`'s, among the contacts of `basis`?"""
+
+    entering: Touch
+
+    def value(self, state: ReplayState[N]) -> N:
+        matrix, _ = state.contact_system((*self.basis, self.entering))
+        inner = [row[:-1] for row in matrix[:-1]]
+        return solve_positive(inner, matrix[-1][:-1])[self.basis.index(self.link)]
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"how the contacts of {name(self.entering)} and {name(self.link)} depend on each other"
+
+
+@frozen
+class Coupling(RootFree):
+    """Can the order of two contacts matter? Zero where their pushes on shared bodies are at right angles."""
+
+    first: Touch
+    second: Touch
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        return circles_of(self.first, self.second)
+
+    def value(self, state: ReplayState[N]) -> N:
+        return state.contact_system((self.first, self.second))[0][0][1]
+
+    def describe(self, name: Callable[[Link], str]) -> str:
+        return f"whether the order of {name(self.first)} and {name(self.second)} matters"

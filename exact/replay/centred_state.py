@@ -1,0 +1,440 @@
+"""A state on balls that loses bits at the dynamics' own rate: exact midpoints, and one set of all their deviations."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from flint import arb
+
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.scene import Scene
+from ..laws.formulas import wall_approach, wall_gap, wall_hit_time
+from ..numbers import ball
+from .ball_state import SPARE_BITS, BallState, LoneContacts, Oblique, Told, Unchanging
+from .contact import AtWall, Body, Entry, Flight, Landed, Link, Midpoints, Pair, Touch, new_flight
+from .deviations import Carried, Deviations, Moved, Numbers, carry_pair, carry_wall, is_finite, numbers_of
+from .error_bounds import Collision, Spent
+
+# -- A state on balls that loses bits at the dynamics' own rate: exact midpoints, and one set of all their deviations.
+#
+# Balls forget that errors belong together: each collision pays for the box around what was a turned box, about twice
+# the bits that the motion itself takes. Here a body's midpoints are carried through a step by `BallState`, without
+# any radius, and what the truth is away from them by `Deviations`. The numbers of a body that others read are balls
+# as before: the midpoint, and the bound for the body.
+#
+# Only the ordinary instant is carried so: one contact, of two circles or a circle and a wall, that nothing holds to a
+# line. At any other the deviations are given up, the balls are carried as `BallState` does it, and new ones are begun
+# after it. See docs/error-bound.md.
+
+MOST_MOVERS = 24
+"""Circles that move: a block costs the cube of their number, and balls lose little where each is hit seldom."""
+
+LONGEST_BREAK = 64
+"""Instants for which nothing is begun, at most, after deviations that came to nothing."""
+
+
+class Pending(NamedTuple):
+    """A contact to which bodies have been advanced, and whose impulse is to come.
+
+    Attributes:
+        link: the contact.
+        centres: each flying body's (x, y, vx, vy) at the clock, from midpoints alone.
+        central: late, told and root as `BallState` has them, from midpoints alone.
+        shown: the first two as others see them.
+        hit: of two circles, the derivative of their collision.
+    """
+
+    link: Touch
+    centres: dict[int, Numbers]
+    central: tuple[arb | None, Told, arb | None]
+    shown: tuple[arb | None, Told]
+    hit: Collision | None
+
+
+class CentredState(BallState):
+    """`BallState`, with the deviations of all midpoints in one set.
+
+    Args:
+        scene: see `State`.
+        centred: whether that is done at all.
+
+    Attributes:
+        centred: as given.
+        outside: circles whose numbers are kept elsewhere for now: no set holds them.
+    """
+
+    def __init__(self, scene: Scene, centred: bool = True) -> None:
+        super().__init__(scene)
+        self.centred = centred
+        self.outside: set[int] = set()
+        self._movers = tuple(i for i, circle in enumerate(scene.circles) if not circle.fixed)
+        self._deviations: Deviations | None = None
+        self._pending: Pending | None = None
+        self._break = 0
+        self._next_break = 1
+
+    def loosen(self) -> None:
+        """Gives the deviations up: each body keeps its balls."""
+        if self._deviations is not None:
+            self._deviations, self._pending = None, None
+            self._break, self._next_break = self._next_break, min(2 * self._next_break, LONGEST_BREAK)
+
+    def become(self, other: BallState) -> None:
+        """As `BallState.become`."""
+        super().become(other)
+        if isinstance(other, CentredState):
+            self.centred, self.outside = other.centred, other.outside
+            self._deviations, self._pending = other._deviations, other._pending
+            self._break, self._next_break = other._break, other._next_break
+
+    # -- steps
+
+    def go(self, source: Link | int | Quantity, bodies: tuple[int, ...]) -> None:
+        """As `State.go`."""
+        self._land()
+        if isinstance(source, (int, Quantity, Entry)) or not self._ordinary(source, bodies):
+            self.loosen()
+            super().go(source, bodies)
+            return
+        held = self._deviations
+        if held is None or not held.holds(bodies):
+            held = self._deviations = self._begin()
+        flying = [body for i in bodies if not (body := self.bodies[i]).flight.rest]
+        before = [body.flight for body in flying]
+        for body in flying:
+            held.centre(body)
+        super().go(source, bodies)
+        centres = {body.index: numbers_of(body) for body in flying}
+        waits = [(body.index, body.flight.t - flight.t) for body, flight in zip(flying, before, strict=True)]
+        lags = [(i, float(wait)) for i, wait in waits if ball.is_sharp(wait)]
+        told = None
+        if len(lags) == len(waits):
+            told = held.advance(lags, self, source, self._told, self._root)
+        if told is None:
+            for body, flight in zip(flying, before, strict=True):
+                body.flight = flight
+            self.loosen()
+            super().go(source, bodies)
+            return
+        time, place, hit = told
+        for body, flight in zip(flying, before, strict=True):
+            held.show_place(body, flight)
+        late, met = self.late, self._told
+        self.instant = self.instant + time
+        self.late = time if late is None else late + time
+        if met is not None:
+            self._told = (met[0], met[1] + place, met[2] + place)
+        for i in bodies:
+            body = self.bodies[i]
+            body.flight = body.flight._replace(instant=self.instant, late=self.late)
+        self._pending = Pending(source, centres, (late, met, self._root), (self.late, self._told), hit)
+
+    def kick(self, links: tuple[Touch, ...]) -> None:
+        """As `State.kick`."""
+        pending, held = self._pending, self._deviations
+        if pending is None or held is None or links != (pending.link,):
+            self.loosen()
+            super().kick(links)
+            return
+        movers = self._movers_of(pending.link)
+        balls = [body.flight for body in movers]
+        for body in movers:
+            held.centre(body, pending.centres.get(body.index))
+        self.late, self._told, self._root = pending.central
+        self.met = self._pending = None
+        super().kick(links)
+        self.late, self._told = pending.shown
+        self.met = None
+        if not self._carried(held, pending, movers):
+            for body, flight in zip(movers, balls, strict=True):
+                body.flight = flight
+            self.loosen()
+            super().kick(links)
+            return
+        for body in movers:
+            body.flight = body.flight._replace(rest=False)
+            held.show(body)
+        self.renew()
+
+    def _carried(self, held: Deviations, pending: Pending, movers: list[Body[arb]]) -> bool:
+        """Carries the deviations through an impulse; whether that could be done."""
+        link = pending.link
+        if isinstance(link, AtWall):
+            return held.mirror(held.face(self, link), movers[0])
+        assert pending.hit is not None
+        return held.meet(link, movers, pending.hit)
+
+    def forget_contact(self) -> None:
+        """As `BallState.forget_contact`."""
+        self._land()
+        super().forget_contact()
+
+    def take(self, index: int) -> None:
+        """As `State.take`."""
+        self.loosen()
+        super().take(index)
+
+    def flip(self) -> None:
+        """As `State.flip`."""
+        self.loosen()
+        super().flip()
+
+    def _movers_of(self, link: Touch) -> list[Body[arb]]:
+        return [self.bodies[i] for i in link.circles if not self.scene.circles[i].fixed]
+
+    def _ordinary(self, link: Touch, bodies: tuple[int, ...]) -> bool:
+        """Whether deviations may be carried to this contact."""
+        if not self.centred or self._break or len(self._movers) > MOST_MOVERS:
+            self._break -= self._break > 0
+            return False
+        movers = self._movers_of(link)
+        if sorted(body.index for body in movers) != sorted(bodies) or not self.outside.isdisjoint(bodies):
+            return False
+        return all(body.flight.rest or _is_inexact(body) for body in movers)
+
+    def _begin(self) -> Deviations:
+        """Boxes: the bodies' balls as they are."""
+        self._pending = None
+        members = [body for i in self._movers if i not in self.outside and is_finite(body := self.bodies[i])]
+        return Deviations(members, list(self.bodies.values()))
+
+    def _land(self) -> None:
+        """Where no impulse came after a flight, the bodies have flown on, no more."""
+        pending, held = self._pending, self._deviations
+        if pending is None or held is None:
+            return
+        self._pending = None
+        for i, numbers in pending.centres.items():
+            if not held.land(self.bodies[i], numbers):
+                self.loosen()
+                return
+
+    # -- contacts carried out elsewhere, in one go (see `LoneCentred`)
+
+    def ready(self, link: Touch) -> Deviations | None:
+        """The deviations, if they can be carried to this contact as it stands."""
+        if self._pending is not None:
+            self._land()
+        held = self._deviations
+        if held is None:
+            return None
+        carried = held.carried
+        if link[0] in carried and (link[1] in carried or isinstance(link, AtWall)):
+            return held  # nearly always
+        for i in link.circles:
+            if i not in carried and not (i in held.place and _flies_inexactly(self.bodies[i].flight)):
+                return None
+        return held
+
+    def renew(self) -> None:
+        """Ends a block that is full; bodies keep the balls that they have until they are next struck."""
+        held = self._deviations
+        if held is None or not held.errors.full:
+            return
+        if not held.close():
+            self.loosen()
+            return
+        self._next_break = 1
+
+
+def _is_inexact(body: Body[arb]) -> bool:
+    """Whether both velocities have a radius, and no number an infinite one."""
+    return _flies_inexactly(body.flight) and is_finite(body)
+
+
+def _flies_inexactly(flight: Flight[arb]) -> bool:
+    """Whether a circle flies, and both velocities have a radius: a step of the set leaves them one."""
+    return not (flight.rest or flight.vx.is_exact() or flight.vy.is_exact())
+
+
+# -- A contact alone, carried out in one go on midpoints, with their deviations: `CentredState` does it in two steps.
+#
+# The numbers are those of `LoneContacts`, made of midpoints, with fewer products: d at the hit is d moved on by v,
+# and one circle is reckoned from the other and from that. The deviations follow in one step of their set
+# (docs/error-bound.md). Balls are made when somebody asks for them, which few do. What is not ordinary is left to the
+# two steps, with nothing changed.
+
+
+def lone_contacts(state: CentredState) -> LoneContacts | LoneCentred:
+    """What carries out contacts that stand alone: on balls, or on midpoints where deviations are kept in a set."""
+    return LoneCentred(state) if state.centred else LoneContacts(state)
+
+
+class LoneCentred:
+    """Carries out contacts that stand alone, on midpoints.
+
+    Args:
+        state: whose bodies fly.
+
+    Attributes:
+        landed: see `LoneContacts`.
+    """
+
+    def __init__(self, state: CentredState) -> None:
+        self.landed: list[Landed[arb]] | None = None
+        self._state = state
+        self._known = Unchanging(state)
+
+    def strike(self, link: Touch, bits: int, done: int) -> int | None:
+        """As `LoneContacts.strike`."""
+        self.landed = None
+        held = self._state.ready(link)
+        if held is None:
+            return None
+        self._known.at(bits)
+        try:
+            if isinstance(link, Pair):
+                return self._bounce(held, link, bits, done + 1)
+            return self._rebound(held, link, bits, done + 1)
+        except (Spent, OverflowError):
+            self._state.loosen()
+            return None
+
+    def _bounce(self, held: Deviations, link: Pair, bits: int, step: int) -> int | None:
+        """Two circles.
+
+        Raises:
+            Spent: if the deviations are too large after it.
+        """
+        state = self._state
+        one, other = link
+        a, b = state.bodies[one], state.bodies[other]
+        square_reach, share_a, share_b, alike = self._known.partners(link)
+        worst = (a.acc if a.acc < b.acc else b.acc) + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        ax, ay, avx, avy, at, a_last = held.mid[one]
+        bx, by, bvx, bvy, bt, b_last = held.mid[other]
+        vx, vy = bvx - avx, bvy - avy
+        of_a = a_last >= b_last  # the younger of the two is the one from which the other is reckoned
+        if of_a:
+            base = at
+            lag = at - bt
+            dx, dy = bx + bvx * lag - ax, by + bvy * lag - ay
+        else:
+            base = bt
+            lag = bt - at
+            dx, dy = bx - (ax + avx * lag), by - (ay + avy * lag)
+        cross = dx * vy - dy * vx
+        square = vx * vx + vy * vy
+        disc = square * square_reach - cross * cross
+        if cross.is_zero() or not disc > ball.ZERO:
+            return None
+        root = disc.sqrt()
+        wait = -(dx * vx + dy * vy + root) / square
+        ex, ey = dx + vx * wait, dy + vy * wait
+        instant = base + wait
+        clock = instant.mid()
+        lag = clock - base
+        late = wait - lag
+        if of_a:
+            since = lag, clock - bt
+            ax, ay = ax + avx * lag, ay + avy * lag
+            bx, by = ax + ex - vx * late, ay + ey - vy * late
+        else:
+            since = clock - at, lag
+            bx, by = bx + bvx * lag, by + bvy * lag
+            ax, ay = bx - ex + vx * late, by - ey + vy * late
+        if not (ball.is_sharp(since[0]) and ball.is_sharp(since[1])):
+            return None
+        strength = share_a * root
+        jx, jy = strength * ex, strength * ey
+        px, py = jx * late, jy * late
+        ax, ay, avx, avy = ax + px, ay + py, avx - jx, avy - jy
+        if not alike:
+            strength = share_b * root
+            jx, jy = strength * ex, strength * ey
+            px, py = jx * late, jy * late
+        bx, by, bvx, bvy = bx - px, by - py, bvx + jx, bvy + jy
+        moved = (a, ax, ay, avx, avy), (b, bx, by, bvx, bvy)
+        found = carry_pair(held, state, link, (ex, ey, vx, vy, root), since, late, moved, clock, step)
+        return None if found is None else self._land(held, moved, found, (instant, late), step, bits)
+
+    def _rebound(self, held: Deviations, link: AtWall, bits: int, step: int) -> int | None:
+        """A circle and a wall.
+
+        Raises:
+            Spent: if the deviations are too large after it.
+        """
+        state, index = self._state, link[0]
+        body = state.bodies[index]
+        wall = self._known.wall(link)
+        worst = body.acc + SPARE_BITS
+        ball.use_bits(worst if worst < bits else bits)
+        x, y, vx, vy, base, _ = held.mid[index]
+        if isinstance(wall, Oblique):
+            wait = wall_hit_time(wall_gap(x, y, *wall[:5]), wall_approach(vx, vy, wall.nx, wall.ny))
+        else:
+            wait = (wall.touch - y) / vy if wall.level else (wall.touch - x) / vx
+        instant = base + wait
+        if not instant.is_finite():
+            return None
+        clock = instant.mid()
+        lag = clock - base
+        if not ball.is_sharp(lag):
+            return None
+        late = wait - lag
+        velocity = vx, vy
+        if isinstance(wall, Oblique):
+            *_, xx, xy, yy, shift_x, shift_y = wall
+            x, y = x + vx * lag, y + vy * lag
+            x, y = xx * x + xy * y + shift_x, xy * x + yy * y + shift_y
+            vx, vy = xx * vx + xy * vy, xy * vx + yy * vy
+        elif wall.level:
+            x, y, vy = x + vx * lag, wall.touch + vy * late, -vy
+        else:
+            x, y, vx = wall.touch + vx * late, y + vy * lag, -vx
+        moved = body, x, y, vx, vy
+        found = carry_wall(held, link, held.face(state, link), lag, velocity, late, moved, clock, step)
+        return None if found is None else self._land(held, (moved,), found, (instant, late), step, bits)
+
+    def _land(
+        self,
+        held: Deviations,
+        moved: tuple[Moved, ...],
+        carried: Carried,
+        when: tuple[arb, arb],
+        step: int,
+        bits: int,
+    ) -> int:
+        """The bodies fly on from their new midpoints, in balls; gives how many bits of the instant are known.
+
+        Args:
+            held: their deviations.
+            moved: the bodies.
+            carried: what becomes of them.
+            when: the instant of the midpoints, and the time to it from its clock.
+            step: the number of the step to the contact.
+            bits: the precision of the state.
+        """
+        instant, late = when
+        power, _, landings = carried
+        time = held.ball(power)
+        instant, late = instant + time, late + time
+        accuracy = instant.rel_accuracy_bits()
+        if not 0 < accuracy < bits:
+            accuracy = max(0, min(bits, accuracy))
+        used, mids, known = ball.bits_in_use(), held.mid, held.carried
+        landed: list[Landed[arb]] = []
+        for (body, *_), (mid, far, fast, doubles) in zip(moved, landings, strict=True):
+            index = body.index
+            mids[index] = mid
+            known.add(index)
+            body.acc = accuracy
+            body.await_flight(_flight, held, mid, far, fast, used, instant, late)
+            landed.append((body, mid, doubles))
+        self._state.stand(instant, late, step + 1)
+        if held.errors.full:
+            self._state.renew()
+        self.landed = landed
+        return accuracy
+
+
+def _flight(
+    held: Deviations, mid: Midpoints[arb], far: int, fast: int, bits: int, instant: arb, late: arb
+) -> Flight[arb]:
+    """A flight in balls: its midpoints, at most 2**far and 2**fast off."""
+    x, y, vx, vy, clock, last = mid
+    wide, narrow = held.ball(far), held.ball(fast)
+    with ball.precision(bits):
+        numbers = x + wide, y + wide, vx + narrow, vy + narrow
+    return new_flight(Flight, (*numbers, clock, instant, late, last, False))

@@ -1,0 +1,501 @@
+"""The deviations of bodies from their midpoints, step by step, and through a contact that stands alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import frexp, inf, ldexp, log2
+from typing import NamedTuple, TypeAlias
+
+from flint import arb
+
+from ..compiled import steps
+from ..numbers import ball
+from .ball_state import BallState, Told
+from .contact import FAINT, AtWall, Body, Doubles, Flight, Link, Midpoints, Pair, Round, new_flight
+from .error_bounds import MOST, SMALL_WAIT, UP, Collision, Mirror, Spent, pair_derivative, scaled, wall_steepness
+
+# -- The deviations of bodies from their midpoints: what `ErrorSet` counts in doubles, in the bodies' own numbers.
+
+LEAST_TURN = 16.0
+"""Where |v|^2 / |d.v| is less, a wait of `SMALL_WAIT` turns a direction by less than 2**-44: its part in `WIDER`."""
+
+LEAST_WEIGHT, LEAST_REACH = 1e-100, 1e-75
+"""Bounds the squares of radii over masses, and the radii, of which doubles hold well all that is made of them."""
+
+ENOUGH = 2**40
+"""More bits than any number has."""
+
+MOST_UNIT = 300
+"""The largest power of two that is taken for a unit of time."""
+
+Numbers: TypeAlias = tuple[arb, arb, arb, arb]
+
+Moved: TypeAlias = tuple[Body[arb], arb, arb, arb, arb]
+"""A body, and its new (x, y, vx, vy)."""
+
+FINE = 5
+"""Of a power of two, the bits that are told apart within a coarse one."""
+
+POWERS = tuple(arb(1 << k) for k in range(1 << FINE))
+
+
+class Face(NamedTuple):
+    """A wall in doubles, to a circle: its normal, and how it mirrors."""
+
+    nx: float
+    ny: float
+    mirror: Mirror
+
+
+class Deviations:
+    """The midpoints of some bodies, and the set of what the truth is away from them.
+
+    Args:
+        members: the bodies; their balls are the first set.
+        circles: all circles by index, fixed ones too.
+
+    Attributes:
+        errors: the set.
+        mid: the midpoints of each body, by index.
+        carried: those that have been carried through a step.
+        place: where each body stands in it, by index.
+        unit: of time, in which the set counts velocities; 2**time_power.
+        near_time: the most that a clock may be off its instant.
+        weights: the inverse mass of every circle, by index.
+    """
+
+    def __init__(self, members: Sequence[Body[arb]], circles: Sequence[Body[arb]]) -> None:
+        from .error_set import ErrorSet  # here, since it loads numpy, which short runs do without
+
+        self.time_power = _unit_of_time(members)
+        self.unit = 2.0**self.time_power
+        self.near_time = SMALL_WAIT / 2 * self.unit
+        self.weights = [ball.as_double(body.w) for body in circles]
+        self.mid = {body.index: _midpoints(body.flight) for body in members}
+        self.carried: set[int] = set()
+        self.place = {body.index: k for k, body in enumerate(members)}
+        radii = [[number.rad().man_exp() for number in numbers_of(body)] for body in members]
+        shift = max((int(e) + 30 for four in radii for m, e in four if m != 0), default=-ball.bits_in_use())
+        powers = (0, 0, self.time_power, self.time_power)
+        boxes = [[scaled(int(m), int(e) + p, shift) for (m, e), p in zip(four, powers, strict=True)] for four in radii]
+        self.errors = ErrorSet(boxes, shift, self.unit)
+        self._balls: dict[int, arb] = {}
+        self._strengths: dict[Round, float] = {}
+        self._faces: dict[AtWall, Face] = {}
+
+    def holds(self, bodies: Iterable[int]) -> bool:
+        """Whether all of these bodies are members."""
+        return all(i in self.place for i in bodies)
+
+    # -- the bodies' numbers
+
+    def centre(self, body: Body[arb], numbers: Numbers | None = None) -> None:
+        """Gives a body its midpoints, or other numbers made of midpoints alone."""
+        set_numbers(body, numbers or self.mid[body.index][:4])
+
+    def show(self, body: Body[arb]) -> None:
+        """Gives a body its balls: its midpoints, and its bound; none for a velocity of exactly zero."""
+        wide, narrow = self.balls_of(self.place[body.index])
+        x, y, vx, vy, *_ = self.mid[body.index]
+        if body.flight.rest:
+            _, _, vx, vy, *_ = body.flight
+        else:
+            vx, vy = vx + narrow, vy + narrow
+        set_numbers(body, (x + wide, y + wide, vx, vy))
+
+    def show_place(self, body: Body[arb], before: Flight[arb]) -> None:
+        """Gives a body that has been advanced its place as a ball, and the velocity that it had as one."""
+        wide, _ = self.balls_of(self.place[body.index])
+        set_numbers(body, (body.flight.x + wide, body.flight.y + wide, before.vx, before.vy))
+
+    def balls_of(self, i: int) -> tuple[arb, arb]:
+        """All deviations of the place, and of the velocity, of the body that stands at i in the set.
+
+        Raises:
+            Spent: if they are beyond doubles.
+        """
+        errors = self.errors
+        bounds, power = errors.bounds, errors.power_of
+        return self.ball(power(bounds.place[i])), self.ball(power(bounds.pace[i]) - self.time_power)
+
+    def ball(self, power: int) -> arb:
+        """All numbers of at most 2**power."""
+        coarse, fine = power >> FINE, power & ((1 << FINE) - 1)
+        found = self._balls.get(coarse)
+        if found is None:
+            found = self._balls[coarse] = arb(0, arb((1, coarse << FINE)))
+        return found * POWERS[fine]  # a product costs far less than a ball made afresh
+
+    # -- steps
+
+    def advance(
+        self, lags: Iterable[tuple[int, float]], state: BallState, link: Link, told: Told, root: arb | None
+    ) -> tuple[arb, arb, Collision | None] | None:
+        """Carries flights to a contact; gives all errors of the instant, all of d at it, and the derivative.
+
+        None where the truth may be too far from the midpoints for a derivative in doubles: then all is to be given up.
+
+        Args:
+            lags: the bodies that have flown, and how long.
+            state: the state, advanced by midpoints.
+            link: the contact.
+            told, root: d at the hit of two circles and -d.v, as `BallState` has them.
+        """
+        if not waited(state.late) < self.near_time:
+            return None
+        try:
+            for i, lag in lags:
+                self.errors.fly(self.place[i], ldexp(lag, -self.time_power))
+                self.errors.power_of(self.errors.bounds.place[self.place[i]])
+            if isinstance(link, AtWall):
+                return self._to_wall(state, link)
+            return None if told is None or root is None else self._to_pair(state, *told, root)
+        except (Spent, OverflowError):
+            return None
+
+    def _to_wall(self, state: BallState, link: AtWall) -> tuple[arb, arb, None] | None:
+        flight, i = state.bodies[link.circle].flight, self.place[link.circle]
+        vx, vy = float(flight.vx), float(flight.vy)
+        spread = self.wall_time(self.face(state, link), i, 0.0, vx, vy, waited(state.late))
+        return None if spread is None else (self.ball(self.errors.power_of(spread)), ball.ZERO, None)
+
+    def wall_time(self, face: Face, i: int, lag: float, vx: float, vy: float, late: float) -> float | None:
+        """A bound of all errors of the instant of a wall's hit, as the set counts; None where it is too flat.
+
+        Args:
+            face: the wall.
+            i: where the circle stands in the set.
+            lag: how long it flies to it, in the set's unit of time, from where the set has it.
+            vx, vy: its velocity.
+            late: a bound of the time from the clock to the hit, from midpoints.
+        """
+        bounds = self.errors.bounds
+        spread = (bounds.place[i] + (abs(lag) + SMALL_WAIT) * bounds.pace[i]) * UP
+        spread *= wall_steepness(face.nx, face.ny, vx, vy) * UP
+        return spread if spread < self.errors.near * self.unit and late < self.near_time else None
+
+    def _to_pair(self, state: BallState, link: Round, dx: arb, dy: arb, root: arb) -> tuple[arb, arb, Collision] | None:
+        i, j = (self.place.get(body.index, -1) for body in link.ends(state))
+        a, b = (body.flight for body in link.ends(state))
+        found = self.collision(
+            state, link, (dx, dy, b.vx - a.vx, b.vy - a.vy, root), i, j, (0.0, 0.0), waited(state.late)
+        )
+        if found is None:
+            return None
+        hit, time = found
+        power = self.errors.power_of
+        return self.ball(power(time)), self.ball(power(hit.apart)), hit
+
+    def collision(
+        self,
+        state: BallState,
+        link: Round,
+        met: tuple[arb, arb, arb, arb, arb],
+        i: int,
+        j: int,
+        lags: tuple[float, float],
+        late: float,
+    ) -> tuple[Collision, float] | None:
+        """The derivative of the collision of two circles, and a bound of all errors of its instant, as the set counts.
+
+        None where the truth may be too far from the midpoints.
+
+        Args:
+            state: whose circles they are.
+            link: the two.
+            met: d, v and -d.v at the hit, from midpoints.
+            i, j: where they stand in the set.
+            lags: how long they fly to it, in the set's unit of time, from where the set has them.
+            late: a bound of the time from the clock to the hit, from midpoints.
+        """
+        dx, dy, vx, vy, speed = met
+        near, strength = self.errors.near, self.strength(state, link)
+        places, paces, unit = self.errors.bounds.place, self.errors.bounds.pace, self.unit
+        pace_i, pace_j = paces[i], paces[j]
+        pace = (pace_i + pace_j) * UP
+        place = (places[i] + abs(lags[0]) * pace_i + places[j] + abs(lags[1]) * pace_j + SMALL_WAIT * pace) * UP
+        found = pair_derivative(
+            float(dx), float(dy), float(vx), float(vy), float(speed), strength, unit, place, pace, near
+        )
+        if found is None:
+            return None
+        spread, turn = found.steep * place * UP, max(found.turn, LEAST_TURN)
+        # the hit, wherever it may truly be, is so near the clock that nothing turns until then
+        far = LEAST_TURN * self.near_time
+        return (found, spread) if spread * turn < near * LEAST_TURN * 2.0 * unit and late * turn < far else None
+
+    def strength(self, state: BallState, link: Round) -> float:
+        """-2 / (R^2 (wa + wb)) of two circles, or 0 where a double does not hold it well."""
+        if (found := self._strengths.get(link)) is None:
+            a, b = link.ends(state)
+            reach = ball.as_double(state.reach(a, b))
+            weight = reach * reach * (self.weights[a.index] + self.weights[b.index])
+            known = LEAST_WEIGHT < weight < 1.0 / LEAST_WEIGHT and LEAST_REACH < reach < 1.0 / LEAST_REACH
+            found = self._strengths[link] = -2.0 / weight if known else 0.0
+        return found
+
+    def face(self, state: BallState, link: AtWall) -> Face:
+        """A wall in doubles, as a circle comes to it; one whose normal they do not tell is never steep enough."""
+        found = self._faces.get(link)
+        if found is None:
+            line, parts = state.line(link.circle, link.wall), state.mirror_of(link)
+            off = 2.0 * (max(float(part.rad()) for part in parts) + 2.0**-52) * UP
+            xx, xy, yy = map(float, parts)
+            found = self._faces[link] = Face(ball.as_double(line.nx), ball.as_double(line.ny), Mirror(xx, xy, yy, off))
+        return found
+
+    def mirror(self, face: Face, body: Body[arb]) -> bool:
+        """A wall has mirrored a body; whether that could be carried."""
+        rounding, _ = self.recentre([(body, *numbers_of(body))], body.flight.t, body.flight.last)
+        self.errors.fly(self.place[body.index], 0.0, face.mirror, rounding)
+        return self.bounded((body,))
+
+    def meet(self, link: Pair, movers: Sequence[Body[arb]], hit: Collision) -> bool:
+        """Two circles have collided; whether that could be carried."""
+        i, j = (self.place.get(k, -1) for k in link)
+        weights = self.weights[link.a], self.weights[link.b]
+        moved = [(body, *numbers_of(body)) for body in movers]
+        rounding, _ = self.recentre(moved, movers[0].flight.t, movers[0].flight.last)
+        self.errors.meet(i, j, (0.0, 0.0), weights, hit, rounding)
+        return self.bounded(movers)
+
+    def land(self, body: Body[arb], numbers: Numbers) -> bool:
+        """A body has flown on, and no impulse came; whether that could be carried."""
+        set_numbers(body, numbers)
+        rounding, _ = self.recentre([(body, *numbers_of(body))], body.flight.t, body.flight.last)
+        self.errors.fly(self.place[body.index], 0.0, rounding=rounding)
+        if not self.bounded((body,)):
+            return False
+        self.show(body)
+        return True
+
+    def close(self) -> bool:
+        """Ends a block of the set; whether it could be carried."""
+        try:
+            self.errors.close()
+        except Spent:
+            return False
+        return True
+
+    def bounded(self, bodies: Iterable[Body[arb]]) -> bool:
+        """Whether doubles still hold the bounds of bodies."""
+        return all(self.errors.bounds.both(self.place[body.index]) < MOST for body in bodies)
+
+    def recentre(
+        self, moved: Sequence[Moved], clock: arb, last: int
+    ) -> tuple[float, list[tuple[float, float, float, float]]]:
+        """Takes bodies' midpoints from their numbers; gives a bound of what that drops, as the set counts it, and the
+        midpoints in doubles.
+
+        A radius is below 2**(2 - accuracy) of its number. Infinite where the bits were too few for a number, or for
+        doubles to tell.
+
+        Args:
+            moved: the bodies and their numbers.
+            clock, last: of their flights.
+        """
+        size, bits, unit, mid = 0.0, ENOUGH, self.unit, self.mid
+        doubles: list[tuple[float, float, float, float]] = []
+        for body, x, y, vx, vy in moved:
+            mid[body.index] = x.mid(), y.mid(), vx.mid(), vy.mid(), clock, last
+            fx, fy, fvx, fvy = float(x), float(y), float(vx), float(vy)
+            doubles.append((fx, fy, fvx, fvy))
+            size += abs(fx) + abs(fy) + unit * (abs(fvx) + abs(fvy))
+            if (known := x.rel_accuracy_bits()) < bits:
+                bits = known
+            if (known := y.rel_accuracy_bits()) < bits:
+                bits = known
+            if (known := vx.rel_accuracy_bits()) < bits:
+                bits = known
+            if (known := vy.rel_accuracy_bits()) < bits:
+                bits = known
+            self.carried.add(body.index)
+        power = 2 - bits - self.errors.shift
+        return (ldexp(size * UP, max(power, -900)) if power < 500 and size < 2.0**500 else inf), doubles
+
+
+def waited(late: arb | None) -> float:
+    """A bound of the time between a clock and its instant; infinite where there is none.
+
+    >>> waited(arb(-3)) >= 3.0
+    True
+    """
+    return inf if late is None else float(late.abs_upper()) * UP
+
+
+def numbers_of(body: Body[arb]) -> Numbers:
+    """(x, y, vx, vy) of a body."""
+    return body.flight[:4]
+
+
+def set_numbers(body: Body[arb], numbers: Numbers) -> None:
+    """Gives a body a place and a velocity; all else of its flight stays."""
+    body.flight = new_flight(Flight, (*numbers, *body.flight[4:]))
+
+
+def is_finite(body: Body[arb]) -> bool:
+    """Whether no number of a body has an infinite radius."""
+    return all(number.is_finite() for number in numbers_of(body))
+
+
+def _midpoints(flight: Flight[arb]) -> Midpoints[arb]:
+    return flight.x.mid(), flight.y.mid(), flight.vx.mid(), flight.vy.mid(), flight.t, flight.last
+
+
+def _unit_of_time(bodies: Sequence[Body[arb]]) -> int:
+    """The power of two nearest to the time in which the fastest circle flies as far as the circles are wide."""
+    speed = max(max(abs(float(body.flight.vx)), abs(float(body.flight.vy))) for body in bodies)
+    width = sum(float(body.r) for body in bodies) / len(bodies)
+    if not (0.0 < width < inf and 0.0 < speed < inf):
+        return 0
+    return max(-MOST_UNIT, min(MOST_UNIT, round(log2(width) - log2(speed))))
+
+
+# -- The deviations of midpoints, carried through a contact that stands alone; compiled, where there was a compiler.
+#
+# What comes out is the same: a power of two that bounds all errors of the instant, what is beside the clock, and for
+# each body a `Landing`. None, with nothing changed, where the truth may be too far from the midpoints for a
+# derivative.
+
+PLAIN = 2.0**-100
+"""Numbers beyond this, with a radius of at most 2**FAINT, less than 2**-140 of them, are told by the doubles of their
+midpoints, and by short balls around these."""
+
+Landing: TypeAlias = tuple[Midpoints[arb], int, int, Doubles | None]
+"""Of one body: its new midpoints, powers of two that bound how far its place and its velocity are off, and its doubles;
+None where they do not tell it."""
+
+Carried: TypeAlias = tuple[int, float, tuple[Landing, ...]]
+"""Of a contact: a power of two that bounds all errors of the instant, a bound of the time between that and the clock,
+and what becomes of each body."""
+
+
+def carry_pair(
+    held: Deviations,
+    state: BallState,
+    link: Pair,
+    met: tuple[arb, arb, arb, arb, arb],
+    since: tuple[arb, arb],
+    late: arb,
+    moved: tuple[Moved, Moved],
+    clock: arb,
+    last: int,
+) -> Carried | None:
+    """Through a collision of two circles.
+
+    Args:
+        held: the deviations.
+        state: whose circles they are.
+        link: the two.
+        met: d, v and -d.v at the hit.
+        since: how long each has flown to the clock.
+        late: the time from the clock to the hit.
+        moved: the two, with numbers around their new midpoints.
+        clock, last: of their new flights.
+
+    Raises:
+        Spent: if the deviations are too large after it: the set is not to be used any more.
+    """
+    i, j = held.place[link[0]], held.place[link[1]]
+    weights = held.weights[link[0]], held.weights[link[1]]
+    if steps is not None:
+        (_, *a), (_, *b) = moved
+        strength, near, least = held.strength(state, link), held.near_time, held.time_power
+        told = steps.bounce(
+            held.errors, i, j, met, *since, strength, weights, late, near, tuple(a), tuple(b), clock, last, least
+        )
+        if told is False:
+            raise Spent
+        return told
+    beside, unit = float(late.abs_upper()) * UP, held.unit
+    lags = float(since[0]) / unit, float(since[1]) / unit
+    found = held.collision(state, link, met, i, j, lags, beside)
+    if found is None:
+        return None
+    hit, spread = found
+    rounding, doubles = held.recentre(moved, clock, last)
+    held.errors.meet(i, j, lags, weights, hit, rounding)
+    return _landed(held, moved, doubles, spread, beside, clock)
+
+
+def carry_wall(
+    held: Deviations,
+    link: AtWall,
+    face: Face,
+    since: arb,
+    velocity: tuple[arb, arb],
+    late: arb,
+    moved: Moved,
+    clock: arb,
+    last: int,
+) -> Carried | None:
+    """Through the impact of a circle on a wall.
+
+    Args:
+        held: the deviations.
+        link: the two.
+        face: the wall, as the circle comes to it.
+        since: how long it has flown to the clock.
+        velocity: with which it came.
+        late: the time from the clock to the hit.
+        moved: the circle, with numbers around its new midpoints.
+        clock, last: of its new flight.
+
+    Raises:
+        Spent: as `carry_pair`.
+    """
+    i = held.place[link[0]]
+    if steps is not None:
+        _, *a = moved
+        near, least = held.near_time, held.time_power
+        told = steps.rebound(held.errors, i, since, velocity, face, late, near, tuple(a), clock, last, least)
+        if told is False:
+            raise Spent
+        return told
+    beside, lag = float(late.abs_upper()) * UP, float(since) / held.unit
+    spread = held.wall_time(face, i, lag, float(velocity[0]), float(velocity[1]), beside)
+    if spread is None:
+        return None
+    rounding, doubles = held.recentre((moved,), clock, last)
+    held.errors.fly(i, lag, face.mirror, rounding)
+    return _landed(held, (moved,), doubles, spread, beside, clock)
+
+
+def _landed(
+    held: Deviations,
+    moved: tuple[Moved, ...],
+    doubles: list[tuple[float, float, float, float]],
+    spread: float,
+    beside: float,
+    clock: arb,
+) -> Carried:
+    """What becomes of a contact that has been carried.
+
+    Args:
+        held: the deviations.
+        moved: the bodies.
+        doubles: their midpoints.
+        spread: a bound of all errors of the instant, as the set counts it.
+        beside: of the time from the clock to it.
+        clock: of their new flights.
+    """
+    now = float(clock)
+    bounds, shift, place = held.errors.bounds, held.errors.shift, held.place
+    if not spread + bounds.both(place[moved[0][0].index]) + bounds.both(place[moved[-1][0].index]) < MOST:
+        raise Spent
+    power = frexp(spread)[1] + shift
+    beside = (beside + ldexp(1.0, power if power > -1000 else -1000)) * UP
+    landed: list[Landing] = []
+    for (body, *_), (fx, fy, fvx, fvy) in zip(moved, doubles, strict=True):
+        i = place[body.index]
+        far, fast = frexp(bounds.place[i])[1] + shift, frexp(bounds.pace[i])[1] + shift - held.time_power
+        told = (
+            far < FAINT
+            and fast < FAINT
+            and (fx > PLAIN or fx < -PLAIN)
+            and (fy > PLAIN or fy < -PLAIN)
+            and (fvx > PLAIN or fvx < -PLAIN)
+            and (fvy > PLAIN or fvy < -PLAIN)
+        )
+        landed.append((held.mid[body.index], far, fast, (fx, fy, fvx, fvy, now, beside) if told else None))
+    return power, beside, tuple(landed)

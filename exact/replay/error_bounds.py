@@ -1,0 +1,198 @@
+"""Bounds, in doubles, of what steps and contacts do to the deviations of a state from its midpoints."""
+
+from __future__ import annotations
+
+from math import inf, ldexp, sqrt
+from typing import NamedTuple
+
+# -- What happens to the deviations of a state from its midpoints, step by step: bounds in doubles, grown by norms.
+
+UP = 1.0 + 2.0**-40
+"""Covers the roundings of a bound: sums of up to a hundred positive terms, each rounded by at most 2**-52."""
+
+WIDER = 1.0 + 2.0**-39
+"""Covers besides what a derivative differs by, relatively, wherever the truth may be: less than 2**-40."""
+
+CARRIED = 2.0**-39
+"""What one step leaves beside the matrix, relatively to the bounds after it: the derivative's difference, less than
+2**-40, and the roundings of the matrix and of the rows, of which docs/error-bound.md counts less than 2**-46."""
+
+SMALL_WAIT = 2.0**-48
+"""The most that a clock may stand beside its instant, in the set's unit of time, to be a mere perturbation."""
+
+CLOSE = 2.0**-50
+"""How near to the truth the doubles must be, relatively, of which a derivative is made."""
+
+MOST = 2.0**900
+"""Bounds beyond this are none."""
+
+
+class Spent(ArithmeticError):
+    """The set cannot be carried on: what is known then is each body's own bound."""
+
+
+class Collision(NamedTuple):
+    """The derivative of the collision of two circles, in doubles made of midpoints.
+
+    Attributes:
+        steep: by how much, at most, the instant moves for a deviation of one in d.
+        apart: a bound of what d at the hit may be off.
+        turn: at least |v|^2 / |d.v|, in the set's unit of time.
+        dx, dy, vx, vy, speed: d, v and -d.v at the hit.
+        strength: -2 / (R^2 (wa + wb)).
+    """
+
+    steep: float
+    apart: float
+    turn: float
+    dx: float
+    dy: float
+    vx: float
+    vy: float
+    speed: float
+    strength: float
+
+
+class Mirror(NamedTuple):
+    """The matrix (xx, xy; xy, yy) that mirrors, in doubles, and by how much, at most, its rows are off in sum."""
+
+    xx: float = 1.0
+    xy: float = 0.0
+    yy: float = 1.0
+    off: float = 0.0
+
+
+NO_MIRROR = Mirror()
+"""A flight alone."""
+
+
+class Bounds:
+    """For each body: how far its place deviates, and its velocity; and the share that a block's matrix does not tell.
+
+    Lengths of vectors in the plane: what a step does to them is bounded by the 2-norms of its parts, which for a
+    collision are known in closed form (docs/error-bound.md).
+
+    Attributes:
+        place: bounds of the deviations of places; 0 at last, for what is fixed.
+        pace: of velocities, in the set's unit of time.
+        beside: the part of any of them, at most, that is beside the matrix.
+    """
+
+    def __init__(self, place: list[float], pace: list[float]) -> None:
+        self.place = place
+        self.pace = pace
+        self.beside = 0.0
+
+    def both(self, i: int) -> float:
+        """The two of one body, added."""
+        return self.place[i] + self.pace[i]
+
+    def fly(self, i: int, lag: float, off: float, rounding: float) -> None:
+        """Carries them through a flight, and a mirror known up to `off`; the midpoints after it are rounded."""
+        pace, up = self.pace[i], (1.0 + off) * UP
+        place = self.place[i] = (self.place[i] + abs(lag) * pace) * up + rounding
+        pace = self.pace[i] = pace * up + rounding
+        self.beside += CARRIED + 2.0 * off
+        if rounding:
+            self.beside += rounding / min(place, pace)
+
+    def meet(
+        self, i: int, j: int, lags: tuple[float, float], shares: tuple[float, float], turn: float, rounding: float
+    ) -> None:
+        """Carries them through the flights of i and j to their collision, and through that.
+
+        Args:
+            i, j: -1 for a fixed one.
+            lags: how long they fly.
+            shares: for each, 2 w / (wi + wj) with its inverse mass w.
+            turn: see `Collision`.
+            rounding: of the midpoints after it.
+        """
+        places, paces = self.place, self.pace
+        pace_i, pace_j = paces[i], paces[j]
+        place_i, place_j = places[i] + abs(lags[0]) * pace_i, places[j] + abs(lags[1]) * pace_j
+        share_i, share_j = shares
+        both, waited = turn * (place_i + place_j), SMALL_WAIT * (pace_i + pace_j)
+        least = MOST
+        if i >= 0:
+            place = places[i] = (place_i + share_i * place_j + waited) * WIDER + rounding
+            pace = paces[i] = (pace_i + share_i * (pace_j + both)) * WIDER + rounding
+            least = place if place < pace else pace
+        if j >= 0:
+            place = places[j] = (place_j + share_j * place_i + waited) * WIDER + rounding
+            pace = paces[j] = (pace_j + share_j * (pace_i + both)) * WIDER + rounding
+            least = min(least, place, pace)
+        self.beside += CARRIED + rounding / least
+
+
+def scaled(mantissa: int, exponent: int, shift: int) -> float:
+    """mantissa * 2**exponent / 2**shift as a double, not below it unless it vanishes.
+
+    >>> 3.0 <= scaled(3, -400, -400) < 3.001
+    True
+    """
+    return ldexp(float(mantissa), max(exponent - shift, -1000)) * UP
+
+
+# -- Derivatives of contacts in doubles, with a bound of what they are off wherever the truth may be.
+
+MOST_TURN = 2.0**100
+"""Beyond this, two circles all but graze, and doubles are no measure."""
+
+LEAST = 1e-280
+"""Squares of speeds, and speeds along a line, that doubles hold to a rounding, and some products of them."""
+
+FLAT = 2.0**-30
+"""Share of |n| |v| that n.v must have: in doubles it is off by less than 2**-51 of that, 2**-21 of itself."""
+
+STEEPER = 1.0 + 2.0**-20
+"""Covers what n.v in doubles is off by."""
+
+
+def pair_derivative(
+    dx: float,
+    dy: float,
+    vx: float,
+    vy: float,
+    speed: float,
+    strength: float,
+    unit: float,
+    place: float,
+    pace: float,
+    near: float,
+) -> Collision | None:
+    """The derivative of a collision, at the clock beside its instant, or None where the truth may be too far.
+
+    Args:
+        dx, dy, vx, vy: d and v at the hit, from midpoints, rounded.
+        speed: -d.v at the hit.
+        strength: -2 / (R^2 (wa + wb)); 0 where it is not to be had.
+        unit: the set's unit of time.
+        place: a bound of the deviation of d at the clock and beside it, however scaled.
+        pace: of unit * v, scaled like that.
+        near: `CLOSE`, scaled like that.
+
+    With tau the time from the clock to the hit, the derivative is (b - tau a, -tau^2 a; a, b + tau a). The instant
+    moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
+    |d + tau v| = R (see `laws/tangent.py`).
+    """
+    square, reach = vx * vx + vy * vy, sqrt(dx * dx + dy * dy)
+    if not (strength < 0.0 and LEAST < speed < inf and LEAST < square < inf and reach > 0.0):
+        return None
+    slow, steep = sqrt(square), reach / speed * UP
+    slant = slow * steep
+    apart = (1.0 + slant) * place * UP
+    turn = unit * square / speed * UP
+    if not (slant * (apart / reach + pace / (unit * slow)) * UP < near and turn < MOST_TURN):
+        return None
+    return Collision(steep, apart, turn, dx, dy, vx, vy, speed, strength)
+
+
+def wall_steepness(nx: float, ny: float, vx: float, vy: float) -> float:
+    """By how much, at most, the hit of a wall moves for a deviation of one in the place; infinite where not known.
+
+    >>> wall_steepness(0.0, 2.0, 3.0, -4.0) >= 0.25
+    True
+    """
+    speed, size = -(nx * vx + ny * vy), abs(nx) + abs(ny)
+    return size / speed * STEEPER if speed > FLAT * size * (abs(vx) + abs(vy)) and speed > LEAST else inf

@@ -1,1 +1,0 @@
-"""One instant: all that falls on it is gathered, then resolved in rounds."""

@@ -1,0 +1,527 @@
+"""The event loop in numbers that answer at once: what every engine without certainty shares."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import Counter
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping, Sequence
+from math import inf
+from typing import Any, Generic, Protocol, SupportsFloat, TypeAlias, TypeVar
+
+from ..exact.numbers.system import BudgetSpent, M, NumberSystem, Ordered, Undecided
+from ..exact.question import Approach, Decision, Discriminant, Gap, Moment, Question, Sooner
+from ..exact.replay.contact import AtWall, Body, Entry, Link, Named, name_of
+from ..exact.replay.state import ReplayState, Step
+from ..exact.simulation.decider import History, Limits, Mark, run_limits
+from ..exact.simulation.loop import SELDOM_COLLECTED, Loop
+from ..exact.simulation.policies import Policy
+from ..exact.simulation.prediction import Arrival, ArrivalQueue, Predictor
+from ..scenarios.engine import EventDriven
+from ..scenarios.errors import SceneError
+from ..scenarios.lazy import Late
+from ..scenarios.numbers.precision import Double
+from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real
+from ..scenarios.scene import Scene
+from ..scenarios.trajectory import Event, Motion, OnProgress, Pocketing, Reversal, StopReason, TieProof, Trajectory
+from .knots import DoubleMotion
+
+# -- The state of a run in finite precision.
+
+
+class PlainState(ReplayState[M]):
+    """See `ReplayState`; two that rounding has put into each other, and that approach, collide at once.
+
+    What the law of their meeting tells is then when they would have met on their way here: before the instant at which
+    they stand, and long before it where they are all but at rest with each other.
+    """
+
+    def _hit_from_base(self, source: Link) -> tuple[M, M]:
+        clock, wait = super()._hit_from_base(source)
+        return clock, self.zero if wait < self.zero else wait
+
+
+# -- Tells when a run in finite precision goes round without end while its clock stands still.
+#
+# Where a wait is shorter than the last bit of the clock no time passes; and circles that rounding has put into each
+# other may then push each other on and on.
+
+RETURNS = 100
+"""How often all circles must come back to the same flights: what comes back once may yet leave, by what it met last."""
+
+MOST = 1_000_000
+"""Events at one time, whatever the circles do."""
+
+
+class StandingClock:
+    """Looks at a run as it goes on.
+
+    >>> clock = StandingClock()
+    >>> for events in range(1000):
+    ...     clock.look(events, 4.0, lambda: [events % 2])
+    Traceback (most recent call last):
+        ...
+    truebreak.exact.numbers.system.BudgetSpent: rounds without end: 541 events at time 4, and the same flights again
+    """
+
+    def __init__(self) -> None:
+        self._time = -inf
+        self._first = 0
+        self._kept: Sequence[object] | None = None
+        self._at = 0
+        self._returns = 0
+        self._seen = 0
+
+    def look(self, events: int, time: float, flights: Callable[[], Sequence[object]]) -> None:
+        """Notes where the run is.
+
+        The flights are held against those at the last power of two of the events at this time: whatever the period, one
+        of these is long enough (Brent).
+
+        Args:
+            events: how many there have been; no more since the last look, as where two only grazed, tell nothing.
+            time: of the last of them.
+            flights: of all circles.
+
+        Raises:
+            BudgetSpent: if no time passes any more.
+        """
+        if events == self._seen:
+            return
+        self._seen = events
+        if time > self._time:
+            self._time, self._first, self._kept, self._at = time, events, None, 1
+            return
+        stood = events - self._first
+        if stood >= MOST:
+            raise BudgetSpent(f"rounds without end: {stood:,} events at time {time:g}")
+        if self._kept is not None and flights() == self._kept:
+            self._returns += 1
+            if self._returns == RETURNS:
+                raise BudgetSpent(f"rounds without end: {stood:,} events at time {time:g}, and the same flights again")
+        elif stood >= 2 * self._at:
+            self._kept, self._at, self._returns = flights(), stood, 0
+
+
+# -- Decisions in a finite precision that answers, or fails to answer, at once: nothing stronger stands behind it.
+
+
+class PlainReading(Generic[M]):
+    """Reads a state off as it is.
+
+    Args:
+        state: that state.
+        numbers: its system.
+    """
+
+    def __init__(self, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
+        self._state = state
+        self._bounds = numbers.bounds
+
+    def knot(self, body: Body[M]) -> tuple[M, M, M, M, M]:
+        """The state."""
+        x, y, vx, vy, t, *_ = body.flight
+        return t, x, y, vx, vy
+
+    def now(self, body: Body[M]) -> M:
+        """The instant of a body's last contact."""
+        return body.flight.instant
+
+    def entry_time(self, link: Entry) -> M:
+        """The time of an entry."""
+        clock, wait = link.hit(self._state)
+        return clock + wait
+
+    def reversal_time(self) -> M:
+        """The time of the reversal."""
+        return self._state.flip_time
+
+    def exact_state(self, bodies: Sequence[int]) -> Hashable | None:
+        """None: the state is not exact."""
+        return None
+
+    def note(self) -> str:
+        """Nothing to add."""
+        return ""
+
+    def rough(self, time: M) -> float:
+        """The lower bound of a time."""
+        return self._bounds(time)[0]
+
+    def limit_bounds(self, time: Quantity | None) -> tuple[float, float]:
+        """Doubles around a set time (None: the return)."""
+        if time is None:
+            return self._bounds(self._state.flip_time + self._state.flip_time)
+        return self._bounds(self._state.constant(time))
+
+
+class PlainMeetings(Generic[M]):
+    """Predicts and orders meetings by the system's own comparisons.
+
+    Args:
+        scene: what runs.
+        state: its state.
+        queue: where arrivals go.
+        plan: counts what is predicted and what is skipped.
+        numbers: the state's system.
+        ask: decides questions.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        state: ReplayState[M],
+        queue: ArrivalQueue[M],
+        plan: Counter[str],
+        numbers: NumberSystem[M],
+        ask: Callable[[Question], int],
+    ) -> None:
+        self._predictor = Predictor(scene, state, queue, plan, numbers.bounds, self._unsure)
+        self._state = state
+        self._sign = numbers.sign
+        self._bounds = numbers.bounds
+        self._ask = ask
+
+    def off_rim(self, link: Entry) -> bool:
+        """Nothing is plain before it is asked."""
+        return False
+
+    def predict(self, moved: Sequence[Body[M]], standing: Collection[Link], gone: Collection[int]) -> None:
+        """Queues the next meetings of some circles."""
+        self._predictor.predict(moved, standing, gone)
+
+    def timed(self, arrival: Arrival[M]) -> Arrival[M]:
+        """Its time was computed when it was predicted."""
+        return arrival
+
+    def certainly_before(self, first: Arrival[M], second: Arrival[M]) -> bool:
+        """Whether the system's own comparison says so."""
+        assert first.time is not None
+        assert second.time is not None
+        return (first.time < second.time) is True
+
+    def order(self, first: Arrival[M], second: Arrival[M]) -> Decision:
+        """The sign of the difference of two times at hand, or of the question where that is not known."""
+        assert first.time is not None
+        assert second.time is not None
+        try:
+            sign = self._sign(first.time - second.time)
+        except Undecided:
+            sign = self._ask(Sooner(Moment(first.link, first.graze), Moment(second.link, second.graze)))
+        return Decision(sign, "plain", TieProof.FLOAT)
+
+    def settled(self, arrival: Arrival[M]) -> Arrival[M] | None:
+        """The arrival if it comes.
+
+        Raises:
+            Undecided: where that cannot be told.
+        """
+        found = self._meeting(arrival.link)
+        if found is None:
+            return None
+        time, graze = found
+        low, high = self._bounds(time)
+        return arrival._replace(low=low, high=high, certain=True, time=time, graze=graze)
+
+    def _unsure(self, link: Link) -> None:
+        """A prediction with a sign that is not certain, or with no gap left: by rounding, or touching."""
+        try:
+            found = self._meeting(link)
+        except Undecided:
+            self._predictor.push_doubtful(link)
+            return
+        if found is not None:
+            self._predictor.push(found[0], link, found[1])
+
+    def _meeting(self, link: Link) -> tuple[M, bool] | None:
+        """The time of a meeting, and whether it is a graze; None where there is none.
+
+        Two that overlap by rounding and approach collide at once. Where the square of their speed is below all numbers
+        of the engine they do not come together, as far as it can tell. That is so of rounded numbers alone: what is
+        divided by an enclosure with 0 in it has no ends, and is no error.
+
+        Raises:
+            Undecided: where that cannot be told.
+        """
+        if self._ask(Approach(link)) >= 0:
+            return None
+        disc = 1 if isinstance(link, AtWall) else self._ask(Discriminant(link))
+        if disc < 0:
+            return None
+        if self._ask(Gap(link)) <= 0:
+            if isinstance(link, Entry) or disc == 0:
+                return None
+            return link.later(self._state).flight.t, False
+        try:
+            clock, wait = Moment(link, disc == 0).wait(self._state)
+        except ZeroDivisionError:
+            return None
+        return clock + wait, disc == 0
+
+
+class PlainDecider(Generic[M]):
+    """The decider of one number system (see `Decider`).
+
+    Args:
+        scene: what runs.
+        state: its state.
+        numbers: the system that the state is in; what its signs do not tell is undecided.
+    """
+
+    def __init__(self, scene: Scene, state: ReplayState[M], numbers: NumberSystem[M]) -> None:
+        self.scene = scene
+        self.state = state
+        self.history: History[M] = History()
+        self.bodies = state.bodies
+        self.queue = ArrivalQueue(self.bodies)
+        self.meetings = PlainMeetings(scene, state, self.queue, self.history.plan, numbers, self.ask)
+        self.reading = PlainReading(state, numbers)
+        self.stride = None
+        self._sign = numbers.sign
+        self._standing = StandingClock()
+        self.refresh([*state.bodies.values(), *state.pockets])
+
+    def begin(self, instant: int) -> None:
+        """The precision is what it is; but time must pass (see `pass_on`)."""
+        self.pass_on()
+
+    def pass_on(self) -> None:
+        """Looks whether time passes.
+
+        Raises:
+            BudgetSpent: if it no longer does.
+        """
+        if self.history.records:
+            self._standing.look(len(self.history.records), self._clock(), self._flights)
+
+    def _clock(self) -> float:
+        """The time of the last event."""
+        return self.reading.rough(self.history.records[-1].mark.time)
+
+    def _flights(self) -> list[tuple[M, ...]]:
+        """(x, y, vx, vy, t) of every circle."""
+        return [body.flight[:5] for body in self.bodies.values()]
+
+    def do(self, step: Step) -> None:
+        """Carries out a step and logs it."""
+        self.history.steps.append(step)
+        self.state.do(step)
+
+    def gathered(self, links: Iterable[Link]) -> None:
+        """Nothing to note."""
+
+    @property
+    def finish(self) -> Callable[[], None]:
+        """To be called before the history is read: does nothing."""
+        return _nothing
+
+    def close(self) -> None:
+        """Lets go of all that it holds but its history: its parts know each other, and would await the collector."""
+        vars(self.meetings).clear()
+        vars(self).clear()
+
+    def refresh(self, bodies: Iterable[Body[M]]) -> None:
+        """Predictions use the state itself; a velocity of exactly zero is noted."""
+        zero = self.state.zero
+        for body in bodies:
+            flight = body.flight
+            rest = bool(flight.vx == zero) and bool(flight.vy == zero)
+            if rest is not flight.rest:
+                body.flight = flight._replace(rest=rest)
+            body.q = flight[:5]
+
+    def ask(self, question: Question) -> int:
+        """The sign of a question's number.
+
+        Raises:
+            Undecided: with the question in words.
+        """
+        try:
+            return self._sign(question.value(self.state))
+        except Undecided:
+            told = f"{question.describe(self._name)} cannot be told, after {len(self.history.records)} instants"
+            raise Undecided(told) from None
+
+    def ask_cheaply(self, question: Question) -> int | None:
+        """The sign, or None where it is not known."""
+        try:
+            return self.ask(question)
+        except Undecided:
+            return None
+
+    def _name(self, link: Link) -> str:
+        return name_of(self.scene, link)
+
+
+def _nothing() -> None:
+    """What there is to do where a history needs no finish."""
+
+
+# -- Runs the event loop in a finite precision, and makes a trajectory of what it gathered.
+
+Passed: TypeAlias = tuple[M, M, M, M, M, int]
+"""(t, x, y, vx, vy) of a circle from a knot on, and the number of the knot's instant."""
+
+
+def run_plain(
+    scene: Scene,
+    engine: str,
+    parameters: Mapping[str, Any],
+    decider: PlainDecider[M],
+    motion: Callable[[Sequence[Sequence[Passed[M]]], Real], Motion],
+    shown: Callable[[M, int], Real],
+    *,
+    until: QuantityLike | None,
+    events: int | None,
+    progress: OnProgress | None,
+    policy: Policy | None = None,
+    loop: Callable[[Limits], Loop[M, M]] | None = None,
+) -> Trajectory:
+    """The trajectory of a scene in the numbers of a decider.
+
+    Args:
+        engine: its name.
+        parameters: its settings.
+        decider: keeps the state and decides.
+        motion: makes the motion from the knots of each circle, and the last time that may be asked for.
+        loop: makes the loop, where it is not the general one.
+        shown: makes a time of the trajectory from a number and the number of its instant.
+    """
+    limits = run_limits(scene, until, events)
+    stop = (Loop(scene, decider, limits, progress, policy) if loop is None else loop(limits)).run()
+    ids, history, finish, named = scene.ids, decider.history, decider.finish, Named(scene)
+
+    def at(mark: Mark[M]) -> Real:
+        return shown(mark.time, mark.number)
+
+    def events_of() -> Iterator[Event]:
+        finish()
+        for index, record in enumerate(history.records):
+            impulses = named(record.impulses)
+            yield Event(index, at(record.mark), named(record.links), impulses, record.ties, record.coupled)
+
+    def knots_of() -> Iterator[list[Passed[M]]]:
+        finish()
+        for row in history.knots:
+            yield [(t, x, y, vx, vy, number) for t, x, y, vx, vy, _, number in row]
+
+    reversal = None
+    if history.reversal is not None:
+        reversal = Reversal(history.reversal[0], at(history.reversal[1]))
+    end: Real
+    if stop.reason is StopReason.HORIZON and limits.to_return:
+        assert history.reversal is not None
+        assert history.last is not None
+        time = history.reversal[1].time
+        end = shown(time + time, history.last.number)
+    elif stop.reason is StopReason.HORIZON:
+        assert limits.until is not None
+        late = history.last is not None and float(at(history.last)) > float(limits.until)
+        end = at(history.last) if history.last is not None and late else limits.until  # rounded up, it let this in
+    else:
+        end = shown(decider.state.zero, 0) if history.last is None else at(history.last)
+    decider.close()
+    return Trajectory(
+        scene=scene,
+        engine=engine,
+        parameters=parameters,
+        events=Late(len(history.records), events_of),
+        stop=stop,
+        final_time=end,
+        motion=motion(Late(len(history.knots), knots_of), end),
+        reversal=reversal,
+        pocketings=tuple(
+            Pocketing(str(ids[e.circle]), str(scene.pockets[e.pocket].id), at(e.mark)) for e in history.entries
+        ),
+        plan=dict(sorted(history.plan.items())),
+    )
+
+
+# -- What event-driven engines without certainty share: the event loop, fed numbers of one system that always answers.
+
+
+class Counted(Ordered, SupportsFloat, Protocol):
+    """A number of finite precision, which has a double next to it."""
+
+
+F = TypeVar("F", bound=Counted)
+
+
+class EventEngine(EventDriven, ABC, Generic[F]):
+    """The event loop of the exact engine in one number system.
+
+    Inputs are rounded to the system's nearest numbers; every sign is taken at its word; equal event times are a tie;
+    an overlap that rounding has made collides at once.
+    """
+
+    @property
+    @abstractmethod
+    def name(self) -> str:
+        """The engine's name."""
+
+    @property
+    @abstractmethod
+    def numbers(self) -> NumberSystem[F]:
+        """The system."""
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        """Its settings, all of them."""
+        return {}
+
+    @property
+    def rounds_input(self) -> bool:
+        """True: a scene is rounded to the system's nearest numbers."""
+        return True
+
+    def motion(self, knots: Sequence[Sequence[Passed[F]]], end: Real) -> Motion:
+        """The motion, from the knots of each circle and the last time that may be asked for: here, in doubles."""
+        rows = [[(float(t), float(x), float(y), float(vx), float(vy)) for t, x, y, vx, vy, _ in row] for row in knots]
+        return DoubleMotion(rows, float(end))
+
+    def shown(self, time: F, instant: int) -> Real:
+        """A time of the trajectory, from a number and the number of its instant."""
+        return Double(float(time))
+
+    def run(
+        self,
+        scene: Scene,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """The history as these numbers see it (see `Engine.run`).
+
+        Raises:
+            SceneError: where a number is beyond those that there are.
+        """
+        try:
+            with SELDOM_COLLECTED:
+                return self.run_with(scene, None, until=until, events=events, progress=progress)
+        except OverflowError:
+            raise SceneError(
+                f"{scene.name!r}: a number is beyond 1e308, where {self.name} ends; change the units, or use exact"
+            ) from None
+
+    def run_with(
+        self,
+        scene: Scene,
+        policy: Policy | None,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """As `run`, with a policy of the caller's in place of the scene's."""
+        return run_plain(
+            scene,
+            self.name,
+            self.parameters,
+            PlainDecider(scene, PlainState(scene, self.numbers), self.numbers),
+            self.motion,
+            self.shown,
+            until=until,
+            events=events,
+            progress=progress,
+            policy=policy,
+        )

@@ -1,0 +1,493 @@
+"""One run in pymunk: step by step to its end, what is recorded of it, and what it hands back."""
+
+from __future__ import annotations
+
+import math
+import signal
+import threading
+import time as clock
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import pairwise
+from typing import Any, Protocol
+
+import numpy as np
+import pymunk
+
+from ..scenarios.engine import horizon
+from ..scenarios.errors import TimeIsUp
+from ..scenarios.numbers.precision import Double
+from ..scenarios.numbers.quantity import QuantityLike
+from ..scenarios.scene import Scene
+from ..scenarios.trajectory import (
+    Contact,
+    Event,
+    OnProgress,
+    Pocketing,
+    Progress,
+    Reversal,
+    Stop,
+    StopReason,
+    Tie,
+    TieProof,
+    Trajectory,
+)
+from .knots import DoubleKnot, DoubleMotion
+from .pymunk_space import PymunkSpace
+
+# -- Entries into pockets of a run in pymunk, which knows none: they follow from the flights between its knots.
+
+
+def entries(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> tuple[Pocketing, ...]:
+    """Every time that a centre comes within a pocket's radius, in order.
+
+    Between two knots a centre flies straight, and enters a pocket (X, Y, R) when |p + v t - (X, Y)|^2 = R^2 has its
+    smaller root within the flight.
+    """
+    found = [
+        Pocketing(str(circle.id), str(pocket.id), Double(time))
+        for circle, row in zip(scene.circles, knots, strict=True)
+        if not circle.fixed
+        for pocket in scene.pockets
+        for time in _times(row, float(pocket.x), float(pocket.y), float(pocket.r), end)
+    ]
+    return tuple(sorted(found, key=lambda entry: float(entry.time)))
+
+
+def last_entry(scene: Scene, knots: Sequence[Sequence[DoubleKnot]], end: float) -> float:
+    """When a run that has no contact left has no entry left either: never before `end`."""
+    return max([end, *(float(entry.time) for entry in entries(scene, knots, math.inf))])
+
+
+def _times(row: Sequence[DoubleKnot], x0: float, y0: float, r: float, end: float) -> Iterator[float]:
+    """When one circle enters one pocket.
+
+    At the time of a knot the velocity from then on decides: who is turned away at the rim does not enter.
+    """
+    _, x, y, _, _ = row[0]
+    inside = _gap(x - x0, y - y0, r) < 0
+    for (t, x, y, vx, vy), (after, *_) in pairwise([*row, (math.inf, 0.0, 0.0, 0.0, 0.0)]):
+        if t > end or t == after:
+            continue
+        wait = time_to_enter(x - x0, y - y0, vx, vy, r)
+        enters = wait is not None and t + wait < after and t + wait <= end
+        if enters and not (inside and wait == 0):
+            yield t + (wait or 0.0)
+        lag = after - t
+        inside = (inside or enters) and _gap(x + vx * lag - x0, y + vy * lag - y0, r) < 0
+
+
+def time_to_enter(dx: float, dy: float, vx: float, vy: float, r: float) -> float | None:
+    """Time until a point comes within r of the origin; 0 if it is there already, None if it never does, or grazes.
+
+    >>> time_to_enter(-3.0, 0.0, 1.0, 0.0, 1.0), time_to_enter(-3.0, 1.0, 1.0, 0.0, 1.0)
+    (2.0, None)
+    """
+    gap = _gap(dx, dy, r)
+    if gap < 0:
+        return 0.0
+    approach, speed2 = dx * vx + dy * vy, vx * vx + vy * vy
+    discriminant = speed2 * r * r - (dx * vy - dy * vx) ** 2
+    if approach >= 0 or discriminant <= 0:
+        return None
+    return gap / (-approach + math.sqrt(discriminant))
+
+
+def _gap(dx: float, dy: float, r: float) -> float:
+    """The square of a centre's distance less that of the rim's: below zero inside."""
+    return dx * dx + dy * dy - r * r
+
+
+# -- What is kept of a run in pymunk: an event a step with impulses, a knot for each body that it touched.
+
+
+class Recorder:
+    """The events and knots of a run, taken down step by step.
+
+    Attributes:
+        touched: the pairs that overlap in the step just made, as places in `scene.ids`; empty after `step`.
+        settling: circles that an overlap's correction moves once more in the step to come; empty unless the
+            space corrects overlaps.
+        failures: what was raised while pymunk reported a contact. C code in between prints an exception and
+            goes on, so it is kept here for the run to raise.
+        events, knots: as in the trajectory.
+        contact_steps: number of steps in which something touched.
+        resting_contacts: number of times that a pair overlapped without an impulse.
+    """
+
+    def __init__(self, scene: Scene, world: PymunkSpace) -> None:
+        self.touched: list[tuple[int, int]] = []
+        self.settling: set[int] = set()
+        self.failures: list[BaseException] = []
+        self.events: list[Event] = []
+        self.knots: list[list[DoubleKnot]] = [
+            [(0.0, body.position.x, body.position.y, body.velocity.x, body.velocity.y)] for body in world.bodies
+        ]
+        self.contact_steps = self.resting_contacts = 0
+        self._pushed: list[tuple[int, int]] = []
+        self._world = world
+        self._corrects = world.space.collision_bias < 1
+        self._ids = scene.ids
+        self._moving = {
+            place: (body, self.knots[place])
+            for place, body in enumerate(world.bodies)
+            if body.body_type == pymunk.Body.DYNAMIC
+        }
+        self._singles: dict[tuple[int, int], tuple[Contact]] = {}
+        self._listen()
+
+    def _listen(self) -> None:
+        """Has pymunk report every pair that overlaps in a step, once its impulse is known."""
+        places, touched, pushed, failures = self._world.places, self.touched, self._pushed, self.failures
+
+        def after_contact(arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
+            try:
+                first, second = arbiter.shapes
+                i, j = places[first], places[second]
+                pair = (i, j) if i < j else (j, i)
+                if arbiter.total_impulse != (0.0, 0.0):
+                    pushed.append(pair)
+                touched.append(pair)
+            except BaseException as error:
+                failures.append(error)
+
+        self._world.space.on_collision(post_solve=after_contact)
+
+    def tie_knots(self, time: float) -> None:
+        """Notes where every circle is and how it goes on."""
+        self._tie(time, self._moving, all_of_them=True)
+
+    def _tie(self, time: float, places: Iterable[int], all_of_them: bool) -> None:
+        """A knot for all of the circles at these places, or only for those whose velocity has changed."""
+        moving = self._moving
+        for place in places:
+            if place in moving:
+                body, knots = moving[place]
+                vx, vy = body.velocity
+                if all_of_them or knots[-1][3:] != (vx, vy):
+                    x, y = body.position
+                    knots.append((time, x, y, vx, vy))
+
+    def step(self, time: float) -> bool:
+        """Notes what the step that ended at `time` did; whether that was an event."""
+        touched, pushed = self.touched, self._pushed
+        collided = bool(pushed)
+        if len(touched) == 1 and not self._corrects:
+            self._tie(time, touched[0], all_of_them=False)
+        else:
+            places = {place for pair in touched for place in pair}
+            self._tie(time, places | self.settling, all_of_them=self._corrects)
+            self.settling.clear()
+            if self._corrects:
+                self.settling.update(places)
+        if len(pushed) == 1:
+            contacts = self._single(pushed[0])
+            self.events.append(Event(len(self.events), Double(time), contacts, contacts))
+        elif pushed:
+            self.events.append(self._several(time))
+        self.contact_steps += bool(touched)
+        self.resting_contacts += len(touched) - len(pushed)
+        touched.clear()
+        pushed.clear()
+        return collided
+
+    def raise_failure(self) -> None:
+        """Raises what a report of a contact raised, if one did."""
+        if self.failures:
+            raise self.failures[0]
+
+    def _single(self, pair: tuple[int, int]) -> tuple[Contact]:
+        contact = self._singles.get(pair)
+        if contact is None:
+            contact = self._singles[pair] = (Contact(self._ids[pair[0]], self._ids[pair[1]]),)
+        return contact
+
+    def _several(self, time: float) -> Event:
+        pairs = sorted(self._pushed)
+        impulses = tuple(self._single(pair)[0] for pair in self._pushed)
+        contacts = tuple(self._single(pair)[0] for pair in pairs)
+        tie = Tie(contacts, TieProof.FLOAT)
+        return Event(len(self.events), Double(time), contacts, impulses, (tie,), self._coupled(pairs))
+
+    def _coupled(self, pairs: list[tuple[int, int]]) -> bool:
+        """Whether a moving circle has two of the contacts, not at right angles in pymunk's own numbers."""
+        normals: dict[int, list[tuple[float, float]]] = {}
+        for pair in pairs:
+            nx, ny = self._normal(pair)
+            for place in self._moving.keys() & pair:
+                others = normals.setdefault(place, [])
+                if any(nx * ox + ny * oy != 0 for ox, oy in others):
+                    return True
+                others.append((nx, ny))
+        return False
+
+    def _normal(self, pair: tuple[int, int]) -> tuple[float, float]:
+        first, second = pair
+        bodies = self._world.bodies
+        if second >= len(bodies):
+            nx, ny, _ = self._world.walls[second - len(bodies)]
+            return nx, ny
+        return bodies[second].position - bodies[first].position
+
+
+# -- One run in pymunk: step by step to its end, and what it hands back.
+
+STRETCH = 256
+"""Steps between two looks at the clock: about a millisecond."""
+
+PROGRESS_SECONDS = 0.2
+
+
+class Interrupts:
+    """Ctrl-C, kept until a run looks for it.
+
+    A KeyboardInterrupt that is raised while pymunk reports a contact never gets out of the C code that asked for the
+    report; one that is raised between a step and its record leaves the two apart.
+
+    Attributes:
+        came: whether it was pressed.
+    """
+
+    def __init__(self) -> None:
+        self.came = False
+
+    def note(self, number: int, frame: Any) -> None:
+        """Keeps the first; whoever presses it again does not want to wait."""
+        if self.came:
+            raise KeyboardInterrupt
+        self.came = True
+
+    @contextmanager
+    def kept(self) -> Iterator[None]:
+        """Keeps it in the body, where it is Python's own to handle."""
+        mine = threading.current_thread() is threading.main_thread()
+        if not mine or signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+            yield
+            return
+        signal.signal(signal.SIGINT, self.note)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+class Stepper(Protocol):
+    """What a run needs of its engine: its name, its parameters as shown, its step, its limit, the scene's space."""
+
+    @property
+    def name(self) -> str:
+        """See `Engine`."""
+        ...
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """As a trajectory shows them."""
+        ...
+
+    @property
+    def dt(self) -> float:
+        """The time step."""
+        ...
+
+    @property
+    def max_steps(self) -> int:
+        """Steps after which a run stops."""
+        ...
+
+    def space(self, scene: Scene) -> PymunkSpace:
+        """The scene as a pymunk space."""
+        ...
+
+
+class Run:
+    """One run under way."""
+
+    def __init__(
+        self,
+        engine: Stepper,
+        scene: Scene,
+        until: QuantityLike | None,
+        events: int | None,
+        progress: OnProgress | None,
+    ) -> None:
+        self.engine, self.scene, self.progress = engine, scene, progress
+        time_limit, self.event_limit = horizon(scene, until, events)
+        self.end = math.inf if time_limit is None else float(time_limit)
+        self.turn_at = math.inf if scene.reverse_at is None else float(scene.reverse_at)
+        self.turn_after = scene.reverse_after
+        turns = scene.reverse_at is not None or scene.reverse_after is not None
+        self.returns = turns and until is None and events is None
+        if self.returns:
+            self.end, self.event_limit = 2 * self.turn_at, None
+        self.world = engine.space(scene)
+        self.record = Recorder(scene, self.world)
+        self.reversal: Reversal | None = None
+        self.steps = self.last_event_step = 0
+        self.base, self.base_step = 0.0, 0
+        self.told = clock.monotonic()
+        self.interrupts = Interrupts()
+        self.budget = ""
+
+    @property
+    def now(self) -> float:
+        """The time at the end of the last step: a multiple of dt after time 0, or after `reverse_at`."""
+        return self.base + (self.steps - self.base_step) * self.engine.dt
+
+    @property
+    def done(self) -> int:
+        """Number of events so far."""
+        return len(self.record.events)
+
+    def trajectory(self) -> Trajectory:
+        """Runs to the end."""
+        with self.interrupts.kept():
+            stop, final = self.play()
+        if stop.reason is StopReason.QUIET:
+            final = last_entry(self.scene, self.record.knots, final)
+        self.glide(final)
+        self.record.tie_knots(final)
+        return Trajectory(
+            scene=self.scene,
+            engine=self.engine.name,
+            parameters=self.engine.parameters,
+            events=tuple(self.record.events),
+            stop=stop,
+            final_time=Double(final),
+            motion=DoubleMotion(self.record.knots, final),
+            reversal=self.reversal,
+            pocketings=entries(self.scene, self.record.knots, final) if self.scene.pockets else (),
+            plan={
+                "steps": self.steps,
+                "steps with contacts": self.record.contact_steps,
+                "contacts without impulse": self.record.resting_contacts,
+            },
+            notes=tuple(self.notes()),
+        )
+
+    def play(self) -> tuple[Stop, float]:
+        """Runs to the end; why it ended, and when."""
+        while True:
+            pending = self.reversal is None
+            turn_at, turn_after = (self.turn_at, self.turn_after) if pending else (math.inf, None)
+            goal = min(self.end, turn_at)
+            counts = [count for count in (self.event_limit, turn_after) if count is not None]
+            reason = self.advance(goal, min(counts, default=None))
+            if reason is StopReason.EVENTS and self.done == turn_after:
+                self.reverse(self.now)
+                if self.returns:
+                    self.end = 2 * self.now
+            if reason is StopReason.EVENTS and self.done == self.event_limit:
+                return Stop(reason, f"{reason.value} ({self.event_limit})"), self.now
+            if reason is StopReason.HORIZON and goal == turn_at:
+                self.reverse(turn_at)
+            elif reason is StopReason.HORIZON or (reason is StopReason.QUIET and self.end < math.inf):
+                return self.horizon_stop(), self.end
+            elif reason is StopReason.QUIET:
+                return Stop(reason, reason.value), self.now
+            elif reason is StopReason.INTERRUPTED:
+                return Stop(reason, f"{reason.value}: after {self.done} events"), self.now
+            elif reason is StopReason.BUDGET:
+                limit = self.budget or f"{self.engine.max_steps} steps of {self.engine.dt!r}; raise max_steps, or dt"
+                return Stop(reason, f"{reason.value}: {limit}"), self.now
+
+    def horizon_stop(self) -> Stop:
+        if self.returns:
+            return Stop(StopReason.HORIZON, "back at twice the time of the reversal")
+        return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {self.end!r}")
+
+    def advance(self, goal: float, count: int | None) -> StopReason:
+        """Steps on to the last step by `goal` (HORIZON), `count` events, quiet, the budget's end, or Ctrl-C."""
+        step, dt, base, base_step = self.world.space.step, self.engine.dt, self.base, self.base_step
+        record, touched, settling = self.record, self.record.touched, self.record.settling
+        wanted = self.last_step(goal)
+        last = int(min(wanted, self.engine.max_steps))
+        while self.steps < last:
+            stretch_end = min(self.steps + STRETCH, last)
+            for number in range(self.steps + 1, stretch_end + 1):
+                step(dt)
+                if (touched or settling) and record.step(base + (number - base_step) * dt):
+                    self.steps = self.last_event_step = number
+                    if self.done == count:
+                        return StopReason.EVENTS
+            self.steps = stretch_end
+            record.raise_failure()
+            ended = self.tell()
+            if ended is not None:
+                return ended
+            if self.may_be_quiet() and self.quiet():
+                return StopReason.QUIET
+        return StopReason.HORIZON if self.steps == wanted else StopReason.BUDGET
+
+    def last_step(self, goal: float) -> float:
+        """The number of the last step that ends by `goal`."""
+        if goal == math.inf:
+            return math.inf
+        whole = round((goal - self.base) / self.engine.dt)
+        if self.base + whole * self.engine.dt > goal:
+            whole -= 1
+        return self.base_step + whole
+
+    def glide(self, time: float) -> None:
+        """Moves all circles straight on from the last step to a time."""
+        rest = time - self.now
+        if rest:
+            for body in self.world.moving:
+                body.position += body.velocity * rest
+            self.base, self.base_step = time, self.steps
+
+    def reverse(self, time: float) -> None:
+        """Negates every velocity at a time."""
+        self.glide(time)
+        for body in self.world.moving:
+            body.velocity = -body.velocity
+        self.record.tie_knots(time)
+        self.reversal = Reversal(self.done, Double(time))
+        self.last_event_step = self.steps
+
+    def tell(self) -> StopReason | None:
+        """Tells how far the run is; why it has to end here, if it has."""
+        try:
+            if self.progress is not None and clock.monotonic() - self.told >= PROGRESS_SECONDS:
+                self.told = clock.monotonic()
+                self.progress(Progress(self.done, self.now))
+        except TimeIsUp as outcome:
+            self.budget = str(outcome)
+            return StopReason.BUDGET
+        except KeyboardInterrupt:
+            return StopReason.INTERRUPTED
+        return StopReason.INTERRUPTED if self.interrupts.came else None
+
+    def may_be_quiet(self) -> bool:
+        """Whether to look: after 1, 2, 4... stretches without an event, unless a reversal is due by time."""
+        idle = (self.steps - self.last_event_step) // STRETCH
+        due = self.reversal is None and self.turn_at <= self.end and self.turn_at < math.inf
+        return not due and idle > 0 and idle & (idle - 1) == 0
+
+    def quiet(self) -> bool:
+        """Whether no two circles and no circle and wall come nearer to each other: then none ever will."""
+        place = np.array([tuple(body.position) for body in self.world.bodies])
+        speed = np.array([tuple(body.velocity) for body in self.world.bodies])
+        for number, (nx, ny, _) in enumerate(self.world.walls):
+            side = np.array([sides[number] for sides in self.world.sides])
+            if np.any(side * (speed @ (nx, ny)) < 0):
+                return False
+        return not any(
+            np.any(np.einsum("ij,ij->i", place[i + 1 :] - place[i], speed[i + 1 :] - speed[i]) < 0)
+            for i in range(len(place) - 1)
+        )
+
+    def notes(self) -> Iterable[str]:
+        """What is to be known of the run besides its events."""
+        radii = [float(circle.r) for circle in self.scene.circles]
+        smallest = min((radius for radius in radii if radius > 0), default=math.inf)
+        if self.world.speed * self.engine.dt > smallest:
+            speed = max(math.hypot(knot[3], knot[4]) for knots in self.record.knots for knot in knots)
+            if speed * self.engine.dt > smallest:
+                yield (
+                    f"the speed {speed:.3g} makes more than the smallest radius {smallest:.3g} in one step: "
+                    "circles may have passed through each other; reduce dt"
+                )
+        if radii.count(0.0) > 1:
+            yield "two point balls never overlap, so that pymunk cannot see them collide"
+        if self.scene.tie_policy.name != "simultaneous":
+            yield f"tie policy {self.scene.tie_policy}: pymunk solves all contacts of a step at once instead"

@@ -1,0 +1,232 @@
+"""A scene as a pymunk space: circles as bodies, infinite walls as thick segments long enough for the run."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import pymunk
+
+from ..scenarios.errors import SceneError
+from ..scenarios.scene import Scene
+from ..scenarios.things import Circle, Wall
+
+# -- Convex polygons, cut by lines: where walls leave room.
+
+Point: TypeAlias = tuple[float, float]
+
+
+def clipped(region: Sequence[Point], nx: float, ny: float, height: float) -> list[Point]:
+    """The part of a convex polygon where nx * x + ny * y >= height (Sutherland and Hodgman, 1974).
+
+    >>> clipped([(0.0, 0.0), (2.0, 0.0), (0.0, 2.0)], -1.0, 0.0, -1.0)
+    [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 2.0)]
+    """
+    kept: list[Point] = []
+    for (x0, y0), (x1, y1) in zip(region, [*region[1:], region[0]], strict=True):
+        h0, h1 = nx * x0 + ny * y0 - height, nx * x1 + ny * y1 - height
+        if h0 >= 0:
+            kept.append((x0, y0))
+        if (h0 < 0) != (h1 < 0):
+            share = h0 / (h0 - h1)
+            kept.append((x0 + share * (x1 - x0), y0 + share * (y1 - y0)))
+    return kept
+
+
+# -- A scene as a pymunk space: circles as bodies, infinite walls as thick segments long enough for the run.
+
+GRAVITY = (0.0, 0.0)
+DAMPING = 1.0
+"""Share of the velocity kept in a unit of time: all of it."""
+
+ELASTICITY = 1.0
+"""Of every shape: pymunk multiplies the two of a contact, and 1 is perfectly elastic."""
+
+FRICTION = 0.0
+
+COLLISION_PERSISTENCE = 1
+"""Steps for which pymunk remembers a contact that is over. With its default of 3, a pair that meets again
+within three steps starts from the impulse of its last meeting, which was never applied in this one. 0 would
+drop the contacts of the step that is being solved."""
+
+ENERGY_MARGIN = 2.0
+"""Factor on the speed that the initial energy allows: a solver that has not settled may gain some."""
+
+DEEP = 8
+"""Steps at full speed that a circle may sink into a wall before its centre reaches the segment's core line.
+It sinks for one step in a plain bounce, and for one more for each time that another circle presses it on."""
+
+MAX_CELLS = 32
+"""How many groups of shapes pymunk's 32-bit filters tell apart."""
+
+
+@dataclass(frozen=True)
+class PymunkSpace:
+    """A pymunk space and what its parts are in the scene.
+
+    Attributes:
+        space: ready to step.
+        bodies: one a circle, in scene order.
+        moving: those of the circles that are not fixed.
+        places: the index in `scene.ids` of each shape's circle or wall.
+        walls: (nx, ny, height) of each wall: it is where nx * x + ny * y = height; (nx, ny) has length 1.
+        sides: for each circle and each wall, the sign of nx * x + ny * y - height.
+        speed: the greatest speed that a circle can have by energy, with `ENERGY_MARGIN`.
+    """
+
+    space: pymunk.Space
+    bodies: tuple[pymunk.Body, ...]
+    moving: tuple[pymunk.Body, ...]
+    places: dict[pymunk.Shape, int]
+    walls: tuple[tuple[float, float, float], ...]
+    sides: tuple[tuple[int, ...], ...]
+    speed: float
+
+
+def build_space(scene: Scene, *, dt: float, duration: float, iterations: int, slop: float, bias: float) -> PymunkSpace:
+    """The space of a scene, for a run of at most `duration` in steps of `dt`.
+
+    Args:
+        scene: what to build; circles that it fixes become static bodies, the others never rotate.
+        dt: the time step, which decides how thick walls must be.
+        duration: the longest time that the run may last, which decides how long walls must be.
+        iterations: of pymunk's solver, a step.
+        slop: overlap that pymunk leaves alone.
+        bias: share of an overlap that is left after a unit of time; 1 leaves all of it.
+
+    Raises:
+        SceneError: if a number is beyond the range of doubles, or walls part the circles into more than
+            `MAX_CELLS` groups.
+    """
+    space = pymunk.Space()
+    space.gravity = GRAVITY
+    space.damping = DAMPING
+    space.iterations = iterations
+    space.collision_slop = slop
+    space.collision_bias = bias
+    space.collision_persistence = COLLISION_PERSISTENCE
+    try:
+        speed = _top_speed(scene.circles)
+        lines = tuple(_line(wall) for wall in scene.walls)
+        sides = [tuple(wall.height(c.x, c.y).sign() for wall in scene.walls) for c in scene.circles]
+        cells = _cells(scene.name, sides)
+        places: dict[pymunk.Shape, int] = {}
+        bodies: list[pymunk.Body] = []
+        for place, circle in enumerate(scene.circles):
+            body, shape = _disc(circle)
+            shape.filter = _only(cells[place])
+            space.add(body, shape)
+            bodies.append(body)
+            places[shape] = place
+        for cell in sorted(set(cells)):
+            inmates = [c for c, number in zip(scene.circles, cells, strict=True) if number == cell]
+            side = sides[cells.index(cell)]
+            slabs = _slabs(space.static_body, inmates, side, lines, speed * duration, speed * dt)
+            for index, segment in slabs:
+                segment.filter = _only(cell)
+                space.add(segment)
+                places[segment] = len(scene.circles) + index
+    except OverflowError:
+        raise SceneError(f"{scene.name!r}: a number is beyond 1e308; pymunk counts in doubles") from None
+    for shape in places:
+        shape.elasticity = ELASTICITY
+        shape.friction = FRICTION
+    moving = tuple(body for body in bodies if body.body_type == pymunk.Body.DYNAMIC)
+    return PymunkSpace(space, tuple(bodies), moving, places, lines, tuple(sides), speed)
+
+
+def _only(cell: int) -> pymunk.ShapeFilter:
+    """Meets the shapes of its own cell, and no other."""
+    return pymunk.ShapeFilter(categories=1 << cell, mask=1 << cell)
+
+
+def _disc(circle: Circle) -> tuple[pymunk.Body, pymunk.Circle]:
+    still = pymunk.Body(body_type=pymunk.Body.STATIC)
+    body = still if circle.fixed else pymunk.Body(_mass(circle), math.inf)
+    body.position = float(circle.x), float(circle.y)
+    if not circle.fixed:
+        body.velocity = float(circle.vx), float(circle.vy)
+    return body, pymunk.Circle(body, float(circle.r))
+
+
+def _mass(circle: Circle) -> float:
+    return math.inf if isinstance(circle.m, str) else float(circle.m)
+
+
+def _top_speed(circles: Sequence[Circle]) -> float:
+    """What the lightest circle would do with all of the energy, times `ENERGY_MARGIN`."""
+    moving = [circle for circle in circles if not circle.fixed]
+    if not moving:
+        return 0.0
+    lightest = min(_mass(circle) for circle in moving)
+    squares = (_mass(c) / lightest * (float(c.vx) ** 2 + float(c.vy) ** 2) for c in moving)
+    return ENERGY_MARGIN * math.sqrt(sum(squares))
+
+
+def _line(wall: Wall) -> tuple[float, float, float]:
+    nx, ny = (float(part) for part in wall.normal)
+    length = math.hypot(nx, ny)
+    nx, ny = nx / length, ny / length
+    return nx, ny, nx * float(wall.x0) + ny * float(wall.y0)
+
+
+def _cells(name: str, sides: Sequence[tuple[int, ...]]) -> list[int]:
+    """A number for each circle: the same for two circles if no wall is between them.
+
+    Raises:
+        SceneError: for more than `MAX_CELLS` numbers.
+    """
+    numbers: dict[tuple[int, ...], int] = {}
+    cells = [numbers.setdefault(side, len(numbers)) for side in sides]
+    if len(numbers) > MAX_CELLS:
+        raise SceneError(
+            f"{name!r}: walls part the circles into {len(numbers)} groups; pymunk's filters tell "
+            f"{MAX_CELLS} apart; remove walls or circles, or run the groups as scenes of their own"
+        )
+    return cells
+
+
+def _slabs(
+    static: pymunk.Body,
+    inmates: Sequence[Circle],
+    sides: Sequence[int],
+    lines: Sequence[tuple[float, float, float]],
+    reach: float,
+    stride: float,
+) -> Iterator[tuple[int, pymunk.Segment]]:
+    """For each wall, by index, the thick segment behind it as the circles of one cell meet it.
+
+    Each segment is as thick as it is long, in a power of two: a circle's distance from its core line and the
+    direction from there then carry like shares of rounding, and the core line of a wall at a short binary
+    coordinate is exact. The cell is the convex region that walls leave of where speed can take the circles,
+    so that a box needs short segments however long the run.
+    """
+    biggest = max(float(circle.r) for circle in inmates)
+    xs, ys = [float(c.x) for c in inmates], [float(c.y) for c in inmates]
+    spread = reach + biggest
+    region: list[Point] = [
+        (min(xs) - spread, min(ys) - spread),
+        (max(xs) + spread, min(ys) - spread),
+        (max(xs) + spread, max(ys) + spread),
+        (min(xs) - spread, max(ys) + spread),
+    ]
+    for side, (nx, ny, height) in zip(sides, lines, strict=True):
+        region = clipped(region, side * nx, side * ny, side * height) or region
+    for index, (side, (nx, ny, height)) in enumerate(zip(sides, lines, strict=True)):
+        along = [ny * x - nx * y for x, y in region]
+        middle = (max(along) + min(along)) / 2
+        half = (max(along) - min(along)) / 2 + biggest + DEEP * stride
+        radius = 2.0 ** math.ceil(math.log2(half)) if half else 1.0
+        core = height - side * radius
+        start, stop = middle - radius, middle + radius
+        yield (
+            index,
+            pymunk.Segment(
+                static,
+                (nx * core + ny * start, ny * core - nx * start),
+                (nx * core + ny * stop, ny * core - nx * stop),
+                radius,
+            ),
+        )

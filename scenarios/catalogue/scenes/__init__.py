@@ -1,1 +1,0 @@
-"""The scenes of the catalogue, one family a file."""

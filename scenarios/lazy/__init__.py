@@ -1,1 +1,0 @@
-"""What costs nothing before it is asked for: names, dataclasses, sequences, the version."""

@@ -1,1 +1,0 @@
-"""Is a number a square? Its root, by descent, or the proof that it has none."""

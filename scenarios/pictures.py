@@ -1,0 +1,270 @@
+"""Pictures of scenes and states as SVG, and the tables that a notebook shows with them."""
+
+from __future__ import annotations
+
+import math
+from base64 import b64encode
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+from itertools import islice
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from .things import Circle, Pocket, Wall
+
+    pass
+
+# -- What a picture of a scene shows: discs and walls, and the part of the plane that holds them.
+
+WIDTH, HEIGHT = 720.0, 480.0
+"""Largest size of a picture in pixels."""
+
+MARGIN = 0.06
+"""Room around what is shown, as a share of its size."""
+
+
+class Pictured(Protocol):
+    """What a picture takes of a scene."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def circles(self) -> tuple[Circle, ...]: ...
+    @property
+    def walls(self) -> tuple[Wall, ...]: ...
+    @property
+    def pockets(self) -> tuple[Pocket, ...]: ...
+
+
+@dataclass(frozen=True)
+class DrawnDisc:
+    """One circle to draw: where, how large, how fast, and with which classes."""
+
+    id: str
+    x: float
+    y: float
+    r: float
+    vx: float
+    vy: float
+    classes: str
+    label: bool = True
+
+
+@dataclass(frozen=True)
+class View:
+    """The part of the plane that is shown; y goes up."""
+
+    left: float
+    bottom: float
+    width: float
+    height: float
+
+    @property
+    def scale(self) -> float:
+        """Pixels to a unit."""
+        return min(WIDTH / self.width, HEIGHT / self.height)
+
+    def x(self, x: float) -> float:
+        """Pixels from the left."""
+        return (x - self.left) * self.scale
+
+    def y(self, y: float) -> float:
+        """Pixels from the top."""
+        return (self.bottom + self.height - y) * self.scale
+
+
+def view_of(discs: Sequence[DrawnDisc], scene: Pictured) -> View:
+    """A view of the discs, and of the walls' own points where those lie near."""
+    xs = [v for d in discs for v in (d.x - d.r, d.x + d.r)]
+    ys = [v for d in discs for v in (d.y - d.r, d.y + d.r)]
+    size = max(max(xs) - min(xs), max(ys) - min(ys), 1e-9)
+    for wall in scene.walls:
+        for x, y in _nearest(wall_line(wall), [(d.x, d.y) for d in discs]):
+            if min(xs) - 3 * size <= x <= max(xs) + 3 * size and min(ys) - 3 * size <= y <= max(ys) + 3 * size:
+                xs.append(x)
+                ys.append(y)
+    width, height = max(xs) - min(xs), max(ys) - min(ys)
+    room = MARGIN * max(width, height, 1e-9)
+    width, height = (
+        max(width + 2 * room, (height + 2 * room) / 4),
+        max(height + 2 * room, (width + 2 * room) / 4),
+    )
+    middle_x, middle_y = (max(xs) + min(xs)) / 2, (max(ys) + min(ys)) / 2
+    return View(middle_x - width / 2, middle_y - height / 2, width, height)
+
+
+def wall_line(wall: Wall) -> tuple[float, float, float, float]:
+    """A wall's two points as doubles."""
+    return float(wall.x0), float(wall.y0), float(wall.x1), float(wall.y1)
+
+
+def _nearest(
+    line: tuple[float, float, float, float], points: Iterable[tuple[float, float]]
+) -> list[tuple[float, float]]:
+    """The feet of perpendiculars from points to a line."""
+    x0, y0, x1, y1 = line
+    dx, dy = x1 - x0, y1 - y0
+    length2 = dx * dx + dy * dy
+    feet: list[tuple[float, float]] = []
+    for x, y in points:
+        share = ((x - x0) * dx + (y - y0) * dy) / length2
+        feet.append((x0 + share * dx, y0 + share * dy))
+    return feet
+
+
+# -- Pictures of scenes and states as SVG.
+
+STYLE = """
+.frame { fill: #fbfaf7; } .wall { stroke: #555; stroke-width: 1.5; } .pocket { fill: #ddd9cf; }
+.circle { fill: #2b6cb022; stroke: #2b6cb0; } .fixed { fill: #5555; stroke: #555; }
+.other { fill: none; stroke: var(--engine); stroke-dasharray: var(--dash); } .marked { stroke-width: 3; }
+.velocity { stroke: #2b6cb0; } .othervelocity { stroke: var(--engine); }
+text { font: 11px system-ui, sans-serif; fill: #222; text-anchor: middle; dominant-baseline: central; }
+.name { paint-order: stroke; stroke: #fbfaf7; stroke-width: 3; stroke-linejoin: round; }
+@media screen and (prefers-color-scheme: dark) {
+  .frame { fill: #1b1d21; } .wall { stroke: #aaa; } .pocket { fill: #3a3d44; } text { fill: #eee; }
+  .name { stroke: #1b1d21; }
+  .circle { fill: #63b3ed33; stroke: #63b3ed; } .fixed { fill: #aaa5; stroke: #aaa; } .velocity { stroke: #63b3ed; }
+}
+"""
+"""Colours; the reference is blue and solid, another engine has its own colour and dash, which reports set."""
+
+PICTURED_CIRCLES = 500
+"""A scene of more circles is not drawn: the picture would say nothing."""
+
+
+def scene_picture(scene: Pictured, *, standalone: bool = False) -> str:
+    """The scene at time 0, with arrows for velocities."""
+    rows = [tuple(float(value) for value in (c.x, c.y, c.vx, c.vy)) for c in scene.circles]
+    return state_picture(scene, rows, f"{scene.name} at time 0", standalone=standalone)
+
+
+def state_picture(scene: Pictured, rows: Iterable[Sequence[float]], title: str, *, standalone: bool = False) -> str:
+    """The scene with its circles at x, y, vx, vy, with arrows for velocities."""
+    discs = [
+        DrawnDisc(str(c.id), x, y, float(c.r), vx, vy, "fixed" if c.fixed else "circle")
+        for c, (x, y, vx, vy) in zip(scene.circles, rows, strict=True)
+    ]
+    return draw(scene, discs, title, standalone=standalone)
+
+
+def image(picture: str, title: str) -> str:
+    """A standalone picture as an element of HTML of its own, whose style sheet stays within it.
+
+    >>> image("<svg/>", "a < b")
+    '<img alt="a &lt; b" src="data:image/svg+xml;base64,PHN2Zy8+">'
+    """
+    return f'<img alt="{escape(title)}" src="data:image/svg+xml;base64,{b64encode(picture.encode()).decode()}">'
+
+
+def draw(
+    scene: Pictured,
+    discs: Sequence[DrawnDisc],
+    title: str,
+    *,
+    marked: Iterable[str] = (),
+    standalone: bool = False,
+    style: str = "",
+    view: View | None = None,
+) -> str:
+    """Discs and walls as one SVG element, all of them or what a view shows.
+
+    Args:
+        marked: ids of circles and walls to be drawn heavy.
+        standalone: whether it is a file of its own, with its style sheet in it; `style` is added to that.
+    """
+    view = view or view_of(discs, scene)
+    width, height = view.width * view.scale, view.height * view.scale
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:.2f} {height:.2f}" '
+        f'width="{width:.0f}" height="{height:.0f}" role="img" class="picture">',
+        f"<title>{escape(title)}</title>",
+    ]
+    if standalone:
+        parts.append(f"<style>{STYLE}{style}</style>")
+    parts.append(f'<rect class="frame" width="{width:.2f}" height="{height:.2f}" rx="4"/>')
+    parts += [_round("pocket", view, float(p.x), float(p.y), float(p.r)) for p in scene.pockets]
+    names = set(marked)
+    parts += [_wall(view, wall_line(w), w.id in names, str(w.id)) for w in scene.walls]
+    fastest = max((math.hypot(d.vx, d.vy) for d in discs), default=0.0)
+    arrow = 0.12 * max(view.width, view.height) / fastest if fastest else 0.0
+    labels: list[str] = []
+    for disc in discs:
+        parts.append(_round(disc.classes, view, disc.x, disc.y, disc.r))
+        if disc.vx or disc.vy:
+            kind = disc.classes.replace("other", "othervelocity") if "other" in disc.classes else "velocity"
+            start = view.x(disc.x), view.y(disc.y)
+            parts.append(_arrow(kind, start, (disc.vx * arrow * view.scale, -disc.vy * arrow * view.scale)))
+        if disc.label and disc.r * view.scale >= 3 * len(disc.id) + 2:
+            place = f'x="{view.x(disc.x):.2f}" y="{view.y(disc.y):.2f}"'
+            labels.append(f'<text class="name" {place}>{escape(disc.id)}</text>')
+    return "\n".join([*parts, *labels, "</svg>"]) + "\n"
+
+
+def _round(classes: str, view: View, x: float, y: float, r: float) -> str:
+    radius = max(r * view.scale, 2.0)
+    return f'<circle class="{classes}" cx="{view.x(x):.2f}" cy="{view.y(y):.2f}" r="{radius:.2f}"/>'
+
+
+def _arrow(classes: str, start: tuple[float, float], along: tuple[float, float]) -> str:
+    """An arrow as one path; its head is a quarter of its length, at most 7 pixels."""
+    (x, y), (dx, dy) = start, along
+    length = math.hypot(dx, dy)
+    if length < 1.0:
+        return ""
+    head = min(7.0, length / 4) / length
+    back, side = (dx * head, dy * head), (-dy * head / 2, dx * head / 2)
+    tip = x + dx, y + dy
+    one, other = ((tip[0] - back[0] + s * side[0], tip[1] - back[1] + s * side[1]) for s in (1, -1))
+    points = (("M", (x, y)), ("L", tip), ("M", one), ("L", tip), ("L", other))
+    path = "".join(f"{letter}{px:.2f} {py:.2f}" for letter, (px, py) in points)
+    return f'<path class="{classes}" fill="none" d="{path}"/>'
+
+
+def _wall(view: View, line: tuple[float, float, float, float], marked: bool, name: str) -> str:
+    """The part of a wall's line that crosses the view."""
+    x0, y0, x1, y1 = line
+    dx, dy = x1 - x0, y1 - y0
+    low, high = -math.inf, math.inf
+    for origin, step, least, size in ((x0, dx, view.left, view.width), (y0, dy, view.bottom, view.height)):
+        if step == 0:
+            if not least <= origin <= least + size:
+                return ""
+            continue
+        ends = sorted(((least - origin) / step, (least + size - origin) / step))
+        low, high = max(low, ends[0]), min(high, ends[1])
+    if low >= high:
+        return ""
+    ax, ay, bx, by = x0 + low * dx, y0 + low * dy, x0 + high * dx, y0 + high * dy
+    return (
+        f'<line class="wall{" marked" if marked else ""}" x1="{view.x(ax):.2f}" y1="{view.y(ay):.2f}" '
+        f'x2="{view.x(bx):.2f}" y2="{view.y(by):.2f}"><title>{escape(name)}</title></line>'
+    )
+
+
+# -- Tables in HTML, each with a picture: what a notebook shows of a scene, a run, a comparison.
+
+MOST_ROWS = 20
+"""Rows that a notebook shows; how many more there are is said."""
+
+
+def shown(table: str, scene: Pictured, picture: Callable[[], str], title: str) -> str:
+    """A table with a picture below it; of a scene of too many circles the table alone."""
+    drawn = image(picture(), title) if 0 < len(scene.circles) <= PICTURED_CIRCLES else ""
+    return f"<div>{table}{drawn}</div>"
+
+
+def html_table(caption: str, headings: Sequence[str], rows: Iterable[Sequence[object]], count: int) -> str:
+    """A table of at most `MOST_ROWS` of `count` rows, every text escaped.
+
+    >>> html_table("a < b", ["id"], [["<x>"]], 1)[:48]
+    '<table><caption>a &lt; b</caption><thead><tr><th'
+    """
+    head = "".join(f"<th>{escape(heading)}</th>" for heading in headings)
+    body = "".join(
+        f"<tr>{''.join(f'<td>{escape(str(cell))}</td>' for cell in row)}</tr>" for row in islice(rows, MOST_ROWS)
+    )
+    if count > MOST_ROWS:
+        body += f'<tr><td colspan="{len(headings)}">and {count - MOST_ROWS:,} more</td></tr>'
+    return f"<table><caption>{escape(caption)}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

@@ -1,1 +1,0 @@
-"""Pictures of scenes and states, and what a notebook shows of them."""

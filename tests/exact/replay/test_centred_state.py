@@ -1,0 +1,165 @@
+"""Exact midpoints and one set of their deviations: every number lies in its ball, and few bits are lost."""
+
+import random
+from math import log
+
+import pytest
+from flint import arb
+
+from truebreak.compare.tangent.growth import error_growth
+from truebreak.exact import ExactEngine
+from truebreak.exact.certified import certified_decider as precision
+from truebreak.exact.laws.tangent_formulas import pair_tangent_blocks
+from truebreak.exact.numbers import ball
+from truebreak.exact.replay.ball_state import BallState
+from truebreak.exact.replay.centred_state import CentredState
+from truebreak.exact.replay.error_bounds import Collision, Mirror, Spent
+from truebreak.exact.replay.error_set import ErrorSet
+from truebreak.scenarios import catalogue
+
+FEW, MANY = 500, 4096
+
+
+def deviations(scene, events):
+    """For each coordinate of each body after each step: log2 of what the midpoint is off, over the ball's radius."""
+    steps = ExactEngine().run(scene, events=events).motion.log.steps
+    with ball.precision(MANY):
+        true = BallState(scene)
+    with ball.precision(FEW):
+        ours = CentredState(scene)
+    for step in steps:
+        for state, bits in ((ours, FEW), (true, MANY)):
+            ball.use_bits(bits)
+            state.do(step)
+        assert ours.instant.overlaps(true.instant)
+        for mine, exact in zip(ours.bodies.values(), true.bodies.values(), strict=True):
+            one, other = mine.flight, exact.flight
+            lag = one.t - other.t
+            there = (other.x + other.vx * lag, other.y + other.vy * lag, other.vx, other.vy)
+            for mine, exact in zip((one.x, one.y, one.vx, one.vy), there, strict=True):
+                off, radius = abs(mine.mid() - exact.mid()), mine.rad()
+                yield -1e9 if off.is_zero() else float((off / radius).log()) / log(2) if radius > 0 else 0.0
+
+
+def test_every_number_lies_in_its_ball(scene):
+    """Against balls of eight times the bits; and the bound is no mere upper bound: it comes within 40 bits."""
+    found = list(deviations(scene, 120))
+    assert max(found) <= 0.0
+    assert max(found[len(found) // 2 :]) > -60.0
+
+
+@pytest.mark.parametrize(("n", "events"), [(3, 600), (10, 1200)])
+def test_bits_go_as_fast_as_small_displacements_grow(n, events):
+    """Balls lose twice as many."""
+    scene = catalogue.build(f"gas:n={n},seed=1")
+    run = ExactEngine().run(scene, events=events)
+    lost = []
+    for make in (CentredState, BallState):
+        with ball.precision(3000):
+            state = make(scene)
+            for step in run.motion.log.steps:
+                state.do(step)
+            lost.append(3000 + max(float(body.flight.x.rad().log()) / log(2) for body in state.bodies.values()))
+    growth = error_growth(run, events) * events
+    assert growth < lost[0] < 1.1 * growth + 45
+    assert lost[1] > 1.9 * growth
+
+
+def test_a_long_run_keeps_its_deviations_in_a_set(monkeypatch):
+    """With the set from early on: the same history, with fewer bits; its times are had to any digit again."""
+    scene = catalogue.build("gas:n=6,seed=2")
+    plain = ExactEngine().run(scene, events=900)
+    monkeypatch.setattr(precision, "LONG_BITS", 512)
+    centred = ExactEngine().run(scene, events=900)
+    assert centred.motion.log.centred
+    assert not plain.motion.log.centred
+    assert [e.contacts for e in centred.events] == [e.contacts for e in plain.events]
+    assert centred.plan["bits"] < plain.plan["bits"]
+    for index in (*range(0, 900, 60), 899):  # each replays the run up to it
+        one, other = (run.events[index].time.ball(400) for run in (centred, plain))
+        assert one.overlaps(other)
+        assert one.rel_accuracy_bits() > 380
+
+
+def turned(matrix, x, y):
+    """(xx, xy; yx, yy) (x, y)."""
+    xx, xy, yx, yy = matrix
+    return xx * x + xy * y, yx * x + yy * y
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_set_holds_what_is_carried_exactly(seed):
+    """A set against its own steps, carried out in long balls: flights, mirrors at any angle, collisions of unequal
+    masses and with what is fixed. Points of the box, corners among them, lie within the bounds, block after block; and
+    the bounds are no idle ones."""
+    draw = random.Random(seed)
+    with ball.precision(400):
+        count, unit = 4, 0.5
+        errors = ErrorSet([[1.0, 0.5, 2.0, 0.25]] * count, 0, unit)
+        sides = [(1.0, 0.5, 2.0 / unit, 0.25 / unit)] * count  # velocities are counted in the set's unit of time
+        shares = [[draw.choice([-1, 1, draw.uniform(-1, 1)]) for _ in range(4 * count)] for _ in range(40)]
+        points = [[[arb(r[4 * k + m] * sides[k][m]) for m in range(4)] for k in range(count)] for r in shares]
+        for _ in range(14 * count):
+            i, j = draw.sample(range(count), 2)
+            j = draw.choice([j, j, j, -1])
+            if draw.random() < 0.4:
+                angle, lag = arb(draw.uniform(0, 3)), draw.uniform(0, 2)
+                c, s = (angle + angle).cos(), (angle + angle).sin()
+                xx, xy, yy = float(c), float(s), float(-c)
+                errors.fly(i, lag / unit, Mirror(xx, xy, yy, 2.0**-50))
+                for point in points:
+                    x, y, vx, vy = point[i]
+                    point[i] = [
+                        *turned((c, s, s, -c), x + lag * vx, y + lag * vy),
+                        *turned((c, s, s, -c), vx, vy),
+                    ]
+            else:
+                weights = draw.uniform(0.1, 3.0), 0.0 if j < 0 else draw.uniform(0.1, 3.0)
+                lags = draw.uniform(0, 1), 0.0 if j < 0 else draw.uniform(0, 1)
+                reach, angle, slant = arb(draw.uniform(0.1, 2)), arb(draw.uniform(0, 7)), arb(draw.uniform(-1.4, 1.4))
+                speed = arb(draw.uniform(0.2, 5))
+                dx, dy = reach * angle.cos(), reach * angle.sin()
+                vx, vy = -speed * (angle + slant).cos(), -speed * (angle + slant).sin()
+                rate = dx * vx + dy * vy
+                strength = arb(-2) / (reach * reach * (weights[0] + weights[1]))
+                square = vx * vx + vy * vy
+                bxx, bxy, byy, *a = pair_tangent_blocks(dx, dy, rate, dx * vy - dy * vx, square, strength)
+                told = map(float, (dx, dy, vx, vy, -rate, strength))
+                hit = Collision(0.0, 0.0, float(unit * square / -rate) * 1.0001, *told)
+                errors.meet(i, j, (lags[0] / unit, lags[1] / unit), weights, hit, 0.0)
+                for point in points:
+                    flown = []
+                    for k, lag in ((i, lags[0]), (j, lags[1])):
+                        x, y, ux, uy = point[k] if k >= 0 else [arb(0)] * 4
+                        flown.append((x + lag * ux, y + lag * uy, ux, uy))
+                    px, py, qx, qy = (second - first for first, second in zip(*flown, strict=True))
+                    ox, oy = turned((bxx, bxy, bxy, byy), px, py)
+                    (rx, ry), (sx, sy) = turned(a, px, py), turned((bxx, bxy, bxy, byy), qx, qy)
+                    for k, of, sign in ((i, 0, -1), (j, 1, 1)):
+                        if k >= 0:
+                            gained = [sign * weights[of] * part for part in (ox, oy, rx + sx, ry + sy)]
+                            point[k] = [old + more for old, more in zip(flown[of], gained, strict=True)]
+            if errors.full or draw.random() < 0.1:
+                errors.close()
+            for k in range(count):
+                place, pace = (arb(2) ** errors.power_of(part[k]) for part in (errors.bounds.place, errors.bounds.pace))
+                for point in points:
+                    x, y, vx, vy = point[k]
+                    assert abs(x) < place
+                    assert abs(y) < place
+                    assert abs(vx) * unit < pace
+                    assert abs(vy) * unit < pace
+        errors.close()
+        widest = max(float(abs(value).log()) / log(2) for point in points for row in point for value in row)
+        assert max(errors.power_of(bound) for bound in errors.bounds.place + errors.bounds.pace) < widest + 12
+
+
+def test_a_set_that_doubles_cannot_carry_says_so():
+    errors = ErrorSet([[1.0] * 4] * 2, 0)
+    huge = Collision(0.0, 0.0, 1e200, 1e100, 0.0, -1e100, 0.0, 1e200, -1.0)
+    errors.meet(0, 1, (1.0, 1.0), (1.0, 1.0), huge, 0.0)
+    errors.meet(0, 1, (1.0, 1.0), (1.0, 1.0), huge, 0.0)
+    with pytest.raises(Spent):
+        errors.close()
+    with pytest.raises(Spent):
+        errors.power_of(errors.bounds.pace[0])
