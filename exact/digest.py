@@ -74,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     specs, events, engine = options.scenes or catalogue.names(), EVENTS, None
     if options.sympy:
-        from .literal.engine import SymbolicEngine
+        from .literal.symbolic_engine import SymbolicEngine
 
         specs, events, engine = options.scenes or LITERAL, LITERAL_EVENTS, SymbolicEngine()
     whole, total = sha256(), 0

@@ -15,14 +15,11 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from flint import arb
 
+from ...exact.exact_motion import motion_of, steps_through
 from ...exact.laws.formulas import advance, pair_impulse
 from ...exact.numbers import ball
-from ...exact.replay.body import Flight
-from ...exact.replay.contact import AtWall, Entry, Pair
-from ...exact.replay.flights import SeenWall
-from ...exact.replay.state import State
-from ...exact.replay.steps import Flip, Go, Kick, Step, step_units
-from ...exact.results.motion import motion_of, steps_through
+from ...exact.replay.contact import AtWall, Entry, Flight, Pair
+from ...exact.replay.state import Flip, Go, Kick, ReplayState, SeenWall, Step, step_units
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import Flight as OwnRow
 from ..audit.transcript import Instant, Transcript
@@ -111,7 +108,7 @@ flight that changes without a contact."""
 KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SEVERAL, MERGED, CORRECTION)
 
 
-class RoundedState(State[arb]):
+class RoundedState(ReplayState[arb]):
     """The scene's circles and walls with every number rounded to so many bits, whether that is a scene or not.
 
     Args:
@@ -204,7 +201,7 @@ class Continuation:
 
     # -- states
 
-    def _load(self, state: State[arb], rows: Mapping[int, Row]) -> None:
+    def _load(self, state: ReplayState[arb], rows: Mapping[int, Row]) -> None:
         """Sets some circles' flights. Which clock is taken for the later does not matter to what is computed."""
         bodies = state.bodies
         for k, (t, x, y, vx, vy) in rows.items():
@@ -353,7 +350,7 @@ class Continuation:
 
     # -- the exact law, and what the engine's run adds to it
 
-    def _law(self, state: State[arb], stretch: Stretch, rows: Mapping[int, Row], *, here: bool = False) -> Rows:
+    def _law(self, state: ReplayState[arb], stretch: Stretch, rows: Mapping[int, Row], *, here: bool = False) -> Rows:
         """What the exact law makes of some flights; `here`: at the places where they are, whatever the gap."""
         mine = {k: rows[k] for k in (*stretch.bodies, *stretch.beside)}
         for link in stretch.links:
@@ -536,7 +533,7 @@ def _plus(row: Row, other: Row, scale: arb | None) -> Row:
     return tuple(a + b for a, b in zip(row, other, strict=True))  # pyright: ignore[reportReturnType]
 
 
-def _bounce_here(state: State[arb], link: Pair) -> None:
+def _bounce_here(state: ReplayState[arb], link: Pair) -> None:
     """The elastic bounce of two circles where they are, along their line of centres, however long it is."""
     a, b = link.ends(state)
     f, g = a.flight, b.flight

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Literal
 from flint import arb
 
 from ...exact.numbers import ball
-from ...scenarios.numbers.real import Real
+from ...scenarios.numbers.quantity import Real
 from ..alignment.divergence import Kind
 from ..alignment.instants import instants
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Contact, Trajectory
     from ..alignment.align import Alignment
     from ..alignment.divergence import Divergence
     from ..alignment.walk import Walk

@@ -13,10 +13,9 @@ from flint import arb
 from ...exact.numbers import ball
 from ...floating.knots import DoubleMotion, EventMotion
 from ...scenarios.errors import SceneError
-from ...scenarios.event import Event
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.real import real
+from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.things import Circle
+from ...scenarios.trajectory import Event
 from ..alignment.align import align
 from ..alignment.streams import history
 from ..audit.residuals import AUDIT_BITS, Laws
@@ -29,9 +28,8 @@ from .diagnosis import CauseName, Experiment
 from .reader import short_quantity
 
 if TYPE_CHECKING:
-    from ...scenarios.event import Contact
     from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Trajectory
+    from ...scenarios.trajectory import Contact, Trajectory
     from .decision import OwnFlight
     from .laboratory import Laboratory
 

@@ -12,9 +12,8 @@ from flint import arb
 from ...exact.laws import formulas as law
 from ...exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
 from ...exact.numbers import ball
-from ...exact.replay.flights import SeenWall
-from ...scenarios.numbers.quantity import Quantity
-from ...scenarios.numbers.real import Real, real
+from ...exact.replay.state import SeenWall
+from ...scenarios.numbers.quantity import Quantity, Real, real
 from ...scenarios.things import Wall
 from ..alignment.streams import history
 from .decision import FIRST_BITS, MOST_BITS, DecidingNumber, OwnFlight, Pairing

@@ -9,9 +9,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...scenarios.disk import held
+from ...scenarios.disk import Lines
 from ...scenarios.errors import SceneError
-from ...scenarios.files.disk import Lines
 from .rows.cell import StressRow
 from .table import family
 

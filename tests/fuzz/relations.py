@@ -15,9 +15,9 @@ from fuzz.draft import Case
 from fuzz.ingredients import Mixed
 from fuzz.maps import BITS, MAPS, Map, _ball, _precision, check_cut, check_interval, check_map, same, same_history
 from truebreak.exact import ExactEngine
-from truebreak.exact.certified import precision as bits_of_a_run
-from truebreak.exact.numbers.undecided import Undecided
-from truebreak.exact.simulation.arrivals import grid
+from truebreak.exact.certified import certified_decider as bits_of_a_run
+from truebreak.exact.numbers.system import Undecided
+from truebreak.exact.simulation import cells as grid
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Trajectory
 

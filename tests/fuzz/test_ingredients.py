@@ -18,7 +18,7 @@ from fuzz.referee import referee
 from fuzz.relations import FEW_CELLS, RELATIONS, cells_from
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Wall
-from truebreak.scenarios.files.scene_file import load_scene
+from truebreak.scenarios.files import load_scene
 
 FOUND = sorted((Path(__file__).parent / "found").glob("*.toml"))
 HIT = Scene(

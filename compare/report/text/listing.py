@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING, Any, SupportsFloat
 
-from ....exact.numbers.undecided import Undecided
+from ....exact.numbers.system import Undecided
 from ....scenarios.errors import printable
 from ....scenarios.numbers.quantity import real
 from ...documents.values.amounts import bounds, double
@@ -14,7 +14,6 @@ from .output import TextTable, console, grid, say
 
 if TYPE_CHECKING:
     from ....scenarios.catalogue import SceneEntry
-    from ....scenarios.event import Event
     from ....scenarios.numbers.quantity import Real
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Event, Trajectory

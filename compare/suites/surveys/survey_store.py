@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ....scenarios.disk import Lines
 from ....scenarios.errors import SceneError
-from ....scenarios.files.disk import Lines
 from ....scenarios.lazy import VERSION
 from ....scenarios.scene import Scene
 from ...scene_argument import scene_from

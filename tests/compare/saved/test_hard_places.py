@@ -30,7 +30,7 @@ from truebreak.compare.stress.store import Store as StressStore
 from truebreak.compare.suites.survey import survey
 from truebreak.compare.suites.surveys.survey_store import SurveyStore, survey_settings
 from truebreak.scenarios import SceneError
-from truebreak.scenarios.files.disk import UNFINISHED, Lines
+from truebreak.scenarios.disk import UNFINISHED, Lines
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="processes that are forked, and limits of theirs")
 
