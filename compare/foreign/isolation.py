@@ -10,6 +10,7 @@ anew, and the engine is pickled too: see `FORKS`.
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import faulthandler
 import io
 import os
@@ -63,6 +64,9 @@ LOOK_SECONDS = 0.1
 
 PROGRESS_SECONDS = 0.1
 """How often an engine's progress is sent on, at most."""
+
+DEATH_SIGNAL = 1
+"""PR_SET_PDEATHSIG of Linux: the signal that a process gets as its parent ends."""
 
 PRINTED = 60
 """Characters of what an engine printed that are shown."""
@@ -552,6 +556,8 @@ def _alone() -> None:
     nowhere = os.open(os.devnull, os.O_RDWR)
     for stream in range(3):
         os.dup2(nowhere, stream)
+    if sys.platform == "linux":  # an engine that hangs in C leaves no thread a chance to look
+        ctypes.CDLL(None).prctl(DEATH_SIGNAL, int(signal.SIGKILL))
     threading.Thread(target=_end_with, args=(os.getppid(),), daemon=True).start()
 
 

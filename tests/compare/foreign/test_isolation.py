@@ -379,3 +379,46 @@ def test_at_no_door_does_such_an_engine_end_truebreak(
     said = done("run", "galperin:n=0", "--engine", "hostile:Prints", "--isolate", "--json")
     assert said.stdout.startswith("{")
     assert said.stderr == "truebreak: warning: engine 'prints' printed 1 line that is left out: 'hello'\n"
+
+
+HANGING = """
+import ctypes, os, sys
+from dataclasses import dataclass
+import truebreak as tb
+from truebreak.compare.foreign import isolated
+from truebreak.scenarios import Declared
+
+@dataclass(frozen=True)
+class Hanging(Declared):
+    name: str = "hanging"
+    bits = 53
+
+    def run(self, scene, **limits):
+        with open(sys.argv[1], "w") as file:
+            file.write(f"{os.getpid()}\\n")
+        ctypes.PyDLL(None).sleep(600)
+
+with isolated():
+    tb.run(tb.scene("cradle"), Hanging())
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a thread looks for the parent elsewhere, and is held up")
+def test_an_engine_that_hangs_in_c_ends_with_a_parent_that_is_killed(tmp_path: Path) -> None:
+    told = tmp_path / "pid"
+    parent = subprocess.Popen([sys.executable, "-c", HANGING, str(told)])
+    while not (told.exists() and told.read_text().endswith("\n")):
+        assert parent.poll() is None
+        time.sleep(0.05)
+    pid = int(told.read_text())
+    parent.kill()
+    parent.wait()
+    for _ in range(600):
+        try:
+            state = Path(f"/proc/{pid}/stat").read_text().split()[2]
+        except FileNotFoundError:
+            return
+        if state == "Z":
+            return
+        time.sleep(0.1)
+    raise AssertionError(f"process {pid} goes on")
