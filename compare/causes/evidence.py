@@ -160,7 +160,7 @@ def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
     own = f"from {name}'s own state before the instant, the exact law"
     does = None if before is None else before.leads_to_the_same(lab, str(lab.study.scene.tie_policy))
     if before is None or does is None:
-        if len(together) > 1:
+        if len(together) > 1 and "tie_policy" not in lab.engine.scene_keys:
             return [_resolved_otherwise(lab, together)]
         return [Experiment(cause, f"{own} cannot be run: rounding has made circles overlap")]
     if does:
@@ -176,7 +176,7 @@ def _by_runs(lab: Laboratory, together: Sequence[Contact]) -> list[Experiment]:
     if laws is not None and laws.kept:
         told = f"{own} has other contacts, while each impulse keeps the law: rounding within the instant chose"
         return [Experiment(CauseName["IMPACTS"], told, None, True)]
-    return [_resolved_otherwise(lab, together)] if len(together) > 1 else [Experiment(cause, f"{own} has others")]
+    return [Experiment(cause, f"{own} has other contacts, under every policy that was tried")]
 
 
 def _resolved_otherwise(lab: Laboratory, together: Sequence[Contact]) -> Experiment:
@@ -324,9 +324,8 @@ def _exact(value: Any) -> Quantity:
 
 def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     """The account of the displacement: what rounding the input, and each kind of error of the engine's own, add."""
-    if any(
-        row.suffices and row.cause in (CauseName["PHANTOM"], CauseName["INPUT"], CauseName["IMPACTS"]) for row in rows
-    ):
+    shown = (CauseName["PHANTOM"], CauseName["INPUT"], CauseName["IMPACTS"], CauseName["FLIGHTS"])
+    if any(row.suffices and row.cause in shown for row in rows):
         return []
     if lab.engine.bits is None and lab.engine.step is None:
         return [Experiment(CauseName["ARITHMETIC"], "its numbers are exact", 0.0, False)]
@@ -360,7 +359,7 @@ def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
     found: list[Experiment] = []
     total: float = account.displacement
     itself = None
-    if lab.engine.step is None and not lab.changes(lab.got):
+    if lab.engine.step is None and lab.got is not None and not lab.changes(lab.got):
         itself = _rounded_away(lab)
         if itself is None:
             told = f"{lab.name}'s own flights decide as the exact ones do, by more than rounding"
