@@ -54,6 +54,7 @@ CAUSES: dict[str, Cause] = {
     "IMPACTS": Cause("arithmetic in impacts", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),
     "DECISION": Cause("arithmetic in the decision", rank=SHARE_RANK, rounding=True, family="ARITHMETIC"),
     "ARITHMETIC": Cause("arithmetic rounding", rank=SHARE_RANK, rounding=True),
+    "OWN": Cause("errors of its own steps, not audited", rank=SHARE_RANK, rounding=None),
     "LATENESS": Cause("lateness", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
     "OVERLAP": Cause("overlap", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
     "SEVERAL": Cause(
@@ -216,7 +217,9 @@ def _chief(name: str, rows: Sequence[Experiment]) -> CauseName:
 
 
 def _named(made: Diagnosis, causes: tuple[CauseName, ...]) -> Diagnosis:
-    """With its causes, and what was seen of them."""
+    """With its causes, and what was seen of them; steps that were not audited may be of another law."""
+    if CauseName["OWN"] in causes:
+        return replace(made, finding=next(e.result for e in made.experiments if e.cause is CauseName["OWN"]))
     found = [next(e.result for e in made.experiments if e.cause is cause) for cause in causes]
     return replace(made, causes=causes, finding="; ".join(found))
 
