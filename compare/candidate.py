@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from .alignment.align import Alignment, Verdict
     from .alignment.separation import Separation
     from .audit.audit import Audit
-    from .causes.diagnosis import Diagnosis
-    from .causes.margin import Margin
+    from .causes.diagnosis import Diagnosis, Margin
     from .chaos.hazard.errors import ErrorModel
 
 

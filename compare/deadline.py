@@ -13,7 +13,8 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from ..exact.numbers import ball
-from ..scenarios.errors import SceneError, TimeIsUp, endable
+from ..scenarios.engine import endable
+from ..scenarios.errors import SceneError, TimeIsUp
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import OnProgress, Progress, Trajectory

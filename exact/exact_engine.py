@@ -9,8 +9,8 @@ from operator import lt
 
 from flint import arb
 
-from ..scenarios.engine import Declared
-from ..scenarios.errors import SceneError, TimeIsUp, endable
+from ..scenarios.engine import Declared, endable
+from ..scenarios.errors import SceneError, TimeIsUp
 from ..scenarios.lazy import Late
 from ..scenarios.numbers.precision import check_doubles
 from ..scenarios.numbers.quantity import Quantity, QuantityLike, Real

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+import sys
+from types import FrameType
+from typing import Any, ClassVar, Protocol
 
 from .numbers.quantity import Quantity, QuantityLike
 from .scene import Scene
@@ -135,3 +137,24 @@ def horizon(scene: Scene, until: QuantityLike | None, events: int | None) -> tup
     if time is None and count is None:
         count = DEFAULT_EVENTS
     return time, count
+
+
+class endable:  # a function to whoever calls it
+    """`with endable():` in the body `TimeIsUp` may come at any place, since the engine around it catches that.
+
+    An alarm that rings elsewhere is let be, and rings again.
+
+    Attributes:
+        frames: whose bodies are at work now.
+    """
+
+    frames: ClassVar[set[FrameType]] = set()
+
+    __slots__ = ("_frame",)
+
+    def __enter__(self) -> None:
+        self._frame = sys._getframe(1)  # pyright: ignore[reportPrivateUsage]
+        endable.frames.add(self._frame)
+
+    def __exit__(self, *_: object) -> None:
+        endable.frames.discard(self._frame)

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import reprlib
-import sys
-from types import FrameType
-from typing import ClassVar
 from unicodedata import category
 
 # -- The one error that bad input raises: what is wrong, where, and what to do about it.
@@ -31,27 +28,6 @@ class Disturbed(RuntimeError):
 class TimeIsUp(BaseException):
     """The seconds that the user allowed a whole run are over. Like an interruption, it may come anywhere; engines
     end their runs at what is whole by then."""
-
-
-class endable:  # a function to whoever calls it
-    """`with endable():` in the body `TimeIsUp` may come at any place, since the engine around it catches that.
-
-    An alarm that rings elsewhere is let be, and rings again.
-
-    Attributes:
-        frames: whose bodies are at work now.
-    """
-
-    frames: ClassVar[set[FrameType]] = set()
-
-    __slots__ = ("_frame",)
-
-    def __enter__(self) -> None:
-        self._frame = sys._getframe(1)  # pyright: ignore[reportPrivateUsage]
-        endable.frames.add(self._frame)
-
-    def __exit__(self, *_: object) -> None:
-        endable.frames.discard(self._frame)
 
 
 # -- How an error shows a bad value: quoted, on one line, and cut.

@@ -260,9 +260,9 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
     groups = OF_STEPS if stepped else OF_EVENTS
     rest = CauseName["STEPS" if stepped else "ARITHMETIC"]
     with ball.precision(run.bits):
-        whole, apart = run.value(kinds=KINDS), ""
+        whole, apart, unlike = run.value(kinds=KINDS), "", False
         if own is not None and (whole is None or _apart(whole, own, margin) > CLOSED):
-            whole, apart = own, "its flights change where no contact explains it"
+            whole, apart, unlike = own, "its flights change where no contact explains it", True
         if whole is None:
             raise NoContinuation("the engine's own contacts do not lead to the decision by the exact law")
         displacement = whole - margin
@@ -288,7 +288,10 @@ def account_of(run: Continuation, margin: arb, own: arb | None, stepped: bool, i
         for cause, kinds in (*groups, (rest, KINDS)):
             value = together if cause is rest else total.found.get(cause)
             if value is not None and _flips(margin, margin + value):
-                found = run.value(kinds=kinds, exact=True)
+                if unlike:  # what is carried on is not the engine's run: it is known where it alone has erred
+                    found = whole if total.found.get(CauseName["INPUT"], arb(0)).contains(0) else None
+                else:
+                    found = run.value(kinds=kinds, exact=True)
                 if found is not None:
                     alone[cause] = found
         return Account(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -158,6 +159,41 @@ class Diagnosis:
     def shares(self) -> tuple[Experiment, ...]:
         """The account: every kind with its part of the displacement, the largest first."""
         return tuple(sorted((e for e in self.experiments if e.share is not None), key=lambda e: -abs(e.share or 0.0)))
+
+
+Bounds = tuple[float, float]
+"""Doubles around a number that is known exactly."""
+
+
+@dataclass(frozen=True)
+class Margin:
+    """How close the decision was in the exact motion, and how far off the engine was by then.
+
+    Attributes:
+        gap: the time between the two meetings, each taken as if nothing hindered it; None for hit or miss.
+        distance: for hit or miss, the least distance of the surfaces in free flight, negative for the depth of a hit;
+            for an order, how far apart the pair that comes second is when the first one meets.
+        ulps: `gap` in units of a double's spacing at that time.
+        error: the largest distance between the engine's place and the exact one of the circles in question, at the
+            earlier of the two events.
+        growth: bits an event by which a small error grows along the exact run up to there; None if not known.
+        cut: whether the user's seconds were over before all of this was measured.
+    """
+
+    gap: Bounds | None = None
+    distance: Bounds | None = None
+    ulps: float | None = None
+    error: float | None = None
+    growth: float | None = None
+    cut: bool = False
+
+    @property
+    def ratio(self) -> float | None:
+        """The error over the distance: above about 1, the error explains the divergence."""
+        if self.error is None or self.distance is None:
+            return None
+        middle = abs(self.distance[0] + self.distance[1]) / 2
+        return self.error / middle if middle else math.inf if self.error else None
 
 
 NOTHING_TRIED = "nothing that was tried changes the decision by itself"

@@ -147,7 +147,10 @@ def tie(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     if len(together) < 2 and not touches:
         return [Experiment(CauseName["TIE"], "no contacts of one exact instant are in question", None, False)]
     if lab.engine.step is not None:
-        return [_resolved_otherwise(lab, together)]
+        if len(together) > 1:
+            return [_resolved_otherwise(lab, together)]
+        told = "no order is in question: in the exact motion the two touch, so that any error decides"
+        return [Experiment(CauseName["TIE"], told, None, False)]
     return lab.tried(lambda: _by_runs(lab, together), [Experiment(CauseName["TIE"], NO_TIME)])
 
 

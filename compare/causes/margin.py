@@ -3,49 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...exact.numbers import ball
-from .diagnosis import CauseName
+from .diagnosis import Bounds, CauseName, Margin
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
     from .laboratory import Laboratory
-
-Bounds = tuple[float, float]
-"""Doubles around a number that is known exactly."""
-
-
-@dataclass(frozen=True)
-class Margin:
-    """How close the decision was in the exact motion, and how far off the engine was by then.
-
-    Attributes:
-        gap: the time between the two meetings, each taken as if nothing hindered it; None for hit or miss.
-        distance: for hit or miss, the least distance of the surfaces in free flight, negative for the depth of a hit;
-            for an order, how far apart the pair that comes second is when the first one meets.
-        ulps: `gap` in units of a double's spacing at that time.
-        error: the largest distance between the engine's place and the exact one of the circles in question, at the
-            earlier of the two events.
-        growth: bits an event by which a small error grows along the exact run up to there; None if not known.
-        cut: whether the user's seconds were over before all of this was measured.
-    """
-
-    gap: Bounds | None = None
-    distance: Bounds | None = None
-    ulps: float | None = None
-    error: float | None = None
-    growth: float | None = None
-    cut: bool = False
-
-    @property
-    def ratio(self) -> float | None:
-        """The error over the distance: above about 1, the error explains the divergence."""
-        if self.error is None or self.distance is None:
-            return None
-        middle = abs(self.distance[0] + self.distance[1]) / 2
-        return self.error / middle if middle else math.inf if self.error else None
 
 
 def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:

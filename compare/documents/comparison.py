@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
     from ..alignment.separation import Separation
     from ..candidate import Candidate
-    from ..causes.margin import Margin
+    from ..causes.diagnosis import Margin
     from ..comparison import Comparison
     from ..outcomes.permitted import PermittedPatterns
 

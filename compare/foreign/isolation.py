@@ -305,7 +305,8 @@ class Process:
     def __init__(self, request: Request) -> None:
         self.request = request
         self._process: Any = _Copy(request) if FORKS else _begun_anew(request)
-        self._said: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
+        # no SimpleQueue: one whose wait a signal ends just as it is over waits for ever (CPython 3.11)
+        self._said: queue.Queue[bytes | None] = queue.Queue()
         threading.Thread(target=_listen, args=(self._process.stdout, self._said), daemon=True).start()
 
     def outcome(self, progress: OnProgress | None, watch: Clock | None) -> Any:
@@ -379,7 +380,7 @@ class Process:
                 os.kill(self._process.pid, signal.SIGTERM)
 
 
-def _listen(pipe: BinaryIO, said: queue.SimpleQueue[bytes | None]) -> None:
+def _listen(pipe: BinaryIO, said: queue.Queue[bytes | None]) -> None:
     """Takes in what the other process says, until it says nothing more: None."""
     with contextlib.suppress(OSError, ValueError), pipe:
         while len(header := pipe.read(HEADER.size)) == HEADER.size:

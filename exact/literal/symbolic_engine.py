@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Expr, Integer
 
-from ...scenarios.engine import SCENE_KEYS, Declared, horizon
-from ...scenarios.errors import SceneError, TimeIsUp, endable
+from ...scenarios.engine import SCENE_KEYS, Declared, endable, horizon
+from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import Quantity, QuantityLike, Real
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle

@@ -11,7 +11,8 @@ from threading import Lock
 from types import TracebackType
 from typing import Generic, NamedTuple, TypeAlias
 
-from ...scenarios.errors import TimeIsUp, endable
+from ...scenarios.engine import endable
+from ...scenarios.errors import TimeIsUp
 from ...scenarios.scene import Scene
 from ...scenarios.trajectory import OnProgress, Progress, Stop, StopReason
 from ..numbers.system import BudgetSpent, N, Undecided

@@ -148,9 +148,7 @@ def test_what_was_not_tried_is_said_so() -> None:
     by_cause = {e.cause: e for e in found.diagnosis.experiments}
     assert by_cause[CauseName.STEP].suffices is None
     assert by_cause[CauseName.STEP].result.startswith("not tried: a finer step takes more than 1,000,000 steps")
-    assert by_cause[CauseName.MODEL].suffices is None
     assert found.diagnosis.name is CauseName.UNKNOWN
-    assert not any("does not move" in e.result for e in found.diagnosis.experiments)
 
 
 @pytest.mark.parametrize("halvings", [13, 15, 17])
@@ -239,35 +237,34 @@ def test_input_and_arithmetic_are_told_by_their_displacements() -> None:
     assert found.alignment.divergence is not None
     assert found.alignment.divergence.event == 154
     assert found.diagnosis is not None
-    by_input, by_arithmetic = found.diagnosis.experiments[:2]
+    sizes = {e.cause: e.displacement for e in found.diagnosis.shares}
     assert found.margin is not None
     assert found.margin.distance is not None
-    assert by_input.displacement is not None
-    assert by_arithmetic.displacement is not None
-    assert abs(by_input.displacement) < found.margin.distance[0] < abs(by_arithmetic.displacement)
+    by_input = sizes.pop(CauseName.INPUT)
+    assert by_input is not None
+    by_arithmetic = sum(size or 0.0 for size in sizes.values())
+    assert abs(by_input) < found.margin.distance[0] < abs(by_arithmetic)
     assert found.diagnosis.sufficient == (CauseName.ARITHMETIC,)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3, 14])
-def test_what_suffices_is_what_moves_the_decision_past_zero(seed: int) -> None:
+def test_the_account_takes_the_decision_past_zero(seed: int) -> None:
     found = one(catalogue.build(f"gas:seed={seed}"), "double", causes=True, events=230)
-    assert found.diagnosis is not None
-    assert found.diagnosis.name in found.diagnosis.sufficient
-    margin = found.margin
-    assert margin is not None
+    diagnosis, margin = found.diagnosis, found.margin
+    assert diagnosis is not None and margin is not None
+    assert diagnosis.closed and diagnosis.displacement is not None
     bounds = margin.distance if margin.gap is None else margin.gap
     assert bounds is not None
-    for experiment in found.diagnosis.experiments[:2]:
-        assert experiment.displacement is not None
-        over = -experiment.displacement if bounds[0] > 0 else experiment.displacement
-        assert experiment.suffices == (over >= abs(bounds[0])), experiment
+    assert (bounds[0] + diagnosis.displacement) * bounds[0] < 0
+    assert sum(e.displacement or 0.0 for e in diagnosis.shares) == pytest.approx(diagnosis.displacement)
+    assert sum(e.share or 0.0 for e in diagnosis.shares) == pytest.approx(1)
 
 
 def test_one_graze_has_one_cause_and_no_margin() -> None:
     comparison = compare(catalogue.build("grazing"), ["double", "pymunk"])
     for candidate in comparison.candidates:
         assert candidate.diagnosis is not None
-        assert candidate.diagnosis.name is CauseName.INPUT
+        assert len(candidate.diagnosis.causes) == 1
         assert candidate.margin is not None
         assert candidate.margin.distance == (0.0, 0.0)
         assert "a miss by exactly 0" in (margin_phrase(candidate) or "")
@@ -283,14 +280,16 @@ def test_the_margin_is_that_of_the_contact_in_question() -> None:
     assert found.margin.growth == pytest.approx(0.325, abs=0.01)
 
 
-def test_a_tie_taken_in_another_order_is_a_tie() -> None:
+def test_a_tie_that_the_rounding_of_the_input_breaks_is_input_rounding() -> None:
+    """The exact law on the scene in doubles has the contacts that doubles have."""
     for scene in (TIED, LAST):
         found = one(scene, "double", causes=True, events=2)
         divergence = found.alignment.divergence
         assert divergence is not None
         assert (divergence.kind, divergence.event) == (Kind.TIE, 0)
         assert found.diagnosis is not None
-        assert found.diagnosis.name is CauseName.TIE
+        assert found.diagnosis.causes == (CauseName.INPUT,)
+        assert "arithmetic adds nothing" in found.diagnosis.finding
         assert found.margin is not None
         assert found.margin.gap == (0.0, 0.0)
 

@@ -11,16 +11,15 @@ from flint import arb, ctx  # type: ignore[attr-defined]
 
 from truebreak.compare import comparison, comparison_json, engine
 from truebreak.compare.candidate import Candidate
-from truebreak.compare.causes import enough, measure
+from truebreak.compare.causes import margin
 from truebreak.compare.causes.diagnosis import CauseName
-from truebreak.compare.causes.laboratory.laboratory import Laboratory
+from truebreak.compare.causes.laboratory import Laboratory
 from truebreak.compare.comparison import Comparison, compare
 from truebreak.compare.deadline import NO_TIME, Clock, OutOfTime, time_to_read
-from truebreak.compare.report.sentences import margin_phrase
 from truebreak.compare.study import Study
 from truebreak.scenarios import catalogue
 
-EXPERIMENTS = "truebreak.compare.causes.experiments"
+ROOM = "truebreak.compare.causes"
 
 
 def over(*args: Any, **kwargs: Any) -> Any:
@@ -92,16 +91,12 @@ def test_a_run_cut_short_is_no_evidence(monkeypatch: pytest.MonkeyPatch) -> None
         study.whole_run(engine("double"), scene, 1e7)
 
 
-@pytest.mark.parametrize("where", ["input_rounding._input", "arithmetic._alone"])
-def test_an_experiment_without_time_is_not_tried(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(f"{EXPERIMENTS}.{where}", over)
+def test_an_account_without_time_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"{ROOM}.evidence._shares", over)
     found, candidate = told()
     assert candidate.diagnosis is not None
-    cause = CauseName.INPUT if where == "input_rounding._input" else CauseName.ARITHMETIC
-    assert results(candidate)[cause] == NO_TIME
     assert results(candidate)[CauseName.ARITHMETIC] == NO_TIME
-    assert candidate.diagnosis.name is (CauseName.UNKNOWN if where == "input_rounding._input" else CauseName.INPUT)
-    assert results(candidate)[CauseName.MODEL].startswith("not tried")
+    assert candidate.diagnosis.name is CauseName.UNKNOWN
     assert found.cut == ("part of why double",)
     assert candidate.margin is not None
     assert candidate.margin.distance is not None
@@ -109,33 +104,24 @@ def test_an_experiment_without_time_is_not_tried(where: str, monkeypatch: pytest
 
 @pytest.mark.parametrize(
     ("where", "cause"),
-    [
-        ("step._series", CauseName.STEP),
-        ("tunnelling._tunnelling", CauseName.TUNNELLING),
-        ("iterations._iterations", CauseName.ITERATIONS),
-    ],
+    [("_series", CauseName.STEP), ("_tunnelling", CauseName.TUNNELLING), ("_iterations", CauseName.ITERATIONS)],
 )
-def test_a_step_that_was_not_halved_is_not_called_model(
-    where: str, cause: CauseName, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(f"{EXPERIMENTS}.{where}", over)
+def test_what_of_a_step_was_not_tried_says_so(where: str, cause: CauseName, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(f"{ROOM}.finer_steps.{where}", over)
     found, candidate = told("pymunk")
     assert candidate.diagnosis is not None
     assert results(candidate)[cause] == NO_TIME
-    assert candidate.diagnosis.name is (CauseName.UNKNOWN if where == "step._series" else CauseName.STEP)
+    assert (candidate.diagnosis.name is CauseName.STEP) == (where != "_series")
     assert found.cut == ("part of why pymunk",)
 
 
-@pytest.mark.parametrize("where", ["_second_gap", "_error", "bits_enough"])
+@pytest.mark.parametrize("where", ["_second_gap", "_error"])
 def test_a_margin_is_measured_as_far_as_there_is_time(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(measure, where, over)
+    monkeypatch.setattr(margin, where, over)
     _, candidate = told()
     assert candidate.diagnosis is not None
     assert candidate.diagnosis.name is CauseName.INPUT
     assert candidate.margin is not None
-    if where == "bits_enough":
-        assert candidate.margin.enough == enough.BitsEnough(told=NO_TIME)
-        assert "bits decide it" not in (margin_phrase(candidate) or "")
     if where == "_error":
         assert candidate.margin.error is None
 

@@ -6,14 +6,15 @@ from __future__ import annotations
 
 from fuzz.mutant import Mutant
 
-HITS, IMPULSES, QUESTION = (f"exact/predicates/{n}.py" for n in ("hits", "impulses", "question"))
-MEETINGS, READING, PREDICTION, STRIDE, DECIDER, PRECISION = (
-    f"exact/certified/{n}.py" for n in ("meetings", "reading", "prediction", "stride", "decider", "precision")
-)
-SIMULATION = "exact/simulation"
-GATHERING, INSTANT, ROUNDS = (f"{SIMULATION}/instants/{n}.py" for n in ("gathering", "instant", "rounds"))
-LOOP, HISTORY, LIMITS, TAPE = (f"{SIMULATION}/{n}.py" for n in ("loop", "history", "limits", "tape"))
-INITIAL, PREDICTOR, QUEUE, GRID = (f"{SIMULATION}/arrivals/{n}.py" for n in ("initial", "prediction", "queue", "grid"))
+HITS = IMPULSES = QUESTION = "exact/question.py"
+MEETINGS = READING = STRIDE = DECIDER = PRECISION = "exact/certified/certified_decider.py"
+PREDICTION = "exact/certified/filtered.py"
+GATHERING = INSTANT = "exact/simulation/instant.py"
+ROUNDS = "exact/simulation/policies.py"
+LOOP = TAPE = "exact/simulation/loop.py"
+HISTORY = LIMITS = "exact/simulation/decider.py"
+INITIAL = PREDICTOR = QUEUE = "exact/simulation/prediction.py"
+GRID = "exact/simulation/cells.py"
 
 QUESTIONS = (
     Mutant(
@@ -98,8 +99,8 @@ QUESTIONS = (
     Mutant(
         "closing_by_form_of_any",
         HITS,
-        '    words = "whether {} come nearer or part as they touch"\n\n    def value(self, state: State[N]) -> N:\n        return self.link.closing(state)',
-        '    words = "whether {} come nearer or part as they touch"\n\n    def value(self, state: State[N]) -> N:\n        return -self.link.closing(state)',
+        '    words = "whether {} come nearer or part as they touch"\n\n    def value(self, state: ReplayState[N]) -> N:\n        return self.link.closing(state)',
+        '    words = "whether {} come nearer or part as they touch"\n\n    def value(self, state: ReplayState[N]) -> N:\n        return -self.link.closing(state)',
         "two that touch part where they come nearer",
     ),
     Mutant(

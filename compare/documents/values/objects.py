@@ -46,7 +46,7 @@ CLASSES = (
     "compare.causes.diagnosis:CauseName",
     "compare.causes.diagnosis:Diagnosis",
     "compare.causes.diagnosis:Experiment",
-    "compare.causes.margin:Margin",
+    "compare.causes.diagnosis:Margin",
     "compare.certificate.certified:Certified",
     "compare.chaos.hazard.errors:ErrorModel",
     "compare.comparison:Comparison",

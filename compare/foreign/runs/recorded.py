@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ....scenarios.engine import SCENE_KEYS, Engine, Unchangeable, horizon
-from ....scenarios.errors import TimeIsUp, endable
+from ....scenarios.engine import SCENE_KEYS, Engine, Unchangeable, endable, horizon
+from ....scenarios.errors import TimeIsUp
 from .recording import Recording
 
 if TYPE_CHECKING:

@@ -152,10 +152,10 @@ def test_compare_leads_with_the_verdict(truebreak: Any) -> None:
     said = truebreak("compare", "near-tie:k=40", "--engines", "double")
     lines = said.out.splitlines()
     assert lines[0] == (
-        "Floating point changed what happened: double first differs at event 0 (t = 1): circle middle meets "
-        "left and right at once where it should meet left, then right."
+        "Floating point changed what happened (input rounding): double first differs at event 0 (t = 1): circle middle "
+        "meets left and right at once where it should meet left, then right."
     )
-    assert "margin: in the exact motion the two are 1e-40 apart in time" in said.out
+    assert "margin: in the exact motion, had the first not happened, the second came 1e-40 later" in said.out
     assert "\x1b" not in said.out
 
 
