@@ -318,11 +318,14 @@ def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> 
 
 
 def _measured_at(reference: Trajectory, alignment: Alignment) -> list[float]:
-    """Times at which two runs are measured beside those of a plot: of every event, and where they part."""
+    """Times at which two runs are measured beside those of a plot: just after every event, and where they part."""
     parted = alignment.divergence
     times = [] if parted is None else [parted.time, parted.expected_time, parted.got_time]
     events = reference.events if len(reference.events) <= MEASURED_EVENTS else ()
-    return [*(float(event.time) for event in events), *(time for time in times if time is not None)]
+    known = [*(float(event.time) for event in events), *(time for time in times if time is not None)]
+    return [
+        math.nextafter(time, math.inf) for time in known
+    ]  # at a double an exact run may not know what side it is on
 
 
 def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: Study) -> bool:

@@ -204,19 +204,22 @@ def rounded_or_none(scene: Scene, bits: int) -> Scene | None:
 def diagnosis_of(lab: Laboratory) -> Diagnosis:
     """Why two histories part: what a run shows to suffice, or the shares of the displacement.
 
-    A law that the engine has broken by then outranks all else, and nothing else is tried. Then come runs: contacts
-    whose impulse is below rounding, a finer time step that passes the event, a tie that another run resolves alike.
+    A law that the engine has broken by then outranks all else, and only laws are looked at then. Then come runs:
+    contacts whose impulse is below rounding, a finer time step that passes the event, a tie that another run resolves alike.
     Shares of the displacement stand beside them. What the user's seconds leave no time for is not tried, and says so.
     """
     rows: list[Experiment] = []
     for cause in CAUSES.values():
-        if cause.experiment is not None:
+        lawless = any(map(_breaks_a_law, rows))
+        if cause.experiment is not None and not (lawless and cause.rank > LAW_RANK):
             rows += _function(cause.experiment)(lab, rows)
-            if rows and cause.rank == LAW_RANK:
-                break
     margin = None if lab.margin is None else float(lab.margin.mid())
     account = lab.account
     return diagnosed(rows, margin, lab.displacement, 0 if account is None else account.runs)
+
+
+def _breaks_a_law(row: Experiment) -> bool:
+    return row.suffices is True and row.cause.entry.rank == LAW_RANK
 
 
 def _function(path: str) -> Callable[..., list[Experiment]]:

@@ -341,7 +341,7 @@ def _account(runs: Runs, said: Said, claims: set[str]) -> Iterator[Refutation]:
                 for name in (at.expected, at.got)
                 if _met(reference, at.event, name) != _met(runs.candidate.trajectory, at.candidate_event, name)
             }  # one of the two has met something else meanwhile, in one of the runs
-            if {at.expected, at.got} & {str(wall.id) for wall in runs.scene.walls}:
+            if at.got in {str(wall.id) for wall in runs.scene.walls}:
                 moved |= {at.expected, at.got}  # whether the circle comes to the wall may be what was decided
             both = {
                 key: float(own[key] - exact[key])

@@ -195,20 +195,19 @@ class Accounted:
 class Entry:
     """One entry of its account."""
 
-    kind: Any
-    contribution: float
+    cause: Any
+    displacement: float
     share: float
-    how: Any
 
 
 def test_both_forms_of_a_diagnosis_are_read() -> None:
     name = SimpleNamespace(value="Simultaneous collisions")
-    rows = [(INPUT, 1.5, 0.75, "tangent"), (name, 0.5, 0.25, "run")]
-    for entries in (rows, [Entry(*row) for row in rows]):
+    rows = [(INPUT, 1.5, 0.75, "run"), (name, 0.5, 0.25, "run")]
+    for entries in (rows, [Entry(*row[:3]) for row in rows]):
         said = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted((INPUT,), entries))))
         assert said.causes == (INPUT,)
         assert said.suffices == {INPUT}
-        assert said.shares == (Share(INPUT, 1.5, 0.75, "tangent"), Share(TIE, 0.5, 0.25, "run"))
+        assert said.shares == (Share(INPUT, 1.5, 0.75, "run"), Share(TIE, 0.5, 0.25, "run"))
         assert (said.displacement, said.closed, said.alone) == (2.0, True, True)
     both = said_of(cast(Any, SimpleNamespace(diagnosis=Accounted((INPUT, name), []))))
     assert (both.causes, both.suffices) == ((INPUT, TIE), frozenset())
