@@ -205,8 +205,9 @@ def diagnosis_of(lab: Laboratory) -> Diagnosis:
     """Why two histories part: what a run shows to suffice, or the shares of the displacement.
 
     A law that the engine has broken by then outranks all else, and only laws are looked at then. Then come runs:
-    contacts whose impulse is below rounding, a finer time step that passes the event, a tie that another run resolves alike.
-    Shares of the displacement stand beside them. What the user's seconds leave no time for is not tried, and says so.
+    contacts whose impulse is below rounding, a finer time step that passes the event, a tie that another run resolves
+    alike. Shares of the displacement stand beside them. What the user's seconds leave no time for is not tried, and
+    says so.
     """
     rows: list[Experiment] = []
     for cause in CAUSES.values():
