@@ -84,7 +84,9 @@ def _iterations(lab: Laboratory) -> Experiment:
         return Experiment(CauseName["ITERATIONS"], "it iterates nothing", None, False)
     last = lab.divergence.time + REPEATED * (lab.engine.step or 0.0)
     earlier = [e for e in lab.candidate.trajectory.events if float(e.time) <= last]
-    if not any(len(e.contacts) > 1 for e in earlier):
+    laws = lab.candidate.laws
+    iterated = laws is not None and any(defect.kind == "iterations" for defect in laws.defects)
+    if not iterated and not any(len(e.contacts) > 1 for e in earlier):
         return Experiment(CauseName["ITERATIONS"], "no step had several contacts", None, False)
     more = firmer_of(more) or more
     until = lab.until(lab.engine.step)
