@@ -243,7 +243,7 @@ def diagnosed(
 def _not_alone(made: Diagnosis, name: str, rows: Sequence[Experiment]) -> bool:
     """Whether a run has shown that a family does not change the decision alone."""
     shown = [e.suffices for e in made.experiments if e.cause.name == name]
-    return False in (shown or [row.suffices for row in rows])
+    return False in (shown or [row.suffices for row in rows if len(rows) == 1])
 
 
 def _chief(name: str, rows: Sequence[Experiment]) -> CauseName:
@@ -256,7 +256,10 @@ def _named(made: Diagnosis, causes: tuple[CauseName, ...]) -> Diagnosis:
     """With its causes, and what was seen of them; steps that were not audited may be of another law."""
     if CauseName["OWN"] in causes:
         return replace(made, finding=next(e.result for e in made.experiments if e.cause is CauseName["OWN"]))
-    found = [next(e.result for e in made.experiments if e.cause is cause) for cause in causes]
+    found: list[str] = []
+    for cause in causes:
+        rows = [e.result for e in made.experiments if e.cause is cause][:1]
+        found += rows or [e.result for e in made.shares if e.cause.entry.family == cause.name]
     return replace(made, causes=causes, finding="; ".join(found))
 
 

@@ -7,7 +7,7 @@ from fractions import Fraction
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.causes.diagnosis import CauseName
+from truebreak.compare.causes.diagnosis import CauseName, Experiment, diagnosed
 from truebreak.compare.causes.rounding import nearest, rounded
 from truebreak.compare.comparison import Comparison
 from truebreak.floating.quad import QUADS
@@ -137,3 +137,13 @@ def test_no_law_is_blamed_where_an_account_says_what_the_steps_miss(spec: str) -
     assert CauseName.LAW not in candidate.diagnosis.causes
     assert candidate.diagnosis.closed
     assert candidate.diagnosis.name is (CauseName.FLIGHTS if spec == "pinball" else CauseName.MERGED)
+
+
+def test_a_family_without_a_row_of_its_own_is_told_by_its_kinds() -> None:
+    """One kind of arithmetic and the decision's own rounding, neither of which stands out."""
+    rows = [
+        Experiment(CauseName["FLIGHTS"], "flights", -1.0, False, 0.5),
+        Experiment(CauseName["DECISION"], "the answer", -1.0, None, 0.5),
+    ]
+    found = diagnosed(rows, 1.5, -2.0, 3)
+    assert (str(found), found.finding) == ("arithmetic rounding", "flights; the answer")
