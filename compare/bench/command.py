@@ -13,13 +13,11 @@ import click
 
 from ...scenarios.errors import SceneError
 from ..adapters.adapter import NotInstalled
-from ..cli.arguments import completion
-from ..cli.arguments.numbers import Whole
-from ..cli.arguments.options import a_file
-from ..cli.exit_codes import DONE, ExitCode
-from ..cli.progress import duration, showing
-from ..cli.writing import check_writable, write_whole
+from ..cli import completion
+from ..cli.options import Whole, a_file
+from ..cli.progress import DONE, ExitCode, duration, showing
 from ..engines import split_engines, suggestion
+from ..writing import check_writable, write_whole
 from .computer import Took, calibration, computer, idleness
 from .ratios.figures import FULL, SHORT, Figure, Workload
 from .ratios.table import BENCHMARKS
@@ -130,7 +128,7 @@ def run(
     asked = {s.name: digest_of(s) for s in subjects(scenes)} if TRADEOFFS in chosen(only) else {}
     _check_files(asked, then, compared, kept, keep)
     if svg is not None:
-        from ..report.pictures.picture import svg_path
+        from ..report.picture import svg_path
 
         if not asked:
             raise SceneError(f"--svg {svg!r}: the plot is that of {TRADEOFFS!r}; name it too")
@@ -140,7 +138,7 @@ def run(
                          processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1),
                          kept=kept, progress=show)  # fmt: skip
     if svg is not None:
-        from ..report.pictures.picture import svg_path
+        from ..report.picture import svg_path
         from ..report.pictures.tradeoff_plot import tradeoff_plot
 
         write_whole(svg_path(svg), tradeoff_plot(report.tradeoffs))
@@ -175,7 +173,7 @@ def _check_files(
 
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
-    from ..report.text.output import console, say
+    from ..report.output import console, say
     from .reported.tables import tables
 
     out = console()

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from ...scenarios.errors import SceneError
-from ..cli.writing import write_whole
+from ..writing import write_whole
 from .boltzmann import CELLS
 from .ladder import approximate, bias, certified, power
 from .page import HEAD, figure, placed, row

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...scenarios import catalogue
-from ..cli.writing import write_whole
 from ..engines import engine as engine_named
-from ..report.pictures.curves import Curve, plot
+from ..report.curves import Curve, plot
 from ..report.pictures.sweep_plots import standalone
+from ..writing import write_whole
 from .boltzmann import h_curve, h_returned
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
-from ..cli.writing import check_writable, write_whole
 from ..repeller.__main__ import table as repeller
+from ..writing import check_writable, write_whole
 from .convergence import table as convergence
 from .exactly import EXACT, LETTERS, siam
 from .statistically import STATISTICAL

@@ -6,14 +6,14 @@ import math
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from ...report.text.output import grid
+from ...report.output import grid
 from ..subjects import SUBJECTS
 from ..tradeoff import told_digits
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from ...report.text.output import TextTable
+    from ...report.output import TextTable
     from ..tradeoff import Tradeoff
     from .report import Report
 
