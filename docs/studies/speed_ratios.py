@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from truebreak.compare.adapters.base.package import NotInstalled
+from truebreak.compare.adapters.adapter import NotInstalled
 from truebreak.compare.adapters.billiards import table_of
 from truebreak.compare.adapters.perfect_physics import world_of
 from truebreak.compare.bench.computer import timed

@@ -11,7 +11,7 @@ import pytest
 import speed_ratios
 from speed_ratios import BENCHMARKS, GAS, HEAD, TINY, Figure, Target, _agreed, interleaved, main, measured
 
-from truebreak.compare.adapters.base import package
+from truebreak.compare.adapters import adapter as package
 from truebreak.exact import ExactEngine
 from truebreak.scenarios.catalogue import build
 
