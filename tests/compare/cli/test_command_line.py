@@ -126,7 +126,7 @@ def test_every_command_completes_its_scene_and_its_engines() -> None:
 @pytest.mark.parametrize(
     ("words", "typed", "expected"),
     [
-        ((), "gas-", "gas-billiards"),
+        ((), "trade", "tradeoffs"),
         ((), "--s", "--scenes"),
         (("tradeoffs", "--engines"), "double,py", "double,pymunk"),
         (("tradeoffs", "--scenes"), "gas,cra", "gas,cradle"),
