@@ -14,7 +14,7 @@ from ...scenarios.settings import positive_time
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
 from ..engines import engine as engine_named
-from ..ensemble.rows.perturbed import nudged
+from ..grids.scene_family import nudged
 from ..study import Study
 from ..validation import check_until, checked_number, unsupported
 from .found import Advice, Cost, End, Instance, Tried

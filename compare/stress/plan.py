@@ -12,8 +12,8 @@ from typing import Any
 
 from ...scenarios.errors import SceneError
 from ..engines import engine as engine_named
-from ..ensemble.rows.row import versions
-from ..ensemble.sweep import pool
+from ..grids.row import versions
+from ..grids.executors import pool
 from ..validation import check_engine
 from .family import Family, MapPlace
 from .rows.cell import Job, StressRow, row_of

@@ -13,7 +13,7 @@ NAMES = (
     "certificate-3",
     "chaos-1",
     "diff-1",
-    "sweep-1",
+    "sweep-2",
     "shadow-1",
     "stress-1",
     "advice-1",

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -16,16 +17,13 @@ import pytest
 
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.ensemble import cost
-from truebreak.compare.ensemble.executors import executor_named
-from truebreak.compare.ensemble.frames import to_pandas, write_parquet
-from truebreak.compare.ensemble.plots import plot_changed, plot_law, plot_survival
-from truebreak.compare.ensemble.rows import worker
-from truebreak.compare.ensemble.rows.row import COLUMNS
-from truebreak.compare.ensemble.rows.worker import carry_out
-from truebreak.compare.ensemble.survival import proportion, summaries
-from truebreak.compare.ensemble.sweep import SweepWarning, sweep
-from truebreak.compare.ensemble.uncertainty import ChangedShare, slope, uncertainty
+from truebreak.compare.grids import executors
+from truebreak.compare.grids.executors import do, executor_named
+from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, SweepWarning, sweep
+from truebreak.compare.grids.row import Row
+from truebreak.compare.grids.store import Store
+from truebreak.compare.grids.survival import ChangedShare, proportion, slope, summaries, uncertainty
+from truebreak.compare.grids.sweep_figures import plot_changed, plot_law, plot_survival, to_pandas, write_parquet
 from truebreak.compare.report.pictures.engine_style import engine_style
 from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
 from truebreak.scenarios import SceneError
@@ -38,15 +36,16 @@ def call(arguments: list[str]) -> int:
 
 
 @pytest.fixture(scope="module")
-def rows() -> list[dict[str, Any]]:
+def rows() -> Store:
     with ThreadPoolExecutor(1) as one:
-        return sweep("gas:n=3", ["seed=1..5"], ["single", "double"], events=110, outcomes=["collisions"], executor=one)
+        return sweep("gas:n=3", ["seed=1..5"], ["single", "double"], events=110, outcomes=["collisions"], executor=one,
+                     forecast=True)  # fmt: skip
 
 
 # -- pictures
 
 
-def test_the_plot_of_survival_has_the_steps_of_the_estimate(rows: list[dict[str, Any]]) -> None:
+def test_the_plot_of_survival_has_the_steps_of_the_estimate(rows: Store) -> None:
     pytest.importorskip("matplotlib")
     ax = plot_survival(rows)
     told = summaries(rows)
@@ -56,7 +55,7 @@ def test_the_plot_of_survival_has_the_steps_of_the_estimate(rows: list[dict[str,
         assert list(line.get_ydata()) == [1.0, *(s.share for s in summary.survival)]
 
 
-def test_plots_draw_on_the_axes_that_they_are_given(rows: list[dict[str, Any]]) -> None:
+def test_plots_draw_on_the_axes_that_they_are_given(rows: Store) -> None:
     pytest.importorskip("matplotlib")
     from matplotlib.figure import Figure
 
@@ -66,7 +65,7 @@ def test_plots_draw_on_the_axes_that_they_are_given(rows: list[dict[str, Any]]) 
         assert ax.has_data()
 
 
-def test_the_plot_of_the_law_has_its_line_and_a_point_for_each_scene(rows: list[dict[str, Any]]) -> None:
+def test_the_plot_of_the_law_has_its_line_and_a_point_for_each_scene(rows: Store) -> None:
     pytest.importorskip("matplotlib")
     ax = plot_law(rows)
     for summary, points, line in zip(summaries(rows), ax.collections, ax.get_lines(), strict=True):
@@ -75,7 +74,7 @@ def test_the_plot_of_the_law_has_its_line_and_a_point_for_each_scene(rows: list[
         assert (y1 - y0) / (x1 - x0) == pytest.approx(summary.law.slope)
 
 
-def test_the_plot_of_outcomes_has_exact_intervals(rows: list[dict[str, Any]]) -> None:
+def test_the_plot_of_outcomes_has_exact_intervals(rows: Store) -> None:
     pytest.importorskip("matplotlib")
     ax = plot_changed(rows)
     for summary, bar in zip(summaries(rows), ax.containers, strict=True):
@@ -85,12 +84,12 @@ def test_the_plot_of_outcomes_has_exact_intervals(rows: list[dict[str, Any]]) ->
         assert sorted(y for _, y in segment) == pytest.approx([low, high], abs=1e-12)
 
 
-def test_svg_needs_no_matplotlib(rows: list[dict[str, Any]], tmp_path: Path) -> None:
+def test_svg_needs_no_matplotlib(rows: Store, tmp_path: Path) -> None:
     for text in (survival_svg(summaries(rows)), law_svg(rows, summaries(rows))):
         root = ElementTree.fromstring(text)
         assert root.tag.endswith("svg")
         assert "single" in text and "double" in text
-    assert law_svg(rows, summaries(rows)).count('class="dot') == sum(row["event"] is not None for row in rows)
+    assert law_svg(rows, summaries(rows)).count('class="dot') == sum(row.event is not None for row in rows)
     code = "import sys; import truebreak.compare.report.pictures.sweep_plots; assert 'matplotlib' not in sys.modules"
     subprocess.run([sys.executable, "-P", "-c", code], check=True)
     file = tmp_path / "s.svg"
@@ -98,10 +97,10 @@ def test_svg_needs_no_matplotlib(rows: list[dict[str, Any]], tmp_path: Path) -> 
     assert ElementTree.parse(file).getroot().tag.endswith("svg")
 
 
-def test_any_number_of_engines_is_told_apart_and_no_label_is_cut(rows: list[dict[str, Any]]) -> None:
+def test_any_number_of_engines_is_told_apart_and_no_label_is_cut(rows: Store) -> None:
     """Each has one class in curve, points and legend, whose style is the report's; the legend is inside the picture."""
     names = [f"pymunk:dt=1/{2**k},iterations={10**k}" for k in range(18)]
-    many = [{**row, "engine": name} for name in names for row in rows if row["engine"] == "double"]
+    many = [replace(row, engine=name) for name in names for row in rows if row.engine == "double"]
     for text in (survival_svg(summaries(many)), law_svg(many, summaries(many))):
         root = ElementTree.fromstring(text)
         labels = {e.text: e for e in root.iter() if e.tag.endswith("}text") and e.text in names}
@@ -115,18 +114,18 @@ def test_any_number_of_engines_is_told_apart_and_no_label_is_cut(rows: list[dict
             assert f".e{k} {{ stroke: {style.light}; stroke-dasharray: {style.dash}; }}" in text
             assert f'class="series e{k}"' in text
     clouds = [e for e in root.iter() if str(e.get("class")).startswith("dot e")]
-    assert len(clouds) == sum(row["event"] is not None for row in many)
+    assert len(clouds) == sum(row.event is not None for row in many)
 
 
 # -- tables
 
 
-def test_pandas_and_parquet_have_the_rows(rows: list[dict[str, Any]], tmp_path: Path) -> None:
+def test_pandas_and_parquet_have_the_rows(rows: Store, tmp_path: Path) -> None:
     pandas, _ = pytest.importorskip("pandas"), pytest.importorskip("pyarrow")
     frame = to_pandas(rows)
     assert list(frame.columns) == [c if c != "parameters" else "seed" for c in COLUMNS]
-    assert list(frame["event"]) == [row["event"] for row in rows]
-    assert json.loads(frame["work"][0]) == rows[0]["work"]
+    assert list(frame["event"]) == [row.event for row in rows]
+    assert json.loads(frame["work"][0]) == rows[0].work
     write_parquet(rows, tmp_path / "t.parquet")
     again = pandas.read_parquet(tmp_path / "t.parquet")
     pandas.testing.assert_frame_equal(again, frame)
@@ -164,7 +163,7 @@ def test_larger_displacements_change_more_outcomes() -> None:
     counts = [share.count for share in found.shares]
     assert counts == sorted(counts) and counts[0] < counts[-1]
     assert all(share.total == 30 and share.low <= share.count / 30 <= share.high for share in found.shares)
-    brute = {r["index"] for r in told if r["engine"] == "perturbed:1/3" and "collisions" in r["changed"]}
+    brute = {r.index for r in told if r.engine == "perturbed:1/3" and "collisions" in (r.changed or ())}
     assert len(brute) == counts[-1]
 
 
@@ -174,32 +173,11 @@ def test_the_command_tells_the_exponent(capsys: pytest.CaptureFixture[str]) -> N
     line += [word for size in ("1/20", "1/60", "1/200") for word in ("--perturb", size)]
     assert call([*line, "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
-    jsonschema.Draft202012Validator(schema("sweep-1")).validate(data)
+    jsonschema.Draft202012Validator(schema("sweep-2")).validate(data)
     told = data["uncertainty"]["collisions"]
     assert told["exponent"] == pytest.approx(slope([ChangedShare(**share) for share in told["shares"]])[0])
     assert call(line) == 0
     assert "goes as d**a" in capsys.readouterr().out
-
-
-# -- what it costs
-
-
-def test_the_cost_of_each_way_is_told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cost, "EVENTS", 5)
-    assert cost.main(["--scenes", "2"]) == 0
-    told = capsys.readouterr().out
-    assert [line.split("|")[1].strip() for line in told.splitlines() if line.startswith("| ")] == ["way", *cost.WAYS]
-    assert "in 2 turns" in told and "% of what two separate processes reach" in told
-    with pytest.raises(SystemExit) as stop:
-        cost.main(["--scenes", "0"])
-    assert stop.value.code == 2
-
-
-def test_the_time_of_workers_that_have_ended_is_counted() -> None:
-    """A child that works for as long as this on its processor, while we wait."""
-    code = "import time\nwhile time.process_time() < 0.3: pass"
-    spent = cost.cost(lambda: subprocess.run([sys.executable, "-S", "-c", code], check=True))
-    assert spent.processor >= 0.3
 
 
 # -- executors
@@ -215,12 +193,10 @@ def test_jobs_in_threads_of_one_process_do_not_change_each_other() -> None:
 
 
 def test_the_lock_is_held_while_a_job_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    import truebreak.compare.ensemble.rows.row as module
-
     seen: list[bool] = []
-    monkeypatch.setattr(module, "rows_of", lambda job: seen.append(worker.ONE_AT_A_TIME.locked()) or [])
-    worker.carry_out(None)  # type: ignore[arg-type]
-    assert seen == [True] and not worker.ONE_AT_A_TIME.locked()
+    monkeypatch.setattr(SweepJob, "rows", lambda job: seen.append(executors.ONE_AT_A_TIME.locked()) or [])
+    do(SweepJob(0, "lee", {}, ("double",)))
+    assert seen == [True] and not executors.ONE_AT_A_TIME.locked()
 
 
 @pytest.fixture(scope="module")
@@ -235,11 +211,11 @@ def cluster() -> Iterator[str]:
         local.close()
 
 
-def test_a_dask_cluster_makes_the_same_table(cluster: str, rows: list[dict[str, Any]], tmp_path: Path) -> None:
+def test_a_dask_cluster_makes_the_same_table(cluster: str, rows: Store, tmp_path: Path) -> None:
     with executor_named(cluster) as (executor, slots):
         assert slots == 2
         told = sweep("gas:n=3", ["seed=1..5"], ["single", "double"], events=110, outcomes=["collisions"],
-                     executor=executor, jobs=slots)  # fmt: skip
+                     executor=executor, jobs=slots, forecast=True)  # fmt: skip
     assert told == rows
     here, there = tmp_path / "here.csv", tmp_path / "there.csv"
     line = ["sweep", "gas:n=2", "--vary", "seed=1..6", "--events", "30", "--csv"]
@@ -266,7 +242,7 @@ def test_bad_input_is_one_line(arguments: list[str], message: str, capsys: pytes
 
 def test_no_scheduler_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("truebreak.compare.ensemble.executors.PATIENCE", 1)
+    monkeypatch.setattr("truebreak.compare.grids.executors.PATIENCE", 1)
     with pytest.raises(SceneError, match="no scheduler answers"), executor_named("dask://127.0.0.1:9"):
         pass
 
@@ -274,7 +250,7 @@ def test_no_scheduler_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
 # -- in a script
 
 SCRIPT = """\
-from truebreak.compare.ensemble.sweep import sweep
+from truebreak.compare.grids.family_sweep import sweep
 {guard}rows = sweep("gas:n=3", ["seed=1..2"], ["single"], events=5, jobs=1)
 {guard}print(len(rows))
 """
@@ -299,15 +275,17 @@ def test_a_script_without_its_guard_is_told_what_to_write(guard: str, tmp_path: 
 def test_scenes_that_come_to_nothing_are_warned_of(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rows that are not there would else be missed by nobody."""
 
-    def dying(job: Any) -> Any:
+    real = SweepJob.rows
+
+    def dying(job: SweepJob) -> list[Row]:
         if job.index == 1:
             raise MemoryError("too much")
-        return carry_out(job)
+        return real(job)
 
-    monkeypatch.setattr("truebreak.compare.ensemble.sweep.carry_out", dying)
+    monkeypatch.setattr(SweepJob, "rows", dying)
     with (
         ThreadPoolExecutor(1) as one,
         pytest.warns(SweepWarning, match="1 scene came to nothing.*scene 1: MemoryError"),
     ):
         rows = sweep("gas:n=3", ["seed=1..3"], ["single"], events=5, executor=one)
-    assert [row["index"] for row in rows] == [0, 2]
+    assert [row.index for row in rows] == [0, 2]

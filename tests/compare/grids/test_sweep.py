@@ -17,14 +17,17 @@ import pytest
 from truebreak.compare import compare
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.ensemble.family import family, shard_of, varied
-from truebreak.compare.ensemble.rows.perturbed import Perturbed, displaced
-from truebreak.compare.ensemble.rows.row import COLUMNS, SweepJob, rows_of, text_of
-from truebreak.compare.ensemble.survival import fitted, proportion, summaries, survival
-from truebreak.compare.ensemble.sweep import sweep
+from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, sweep
+from truebreak.compare.grids.row import Row
+from truebreak.compare.grids.scene_family import Perturbed, displaced, family, shard_of, varied
+from truebreak.compare.grids.survival import fitted, proportion, summaries, survival
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
 
 GAS = ["gas:n=3", "--vary", "seed=1..6", "--engines", "single,double", "--events", "60"]
+
+
+def rows_of(job: SweepJob) -> list[Row]:
+    return job.rows()
 
 
 def call(arguments: list[str]) -> int:
@@ -102,12 +105,12 @@ def test_a_row_says_what_a_comparison_over_the_whole_run_says(spec: str) -> None
     engines = ("double", "interval", "pymunk:dt=1/64")
     found = compare(catalogue.build(spec), engines, events=80, causes=False)
     for row in rows_of(SweepJob(0, spec, {}, engines, 80)):
-        candidate = found[row["engine"]]
-        assert row["verdict"] == candidate.verdict
+        candidate = found[row.engine]
+        assert row.verdict == candidate.verdict
         divergence = candidate.alignment.divergence
-        assert row["event"] == (None if divergence is None else divergence.event)
+        assert row.event == (None if divergence is None else divergence.event)
         if divergence is not None:
-            assert (row["at"], row["body"], row["expected"], row["got"]) == (
+            assert (row.at, row.body, row.expected, row.got) == (
                 divergence.time, divergence.body, divergence.expected, divergence.got)  # fmt: skip
 
 
@@ -115,34 +118,34 @@ def test_outcomes_are_compared_over_the_whole_run() -> None:
     spec = "gas:n=4,seed=3"
     found = compare(catalogue.build(spec), ["double"], events=150, causes=False)["double"]
     (row,) = rows_of(SweepJob(0, spec, {}, ("double",), 150, ("collisions", "who_hit_whom", "moved")))
-    assert row["changed"] == [n for n in ("collisions", "who_hit_whom", "moved") if n in found.changed]
-    assert row["changed"]
+    assert row.changed == [n for n in ("collisions", "who_hit_whom", "moved") if n in found.changed]
+    assert row.changed
 
 
 def test_causes_are_those_of_a_comparison() -> None:
     (row,) = rows_of(SweepJob(0, "near-tie:k=40", {}, ("double",), None, (), True))
-    assert row["cause"] == "input rounding"
-    assert row["margin"] is not None
+    assert row.cause == "input rounding"
+    assert row.margin is not None
 
 
 def test_what_cannot_be_run_is_a_row() -> None:
     (row,) = rows_of(SweepJob(0, "gas:n=50,size=10", {"n": "50"}, ("double",)))
-    assert (row["verdict"], row["digest"]) == ("refused", None)
-    assert "no room for disc" in row["note"]
-    assert list(row) == list(COLUMNS)
+    assert (row.verdict, row.digest) == ("refused", None)
+    assert "no room for disc" in row.note
 
 
 def test_a_scene_without_a_tangent_map_has_no_horizon_and_a_verdict() -> None:
-    (row,) = rows_of(SweepJob(0, "lee", {}, ("double",)))
-    assert row["lyapunov"] is None and row["foreseen"] is None
-    assert row["verdict"] == "agree"
+    (row,) = rows_of(SweepJob(0, "lee", {}, ("double",), forecast=True))
+    assert row.lyapunov is None and row.foreseen is None
+    assert row.verdict == "agree"
 
 
 def test_a_displaced_scene_leaves_the_later_the_less_it_is_displaced() -> None:
-    rows = rows_of(SweepJob(0, "gas:n=4", {}, ("perturbed:1e-6", "perturbed:1e-12", "perturbed:10**-40"), 200))
-    events = [row["event"] for row in rows]
+    labels = ("perturbed:1e-6", "perturbed:1e-12", "perturbed:10**-40")
+    rows = rows_of(SweepJob(0, "gas:n=4", {}, labels, 200, forecast=True))
+    events = [row.event for row in rows]
     assert events[0] < events[1] < (events[2] or 200)
-    assert all(row["by_exponent"] > 0 for row in rows)
+    assert all(row.by_exponent > 0 for row in rows)
 
 
 def test_a_displacement_is_of_the_size_asked_for_and_drawn_from_its_seed() -> None:
@@ -160,8 +163,8 @@ def test_a_displacement_is_of_the_size_asked_for_and_drawn_from_its_seed() -> No
 
 
 def test_rows_are_the_same_text_each_time() -> None:
-    job = SweepJob(5, "gas:n=3", {}, ("double", "pymunk", "perturbed:1e-9"), 60)
-    assert [text_of(row) for row in rows_of(job)] == [text_of(row) for row in rows_of(job)]
+    job = SweepJob(5, "gas:n=3", {}, ("double", "pymunk", "perturbed:1e-9"), 60, forecast=True)
+    assert [row.text() for row in rows_of(job)] == [row.text() for row in rows_of(job)]
 
 
 # -- statistics
@@ -235,8 +238,8 @@ def test_the_line_is_that_of_least_squares() -> None:
 def test_the_time_of_divergence_follows_the_logarithm_of_the_error(thread: Executor) -> None:
     """Over displacements from 1e-4 to 1e-16 of one gas: t = a ln(1/eps)/lambda + b with a about 1."""
     sizes = [f"1e-{k}" for k in range(4, 17, 2)]
-    told = sweep("gas:n=6", ["seed=1..3"], [], perturb=sizes, events=220, executor=thread)
-    law = fitted([(row["by_exponent"], row["at"]) for row in told if row["at"] is not None])
+    told = sweep("gas:n=6", ["seed=1..3"], [], perturb=sizes, events=220, forecast=True, executor=thread)
+    law = fitted([(row.by_exponent, row.at) for row in told if row.at is not None])
     assert law is not None
     assert law.scenes >= 18
     assert law.correlation > 0.85
@@ -258,7 +261,7 @@ def test_the_command_runs_stores_and_reads(tmp_path: Path, capsys: pytest.Captur
     store, table = str(tmp_path / "s.db"), tmp_path / "t.csv"
     assert call(["sweep", *GAS, "--store", store, "--jobs", "1", "--csv", str(table), "--json"]) == 0
     data = json.loads(capsys.readouterr().out)
-    jsonschema.Draft202012Validator(schema("sweep-1")).validate(data)
+    jsonschema.Draft202012Validator(schema("sweep-2")).validate(data)
     assert data["scenes"] == 6
     assert call(["sweep", "--store", store, "--csv", "-"]) == 0
     told = capsys.readouterr().out
@@ -266,6 +269,7 @@ def test_the_command_runs_stores_and_reads(tmp_path: Path, capsys: pytest.Captur
     read = list(csv.DictReader(io.StringIO(told)))
     assert [(row["seed"], row["engine"]) for row in read[:3]] == [("1", "single"), ("1", "double"), ("2", "single")]
     assert len(read) == 12
+    assert list(read[0]) == [column if column != "parameters" else "seed" for column in COLUMNS]
     assert call(["sweep", "--store", store]) == 0
     assert "6 scenes" in capsys.readouterr().out
 

@@ -11,6 +11,7 @@ import sys
 import time as clock
 from collections.abc import Iterator
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,11 @@ import numpy as np
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.ensemble.rows.row import rows_of
-from truebreak.compare.ensemble.rows.store import SETTINGS, Store, merged
-from truebreak.compare.ensemble.rows.table import csv_text
-from truebreak.compare.ensemble.sweep import Done, plan, run, sweep
+from truebreak.compare.grids.family_sweep import plan, sweep
+from truebreak.compare.grids.grid import Done
+from truebreak.compare.grids.grid import carry_out as run
+from truebreak.compare.grids.grid_tables import csv_parts
+from truebreak.compare.grids.store import Store, merged
 from truebreak.scenarios import SceneError
 
 
@@ -35,8 +37,8 @@ def thread() -> Iterator[Executor]:
 
 
 def rows(store: str) -> bytes:
-    told, settings, _ = merged([store])
-    return csv_text(told, [text.partition("=")[0] for text in settings["vary"]]).encode()
+    told = merged([store])
+    return "".join(csv_parts(told, [text.partition("=")[0] for text in told.settings["vary"]])).encode()
 
 
 def test_a_store_goes_on_where_it_stopped(tmp_path: Path, thread: Executor) -> None:
@@ -55,12 +57,12 @@ def test_a_store_goes_on_where_it_stopped(tmp_path: Path, thread: Executor) -> N
         run(asked, base, executor=thread, progress=stop)
     base.close()
     base = Store(path, asked.settings)
-    assert len(base.done()) == 2
+    assert len(base.done(asked.key)) == 2
     run(asked, base, executor=thread, progress=seen.append)
     base.close()
     assert [done.fresh for done in seen] == [1, 2, 3]
     whole = sweep("gas:n=3", ["seed=1..5"], ["single"], events=40, executor=thread)
-    assert merged([path])[0] == whole
+    assert merged([path]) == whole
 
 
 def test_shards_make_one_table(tmp_path: Path, thread: Executor) -> None:
@@ -68,7 +70,7 @@ def test_shards_make_one_table(tmp_path: Path, thread: Executor) -> None:
     paths = [str(tmp_path / f"{k}.db") for k in (1, 2, 3)]
     for k, path in enumerate(paths, start=1):
         sweep("gas:n=3", ["seed=1..5"], ["single", "double"], events=40, executor=thread, store=path, shard=f"{k}/3")
-    assert merged(reversed(paths))[0] == whole
+    assert merged(reversed(paths)) == whole
 
 
 def test_a_shard_that_is_left_out_is_told(tmp_path: Path, thread: Executor, capsys: pytest.CaptureFixture[str]) -> None:
@@ -94,7 +96,7 @@ def test_bad_stores_are_refused(tmp_path: Path) -> None:
     settings = plan("gas").settings
     text = tmp_path / "notes.txt"
     text.write_text("no database at all, but long enough to be looked at " * 40, "utf-8")
-    with pytest.raises(SceneError, match="is no store of a sweep, or damaged"):
+    with pytest.raises(SceneError, match="is no store of a grid, or damaged"):
         Store(str(text), settings)
     with pytest.raises(SceneError, match="there is no such file"):
         Store(str(tmp_path / "none.db"), None)
@@ -106,8 +108,8 @@ def test_bad_stores_are_refused(tmp_path: Path) -> None:
     old = tmp_path / "old.db"
     Store(str(old), settings).close()
     with sqlite3.connect(old) as base:
-        base.execute("UPDATE meta SET value = 'truebreak/sweep-0' WHERE key = 'format'")
-    with pytest.raises(SceneError, match="is truebreak/sweep-0, and this is truebreak/sweep-store-3"):
+        base.execute("UPDATE meta SET value = 'truebreak/sweep-store-3' WHERE key = 'format'")
+    with pytest.raises(SceneError, match="is truebreak/sweep-store-3, and this is truebreak/grid-store-1"):
         Store(str(old), settings)
     with pytest.raises(SceneError, match=r"there is no folder .*no'; create it first"):
         Store(str(tmp_path / "no" / "folder.db"), settings)
@@ -120,7 +122,7 @@ def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:
     data[4096:] = b"\xff" * (len(data) - 4096)
     path.write_bytes(data)
     with pytest.raises(SceneError, match=r"damaged|malformed"):
-        list(Store(str(path), None).rows())
+        merged([str(path)])
 
 
 @pytest.mark.parametrize(
@@ -129,10 +131,10 @@ def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:
         ("DELETE FROM meta WHERE key = 'settings'", "is damaged: it holds"),
         ("UPDATE meta SET value = '{bad' WHERE key = 'settings'", "is damaged: it holds"),
         ("UPDATE meta SET value = '[1]' WHERE key = 'settings'", "is damaged: it holds"),
-        ("UPDATE rows SET row = '{bad' WHERE scene = 1", "is damaged: it holds"),
-        ("UPDATE rows SET row = '{}' WHERE scene = 1", "is damaged: it holds"),
-        ("UPDATE rows SET row = replace(row, '0', '1') WHERE scene = 1", "is damaged: it holds"),
-        ("UPDATE rows SET scene = 7 WHERE scene = 1", "is damaged: it holds"),
+        ("UPDATE rows SET row = '[1]' WHERE job = 1", "is damaged: it holds"),
+        ("UPDATE rows SET row = '{}' WHERE job = 1", "is damaged: it holds"),
+        ("UPDATE rows SET row = replace(row, '0', '1') WHERE job = 1", "is damaged: it holds"),
+        ("UPDATE rows SET job = 7 WHERE job = 1", "is damaged: it holds"),
         ("UPDATE meta SET value = replace(value, '10', '11') WHERE key = 'settings'", "is damaged: it holds"),
         ("DROP TABLE meta", "is no store"),
         ("DROP TABLE rows", "is no store"),
@@ -166,7 +168,7 @@ def test_a_scene_without_all_of_its_rows_is_run_again(tmp_path: Path, thread: Ex
     args: dict[str, Any] = {"events": 10, "executor": thread, "store": path}
     whole = sweep("gas:n=2", ["seed=1..3"], ["single", "double"], **args)
     with sqlite3.connect(path) as base:
-        base.execute("DELETE FROM rows WHERE scene = 1 AND engine = 1")
+        base.execute("DELETE FROM rows WHERE job = 1 AND place = 1")
     assert sweep("gas:n=2", ["seed=1..3"], ["single", "double"], **args) == whole
 
 
@@ -177,17 +179,13 @@ def test_a_store_left_in_the_middle_of_a_write_is_read_as_it_was_before(tmp_path
     base = sqlite3.connect(path)
     base.execute("PRAGMA cache_size = 1")
     base.execute("BEGIN")
-    base.execute("DELETE FROM rows WHERE scene < 3")
-    base.executemany("INSERT INTO rows VALUES (?, 0, ?, '')", [(k, "x" * 3000) for k in range(10, 60)])
+    base.execute("DELETE FROM rows WHERE job < 3")
+    base.executemany("INSERT INTO rows (job, place, row) VALUES (?, 0, ?)", [(k, '"' + "x" * 3000 + '"') for k in range(10, 60)])
     for end in ("", "-journal"):
         Path(f"{left}{end}").write_bytes(Path(f"{path}{end}").read_bytes())
     base.close()
     assert left.stat().st_size > 100_000, "nothing of the change had been written yet"
-    assert merged([str(left)])[0] == whole
-
-
-def test_the_settings_of_a_store_are_those_of_a_sweep() -> None:
-    assert tuple(plan("gas").settings) == SETTINGS
+    assert merged([str(left)]) == whole
 
 
 def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
@@ -195,16 +193,18 @@ def test_a_full_disk_loses_nothing(tmp_path: Path) -> None:
     path = str(tmp_path / "s.db")
     asked = plan("gas:n=3", ["seed=1..40"], ["single"], events=10)
     base = Store(path, asked.settings)
-    (row,) = rows_of(asked.job(0))
-    base.base.execute("PRAGMA max_page_count = 12")
+    (row,) = asked.job(0).rows()
+    (pages,) = base.base.execute("PRAGMA page_count").fetchone()
+    base.base.execute(f"PRAGMA max_page_count = {pages + 3}")
     kept = 0
     with pytest.raises(SceneError, match="database or disk is full; make room, and call again"):
         for index in range(40):
-            base.add(index, [{**row, "index": index}], 0.0)
+            base.add(index, "", [replace(row, index=index)], 0.0)
+            base.keep()
             kept += 1
     base.close()
     assert kept > 0
-    assert [r["index"] for r in merged([path])[0]] == list(range(kept))
+    assert [r.index for r in merged([path])] == list(range(kept))
 
 
 # -- workers
@@ -234,12 +234,12 @@ def test_what_fails_is_tried_again_and_noted_beside_the_table(
     asked = plan("gas:n=3", ["seed=1..5"], ["single"], events=20)
     base = Store(path, asked.settings)
     run(asked, base, executor=Failing({1: 1, 3: 2}))
-    assert [row["index"] for row in base.rows()] == [0, 1, 2, 4]
+    assert [row.index for row in base] == [0, 1, 2, 4]
     noted = [(1, 1, "MemoryError: no room"), (3, 1, "MemoryError: no room"), (3, 2, "MemoryError: no room")]
     assert base.failures() == noted
     assert read(path, capsys) == (4, ["; another attempt was done", "no room", "no room"])
     run(asked, base, executor=Failing({}))
-    assert [row["index"] for row in base.rows()] == [0, 1, 2, 3, 4]
+    assert [row.index for row in base] == [0, 1, 2, 3, 4]
     assert base.failures() == noted
     assert read(path, capsys) == (0, ["; another attempt was done"] * 3)
     base.close()
@@ -267,7 +267,7 @@ def test_a_worker_that_is_killed_costs_nothing_but_time() -> None:
 
     run(asked, base, jobs=1, progress=kill)
     with ThreadPoolExecutor(1) as one:
-        assert list(base.rows()) == sweep("gas:n=3", ["seed=1..6"], ["single"], events=30, executor=one)
+        assert base == sweep("gas:n=3", ["seed=1..6"], ["single"], events=30, executor=one)
     assert killed == [1, 4]
     told = base.failures()
     assert told
@@ -310,7 +310,7 @@ def _there(path: str) -> int:
         return 0
     try:
         base = sqlite3.connect(f"file:{path}?mode=ro", uri=True)
-        (count,) = base.execute("SELECT count(*) FROM times").fetchone()
+        (count,) = base.execute("SELECT count(*) FROM jobs").fetchone()
         base.close()
     except sqlite3.Error:
         return 0
