@@ -73,7 +73,8 @@ def print_sweep(
     audited = any(any(summary.laws) for summary in told)
     foreseen = settings["forecast"]
     last = [*["outcomes changed"] * asked_for, *["law"] * audited]
-    table = grid("engine", "verdicts", "median divergence", *["in the 90 % interval", "t = a ln(1/eps)/lambda + b"] * foreseen, *last)
+    predicted = ["in the 90 % interval", "t = a ln(1/eps)/lambda + b"] * foreseen
+    table = grid("engine", "verdicts", "median divergence", *predicted, *last)
     for summary in told:
         inside, left = summary.inside
         law, changed = summary.law, summary.changed

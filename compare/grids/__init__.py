@@ -1,1 +1,1 @@
-"""Grids: scenes, engines and settings, a row for each, in one store; sweep, suite, survey, stress and others plan them."""
+"""Grids: scenes, engines and settings, a row for each, in one store; sweeps, suites and others plan them."""

@@ -1,4 +1,4 @@
-"""Where the jobs of a grid are carried out. It imports nothing heavy: a worker counts in one thread before numpy loads."""
+"""Where the jobs of a grid are carried out. It imports nothing heavy: a worker is prepared before numpy is loaded."""
 
 from __future__ import annotations
 

@@ -218,7 +218,8 @@ class _Run:
         self._tell(index)
 
     def _fail(self, index: int, attempt: int, error: BaseException) -> None:
-        if isinstance(error, SceneError) or not isinstance(error, Exception):
+        own = self.here and not isinstance(error, MemoryError)
+        if own or isinstance(error, SceneError) or not isinstance(error, Exception):
             raise error
         self.store.fail(index, attempt, f"{type(error).__name__}: {' '.join(str(error).split())}")
 
@@ -247,5 +248,7 @@ def several(text: str, option: str) -> range | None:
     if by <= 0:
         raise SceneError(f"{option} {text!r}: a step of {by} goes nowhere; make it 1 or more")
     if last < first:
-        raise SceneError(f"{option} {text!r}: the range is empty, as {last} is below {first}; write the lower end first")
+        raise SceneError(
+            f"{option} {text!r}: the range is empty, as {last} is below {first}; write the lower end first"
+        )
     return range(first, last + 1, by)

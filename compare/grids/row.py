@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from functools import cache
 from importlib.metadata import version
 from types import NoneType, UnionType
@@ -30,64 +31,98 @@ if TYPE_CHECKING:
 VerdictWord = Literal["agree", "diverged", "unsettled", "undecided", "refused", "failed"]
 
 
-def told(meaning: str, default: Any = None) -> Any:
-    """A field of a row, and what it means: from this the docs and the JSON schema are made."""
-    return field(default=default, metadata={"meaning": meaning})
-
-
 @dataclass(frozen=True, slots=True)
 class Row:
     """One engine on one scene. Made of what JSON knows; what does not apply, or is not known, is None.
 
     Attributes:
-        index: place of the scene in its grid, from 0; each further attribute says in its metadata what it means.
+        index: place of the scene in its grid, from 0.
+        scene: the scene, as on the command line.
+        engine: the engine and its settings, as asked for, or its label.
+        verdict: as in a comparison; `refused`: the scene or the engine cannot be run; `failed`: the engine
+            ended with an error.
+        digest: digest of the scene; null if it cannot be built.
+        parameters: values of what varies over the grid.
+        settings: all parameters of the engine, those it is built with too.
+        agreed: events before the first divergence.
+        events: events of the reference.
+        time: time at which the reference ends.
+        stop: why the reference ends.
+        ended: how the engine's run ended.
+        event: first divergence: number of the event.
+        at: first divergence: its time.
+        body: first divergence: the body whose next partner differs.
+        expected: first divergence: the partner in the reference; null: none.
+        got: first divergence: the partner in the engine's run; null: none.
+        kind: first divergence: `different`, `missing` or `extra`.
+        cause: why it diverged or stopped, by experiment; null: it agrees, or causes were not asked for.
+        margin: how close the decision was in the reference: bounds of the distance.
+        error: error of the engine's places by then.
+        changed: outcomes that differ from the reference's; null: not asked for, or not settled.
+        until: where the engine's run ends before the span does; null: it covers all of it.
+        drift: energy gained by the end of the run, as a share of that at its start.
+        laws: whether every step keeps the laws: `kept` (null: not determined) and `told`.
+        foreseen_low: forecast: first event of the 90 % prediction interval of the divergence.
+        foreseen: forecast: the event by which the engine is expected to have diverged.
+        foreseen_high: forecast: last event of the prediction interval.
+        by_exponent: forecast: ln(1/eps)/lambda, a time.
+        lyapunov: forecast: the largest exponent per unit of time, an estimate.
+        lyapunov_low: forecast: lower end of its interval.
+        lyapunov_high: forecast: upper end of its interval.
+        mark: what a stress map shows: `right`, `wrong`, `unsettled` or another mark.
+        closed_form: whether the outcome is that of a closed form; null: there is none.
+        right: whether what was asked for is right, and known to be.
+        units: counted work of the run, in units of about a microsecond.
+        steps: time steps of the run.
+        seconds: seconds of the run on the wall.
+        times: processor time of the run alone over that of the reference made beside it.
+        work: what the reference counted, its plan.
+        versions: what computed the row.
+        note: a remark, such as why it was refused.
     """
 
-    index: int = field(metadata={"meaning": "place of the scene in its grid, from 0"})
-    scene: str = field(metadata={"meaning": "the scene, as on the command line"})
-    engine: str = field(metadata={"meaning": "the engine and its settings, as asked for, or its label"})
-    verdict: VerdictWord = told(
-        "as in a comparison; `refused`: the scene or the engine cannot be run; `failed`: the engine ended with an error",
-        "undecided",
-    )
-    digest: str | None = told("digest of the scene; null if it cannot be built")
-    parameters: dict[str, str] | None = told("values of what varies over the grid")
-    settings: dict[str, Any] | None = told("all parameters of the engine, those it is built with too")
-    agreed: int | None = told("events before the first divergence")
-    events: int | None = told("events of the reference")
-    time: float | None = told("time at which the reference ends")
-    stop: str | None = told("why the reference ends")
-    ended: str | None = told("how the engine's run ended")
-    event: int | None = told("first divergence: number of the event")
-    at: float | None = told("first divergence: its time")
-    body: str | None = told("first divergence: the body whose next partner differs")
-    expected: str | None = told("first divergence: the partner in the reference; null: none")
-    got: str | None = told("first divergence: the partner in the engine's run; null: none")
-    kind: str | None = told("first divergence: `different`, `missing` or `extra`")
-    cause: str | None = told("why it diverged or stopped, by experiment; null: it agrees, or causes were not asked for")
-    margin: list[float] | None = told("how close the decision was in the reference: bounds of the distance")
-    error: float | None = told("error of the engine's places by then")
-    changed: list[str] | None = told("outcomes that differ from the reference's; null: not asked for, or not settled")
-    until: float | None = told("where the engine's run ends before the span does; null: it covers all of it")
-    drift: float | None = told("energy gained by the end of the run, as a share of that at its start")
-    laws: dict[str, Any] | None = told("whether every step keeps the laws: `kept` (null: not determined) and `told`")
-    foreseen_low: int | None = told("forecast: first event of the 90 % prediction interval of the divergence")
-    foreseen: int | None = told("forecast: the event by which the engine is expected to have diverged")
-    foreseen_high: int | None = told("forecast: last event of the prediction interval")
-    by_exponent: float | None = told("forecast: ln(1/eps)/lambda, a time")
-    lyapunov: float | None = told("forecast: the largest exponent per unit of time, an estimate")
-    lyapunov_low: float | None = told("forecast: lower end of its interval")
-    lyapunov_high: float | None = told("forecast: upper end of its interval")
-    mark: str | None = told("what a stress map shows: `right`, `wrong`, `unsettled`, ...")
-    closed_form: bool | None = told("whether the outcome is that of a closed form; null: there is none")
-    right: bool | None = told("whether what was asked for is right, and known to be")
-    units: int | None = told("counted work of the run, in units of about a microsecond")
-    steps: int | None = told("time steps of the run")
-    seconds: float | None = told("seconds of the run on the wall")
-    times: float | None = told("processor time of the run alone over that of the reference made beside it")
-    work: dict[str, Any] | None = told("what the reference counted, its plan")
-    versions: str | None = told("what computed the row")
-    note: str | None = told("a remark, such as why it was refused")
+    index: int
+    scene: str
+    engine: str
+    verdict: VerdictWord = "undecided"
+    digest: str | None = None
+    parameters: dict[str, str] | None = None
+    settings: dict[str, Any] | None = None
+    agreed: int | None = None
+    events: int | None = None
+    time: float | None = None
+    stop: str | None = None
+    ended: str | None = None
+    event: int | None = None
+    at: float | None = None
+    body: str | None = None
+    expected: str | None = None
+    got: str | None = None
+    kind: str | None = None
+    cause: str | None = None
+    margin: list[float] | None = None
+    error: float | None = None
+    changed: list[str] | None = None
+    until: float | None = None
+    drift: float | None = None
+    laws: dict[str, Any] | None = None
+    foreseen_low: int | None = None
+    foreseen: int | None = None
+    foreseen_high: int | None = None
+    by_exponent: float | None = None
+    lyapunov: float | None = None
+    lyapunov_low: float | None = None
+    lyapunov_high: float | None = None
+    mark: str | None = None
+    closed_form: bool | None = None
+    right: bool | None = None
+    units: int | None = None
+    steps: int | None = None
+    seconds: float | None = None
+    times: float | None = None
+    work: dict[str, Any] | None = None
+    versions: str | None = None
+    note: str | None = None
 
     @property
     def lawless(self) -> bool:
@@ -266,3 +301,37 @@ def energy_drift(trajectory: Trajectory) -> float | None:
         (float(final[str(c.id)].vx) ** 2 + float(final[str(c.id)].vy) ** 2) / float(c.inverse_mass) for c in circles
     )
     return after / before - 1.0
+
+
+# -- its JSON schema, from its types and what its docstring says of each
+
+
+def row_schema(keys: Sequence[str] | None = None) -> dict[str, Any]:
+    """The JSON schema of a row, or of these parts of it: every one is there, perhaps as null.
+
+    >>> row_schema(("index", "margin"))["properties"]["margin"]["type"]
+    ['array', 'null']
+    """
+    meanings = dict(re.findall(r"^ {8}(\w+): (.+?)\.(?=\n {8}\w|\n+ *\Z)", Row.__doc__ or "", re.MULTILINE | re.DOTALL))
+    hints = get_type_hints(Row)
+    chosen = KEYS if keys is None else keys
+    told = {key: {**_schema(hints[key]), "description": " ".join(meanings[key].split())} for key in chosen}
+    return {"type": "object", "required": list(chosen), "additionalProperties": False, "properties": told}
+
+
+NAMES = {bool: "boolean", int: "integer", float: "number", str: "string", list: "array", dict: "object"}
+
+
+def _schema(hint: Any) -> dict[str, Any]:
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin is UnionType:
+        (part,) = (part for part in inner if part is not NoneType)
+        told = _schema(part)
+        return {**told, "type": [told["type"], "null"]}
+    if origin is Literal:
+        return {"type": "string", "enum": list(inner)}
+    if origin is list:
+        return {"type": "array", "items": _schema(inner[0])}
+    if origin is dict:
+        return {"type": "object"} if inner[1] is Any else {"type": "object", "additionalProperties": _schema(inner[1])}
+    return {"type": NAMES[hint]}

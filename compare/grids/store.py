@@ -32,8 +32,8 @@ COLUMNS = {
 
 TABLES = f"""
 CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL);
-CREATE TABLE IF NOT EXISTS jobs (job INTEGER PRIMARY KEY, key TEXT NOT NULL, digest TEXT NOT NULL, seconds REAL NOT NULL,
-                                 rows INTEGER NOT NULL);
+CREATE TABLE IF NOT EXISTS jobs (job INTEGER PRIMARY KEY, key TEXT NOT NULL, digest TEXT NOT NULL,
+                                 seconds REAL NOT NULL, rows INTEGER NOT NULL);
 CREATE TABLE IF NOT EXISTS rows (job INTEGER NOT NULL, place INTEGER NOT NULL, row TEXT NOT NULL,
     {", ".join(f'"{name}" AS ({what})' for name, what in COLUMNS.items())},
     PRIMARY KEY (job, place));
@@ -116,7 +116,9 @@ class Store(Sequence[Row]):
             raise SceneError(f"--store {self.path!r}: {error.strerror or error}; choose another file") from None
         except sqlite3.OperationalError as error:
             if "no such" in str(error):
-                raise SceneError(f"--store {self.path!r}: is no store of a grid ({error}); choose another file") from None
+                raise SceneError(
+                    f"--store {self.path!r}: is no store of a grid ({error}); choose another file"
+                ) from None
             if "JSON" in str(error):
                 raise self._damaged(None) from None
             full = "full" in str(error) or "I/O" in str(error)  # a limit on the length of files is told as the latter

@@ -15,7 +15,7 @@ NAMES = (
     "diff-1",
     "sweep-2",
     "shadow-1",
-    "stress-1",
+    "stress-2",
     "advice-1",
     "bench-2",
     "suite-1",

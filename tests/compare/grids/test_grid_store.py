@@ -180,7 +180,8 @@ def test_a_store_left_in_the_middle_of_a_write_is_read_as_it_was_before(tmp_path
     base.execute("PRAGMA cache_size = 1")
     base.execute("BEGIN")
     base.execute("DELETE FROM rows WHERE job < 3")
-    base.executemany("INSERT INTO rows (job, place, row) VALUES (?, 0, ?)", [(k, '"' + "x" * 3000 + '"') for k in range(10, 60)])
+    text = '"' + "x" * 3000 + '"'
+    base.executemany("INSERT INTO rows (job, place, row) VALUES (?, 0, ?)", [(k, text) for k in range(10, 60)])
     for end in ("", "-journal"):
         Path(f"{left}{end}").write_bytes(Path(f"{path}{end}").read_bytes())
     base.close()

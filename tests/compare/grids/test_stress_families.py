@@ -7,21 +7,20 @@ from pathlib import Path
 import pytest
 from referee import compare_to_referee, settled
 
-from truebreak.compare.stress.family import Family, MapPlace
-from truebreak.compare.stress.table import FAMILIES, family
+from truebreak.compare.grids.stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 from truebreak.exact import ExactEngine, SymbolicEngine
 from truebreak.scenarios import Circle, Scene, SceneError, Trajectory
 from truebreak.scenarios.files import dump_toml, load_scene
 
-ALL = [family(name) for name in FAMILIES]
+ALL = [stress_family(name) for name in FAMILIES]
 LANES = [(one, side) for one in ALL for side in one.sides]
 
 
 def label(value: object) -> str:
-    return value.name if isinstance(value, Family) else str(value)
+    return value.name if isinstance(value, StressFamily) else str(value)
 
 
-def run(one: Family, k: int, side: str, seed: int | None = None) -> Trajectory:
+def run(one: StressFamily, k: int, side: str, seed: int | None = None) -> Trajectory:
     return ExactEngine().run(one.scene(one.place(k, side, seed)))
 
 
@@ -31,7 +30,7 @@ def history(told: Trajectory) -> list[tuple[tuple[str, str], ...]]:
 
 @pytest.mark.parametrize("name", FAMILIES)
 def test_a_family_bears_the_name_of_its_line_in_the_table(name: str) -> None:
-    one = family(name)
+    one = stress_family(name)
     assert one.name == name
     assert one.first < one.last <= one.most
     assert len(set(one.sides)) == len(one.sides) > 0
@@ -40,7 +39,7 @@ def test_a_family_bears_the_name_of_its_line_in_the_table(name: str) -> None:
 
 
 @pytest.mark.parametrize(("one", "side"), LANES, ids=label)
-def test_every_scene_has_limits_and_is_read_back_from_its_file(one: Family, side: str, tmp_path: Path) -> None:
+def test_every_scene_has_limits_and_is_read_back_from_its_file(one: StressFamily, side: str, tmp_path: Path) -> None:
     ks = {one.first, (one.first + one.last) // 2, one.last, one.most}
     for k in sorted(ks):
         for seed in one.seeds:
@@ -55,13 +54,13 @@ def test_every_scene_has_limits_and_is_read_back_from_its_file(one: Family, side
 
 
 @pytest.mark.parametrize(("one", "side"), LANES, ids=label)
-def test_every_k_is_another_scene_or_another_length(one: Family, side: str) -> None:
+def test_every_k_is_another_scene_or_another_length(one: StressFamily, side: str) -> None:
     scenes = [one.scene(one.place(k, side)) for k in one.levels(short=True)]
     assert len({(scene.digest, scene.events) for scene in scenes}) == len(scenes)
 
 
 def test_a_family_s_places_are_in_order_lane_by_lane() -> None:
-    told = list(family("scaled").places((0, 5)))
+    told = list(stress_family("scaled").places((0, 5)))
     assert told[:3] == [MapPlace("scaled", 0, "up", 1), MapPlace("scaled", 5, "up", 1), MapPlace("scaled", 0, "up", 2)]
     assert len(told) == 8
 
@@ -77,19 +76,19 @@ def test_a_family_s_places_are_in_order_lane_by_lane() -> None:
 )
 def test_a_place_that_is_not_there_is_refused(k: int, side: str | None, seed: int | None, message: str) -> None:
     with pytest.raises(SceneError) as error:
-        family("near-ties").place(k, side, seed)
+        stress_family("near-ties").place(k, side, seed)
     assert message in str(error.value)
     with pytest.raises(SceneError, match="has the seeds 1, 2, 3"):
-        family("long-runs").place(3, "gas", 9)
+        stress_family("long-runs").place(3, "gas", 9)
     with pytest.raises(SceneError, match="did you mean 'near-ties'"):
-        family("near-tie")
+        stress_family("near-tie")
 
 
 # -- what is known of them
 
 
 @pytest.mark.parametrize(("one", "side"), [(one, s) for one, s in LANES if one.known is not None], ids=label)
-def test_the_closed_form_holds_and_not_for_another_side_or_k(one: Family, side: str) -> None:
+def test_the_closed_form_holds_and_not_for_another_side_or_k(one: StressFamily, side: str) -> None:
     assert one.known is not None
     low, high = one.first, min(one.last, 4) if one.name == "pi" else one.last
     for k in (low, high):
@@ -103,7 +102,7 @@ def test_the_closed_form_holds_and_not_for_another_side_or_k(one: Family, side: 
 
 @pytest.mark.parametrize("side", ["up", "down"])
 def test_units_of_length_change_no_history(side: str) -> None:
-    one = family("scaled")
+    one = stress_family("scaled")
     told = [run(one, k, side, 1) for k in (0, 7, 12, 20)]
     assert all(history(other) == history(told[0]) for other in told[1:])
     assert all([e.time.text() for e in t.events] == [e.time.text() for e in told[0].events] for t in told[1:])
@@ -111,14 +110,14 @@ def test_units_of_length_change_no_history(side: str) -> None:
 
 @pytest.mark.parametrize("side", ["along", "aslant"])
 def test_the_place_of_the_origin_changes_no_history(side: str) -> None:
-    one = family("moved")
+    one = stress_family("moved")
     told = [run(one, k, side) for k in (0, 12, 40)]
     assert all(history(other) == history(told[0]) for other in told[1:])
     assert all(other.events[-1].time.digits(30) == told[0].events[-1].time.digits(30) for other in told[1:])
 
 
 def test_the_brink_of_the_walls_is_at_parallel_ones() -> None:
-    one, pair = family("walls"), (("ball", "obstacle"),)
+    one, pair = stress_family("walls"), (("ball", "obstacle"),)
     for k in (4, 10, 17, 40):
         assert pair in history(run(one, k, "opening"))
         assert pair not in history(run(one, k, "closing"))
@@ -126,7 +125,7 @@ def test_the_brink_of_the_walls_is_at_parallel_ones() -> None:
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_the_pushed_one_is_first_whatever_the_ratio(side: str) -> None:
-    one = family("mass-ratios")
+    one = stress_family("mass-ratios")
     pushed = ("left", "middle") if side == "left" else ("middle", "right")
     for k in (1, 8, 20, 40):
         assert history(run(one, k, side))[1] == (pushed,)
@@ -134,7 +133,7 @@ def test_the_pushed_one_is_first_whatever_the_ratio(side: str) -> None:
 
 @pytest.mark.parametrize("side", ["left", "right"])
 def test_an_orbit_is_left_after_about_k_bounces(side: str) -> None:
-    one = family("unstable")
+    one = stress_family("unstable")
     counts = [len(run(one, k, side).events) for k in (5, 10, 20, 40)]
     assert counts == sorted(counts)
     assert all(k < count < 1.2 * k + 2 for k, count in zip((5, 10, 20, 40), counts, strict=True))
@@ -153,7 +152,7 @@ REFEREED = [
 @pytest.mark.parametrize(("name", "k", "events"), REFEREED)
 def test_the_referee_tells_the_exact_engine_s_history(name: str, k: int, events: int) -> None:
     """The referee keeps no queue, has no exact numbers, and shares no decision with the engine."""
-    one = family(name)
+    one = stress_family(name)
     for side in one.sides:
         scene = one.scene(one.place(k, side))
         told = ExactEngine().run(scene, events=events)
@@ -162,7 +161,7 @@ def test_the_referee_tells_the_exact_engine_s_history(name: str, k: int, events:
 
 @pytest.mark.parametrize(("name", "k"), [("near-ties", 40), ("mass-ratios", 30), ("slow-fast", 20)])
 def test_the_literal_engine_tells_the_exact_engine_s_history(name: str, k: int) -> None:
-    one = family(name)
+    one = stress_family(name)
     for side in one.sides:
         scene = one.scene(one.place(k, side))
         told, literal = (engine.run(scene, events=3) for engine in (ExactEngine(), SymbolicEngine()))
@@ -176,6 +175,6 @@ def test_a_family_of_one_s_own_is_a_family() -> None:
     def make(k: int, side: str, seed: int) -> Scene:
         return Scene([Circle(k, 0)], events=1)
 
-    one = Family(name="own", summary="A ball waits.", grows="k is nothing", make=make, last=2, most=3)
+    one = StressFamily(name="own", summary="A ball waits.", grows="k is nothing", make=make, last=2, most=3)
     assert one.scene(MapPlace("own", 2, "only")).name == "own-only-2"
     assert one.levels() == one.levels(short=True) == (1, 2)

@@ -1,19 +1,27 @@
-"""The full map in docs/stress.md: its tables, made of the ladders."""
+"""`python -m truebreak.compare.grids.stress_page docs/stress.md`: makes the full map, and writes page and picture."""
 
 from __future__ import annotations
 
+import argparse
 import re
+import sys
 from collections.abc import Sequence
 from hashlib import sha256
 from itertools import groupby
+from pathlib import Path
 
 from ...scenarios.errors import SceneError
-from .family import Family
-from .ladder import Ladder
-from .plan import Plan
-from .rows.marks import MapMark
+from ..cli.commands.sweep import how_far
+from ..cli.writing import check_writable, write_whole
+from ..report.pictures.heat_map import heat_map
+from .grid import carry_out
+from .store import Store
+from .stress_families import StressFamily
+from .stress_map import Ladder, MapMark, StressMap, ladders, stress_plan
 
-BEGIN = "<!-- made by `python -m truebreak.compare.stress docs/stress.md`: from here -->\n"
+TITLE = "Where each engine's answer turns wrong"
+
+BEGIN = "<!-- made by `python -m truebreak.compare.grids.stress_page docs/stress.md`: from here -->\n"
 END = "<!-- to here -->\n"
 
 POWER = re.compile(r"\w+\*\*(-?\w+|\([^)]*\))")
@@ -32,7 +40,7 @@ def rewritten(page: str, part: str) -> str:
     return f"{head}{begin}{part}{end}{tail}"
 
 
-def map_part(asked: Plan, told: Sequence[Ladder]) -> str:
+def map_part(asked: StressMap, told: Sequence[Ladder]) -> str:
     """The tables of a map, family by family, and what the witnesses say of the exact engine."""
     by_family = {name: list(group) for name, group in groupby(told, key=lambda ladder: ladder.family)}
     parts = [
@@ -44,7 +52,7 @@ def map_part(asked: Plan, told: Sequence[Ladder]) -> str:
     return "".join(f"\n{part}\n" for part in parts) + "\n"
 
 
-def exact_part(families: Sequence[Family], told: Sequence[Ladder]) -> str:
+def exact_part(families: Sequence[StressFamily], told: Sequence[Ladder]) -> str:
     """What the witnesses say of the exact engine."""
     closed = {one.name for one in families if one.known is not None}
     marks = [(ladder.family, mark) for ladder in told if ladder.engine == "exact" for mark in ladder.marks]
@@ -58,7 +66,7 @@ def exact_part(families: Sequence[Family], told: Sequence[Ladder]) -> str:
     )
 
 
-def family_part(one: Family, told: Sequence[Ladder]) -> str:
+def family_part(one: StressFamily, told: Sequence[Ladder]) -> str:
     """One family's table."""
     levels = told[0].levels
     rows = [
@@ -80,17 +88,17 @@ def family_part(one: Family, told: Sequence[Ladder]) -> str:
     )
 
 
-def scenes_digest(one: Family, levels: Sequence[int]) -> str:
+def scenes_digest(one: StressFamily, levels: Sequence[int]) -> str:
     """The first 16 letters of the SHA-256 of the digests of a family's scenes, lane by lane."""
     digests = "".join(one.scene(place).digest for place in one.places(tuple(levels)))
     return sha256(digests.encode()).hexdigest()[:16]
 
 
-def _show(one: Family) -> str:
+def _show(one: StressFamily) -> str:
     """The command that prints one of a family's scenes.
 
-    >>> from truebreak.compare.stress.table import family
-    >>> _show(family("scaled"))
+    >>> from truebreak.compare.grids.stress_families import stress_family
+    >>> _show(stress_family("scaled"))
     'truebreak stress scaled --show K --side up|down --seed 1|2'
     """
     seeds = "" if one.seeds == (0,) else f" --seed {'|'.join(map(str, one.seeds))}"
@@ -104,3 +112,30 @@ def _shown(words: str) -> str:
     'about pi * `10**(k/2)`, late by `10**-k`.'
     """
     return POWER.sub(r"`\g<0>`", words)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Makes the map and writes it; the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m truebreak.compare.grids.stress_page", description=__doc__)
+    parser.add_argument("file", help="the page, such as docs/stress.md; the picture is written beside it")
+    parser.add_argument("--store", help="keep the rows in this file, and resume from it")
+    options = parser.parse_args(arguments)
+    asked = stress_plan()
+    try:
+        page = Path(options.file).read_text(encoding="utf-8")
+        rewritten(page, "")
+        check_writable(options.file)
+        rows = Store(options.store or ":memory:", asked.settings)
+        carry_out(asked, rows, progress=lambda done: print(how_far("stress", "places", done), file=sys.stderr))
+        rows.verify()
+    except (SceneError, OSError) as error:
+        print(f"truebreak: error: {error}", file=sys.stderr)
+        return 2
+    told = ladders(rows, asked.engines)
+    write_whole(Path(options.file).with_suffix(".svg"), heat_map(asked.families, told, TITLE))
+    write_whole(options.file, rewritten(page, map_part(asked, told)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -16,19 +16,21 @@ import pytest
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.documents.stress import exact_sentence
+from truebreak.compare.grids import stress_page
+from truebreak.compare.grids.row import Row, row_schema
+from truebreak.compare.grids.stress_families import FAMILIES, MapPlace, StressFamily, stress_family
+from truebreak.compare.grids.stress_map import COLUMNS, Ladder, MapMark, StressJob, StressMap, ladders
+from truebreak.compare.grids.stress_map import stress_plan as plan
+from truebreak.compare.grids.stress_page import BEGIN, END, TITLE, map_part, rewritten
+from truebreak.compare.grids.stress_page import main as page_main
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
-from truebreak.compare.stress.__main__ import TITLE
-from truebreak.compare.stress.__main__ import main as page_main
-from truebreak.compare.stress.family import Family, MapPlace
-from truebreak.compare.stress.ladder import Ladder, ladders
-from truebreak.compare.stress.page import BEGIN, END, map_part, rewritten
-from truebreak.compare.stress.plan import Plan, plan
-from truebreak.compare.stress.rows.cell import Job, row_of
-from truebreak.compare.stress.rows.marks import MapMark
-from truebreak.compare.stress.table import FAMILIES, family
 from truebreak.scenarios import Scene, SceneError
 
 FULL = plan()
+
+
+def rows_of(asked: StressMap) -> list[Row]:
+    return [row for index in asked.indices() for row in asked.job(index).rows()]
 
 
 def call(arguments: list[str]) -> int:
@@ -66,7 +68,7 @@ def test_a_ladder_tells_the_first_wrong_and_where_it_does_not_stay(
 
 
 def test_ladders_are_lane_by_lane_with_the_exact_engine_first() -> None:
-    rows = [row_of(Job(place, ("double",))) for place in plan(["near-ties"], ["double"], levels="15..16").places()]
+    rows = rows_of(plan(["near-ties"], ["double"], levels="15..16"))
     told = ladders(rows, ["double"])
     assert [(one.side, one.engine, one.signs) for one in told] == [
         ("left", "exact", ".."), ("left", "double", ".X"), ("right", "exact", ".."), ("right", "double", ".X")
@@ -75,7 +77,7 @@ def test_ladders_are_lane_by_lane_with_the_exact_engine_first() -> None:
 
 def test_a_near_tie_is_lost_where_the_numbers_are_too_far_apart() -> None:
     """The late ball stands at 4 + 10**-k, or at -3 - 10**-k: late as long as that is another number than 4, or -3."""
-    rows = [row_of(Job(place, ("single", "double"))) for place in plan(["near-ties"], levels="5..18").places()]
+    rows = rows_of(plan(["near-ties"], ["single", "double"], levels="5..18"))
     found = {(one.side, one.engine): one for one in ladders(rows, ["single", "double"])}
     for side, place in (("left", 4), ("right", 3)):
         for engine, kind in (("single", np.float32), ("double", np.float64)):
@@ -85,7 +87,7 @@ def test_a_near_tie_is_lost_where_the_numbers_are_too_far_apart() -> None:
 
 
 def test_what_is_not_right_is_told_of_the_exact_engine() -> None:
-    rows = [{"exact": {"mark": mark, "closed_form": None}} for mark in ("right", "wrong", "unchecked", "right")]
+    rows = [Row(0, "s", "exact", mark=mark) for mark in ("right", "wrong", "unchecked", "right")]
     assert exact_sentence(rows).endswith(
         "right at 2 of 4 places, each proved again by the independent checker; 1 wrong, 1 unchecked."
     )
@@ -94,7 +96,7 @@ def test_what_is_not_right_is_told_of_the_exact_engine() -> None:
 # -- the page in the docs
 
 
-def told_by(page: str, asked: Plan) -> list[Ladder]:
+def told_by(page: str, asked: StressMap) -> list[Ladder]:
     """The ladders that the page's tables tell."""
     part = page.partition(BEGIN)[2].partition(END)[0]
     found: dict[tuple[str, str, str], Ladder] = {}
@@ -111,7 +113,7 @@ def told_by(page: str, asked: Plan) -> list[Ladder]:
             found[name, row[1], row[0]] = Ladder(
                 name, side, int(seed or 0), row[0], tuple(marks), tuple(marks.values())
             )
-    lanes = dict.fromkeys((place.family, place.lane) for place in asked.places())
+    lanes = dict.fromkeys((place.family, place.lane) for place in asked.places)
     return [found[name, lane, engine] for name, lane in lanes for engine in ("exact", *asked.engines)]
 
 
@@ -134,7 +136,7 @@ def test_the_page_is_of_the_families_as_they_are_now(page: str, told: list[Ladde
 
 def test_every_level_of_every_lane_is_on_the_page(told: list[Ladder]) -> None:
     places = [(one.family, one.side, one.seed, k) for one in told if one.engine == "exact" for k in one.levels]
-    assert places == [(place.family, place.side, place.seed, place.k) for place in FULL.places()]
+    assert places == [(place.family, place.side, place.seed, place.k) for place in FULL.places]
     assert {one.family for one in told} == set(FAMILIES)
 
 
@@ -145,10 +147,10 @@ def test_the_picture_is_that_of_the_page(root: Path, told: list[Ladder]) -> None
 def test_the_exact_engine_is_right_wherever_the_map_is(told: list[Ladder]) -> None:
     marks = [mark for one in told if one.engine == "exact" for mark in one.marks]
     assert set(marks) == {MapMark.RIGHT}
-    assert len(marks) == len(list(FULL.places()))
+    assert len(marks) == len(list(FULL.places))
 
 
-def checked_again(one: Family, told: list[Ladder]) -> list[MapPlace]:
+def checked_again(one: StressFamily, told: list[Ladder]) -> list[MapPlace]:
     """The ends of a family's first ladder, and the brink of `double` on its last; nothing that takes long."""
     mine = [x for x in told if x.family == one.name and x.engine == "double"]
     first, last = mine[0], mine[-1]
@@ -163,23 +165,21 @@ def checked_again(one: Family, told: list[Ladder]) -> list[MapPlace]:
 @pytest.mark.parametrize("name", FAMILIES)
 def test_places_are_still_what_the_page_says(name: str, page: str, told: list[Ladder]) -> None:
     """The short map of every test run; an engine of another version than the page's may have turned."""
-    for place in checked_again(family(name), told):
-        row = row_of(Job(place, FULL.engines))
+    for place in checked_again(stress_family(name), told):
+        rows = {row.engine: row for row in StressJob(0, place, FULL.engines).rows()}
         for one in told:
             if (one.family, one.side, one.seed) != (place.family, place.side, place.seed):
                 continue
             if one.engine.startswith("pymunk") and f"pymunk {version('pymunk')}." not in page:
                 continue
-            mark = row["exact"]["mark"] if one.engine == "exact" else row["engines"][one.engine]["mark"]
-            assert mark == one.marks[one.levels.index(place.k)].value, (place, one.engine, row)
+            row = rows[one.engine]
+            assert row.mark == one.marks[one.levels.index(place.k)].value, row
 
 
 def test_the_command_that_makes_the_page_writes_both(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from truebreak.compare.stress import __main__ as command
-
     asked = plan(["corners"], ["double"], levels="15..16")
-    monkeypatch.setattr(command, "plan", lambda: asked)
-    file, store = tmp_path / "p.md", tmp_path / "p.jsonl"
+    monkeypatch.setattr(stress_page, "stress_plan", lambda: asked)
+    file, store = tmp_path / "p.md", tmp_path / "p.db"
     file.write_text(f"Before.\n{BEGIN}old\n{END}After.\n", "utf-8")
     assert page_main([str(file), "--store", str(store)]) == 0
     text = file.read_text("utf-8")
@@ -229,7 +229,7 @@ def test_the_picture_draws_every_stretch_and_names_every_lane() -> None:
     long = "pymunk:max_steps=300000,iterations=128"
     marks = tuple(MapMark)
     mine = [Ladder("near-ties", side, 0, long, tuple(range(1, 8)), marks) for side in ("left", "right")]
-    text = heat_map([family("near-ties")], mine, "A <title> & more")
+    text = heat_map([stress_family("near-ties")], mine, "A <title> & more")
     picture = ElementTree.fromstring(text)
     words = [node.text or "" for node in picture.iter("{http://www.w3.org/2000/svg}text")]
     assert {f"{long}  left", f"{long}  right", "A <title> & more", "wrong at 2"} <= set(words)
@@ -245,7 +245,7 @@ def test_the_picture_draws_every_stretch_and_names_every_lane() -> None:
 
 
 def test_json_is_what_its_schema_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    store = str(tmp_path / "map.jsonl")
+    store = str(tmp_path / "map.db")
     arguments = [
         "stress",
         "near-ties",
@@ -260,9 +260,11 @@ def test_json_is_what_its_schema_says(tmp_path: Path, capsys: pytest.CaptureFixt
     assert call(arguments) == 0
     out = capsys.readouterr().out
     data: dict[str, Any] = json.loads(out)
-    jsonschema.Draft202012Validator(schema("stress-1")).validate(data)
+    jsonschema.Draft202012Validator(schema("stress-2")).validate(data)
     assert data["exact"] == {"places": 16, "closed_form": 8, "right": 16}
-    assert {place["k"] for place in data["places"]} == {1, 14, 27, 40}
+    assert schema("stress-2")["properties"]["rows"]["items"] == row_schema(COLUMNS)
+    assert {row["parameters"]["k"] for row in data["rows"]} == {"1", "14", "27", "40"}
+    assert [row["engine"] for row in data["rows"][:3]] == ["exact", "single", "interval"]
     assert call(arguments) == 0
     assert capsys.readouterr().out == out
 
@@ -299,7 +301,7 @@ def test_the_list_names_every_family(capsys: pytest.CaptureFixture[str]) -> None
         (["near-ties", "--levels", "0..3"], "k = 0: near-ties has k from 1 to 300"),
         (["near-ties", "--levels", "299..301"], "k = 301: near-ties has k from 1 to 300"),
         (["--levels", "20..21"], "k = 20: pi has k from 0 to 8"),
-        (["near-ties", "--levels", "5..3"], "is not LOW..HIGH"),
+        (["near-ties", "--levels", "5..3"], "the range is empty, as 3 is below 5"),
         (["near-ties", "--levels", "five"], "is not LOW..HIGH"),
         (["near-ties", "--levels", "1..2000"], "at most 1,000"),
         (["near-ties", "--levels", "1..2", "--short"], "keep one of them"),
@@ -312,7 +314,7 @@ def test_the_list_names_every_family(capsys: pytest.CaptureFixture[str]) -> None
         (["near-ties", "--show", "3", "--json"], "--show prints one scene and runs nothing"),
         (["near-ties", "grazes", "--show", "3"], "name one family"),
         (["near-ties", "--side", "left"], "add --show K"),
-        (["near-ties", "--store", "/nowhere/map.jsonl"], "no folder"),
+        (["near-ties", "--store", "/nowhere/map.db"], "no folder"),
         (["near-ties", "--store", "/dev/null"], "is no regular file"),
         (["near-ties", "--svg", "/nowhere/map.svg"], "no folder"),
         (["near-ties", "--jobs", "0"], "--jobs"),
@@ -333,11 +335,11 @@ def test_a_foreign_file_is_one_line_and_stays(tmp_path: Path, capsys: pytest.Cap
     path.write_text("my notes", "utf-8")
     assert call(["stress", "near-ties", "--store", str(path)]) == 2
     error = capsys.readouterr().err
-    assert "is no store of a stress map" in error and len(error.splitlines()) == 1
+    assert "is no store of a grid" in error and len(error.splitlines()) == 1
     assert path.read_text("utf-8") == "my notes"
 
 
 def test_a_family_out_of_its_own_range_is_refused_by_its_scene_too() -> None:
-    one = Family(name="own", summary="A.", grows="k", make=lambda k, side, seed: Scene([]), last=2, most=3)
+    one = StressFamily(name="own", summary="A.", grows="k", make=lambda k, side, seed: Scene([]), last=2, most=3)
     with pytest.raises(SceneError, match="k = 4: own has k from 1 to 3"):
         one.scene(MapPlace("own", 4, "one"))

@@ -10,16 +10,13 @@ from typing import Any
 import pytest
 
 from truebreak.compare.certificate import certificate_json, certificate_of
-from truebreak.compare.certificate.certified import Certified, verdict
 from truebreak.compare.cli import main
 from truebreak.compare.cli.commands.stress import code_of
 from truebreak.compare.cli.exit_codes import ExitCode
-from truebreak.compare.stress.family import MapPlace
-from truebreak.compare.stress.rows import witness as witnessing
-from truebreak.compare.stress.rows.cell import Job, row_of
-from truebreak.compare.stress.rows.marks import MapMark
-from truebreak.compare.stress.rows.witness import witness
-from truebreak.compare.stress.table import family
+from truebreak.compare.grids import stress_map as witnessing
+from truebreak.compare.grids.row import Row
+from truebreak.compare.grids.stress_families import MapPlace, stress_family
+from truebreak.compare.grids.stress_map import MapMark, StressJob, checked, witness
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Scene, SceneError, Trajectory
@@ -52,25 +49,25 @@ def call(arguments: list[str]) -> int:
 def test_a_cell_is_what_compare_says_of_the_scene_that_it_shows(
     place: MapPlace, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    row = row_of(Job(place, ENGINES))
+    exact, *rows = StressJob(0, place, ENGINES).rows()
     assert call(place.show.split()[1:]) == 0
     file = tmp_path / "scene.toml"
     file.write_text(capsys.readouterr().out, "utf-8")
-    for engine in ENGINES:
+    for engine, row in zip(ENGINES, rows, strict=True):
         code = call(["compare", str(file), "--engines", engine, "--json"])
         told = capsys.readouterr()
-        mark = row["engines"][engine]["mark"]
+        mark = str(row.mark)
         assert code in CODES[mark], (engine, told.err)
         if code == 2:
-            assert row["engines"][engine]["told"] in told.err
+            assert str(row.note) in told.err
             continue
         data = json.loads(told.out)
-        assert data["scene"]["digest"] == row["scene"]
+        assert data["scene"]["digest"] == row.digest == exact.digest
         (candidate,) = data["candidates"]
         assert candidate["verdict"] == {"right": "agree", "wrong": "diverged"}.get(mark, mark)
         if mark == "wrong":
-            assert candidate["first_divergence"]["event"] == row["engines"][engine]["event"]
-            assert candidate["changed_outcomes"] == row["engines"][engine]["changed"]
+            assert candidate["first_divergence"]["event"] == row.event
+            assert candidate["changed_outcomes"] == row.changed
 
 
 # -- engines
@@ -123,30 +120,27 @@ class Unchanged(DoubleEngine):
     [("Stops", "undecided"), ("Raises", "failed"), ("Refuses", "refused"), ("Before", "wrong"), ("Unchanged", "right")],
 )
 def test_an_engine_s_end_is_a_mark_and_never_the_end_of_the_map(name: str, mark: str) -> None:
-    row = row_of(Job(MapPlace("near-ties", 3, "left"), (f"{__name__}:{name}",)))
-    (told,) = row["engines"].values()
-    assert told["mark"] == mark
+    _, told = StressJob(0, MapPlace("near-ties", 3, "left"), (f"{__name__}:{name}",)).rows()
+    assert told.mark == mark
 
 
 def test_where_the_reference_does_not_know_nothing_is_right(monkeypatch: pytest.MonkeyPatch) -> None:
-    from truebreak.compare.stress.rows import cell
-
-    monkeypatch.setattr(cell, "ExactEngine", lambda: ExactEngine(max_bits=256))
-    row = row_of(Job(MapPlace("near-ties", 200, "left"), ("double", "quad")))
-    assert row["exact"]["mark"] == "undecided"
-    assert {told["mark"] for told in row["engines"].values()} <= {"undecided", "unsettled", "wrong"}
-    assert code_of([row]) is ExitCode.UNDECIDED
+    monkeypatch.setattr(witnessing, "ExactEngine", lambda: ExactEngine(max_bits=256))
+    exact, *others = StressJob(0, MapPlace("near-ties", 200, "left"), ("double", "quad")).rows()
+    assert exact.mark == "undecided"
+    assert {told.mark for told in others} <= {"undecided", "unsettled", "wrong"}
+    assert code_of([exact, *others]) is ExitCode.UNDECIDED
 
 
 # -- the exact engine
 
 
-def checked(code: int) -> MapMark:
+def marked(code: int) -> MapMark:
     """The mark of a right run if the checker ended with a code."""
-    one = family("long-runs")
+    one = stress_family("long-runs")
     place = one.place(3)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(witnessing, "certified", lambda run: Certified("{}", code, "its sentence"))
+        patch.setattr(witnessing, "checked", lambda text: (code, "its sentence"))
         patch.setattr(witnessing, "MOST_TIMES", 1)
         told = witness(ExactEngine().run(one.scene(place)), one, place)
     assert told.told == "its sentence"
@@ -154,7 +148,7 @@ def checked(code: int) -> MapMark:
 
 
 def test_the_exact_engine_is_right_only_where_the_checker_says_so() -> None:
-    assert [checked(code) for code in (0, 1, 2, 4)] == [
+    assert [marked(code) for code in (0, 1, 2, 4)] == [
         MapMark.RIGHT,
         MapMark.WRONG,
         MapMark.UNCHECKED,
@@ -164,7 +158,7 @@ def test_the_exact_engine_is_right_only_where_the_checker_says_so() -> None:
 
 def test_the_history_of_another_scene_is_refuted() -> None:
     """The run in which the right pair goes first, held out as that of the scene in which the left one does."""
-    one = family("near-ties")
+    one = stress_family("near-ties")
     mine, other = one.place(20, "left"), one.place(20, "right")
     run = ExactEngine().run(one.scene(other))
     assert witness(run, one, other).mark is MapMark.RIGHT
@@ -175,12 +169,12 @@ def test_the_history_of_another_scene_is_refuted() -> None:
 
 def test_a_certificate_of_too_few_bits_is_checked_with_more(monkeypatch: pytest.MonkeyPatch) -> None:
     """Refuted it is not, and right only once the checker has proved it."""
-    one = family("near-ties")
+    one = stress_family("near-ties")
     place = one.place(30)
     run = ExactEngine().run(one.scene(place))
-    text = certificate_json({**certificate_of(run), "bits": 80})
-    assert verdict(text)[0] == 4
-    monkeypatch.setattr(witnessing, "certified", lambda run: Certified(text, *verdict(text)))
+    rough = {**certificate_of(run), "bits": 80}
+    assert checked(certificate_json(rough))[0] == 4
+    monkeypatch.setattr(witnessing, "certificate_of", lambda run: rough)
     told = witness(run, one, place)
     assert told.mark is MapMark.RIGHT
     assert told.told.startswith("verified: 4 events, to the end: quiet; ")
@@ -190,7 +184,7 @@ def test_a_certificate_of_too_few_bits_is_checked_with_more(monkeypatch: pytest.
 
 
 def test_a_closed_form_that_says_otherwise_refutes() -> None:
-    one = replace(family("long-runs"), known=lambda run, k, side, seed: False)
+    one = replace(stress_family("long-runs"), known=lambda run, k, side, seed: False)
     place = one.place(3)
     assert witness(ExactEngine().run(one.scene(place)), one, place).mark is MapMark.WRONG
 
@@ -208,13 +202,13 @@ def test_a_run_without_a_certificate_is_not_right(
 ) -> None:
     """Nor is one whose certificate the writer itself refutes."""
 
-    def refused(run: Trajectory) -> Certified:
+    def refused(run: Trajectory) -> dict[str, Any]:
         raise error
 
-    one = family("near-ties")
+    one = stress_family("near-ties")
     place = one.place(20)
     run = ExactEngine().run(one.scene(place))
-    monkeypatch.setattr(witnessing, "certified", refused)
+    monkeypatch.setattr(witnessing, "certificate_of", refused)
     assert witness(run, one, place).mark is mark
 
 
@@ -228,4 +222,4 @@ def test_a_run_without_a_certificate_is_not_right(
     ],
 )
 def test_the_exit_code_tells_of_the_exact_engine(marks: list[str], code: ExitCode) -> None:
-    assert code_of([{"exact": {"mark": mark}} for mark in marks]) is code
+    assert code_of([Row(0, "s", "exact", mark=mark) for mark in marks]) is code
