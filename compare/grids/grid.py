@@ -7,15 +7,15 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import dataclass
 from itertools import islice
-from queue import SimpleQueue
+from queue import Empty, SimpleQueue
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.errors import SceneError
 from .executors import Here, cores, do, pool, starts
+from .store import SECONDS, Store
 
 if TYPE_CHECKING:
     from .row import Row
-    from .store import Store
 
 IN_FLIGHT = 3
 """Jobs handed out for each worker: one at work, and the next ready."""
@@ -168,7 +168,7 @@ class _Run:
                     if broken is not None:
                         self._check_own(broken)
                     return sorted(again), broken is None
-                future = ended.get()
+                future = self._next(ended)
                 index, error = flying.pop(future), future.exception()
                 if error is None:
                     self._keep(index, future)
@@ -183,6 +183,14 @@ class _Run:
                 future.cancel()
             if self.given is None:
                 executor.shutdown(wait=True, cancel_futures=True)
+
+    def _next(self, ended: SimpleQueue[Future[Any]]) -> Future[Any]:
+        """The next that ends; what is there is written before it is long waited for."""
+        try:
+            return ended.get(timeout=SECONDS)
+        except Empty:
+            self.store.keep()
+            return ended.get()
 
     def _alone(self, index: int) -> None:
         """The second attempt at a scene, with no other in flight: what dies now dies of it."""

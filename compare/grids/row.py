@@ -188,7 +188,7 @@ def row_of(data: Any, where: str) -> Row:
     >>> row_of({"index": 0, "scene": "lee", "engine": "double", "agreed": True}, "file 'x': row 0")
     Traceback (most recent call last):
       ...
-    truebreak.scenarios.errors.SceneError: file 'x': row 0: agreed = True; write the report again
+    truebreak.scenarios.errors.SceneError: file 'x': row 0: agreed = true; write the report again
     """
     if not isinstance(data, dict):
         raise SceneError(f"{where} is no object; write the report again")

@@ -18,9 +18,9 @@ from .row import Row
 
 FORMAT = "truebreak/grid-store-1"
 
-BATCH, SECONDS = 256, 0.5
-"""Scenes, and seconds, after which what was added is written: a kill loses no more, and a disk is not waited for at
-each of a thousand small scenes."""
+BATCH, SECONDS, SHORT = 256, 0.5, 0.05
+"""Scenes, and seconds, after which what was added is written: a kill loses no more. A scene that took longer than the
+last of these is written at once: the disk is not waited for at each of a thousand small ones alone."""
 
 COLUMNS = {
     **{key: f"json_extract(row, '$.{key}')" for key in ("engine", "verdict", "agreed", "event", "at", "foreseen_low",
@@ -148,7 +148,7 @@ class Store(Sequence[Row]):
             self.base.execute("INSERT OR REPLACE INTO jobs VALUES (?, ?, ?, ?, ?)",
                               (job, key, _digest(*texts, place=job), seconds, len(texts)))  # fmt: skip
         self._waiting += 1
-        if self._waiting >= BATCH or clock.monotonic() - self._written >= SECONDS:
+        if seconds >= SHORT or self._waiting >= BATCH or clock.monotonic() - self._written >= SECONDS:
             self.keep()
 
     def keep(self) -> None:

@@ -109,9 +109,8 @@ def sweep(
     """
     from ...documents.sweep import print_sweep, sweep_json
     from ...engines import split_engines
-    from ...grids.family_sweep import plan
+    from ...grids.family_sweep import csv_parts, plan
     from ...grids.grid import carry_out
-    from ...grids.grid_tables import csv_parts
     from ...grids.store import Store, merged
     from ...grids.survival import summaries, uncertainty
     from ...report.pictures.sweep_plots import survival_svg

@@ -18,7 +18,7 @@ NAMES = (
     "stress-2",
     "advice-1",
     "bench-2",
-    "suite-1",
+    "suite-2",
     "run-1",
     "saved-comparison-1",
 )

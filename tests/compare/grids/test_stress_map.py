@@ -12,17 +12,17 @@ from xml.etree import ElementTree
 import jsonschema
 import numpy as np
 import pytest
+import stress_page
+from stress_page import BEGIN, END, TITLE, map_part, rewritten
+from stress_page import main as page_main
 
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.documents.stress import exact_sentence
-from truebreak.compare.grids import stress_page
 from truebreak.compare.grids.row import Row, row_schema
 from truebreak.compare.grids.stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 from truebreak.compare.grids.stress_map import COLUMNS, Ladder, MapMark, StressJob, StressMap, ladders
 from truebreak.compare.grids.stress_map import stress_plan as plan
-from truebreak.compare.grids.stress_page import BEGIN, END, TITLE, map_part, rewritten
-from truebreak.compare.grids.stress_page import main as page_main
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.scenarios import Scene, SceneError
 

@@ -14,12 +14,19 @@ import pytest
 from truebreak.compare import compare, study
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.suites.cell import Cell
-from truebreak.compare.suites.document import suite_json
-from truebreak.compare.suites.holding import hold
-from truebreak.compare.suites.running import SuiteReport, run_suite
-from truebreak.compare.suites.since import read_report, since
-from truebreak.compare.suites.suite import Task, parsed_suite, read_suite
+from truebreak.compare.grids.row import Row, row_schema
+from truebreak.compare.grids.suite_file import (
+    COLUMNS,
+    SuiteReport,
+    Task,
+    hold,
+    parsed_suite,
+    read_report,
+    read_suite,
+    run_suite,
+    since,
+    suite_json,
+)
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import SceneError, catalogue
 
@@ -45,74 +52,72 @@ def report() -> SuiteReport:
     return run_suite(parsed_suite(SUITE, "mine.toml"))
 
 
+def test_the_schema_is_that_of_its_rows() -> None:
+    assert schema("suite-2")["properties"]["rows"]["items"] == row_schema(COLUMNS)
+
+
 def test_every_engine_meets_every_scene(report: SuiteReport) -> None:
-    assert [cell.key for cell in report.cells] == [
+    assert [row.pair for row in report.rows] == [
         ("lee", "double"),
         ("lee", "single"),
         ("gas:n=3", "double"),
         ("gas:n=3", "single"),
         ("near-tie", "double"),
     ]
-    assert [cell.verdict for cell in report.cells] == ["agree"] * 4 + ["diverged"]
+    assert [row.verdict for row in report.rows] == ["agree"] * 4 + ["diverged"]
     assert report.verdict == "diverged"
-    last = report.cells[-1]
-    assert last.divergence is not None
-    assert last.divergence["event"] == 0
+    last = report.rows[-1]
+    assert last.event == 0
     assert last.cause == "input rounding"
-    assert "final_velocities" in last.changed
-    assert all(cell.events == 8 for cell in report.cells if cell.scene == "gas:n=3")
+    assert "final_velocities" in (last.changed or ())
+    assert all(row.events == 8 for row in report.rows if row.scene == "gas:n=3")
 
 
 def test_energy_drift_is_that_of_the_run(report: SuiteReport) -> None:
-    drifts = {cell.key: cell.drift for cell in report.cells}
+    drifts = {row.pair: row.drift for row in report.rows}
     assert abs(drifts["gas:n=3", "double"] or 0.0) < 1e-14
     assert 1e-9 < abs(drifts["gas:n=3", "single"] or 0.0) < 1e-5
 
 
 def test_json_is_what_its_schema_says(report: SuiteReport) -> None:
-    changed = since(suite_json(report), replace(report, cells=report.cells[1:]))
+    changed = since(report.rows, replace(report, rows=report.rows[1:]))
     for data in (suite_json(report), suite_json(report, changed)):
-        jsonschema.Draft202012Validator(schema("suite-1")).validate(json.loads(json.dumps(data)))
+        jsonschema.Draft202012Validator(schema("suite-2")).validate(json.loads(json.dumps(data)))
 
 
-def other(cell: Cell, **changes: Any) -> SuiteReport:
-    return SuiteReport("mine.toml", (replace(cell, **changes),))
+def other(row: Row, **changes: Any) -> SuiteReport:
+    return SuiteReport("mine.toml", (replace(row, **changes),))
 
 
 def test_nothing_changed_where_only_seconds_and_last_digits_did(report: SuiteReport) -> None:
-    again = tuple(replace(cell, seconds=9.0, drift=0.25) for cell in report.cells)
-    assert since(suite_json(report), replace(report, cells=again)) == []
+    again = tuple(replace(row, seconds=9.0, drift=0.25) for row in report.rows)
+    assert since(report.rows, replace(report, rows=again)) == []
 
 
 @pytest.mark.parametrize(
     ("changes", "what", "words"),
     [
-        ({"verdict": "agree", "divergence": None}, "verdict", "diverged at event 0 before, agreed"),
-        ({"changed": ()}, "outcomes", "other outcomes are wrong"),
+        ({"verdict": "agree", "event": None}, "verdict", "diverged at event 0 before, agreed"),
+        ({"changed": []}, "outcomes", "other outcomes are wrong"),
         ({"digest": "0" * 64}, "scene", "the scene itself is another"),
         ({"scene": "lee"}, "new", "is new, diverged at event 0"),
     ],
 )
 def test_what_changed_is_told(report: SuiteReport, changes: dict[str, Any], what: str, words: str) -> None:
-    cell = report.cells[-1]
-    earlier = suite_json(SuiteReport("mine.toml", (cell,)))
-    first = since(earlier, other(cell, **changes))[0]
+    row = report.rows[-1]
+    first = since([row], other(row, **changes))[0]
     assert first.what == what
     assert words in first.sentence
 
 
 def test_another_partner_is_another_divergence(report: SuiteReport) -> None:
-    cell = report.cells[-1]
-    assert cell.divergence is not None
-    earlier = suite_json(SuiteReport("mine.toml", (cell,)))
-    moved = other(cell, divergence={**cell.divergence, "got": "left"})
-    assert [change.what for change in since(earlier, moved)] == ["divergence"]
-    later = other(cell, divergence={**cell.divergence, "time": 1.5})
-    assert since(earlier, later) == []
+    row = report.rows[-1]
+    assert [change.what for change in since([row], other(row, got="left"))] == ["divergence"]
+    assert since([row], other(row, at=1.5)) == []
 
 
 def test_what_is_gone_is_told(report: SuiteReport) -> None:
-    (change,) = since(suite_json(report), replace(report, cells=report.cells[:-1]))
+    (change,) = since(report.rows, replace(report, rows=report.rows[:-1]))
     assert change.what == "gone"
     assert change.sentence.startswith("double on near-tie: was in the earlier report")
 
@@ -166,7 +171,7 @@ def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
 
     def ran(*words: str) -> tuple[int, str]:
         with pytest.raises(SystemExit) as stop:
-            main(["suite", str(path), *words])
+            main(["suite", str(path), "--jobs", "1", *words])
         said = capsys.readouterr()
         assert said.err == ""
         return int(stop.value.code or 0), said.out
@@ -186,7 +191,7 @@ def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
 
 
 @pytest.mark.parametrize(
-    "text", ["", "[]", "[" * 100_000, '{"schema": "truebreak/suite-0", "cells": []}', '{"schema": "truebreak/suite-1"}']
+    "text", ["", "[]", "[" * 100_000, '{"schema": "truebreak/suite-1", "cells": []}', '{"schema": "truebreak/suite-2"}']
 )
 def test_bad_earlier_reports_are_one_line(text: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, before = tmp_path / "mine.toml", tmp_path / "before.json"
@@ -214,9 +219,9 @@ def test_an_engine_that_raises_has_a_cell_that_says_so(tmp_path: Path, monkeypat
     (tmp_path / "broken_engine.py").write_text(RAISES, encoding="utf-8")
     monkeypatch.syspath_prepend(str(tmp_path))
     text = 'engines = ["mine=broken_engine:Broken", "double"]\n[[scene]]\nname = "lee"'
-    mine, double = run_suite(parsed_suite(text, "mine.toml")).cells
-    assert (mine.engine, mine.verdict, double.verdict) == ("mine", "undecided", "agree")
-    assert "my engine is broken" in mine.stop
+    mine, double = run_suite(parsed_suite(text, "mine.toml")).rows
+    assert (mine.engine, mine.verdict, double.verdict) == ("mine", "failed", "agree")
+    assert "my engine is broken" in str(mine.note)
 
 
 def test_the_time_of_a_run_is_without_the_series_that_settles_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -262,24 +267,26 @@ def test_only_changes_needs_an_earlier_report(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("key", "value", "told"),
     [
-        ("divergence", 5, "cell 0: divergence = 5"),
-        ("divergence", {}, "cell 0: divergence has no event"),
-        ("agreed", "many", "cell 0: agreed = 'many'"),
-        ("agreed", True, "cell 0: agreed = true"),
-        ("changed", None, "cell 0: changed = null"),
-        ("changed", [1], "cell 0: changed is no list of names"),
-        ("engine", ["double"], "cell 0: engine = ['double']"),
+        ("event", "five", "row 0: event = 'five'"),
+        ("event", 3, "row 0: event 3 has no body"),
+        ("agreed", "many", "row 0: agreed = 'many'"),
+        ("agreed", True, "row 0: agreed = true"),
+        ("changed", [1], "row 0: changed = [1]"),
+        ("engine", ["double"], "row 0: engine = ['double']"),
+        ("verdict", "right", "row 0: verdict = 'right'"),
+        ("laws", {"kept": True}, "row 0: laws = {'kept': True}"),
+        ("cell", 1, "row 0: 'cell' is no part of a row"),
     ],
 )
-def test_cells_of_something_else_are_one_line(
+def test_rows_of_something_else_are_one_line(
     report: SuiteReport, key: str, value: object, told: str, tmp_path: Path
 ) -> None:
     data = json.loads(json.dumps(suite_json(report)))
-    data["cells"][0][key] = value
+    data["rows"][0][key] = value
     path = tmp_path / "earlier.json"
     path.write_text(json.dumps(data), encoding="utf-8")
     with pytest.raises(SceneError, match=re.escape(told)):
         read_report(str(path))
-    path.write_text(json.dumps({**data, "cells": [5]}), encoding="utf-8")
-    with pytest.raises(SceneError, match="cell 0 is no object"):
+    path.write_text(json.dumps({**data, "rows": [5]}), encoding="utf-8")
+    with pytest.raises(SceneError, match="row 0 is no object"):
         read_report(str(path))

@@ -10,13 +10,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...scenarios.errors import SceneError
-from ..report.pictures.sweep_plots import law_points
-from .family_sweep import COLUMNS
-from .survival import summaries
+from ....scenarios.errors import SceneError
+from ...grids.family_sweep import COLUMNS
+from ...grids.survival import summaries
+from .sweep_plots import law_points
 
 if TYPE_CHECKING:
-    from .row import Row
+    from ...grids.row import Row
 
 
 def plot_survival(rows: Sequence[Row], ax: Any = None) -> Any:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
 from typing import TYPE_CHECKING, TypeAlias
 
 from ...exact.exact_engine import ExactEngine
@@ -13,20 +15,141 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.settings import positive_time
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
+from ..chaos.hazard.errors import ErrorModel, model_of
+from ..chaos.horizon import Forecaster
+from ..chaos.levels import LEVELS
+from ..comparison import candidate_of, explained
 from ..engines import engine as engine_named
-from ..grids.scene_family import nudged
+from ..outcomes.table import outcomes_of
 from ..study import Study
+from ..tangent.impacts import NoTangentMap, impacts
 from ..validation import check_until, checked_number, unsupported
-from .found import Advice, Cost, End, Instance, Tried
-from .goal import HistoryGoal
-from .ladder import RunSize, Setting, cost, ladder
-from .why import reasons
+from .goals import HistoryGoal
+from .scene_family import nudged
+from .setting_ladder import RunSize, Setting, cost, ladder
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
-    from .goal import Goal, Judged
+    from .goals import Goal, Judged
+
+
+class End(Enum):
+    """How a search ended."""
+
+    FOUND = "a setting is right"
+    BUDGET = "the budget is spent"
+    LADDER = "no costlier setting is to be had"
+    REFERENCE = "the certified run itself is not decided"
+
+
+@dataclass(frozen=True)
+class Instance:
+    """One scene on which a setting has to be right.
+
+    Attributes:
+        seed: of its velocities; None: the scene as it is.
+        study: its certified run.
+    """
+
+    seed: int | None
+    study: Study = field(repr=False)
+
+    @property
+    def label(self) -> str:
+        """What reports call it."""
+        return "the scene itself" if self.seed is None else f"perturbed {self.seed}"
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One setting, held against the certified run of some of the scenes.
+
+    Attributes:
+        setting: the setting.
+        judged: what came out, by the scene's seed (None: the scene itself).
+        of: how many scenes there are.
+    """
+
+    setting: Setting
+    judged: dict[int | None, Judged]
+    of: int
+
+    @property
+    def wrong(self) -> list[int | None]:
+        """The scenes on which it is wrong, as far as it was tried."""
+        return [seed for seed, told in self.judged.items() if not told.right]
+
+    @property
+    def right(self) -> bool:
+        """Whether it is right on every scene."""
+        return len(self.judged) == self.of and not self.wrong
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one run of the setting over the scene took, and the certified run: seconds of this machine's processor."""
+
+    seconds: float
+    exact_seconds: float
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What a search found.
+
+    Attributes:
+        scene, goal, engine: what was asked.
+        size, perturbed: of the changes of velocities; the seeds of the scenes beside this one.
+        left_out: seeds of those whose certified run is not decided, so that nothing can be held against it.
+        budget, spent: units of work.
+        tried: every setting that was tried, cheapest first, up to the one that is right.
+        end: how the search ended.
+        beyond: costlier settings, tried after that.
+        cost: of the setting that is right.
+        why: where none is, why.
+        next: where the budget ended the search, the setting that it did not suffice for.
+        instances: the scenes, as far as they were needed.
+    """
+
+    scene: Scene
+    goal: Goal
+    engine: str
+    size: Quantity
+    perturbed: tuple[int, ...]
+    left_out: tuple[int, ...]
+    budget: int
+    spent: int
+    tried: tuple[Tried, ...]
+    end: End
+    beyond: tuple[Tried, ...] = ()
+    cost: Cost | None = None
+    why: tuple[str, ...] = ()
+    next: Setting | None = None
+    instances: tuple[Instance, ...] = field(default=(), repr=False)
+
+    @property
+    def named(self) -> Tried | None:
+        """The cheapest setting that is right everywhere; None if none was found."""
+        return self.tried[-1] if self.end is End.FOUND else None
+
+    @property
+    def cheaper(self) -> Tried | None:
+        """The one before it: one step cheaper, and wrong; None if it is the cheapest there is."""
+        return self.tried[-2] if self.end is End.FOUND and len(self.tried) > 1 else None
+
+    @property
+    def lucky(self) -> tuple[Tried, ...]:
+        """Cheaper settings that are right on the scene itself, and wrong beside it."""
+        cheaper = self.tried[:-1] if self.end is End.FOUND else self.tried
+        return tuple(t for t in cheaper if None in t.judged and t.judged[None].right and t.wrong)
+
+    @property
+    def worse(self) -> tuple[Tried, ...]:
+        """Costlier settings that are wrong."""
+        return tuple(t for t in self.beyond if t.wrong)
+
 
 DEFAULT_PERTURBED = 8
 
@@ -279,3 +402,79 @@ class _Search:
             next=after,
             instances=(self.home, *(self._beside or ())),
         )
+
+
+# -- why no setting was right: how far they came, what would be needed, and what the divergence is due to
+
+DIAGNOSED_WORK = 2_000_000
+"""Work of the costliest run whose cause is looked for, by experiments that take many times as much."""
+
+SHOWN = 4
+"""Settings whose reach is shown."""
+
+
+def reasons(where: str, study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> tuple[str, ...]:
+    """Sentences, the most telling first.
+
+    Args:
+        where: the scene on which the last setting was wrong, in words.
+        study: its certified run.
+        tried: each setting, and what came out on that scene; None where it was not tried there.
+    """
+    if not tried:
+        return ("The budget does not suffice for one run of the cheapest setting.",)
+    setting, judged = tried[-1]
+    last = None if judged is None else f"The last tried, {setting.text}, on {where}: {judged.told}."
+    sentences = (last, _reach(study, tried), _needed(study, setting), _cause(study, tried))
+    return tuple(sentence for sentence in sentences if sentence)
+
+
+def _reach(study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> str | None:
+    """How many events the best of each step, or width, agreed on."""
+    best: dict[float, int] = {}
+    for setting, judged in tried:
+        if judged is not None and judged.agreed is not None:
+            key = setting.engine.step or float(setting.engine.bits or 0)
+            best[key] = max(best.get(key, 0), judged.agreed)
+    reached = list(best.values())[-SHOWN:]
+    if len(reached) < 2:
+        return None
+    what = "halving of the step" if tried[-1][0].engine.step is not None else "wider number"
+    return (
+        f"Of {len(study.reference.events):,} events, each {what} agreed on: ... "
+        f"{', '.join(f'{count:,}' for count in reached)}."
+    )
+
+
+def _needed(study: Study, setting: Setting) -> str | None:
+    """The step, or the bits, with which half of such runs keep the whole history, foreseen from the certified run."""
+    declared, reference = model_of(setting.engine), study.reference
+    if declared is None or not reference.events:
+        return None
+    try:
+        curve = Forecaster(reference, impacts(reference, len(reference.events))).curve(declared[0])
+    except NoTangentMap:
+        return None
+    unit = curve.unit_at(LEVELS[declared[0].name][1])
+    if unit >= declared[1] or math.isinf(unit):
+        return None
+    rate = "Errors grow along the certified run so that it would take"
+    if declared[0] is ErrorModel.STEPPED:
+        steps = math.log10(float(reference.final_time)) - unit * math.log10(2)
+        return f"{rate} a step of about 2**{math.floor(unit)}, some 10**{steps:.0f} steps, to keep every event."
+    return f"{rate} about {math.ceil(-unit)} bits to keep every event."
+
+
+def _cause(study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> str | None:
+    """What the first divergence is due to, by experiment, at the costliest setting that is cheap enough for that."""
+    cheap = [setting for setting, judged in tried if setting.work <= DIAGNOSED_WORK and judged and not judged.right]
+    if not cheap:
+        return None
+    setting = cheap[-1]
+    found = candidate_of(study, setting.text, setting.engine, outcomes_of(study.reference), None, None)
+    if found.alignment.divergence is None:
+        return None
+    diagnosis = explained(study, found, setting.engine, None).diagnosis
+    if diagnosis is None:
+        return None
+    return f"Why {setting.text} leaves the history at event {found.alignment.divergence.event}: {diagnosis}."

@@ -14,15 +14,14 @@ import jsonschema
 import pytest
 
 from truebreak.compare import compare, engine
-from truebreak.compare.advice.found import Advice, End
-from truebreak.compare.advice.goal import Digits, Goal, HistoryGoal, OutcomeGoal, difference
-from truebreak.compare.advice.ladder import RunSize, ladder
-from truebreak.compare.advice.search import advise
 from truebreak.compare.chaos.growth.accuracy import end_error
 from truebreak.compare.cli.entry import main
 from truebreak.compare.documents.advice import advice_json, sentences
 from truebreak.compare.documents.schemas import schema
+from truebreak.compare.grids.goals import Digits, Goal, HistoryGoal, OutcomeGoal, difference
 from truebreak.compare.grids.scene_family import nudged
+from truebreak.compare.grids.setting_ladder import RunSize, ladder
+from truebreak.compare.grids.setting_search import Advice, End, advise
 from truebreak.exact import ExactEngine
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
@@ -212,7 +211,7 @@ class Unsure(ExactEngine):
 
 def test_a_certified_run_that_is_not_decided_gives_no_advice(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = catalogue.build("gas:n=3")
-    monkeypatch.setattr("truebreak.compare.advice.search.ExactEngine", Unsure)
+    monkeypatch.setattr("truebreak.compare.grids.setting_search.ExactEngine", Unsure)
     monkeypatch.setattr(Unsure, "on", {scene.digest})
     told = advise(scene, HistoryGoal(9), perturbed=2)
     assert told.end is End.REFERENCE
@@ -224,7 +223,7 @@ def test_a_certified_run_that_is_not_decided_gives_no_advice(monkeypatch: pytest
 
 def test_scenes_beside_it_without_a_certified_run_are_left_out_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = catalogue.build("gas:n=3")
-    monkeypatch.setattr("truebreak.compare.advice.search.ExactEngine", Unsure)
+    monkeypatch.setattr("truebreak.compare.grids.setting_search.ExactEngine", Unsure)
     monkeypatch.setattr(Unsure, "on", {nudged(scene, Quantity.of("1/1000"), 2).digest})
     told = advise(scene, HistoryGoal(9), "quad", perturbed=3)
     assert told.left_out == (2,)

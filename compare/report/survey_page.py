@@ -4,47 +4,46 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ...scene_argument import scene_from
-from ..shown import advice_sentence, columns
-from ..survey import MOST_STEPS, SCENES
-from .advised import BUDGET, PERTURBED
+from ..grids.engine_survey import BUDGET, MOST_STEPS, PERTURBED, SCENES
+from ..scene_argument import scene_from
+from .grid_tables import advice_sentence, columns
 
 if TYPE_CHECKING:
-    from ..cell import Cell
-    from ..survey import Survey, Surveyed, SurveyEntry
+    from ..grids.engine_survey import Survey, Surveyed, SurveyEntry
+    from ..grids.row import Row
 
 
 INTRODUCTION = """# Survey of engines
 
-Which engine tells the true history of which scene? {engines} engines on {scenes} scenes, each held against the
-certified run. This page is made by two commands:
+Which engine reproduces the certified history of which scene? {engines} engines on {scenes} scenes, each compared
+with the certified run. This page is made by two commands:
 
 ```sh
-truebreak survey --store rows.jsonl --json > survey.json
+truebreak survey --store rows.db --json > survey.json
 truebreak survey --from survey.json --page survey.md
 ```
 
 The first may be ended and called again, or called for one engine after the other (`--engines`): it goes on from the
 rows in its store. Every row is bounded by counted work, not by seconds: an engine of time steps ends its run after
-`max_steps`, and a series of finer steps, which tells causes, goes no farther than some steps, the fewer the more one
+`max_steps`, and a series of finer steps, which shows causes, goes no farther than some steps, the fewer the more one
 costs. What that leaves open says so in its row: a cause is *not determined* where the series would take more.
 
 It is a table of what suits what, not a ranking. Most of these engines were not made for perfectly elastic,
 frictionless, hard discs: a game wants no drift, no sinking and 60 frames a second; a robot wants forces that can be
 differentiated. What each is made for stands beside it.
 
-How each was brought to restitution 1 without friction, sleep or a cap of speeds, and what it cannot do, is told in
+How each was brought to restitution 1 without friction, sleep or a cap of speeds, and what it cannot do, is in
 [Other people's engines](other-engines.md). Every engine is run as it comes (with the defaults of its adapter), and,
 where it diverges, at finer settings too, as far as {steps:,} time steps. The tables have the setting that agreed the
 farthest, of several the first tried, and below it how it comes, where that is another.
 
 **Advised** is what [`truebreak advise`](advice.md) names, with `--perturbed {perturbed} --budget {budget}`: the
-cheapest of a ladder of settings that tells the whole history of the scene and of {perturbed} beside it, so that it is
-not right by luck, as one that is tried on the scene alone may be. Where it names none, there may be one for a greater
-budget.
+cheapest of a ladder of settings that reproduces the whole history of the scene and of {perturbed} beside it, so that
+it is not right by luck, as one that is tried on the scene alone may be. Where it names none, there may be one for a
+greater budget.
 
-**Authors of an engine**: better settings are one line (`SURVEYED` in `compare/suites/survey.py`), a better adapter is
-one file (`compare/adapters/`). Send them, and the page is made again.
+**Authors of an engine**: better settings are one line (`SURVEYED` in `compare/grids/engine_survey.py`), a better
+adapter is one file (`compare/adapters/`). Send them, and the page is made again.
 
 | column | what it says |
 |---|---|
@@ -54,7 +53,7 @@ one file (`compare/adapters/`). Send them, and the page is made again.
 | cause | why, by experiment: see [Comparison](comparison.md) |
 | outcome | whether counts of collisions, who met whom, final velocities and such are right, over what was compared |
 | energy | what it gained by the end of its run, as a share |
-| law | whether every step keeps the laws, and what explains it if not; told where any row was audited |
+| law | whether every step keeps the laws, and what explains it if not; given where any row was audited |
 | time | processor time of its run alone, as a multiple of the certified run's just before it in the same process |
 
 Times are ratios, and a hint, since other programs ran on the machine that made this page. Each engine has played a
@@ -75,7 +74,7 @@ def page_text(found: Survey) -> str:
             f"\nEach run had {found.max_seconds:g} seconds, and so had the search for its causes; what was cut short "
             "by that says so.\n"
         )
-    if any(cell.cause is None and cell.verdict == "diverged" for entry in found.entries for cell in entry.shown):
+    if any(row.cause is None and row.verdict == "diverged" for entry in found.entries for row in entry.shown):
         text += "\nWhere a cause was not looked for, the row was made with `--no-causes`.\n"
     text += "\n## The engines\n\n| engine | version | made for |\n|---|---|---|\n"
     text += "".join(_engine_row(one, found.versions.get(one.name, "version unknown")) for one in found.engines)
@@ -102,31 +101,31 @@ def _matrix(found: Survey, labels: list[str]) -> str:
     rows.append(f"| scene | events | {' | '.join(one.name for one in found.engines)} |")
     rows.append(f"|---|---|{'---|' * len(found.engines)}")
     for label in labels:
-        cells = [by_key.get((label, one.name)) for one in found.engines]
-        most = max(cell.events for cell in cells if cell is not None)
-        rows.append(f"| {label} | {most} | {' | '.join(map(_agreed, cells))} |")
+        best = [by_key.get((label, one.name)) for one in found.engines]
+        most = max(row.events or 0 for row in best if row is not None)
+        rows.append(f"| {label} | {most} | {' | '.join(map(_agreed, best))} |")
     return "\n".join(rows) + "\n"
 
 
-def _agreed(cell: Cell | None) -> str:
-    if cell is None:
+def _agreed(row: Row | None) -> str:
+    if row is None:
         return "not run"
-    if cell.unable:
+    if row.verdict == "refused":
         return "cannot"
-    return f"**{cell.agreed}**" if cell.right else f"{cell.agreed}"
+    return f"**{row.agreed or 0}**" if row.agrees else f"{row.agreed or 0}"
 
 
 def _scene_part(label: str, entries: list[SurveyEntry]) -> str:
     task = SCENES[label]
     limit = f", {task.events} events" if task.events is not None else ""
     heading = f"\n## {label[0].upper()}{label[1:]}\n\n{scene_from(task.scene).description}\n(`{task.scene}`{limit})\n\n"
-    audited = any(cell.laws is not None for entry in entries for cell in entry.shown)
+    audited = any(row.laws is not None for entry in entries for row in entry.shown)
     heads = ["engine", "verdict", "agreed", "differs at", "cause", "outcome", "energy", *["law"] * audited, "time"]
     table = f"| {' | '.join(heads)} |\n|{'---|' * len(heads)}\n"
     for entry in entries:
-        for cell in entry.shown:
-            mark = ", advised" if entry.advice is not None and entry.advice.setting == cell.engine else ""
-            times = "" if cell.times is None else f"{cell.times:.2g}" if cell.times < 100 else f"{cell.times:,.0f}"
-            told = [f"`{cell.engine}`{mark}", *columns(cell)[: len(heads) - 2], times]
+        for row in entry.shown:
+            mark = ", advised" if row.right else ""
+            times = "" if row.times is None else f"{row.times:.2g}" if row.times < 100 else f"{row.times:,.0f}"
+            told = [f"`{row.engine}`{mark}", *columns(row)[: len(heads) - 2], times]
             table += f"| {' | '.join(part.replace('|', '/') for part in told)} |\n"
     return heading + table + "".join(f"\n{told}\n" for told in advice_sentence(entries))

@@ -1,4 +1,4 @@
-"""`python -m truebreak.compare.grids.stress_page docs/stress.md`: makes the full map, and writes page and picture."""
+"""`python docs/studies/stress_page.py docs/stress.md`: makes the full map, and writes page and picture."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from hashlib import sha256
 from itertools import groupby
 from pathlib import Path
 
-from ...scenarios.errors import SceneError
-from ..cli.commands.sweep import how_far
-from ..cli.writing import check_writable, write_whole
-from ..report.pictures.heat_map import heat_map
-from .grid import carry_out
-from .store import Store
-from .stress_families import StressFamily
-from .stress_map import Ladder, MapMark, StressMap, ladders, stress_plan
+from truebreak.compare.cli.commands.sweep import how_far
+from truebreak.compare.cli.writing import check_writable, write_whole
+from truebreak.compare.grids.grid import carry_out
+from truebreak.compare.grids.store import Store
+from truebreak.compare.grids.stress_families import StressFamily
+from truebreak.compare.grids.stress_map import Ladder, MapMark, StressMap, ladders, stress_plan
+from truebreak.compare.report.pictures.heat_map import heat_map
+from truebreak.scenarios.errors import SceneError
 
 TITLE = "Where each engine's answer turns wrong"
 
-BEGIN = "<!-- made by `python -m truebreak.compare.grids.stress_page docs/stress.md`: from here -->\n"
+BEGIN = "<!-- made by `python docs/studies/stress_page.py docs/stress.md`: from here -->\n"
 END = "<!-- to here -->\n"
 
 POWER = re.compile(r"\w+\*\*(-?\w+|\([^)]*\))")
@@ -116,7 +116,7 @@ def _shown(words: str) -> str:
 
 def main(arguments: list[str] | None = None) -> int:
     """Makes the map and writes it; the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m truebreak.compare.grids.stress_page", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python docs/studies/stress_page.py", description=__doc__)
     parser.add_argument("file", help="the page, such as docs/stress.md; the picture is written beside it")
     parser.add_argument("--store", help="keep the rows in this file, and resume from it")
     options = parser.parse_args(arguments)

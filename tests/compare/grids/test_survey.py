@@ -12,10 +12,18 @@ import pytest
 from truebreak.compare.cli import main
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES, engine
-from truebreak.compare.suites.document import survey_json
-from truebreak.compare.suites.survey import SCENES, SURVEYED, Survey, SurveyEntry, installed, survey, texts
-from truebreak.compare.suites.surveys.recorded_survey import read_survey
-from truebreak.compare.suites.surveys.survey_page import page_text
+from truebreak.compare.grids.engine_survey import (
+    SCENES,
+    SURVEYED,
+    Survey,
+    SurveyEntry,
+    installed,
+    read_survey,
+    settings_tried,
+    survey,
+    survey_json,
+)
+from truebreak.compare.report.survey_page import page_text
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.catalogue import build
 
@@ -35,8 +43,8 @@ def test_every_setting_is_one_of_the_engine() -> None:
 
 def test_settings_that_take_too_many_steps_are_not_tried() -> None:
     (pymunk,) = (one for one in SURVEYED if one.name == "pymunk")
-    assert texts(pymunk, "lee") == ["pymunk", "pymunk:dt=1/512", "pymunk:dt=1/2048"]
-    assert texts(pymunk, "gas") == ["pymunk", "pymunk:dt=1/512"]
+    assert settings_tried(pymunk, "lee") == ["pymunk", "pymunk:dt=1/512", "pymunk:dt=1/2048"]
+    assert settings_tried(pymunk, "gas") == ["pymunk", "pymunk:dt=1/512"]
 
 
 @pytest.fixture(scope="module")
@@ -59,7 +67,7 @@ def test_what_is_advised_is_run_and_right(found: Survey) -> None:
     by_key = {(entry.label, entry.name): entry for entry in found.entries}
     wide = by_key["near-tie", "interval"]
     assert wide.advice is not None
-    assert wide.advice.setting == "interval:bits=96"
+    assert (wide.advice.right, wide.advice.engine) == (True, "interval:bits=96")
     assert [(cell.engine, cell.verdict) for cell in wide.shown] == [
         ("interval:bits=512", "agree"),
         ("interval", "undecided"),
@@ -67,9 +75,10 @@ def test_what_is_advised_is_run_and_right(found: Survey) -> None:
     ]
     stepped = by_key["near-tie", "pymunk"]
     assert stepped.advice is not None
-    assert stepped.advice.setting == "pymunk:dt=1/4096,iterations=1", "all four contacts, in two steps"
+    assert stepped.advice.engine == "pymunk:dt=1/4096,iterations=1", "all four contacts, in two steps"
     assert by_key["near-tie", "double"].advice is None, "which has no settings"
-    none = replace(stepped, advice=replace(stepped.advice, setting=None, told="none of 9 within 200,000 units of work"))
+    first, *others = (replace(row, right=None, note=None) for row in stepped.tried)
+    none = replace(stepped, tried=(replace(first, right=False, note="none of 9 within 200,000 units"), *others))
     text = page_text(replace(found, entries=tuple(none if entry is stepped else entry for entry in found.entries)))
     assert "| `interval:bits=96`, advised | agrees | 4 of 4 |" in text
     assert "No setting to advise: `pymunk` (none of" in text
@@ -88,22 +97,19 @@ def test_why_is_told_of_every_setting_that_is_shown(found: Survey) -> None:
             assert (cell.cause is None) == (cell.verdict == "agree"), (entry.label, cell.engine)
 
 
-def test_a_record_of_before_there_was_advice_is_read(found: Survey, tmp_path: Path) -> None:
-    data = json.loads(json.dumps(survey_json(found)))
-    del data["advice"]
-    for cell in data["cells"]:
-        del cell["times"]
-    path = tmp_path / "earlier.json"
-    path.write_text(json.dumps(data), encoding="utf-8")
-    assert {entry.advice for entry in read_survey([str(path)]).entries} == {None}
-    path.write_text(json.dumps({**data, "advice": [{"scene": "lee"}]}), encoding="utf-8")
-    with pytest.raises(SceneError, match="its advice is not what it is to be; write the report again"):
+def test_a_record_of_before_is_refused(found: Survey, tmp_path: Path) -> None:
+    data, path = survey_json(found), tmp_path / "earlier.json"
+    path.write_text(json.dumps({**data, "schema": "truebreak/suite-1", "cells": data["rows"]}), encoding="utf-8")
+    with pytest.raises(SceneError, match="is no truebreak/suite-2; write one with"):
+        read_survey([str(path)])
+    path.write_text(json.dumps({**data, "versions": {"double": 1}}), encoding="utf-8")
+    with pytest.raises(SceneError, match=r"versions = .*1.*; write the report again"):
         read_survey([str(path)])
 
 
 def test_a_survey_is_made_in_parts_and_the_later_of_two_is_taken(found: Survey, tmp_path: Path) -> None:
     whole = json.loads(json.dumps(survey_json(found)))
-    again = {**whole, "cells": [{**c, "cause": "found later"} for c in whole["cells"] if c["scene"] == "lee"]}
+    again = {**whole, "rows": [{**c, "cause": "found later"} for c in whole["rows"] if c["scene"] == "lee"]}
     paths = [tmp_path / "one.json", tmp_path / "two.json"]
     for path, data in zip(paths, (whole, again), strict=True):
         path.write_text(json.dumps(data), encoding="utf-8")
@@ -115,7 +121,7 @@ def test_a_survey_is_made_in_parts_and_the_later_of_two_is_taken(found: Survey, 
 
 def test_what_is_written_is_read_again(found: Survey, tmp_path: Path) -> None:
     data = json.loads(json.dumps(survey_json(found)))
-    jsonschema.Draft202012Validator(schema("suite-1")).validate(data)
+    jsonschema.Draft202012Validator(schema("suite-2")).validate(data)
     path = tmp_path / "survey.json"
     path.write_text(json.dumps(data), encoding="utf-8")
     again = read_survey([str(path)])
@@ -157,7 +163,21 @@ def test_unknown_names_are_refused() -> None:
 def test_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = tmp_path / "page.md"
     with pytest.raises(SystemExit) as stop:
-        main(["survey", "--engines", "double", "--scenes", "lee", "--page", str(page), "--no-causes", "--no-advice"])
+        main(
+            [
+                "survey",
+                "--engines",
+                "double",
+                "--scenes",
+                "lee",
+                "--page",
+                str(page),
+                "--no-causes",
+                "--no-advice",
+                "--jobs",
+                "1",
+            ]
+        )
     said = capsys.readouterr()
     assert not stop.value.code
     assert "agrees" in said.out
