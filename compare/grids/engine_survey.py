@@ -12,7 +12,7 @@ from typing import Any
 from ...scenarios.disk import fits
 from ...scenarios.errors import SceneError, cut
 from ...scenarios.lazy import VERSION
-from ..adapters.base.adapted import version_of
+from ..adapters.adapter import version_of
 from ..deadline import Clock, OutOfTime, uninterrupted
 from ..engines import ENGINES, engine, suggestion
 from ..scene_argument import scene_from

@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
-from ..alignment.separation import separation
+from ..alignment.align import separation
 from ..candidate import Candidate
 from ..comparison import explained
 from ..deadline import uninterrupted
 from ..documents.values.amounts import no_formula, plain
 from ..engines import engine as engine_named
 from ..engines import suggestion
-from ..outcomes.table import OUTCOMES
+from ..outcomes.outcome import OUTCOMES
 from ..scene_argument import scene_from
 from ..validation import check_engine
 from .grid import OnDone, carry_out

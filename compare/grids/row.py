@@ -19,7 +19,7 @@ from ..chaos.following import Followed, follow
 from ..documents.laws import laws_brief
 from ..documents.values.amounts import plain
 from ..outcomes.matched import held
-from ..outcomes.table import outcome, outcomes_of
+from ..outcomes.outcome import outcome, outcomes_of
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

@@ -20,7 +20,7 @@ from ..chaos.horizon import Forecaster
 from ..chaos.levels import LEVELS
 from ..comparison import candidate_of, explained
 from ..engines import engine as engine_named
-from ..outcomes.table import outcomes_of
+from ..outcomes.outcome import outcomes_of
 from ..study import Study
 from ..tangent.impacts import NoTangentMap, impacts
 from ..validation import check_until, checked_number, unsupported

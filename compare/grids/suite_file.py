@@ -12,13 +12,12 @@ from typing import TYPE_CHECKING, Any
 from ...scenarios.disk import text_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import MAX_TOML, toml_table
-from ..adapters.base.package import NotInstalled
+from ..adapters.adapter import NotInstalled
 from ..alignment.align import VERDICTS
 from ..comparison import candidate_of, explained, studied
 from ..deadline import Clock, OutOfTime, checked_seconds
-from ..engines import ENGINES, engine, split_engines, suggestion
-from ..foreign.loading import label_of
-from ..outcomes.table import outcomes_of
+from ..engines import ENGINES, engine, label_of, split_engines, suggestion
+from ..outcomes.outcome import outcomes_of
 from ..scene_argument import FILE_SUFFIXES, scene_from
 from ..validation import EngineError, check_engine, check_until
 from .grid import OnDone, carry_out
