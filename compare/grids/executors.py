@@ -10,12 +10,11 @@ import time as clock
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.errors import SceneError
 
 if TYPE_CHECKING:
-    from .grid import Job
     from .row import Row
 
 THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -24,6 +23,19 @@ ADDRESS = re.compile(r"dask://(?P<host>[^/\s:]+|\[[0-9a-fA-F:]+\]):(?P<port>\d{1
 
 PATIENCE = 10
 """Seconds in which a scheduler answers, or there is none."""
+
+
+class Job(Protocol):
+    """What is asked of one scene; small, and made of text, so that any worker can take it."""
+
+    @property
+    def label(self) -> str:
+        """What progress calls it."""
+        ...
+
+    def rows(self) -> list[Row]:
+        """The rows, the same on every machine. Bad input is a SceneError, and ends all."""
+        ...
 
 
 def cores() -> int:

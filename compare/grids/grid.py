@@ -8,14 +8,11 @@ from concurrent.futures import BrokenExecutor, Executor, Future
 from dataclasses import dataclass
 from itertools import islice
 from queue import Empty, SimpleQueue
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from ...scenarios.errors import SceneError
-from .executors import Here, cores, do, pool, starts
+from .executors import Here, Job, cores, do, pool, starts
 from .store import SECONDS, Store
-
-if TYPE_CHECKING:
-    from .row import Row
 
 IN_FLIGHT = 3
 """Jobs handed out for each worker: one at work, and the next ready."""
@@ -27,19 +24,6 @@ NO_WORKERS = (
     "no worker process can be started; each reads the script that calls this, which has to do so below "
     '`if __name__ == "__main__":`'
 )
-
-
-class Job(Protocol):
-    """What is asked of one scene; small, and made of text, so that any worker can take it."""
-
-    @property
-    def label(self) -> str:
-        """What progress calls it."""
-        ...
-
-    def rows(self) -> list[Row]:
-        """The rows, the same on every machine. Bad input is a SceneError, and ends all."""
-        ...
 
 
 class Plan(Protocol):
@@ -153,6 +137,7 @@ class _Run:
         flying: dict[Future[Any], int] = {}
         again: list[int] = []
         broken: BrokenExecutor | None = None
+        noted = False
         try:
             while True:
                 for index in islice(waiting, self.room - len(flying)) if broken is None else ():
@@ -173,10 +158,10 @@ class _Run:
                 if error is None:
                     self._keep(index, future)
                     continue
-                if not isinstance(error, BrokenExecutor) or broken is None:
+                if not isinstance(error, BrokenExecutor) or not noted:
                     self._fail(index, 1, error)
-                if isinstance(error, BrokenExecutor):
-                    broken = error
+                if isinstance(error, BrokenExecutor):  # of all that were in flight, which are tried again
+                    broken, noted = error, True
                 again.append(index)
         finally:
             for future in flying:
