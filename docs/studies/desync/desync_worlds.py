@@ -15,7 +15,11 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..adapters.base.package import package
+import truebreak.compare.logdiff
+from truebreak.compare.adapters.base.package import package
+
+HEADER = Path(truebreak.compare.logdiff.__path__[0]) / "truebreak_log.h"
+"""The C header that engines in C write logs with."""
 
 Rows = dict[str, list[float]]
 """States by body: place, turn and velocities, as the engine has them."""
@@ -528,7 +532,7 @@ def built(flags: tuple[str, ...], folder: str) -> str:
     """
     source = Path(folder) / "discs.c"
     source.write_text(C_ENGINE, encoding="utf-8")
-    shutil.copy(Path(__file__).with_name("truebreak_log.h"), folder)
+    shutil.copy(HEADER, folder)
     target = Path(folder) / f"discs{abs(hash(flags))}"
     words = [compiler() or "cc", "-std=c99", *flags, "-o", str(target), str(source), "-lm"]
     subprocess.run(words, check=True, capture_output=True)
@@ -553,8 +557,8 @@ def _folder() -> str:
 
 def scene_run(name: str, engine: str, change: Callable[[Any], Any] | None, events: int) -> Iterator[dict[str, Any]]:
     """The events of one of truebreak's own engines, with the states that each leaves."""
-    from ..engines import engine as engine_named
-    from ..scene_argument import scene_from
+    from truebreak.compare.engines import engine as engine_named
+    from truebreak.compare.scene_argument import scene_from
 
     scene = scene_from(name)
     trajectory = engine_named(engine).run(change(scene) if change else scene, events=events)

@@ -211,6 +211,13 @@ def rewritten(what: str, right: set[Named], edit: Callable[[Lines], Log], *, at:
     return Pair(f"{kind} {seed}, {dims}D, {bits} bits: {what}", frozenset(right), make, at, suffix=suffix)
 
 
+def both(what: str, right: set[Named], cut: Callable[[Lines], Log], hook: Hook | None = None, *, at: int | None = None,
+         kind: str = "pile", seed: int = 1, **settings: Any) -> Pair:  # fmt: skip
+    """A run, logged in full, and one with a hook or other settings, logged as `cut` says."""
+    return Pair(f"{kind} {seed}: {what}", frozenset(right), lambda: (
+        plain(kind, 2, seed), cut(played(kind, seed=seed, hook=hook, **settings))), at)  # fmt: skip
+
+
 # What is done to a world.
 
 
@@ -231,7 +238,7 @@ def ulp(k: int) -> Callable[[Sketch], None]:
 
 def place(k: int, amount: float) -> Callable[[Sketch], None]:
     def do(world: Sketch) -> None:
-        world.at[k][0] += amount
+        world.at[k][0] = single(world.at[k][0] + amount) if world.bits == 24 else world.at[k][0] + amount
 
     return do
 
@@ -613,6 +620,37 @@ def stepped_pairs() -> Iterator[Pair]:
     yield rewritten("hashes in two forms of file", {I}, lambda lines: "".join(f"{x['step']} {hash_of(x)}\n" for x in lines[1:]), cut=hash_lines)
     yield rewritten("hashes, the one list cut short", set(), lambda lines: hash_lines(lines)[:-130], cut=hash_lines)
     yield rewritten("hashes, one lost", set(), lambda lines: hash_lines([*lines[:60], *lines[61:]]), cut=hash_lines)
+    # one log has less than the other
+    less = styled({"step", "time", "contacts", "states"}, 16)
+    yield both("another step; the other log has every 16th", {S}, less, dt=1 / 50, seed=13)
+    yield both("a start moved; the other log has every 16th", {S}, less, when(0, place(1, 0.02)), seed=13)
+    yield both("a shove at step 50; the other log has every 16th", {C}, less, when(50, shove(1, 0.9)), seed=13)
+    yield both("an ulp; the other log has every 16th", {G}, less, when(0, ulp(1)), kind="gas", seed=13)
+    late = lambda lines: [lines[0], *lines[31:]]  # noqa: E731
+    yield both("a start moved; the other log begins at step 30", {S}, late, when(0, place(1, 0.02)), seed=13)
+    yield both("a shove at step 50; the other log begins at step 30", {C}, late, when(50, shove(1, 0.9)), at=50, seed=13)
+    yield both("an ulp; the other log begins at step 30", {G}, late, when(0, ulp(1)), kind="gas", seed=13)
+    for form in ("%.15g", "%.6f", "%.9g"):
+        yield both(f"a shove at step 50; the other log printed by {form}", {C}, shown(form), when(50, shove(1, 0.9)), at=50, seed=13)
+        yield both(f"an ulp; the other log printed by {form}", {G}, shown(form), when(0, ulp(1)), kind="gas", seed=13)
+        yield both(f"a start moved; the other log printed by {form}", {S}, shown(form), when(0, place(1, 0.02)), seed=13)
+        yield both(f"another step; the other log printed by {form}", {S}, shown(form), dt=1 / 50, seed=13)
+    some = lambda lines: [{**lines[0], "fields": ["x", "vx"]}, *rows(lambda i, row: [row[0], row[2]])(lines)[1:]]  # noqa: E731
+    yield both("a shove at step 50; the other log has x and vx", {C}, some, when(50, shove(1, 0.9)), at=50, seed=13)
+    yield both("an ulp; the other log has x and vx", {G}, some, when(0, ulp(1)), kind="gas", seed=13)
+    alone = styled({"step", "time", "states"})
+    yield both("a shove at step 50; the other log has no contacts", {C}, alone, when(50, shove(1, 0.9)), at=50, seed=13)
+    yield both("a lost contact; the other log has no contacts", {C}, alone, lose(30), seed=13)
+    yield both("an ulp; the other log has no contacts", {G}, alone, when(0, ulp(1)), kind="gas", seed=13)
+    timed = styled({"time", "contacts"})
+    yield hooked("an ulp; contacts at times of steps, no states", {G, I}, when(0, ulp(1)), kind="gas", seed=13, cut=timed)
+    yield hooked("a shove at step 50; contacts at times of steps, no states", {C}, when(50, shove(1, 0.9)), kind="gas", seed=13, cut=timed)
+    timed = styled({"time", "contacts", "states"})
+    yield hooked("an ulp; contacts and states at times of steps", {G}, when(0, ulp(1)), kind="gas", seed=13, cut=timed)
+    yield hooked("a shove at step 50; contacts and states at times of steps", {C}, when(50, shove(1, 0.9)), kind="gas", seed=13, cut=timed)
+    yield hooked("another step; contacts and states at times of steps", {S}, dt=1 / 50, kind="gas", seed=13, cut=timed)
+    yield Pair("pile: a body not logged for five steps", frozenset({I}), lambda: (plain(), each(lambda line: {
+        **line, "states": {i: row for i, row in line["states"].items() if i != "n4" or not 50 <= line["step"] < 55}})(plain())))  # fmt: skip
     yield Pair("pile: rows of CSV, one number shoved at step 50", frozenset({C}), lambda: (
         csv_of(plain()), csv_of(played(hook=when(50, shove(1, 0.9))))), 50, suffix=".csv")  # fmt: skip
     yield Pair("gas: rows of CSV, one start moved by an ulp", frozenset({G}), lambda: (
@@ -739,6 +777,14 @@ def event_pairs() -> Iterator[Pair]:
     yield from of("independent events in another order, without states", {H}, lambda s: (bare(events(s)), swapped(bare(events(s)))))
     yield from of("an ulp, and independent events in another order", {G}, lambda s: (events(s), swapped(events(s, "ulp"))))
     yield from of("times in floats in one log", {G, I}, lambda s: (events(s), [{**x, **({"time": single(x["time"])} if "time" in x else {})} for x in events(s)]))
+    floats = lambda lines: [lines[0], *({**x, "time": single(x["time"]), **({"states": {  # noqa: E731
+        i: [*map(single, row)] for i, row in x["states"].items()}} if "states" in x else {})} for x in lines[1:])]  # fmt: skip
+    yield from of("one start moved by an ulp, all in floats", {G, I}, lambda s: (floats(events(s)), floats(events(s, "ulp"))))
+    yield from of("one start moved by an ulp, times in floats, without states", {G, I}, lambda s: (bare(floats(events(s))), bare(floats(events(s, "ulp")))))
+    yield from of("a lost contact, all in floats", {C}, lambda s: (floats(events(s)), floats(events(s, "lost"))))
+    yield from of("a lost contact, times in floats, without states", {C}, lambda s: (bare(floats(events(s))), bare(floats(events(s, "lost")))))
+    yield from of("a mass of 1.2; times in floats in one log", {C, S}, lambda s: (events(s), [{**x, **({"time": single(x["time"])} if "time" in x else {})} for x in events(s, mass=1.2)]))
+    yield from of("walls of other ids, and an ulp", {G}, lambda s: (events(s), json.loads(json.dumps(events(s, "ulp")).replace('"wall', '"side-'))))
     yield from of("times with 4 decimals in both, and an ulp", {G}, lambda s: tuple(
         [{**x, **({"time": round(x["time"], 4)} if "time" in x else {})} for x in bare(events(s, n))] for n in ("", "ulp")))  # type: ignore[arg-type, return-value] # fmt: skip
     yield from of("a clock that begins anew at event 120", {I}, lambda s: (events(s), [

@@ -17,12 +17,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from . import trial_worlds as worlds
-from .growing import NEVER
-from .log_format import FORMAT
-from .pairing import pair
-from .trial_worlds import NONE, Fault, Steps
-from .verdict import Named, Verdict, decide
+import desync_worlds as worlds
+from desync_worlds import NONE, Fault, Steps
+
+from truebreak.compare.logdiff.growing import NEVER
+from truebreak.compare.logdiff.log_format import FORMAT
+from truebreak.compare.logdiff.pairing import pair
+from truebreak.compare.logdiff.verdict import Named, Verdict, decide
 
 I, H, G, C, S, N = Named  # noqa: E741
 Lines = list[dict[str, Any]]
