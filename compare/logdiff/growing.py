@@ -243,7 +243,12 @@ def _unit(each: Sequence[Sequence[float]], declared: set[int]) -> Unit:
     single = [len(numbers) >= 8 and all(map(_single, numbers)) for numbers in (*each, values)]
     written = [_written(numbers) for numbers in (*each, values)]
     bits = min(min(declared) if declared else 24 if single[2] else 53, 53)
-    if written[0] != written[1] and not (single[2] or declared == {24}):
+    if single[2] or declared == {24}:
+        few = [(d or SINGLE_DIGITS) < SINGLE_DIGITS or (n or SINGLE_DIGITS) < SINGLE_DIGITS for d, n in written[:2]]
+        if few[0] != few[1]:
+            side = few.index(True)
+            return Unit(bits, Digits(*written[side], side))
+    elif written[0] != written[1]:
         ranks = [(d is not None, d or 0, n is not None, n or 0) for n, d in written[:2]]
         short = [side for side in (0, 1) if written[side] != (None, None)]
         side = short[0] if len(short) == 1 else ranks.index(min(ranks))
@@ -255,6 +260,9 @@ def _unit(each: Sequence[Sequence[float]], declared: set[int]) -> Unit:
         return Unit(bits)
     return Unit(bits, Digits(*few))
 
+
+SINGLE_DIGITS = 8
+"""Digits of floats, as short as they can be, of which some in a log have as many: of floats one has 9."""
 
 DOUBLE_DIGITS = 14
 """Digits of a log beyond which a difference that is seen first is one of the engine's; of doubles one has 17."""

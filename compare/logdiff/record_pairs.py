@@ -147,7 +147,8 @@ class RecordPairs:
         if self.found.uneven is None and a.states and b.states:
             for side, more in enumerate((a.states.keys() - b.states.keys(), b.states.keys() - a.states.keys())):
                 if more:
-                    self.found.uneven = side, a, min(more), self.found.pairs
+                    body = min(more)
+                    self.found.uneven = side, a, body, self.found.pairs, (a, b)[side].states[body]
                     break
 
     def zeros(self, a: Record, one: list[float], other: list[float]) -> None:

@@ -68,7 +68,7 @@ class Found:
         missing: (log, place) of lines that one log has and the other has not, though it goes on as if it had.
         repeated: (log, line) of lines that are there twice.
         uneven: the first record at which one log has the state of a body and the other only those of others: whose log
-            has it (0 or 1), the record, the body, and how many pairs of records there were up to it.
+            has it (0 or 1), the record, the body, how many pairs of records there were up to it, and its state.
         all_told: whether each record with states, of one log at least, has those of all bodies.
         zeros: the first record at which a zero has another sign.
         explained: how many states differ by no more than the digits that one log leaves out.
@@ -98,7 +98,7 @@ class Found:
     input: tuple[Record, Record] | None = None
     fields: dict[str, tuple[Record, Any, Any]] = field(default_factory=dict)
     reordered: tuple[int, int] | None = None
-    uneven: tuple[int, Record, str, int] | None = None
+    uneven: tuple[int, Record, str, int, list[float]] | None = None
     all_told: bool = False
     zeros: Record | None = None
     explained: int = 0

@@ -125,7 +125,8 @@ def _gone(found: Found, number: int | None) -> Answer | None:
     """
     if found.uneven is None or found.by != "step":
         return None
-    side, record, body, pairs = found.uneven
+    side, record, body, pairs, row = found.uneven
+    lies = found.final[side].get(body) == row  # and never moves again: it may be asleep, and not logged
     begun = [] if number is None else [number]
     begun += [found.meeting.number] if found.meeting is not None else []
     begun += [found.hash[0].number] if found.hash is not None else []
@@ -133,7 +134,7 @@ def _gone(found: Found, number: int | None) -> Answer | None:
         not found.all_told and any(d.body == body and d.number >= record.number for d in found.growing.early)
     )
     touching = any(body in p for p in record.contacts)
-    if (begun and min(begun) < record.number) or again or pairs < 4 or (touching and not found.all_told):
+    if lies or (begun and min(begun) < record.number) or again or pairs < 4 or (touching and not found.all_told):
         return None
     fed = found.input[0] if found.input is not None else record
     first = fed if fed.number < record.number else record
@@ -272,7 +273,7 @@ def _incomplete(found: Found) -> str | None:
         last = f", after {found.last_common.place()}" if found.last_common else ""
         return f"{ended.name} ends before the other{last}: the rest cannot be compared"
     if found.uneven is not None:
-        side, record, body, _ = found.uneven
+        side, record, body, *_ = found.uneven
         return (
             f"{(found.b, found.a)[side].name} has no state of {body} at {record.place()} of the other: was it not "
             "logged, or not there?"
@@ -578,7 +579,7 @@ def _notes(found: Found) -> list[str]:
     if found.zeros is not None and found.growing.early:
         told.append(f"Signs of zeros differ, too, first at {found.zeros.place()}.")
     if found.uneven is not None and found.growing.early:
-        side, record, body, _ = found.uneven
+        side, record, body, *_ = found.uneven
         told.append(f"{(found.a, found.b)[side].name} alone has the state of {body}, first at {record.place()}.")
     if found.nans is not None:
         told.append(f"Both have numbers that are none (NaN), first at {found.nans}.")
