@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import truebreak.compare.logdiff
-from truebreak.compare.adapters.base.package import package
+from truebreak.compare.adapters.adapter import package
 
 HEADER = Path(truebreak.compare.logdiff.__path__[0]) / "truebreak_log.h"
 """The C header that engines in C write logs with."""
