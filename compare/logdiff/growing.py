@@ -223,7 +223,7 @@ class Unit:
 
 
 def unit_of(logs: Sequence[Log], heads: Sequence[Sequence[Record]]) -> Unit:
-    """The unit of two logs, from what they declare, or from the digits of their first numbers, or else of their times."""
+    """The unit of two logs, by what they declare, by the digits of their first numbers, or by those of their times."""
     declared = {bits for log in logs if isinstance(bits := log.header.get("bits"), int)}
     strange = declared - {11, 24, 53, 64, 113}
     if strange:

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
 from struct import unpack
-from typing import Any, Protocol
+from typing import Any
 
 from ..foreign.log_engine import cells_of, once, text_lines
 from ..validation import EngineError
@@ -327,7 +327,7 @@ class Counted:
         return time + self._time_base
 
 
-class _Form(Protocol):
+class _Form:
     """What the lines of a log look like.
 
     Attributes:
@@ -335,34 +335,34 @@ class _Form(Protocol):
         left: a record that only the end of the log makes whole.
     """
 
-    damaged: tuple[int, str] | None
-    left: Record | None
+    def __init__(self, log: Log) -> None:
+        self.log = log
+        self.damaged: tuple[int, str] | None = None
+        self.left: Record | None = None
 
     def record(self, number: int, text: str) -> Record | None:
         """The record that a line makes, if it makes one."""
-        ...
+        raise NotImplementedError
 
     def damage(self) -> EngineError:
-        """What is wrong with the damaged line, unless it is the last."""
-        ...
+        """What is wrong with the damaged line, where it is not the last."""
+        raise NotImplementedError
 
     def cut_off(self) -> bool:
         """Whether the damaged line is the beginning of a whole one."""
-        ...
+        return True
 
 
-class _Json:
+class _Json(_Form):
     """Objects of JSON, one a line."""
 
     def __init__(self, log: Log) -> None:
-        self._log = log
-        self.damaged: tuple[int, str] | None = None
-        self.left: Record | None = None
+        super().__init__(log)
         self._misses = self._shared = 0  # lines in a row that the other log had not lately, and letters that are kept
 
     def record(self, number: int, text: str) -> Record | None:
         """What a line says; None for one that is no event: a header, an outline, the end."""
-        log = self._log
+        log = self.log
         value = self._parsed(number, text)
         if value is None:
             return None
@@ -408,7 +408,7 @@ class _Json:
 
     def _parsed(self, number: int, text: str) -> dict[str, Any] | None:
         """The object of a line, parsed once for both logs; None where it is not whole."""
-        kept = self._log.parsed
+        kept = self.log.parsed
         sharing = self._misses < USELESS
         if sharing and (value := kept.pop(text, None)) is not None:
             self._misses = 0
@@ -417,7 +417,7 @@ class _Json:
         try:
             value, stop = DECODE(text)
         except (ValueError, RecursionError):
-            stop = -1
+            value, stop = None, -1
         if stop != len(text) or type(value) is not dict or not _each_key_once(text, value):
             value = self._loaded(number, text)
         if sharing and value is not None:
@@ -433,57 +433,50 @@ class _Json:
         try:
             value = json.loads(NOT_JSON.sub(_as_json, text), object_pairs_hook=once)
         except KeyError as twice:
-            raise self._log.fail(number, f"has {twice} twice; keep one") from None
+            raise self.log.fail(number, f"has {twice} twice; keep one") from None
         except (ValueError, RecursionError):
             self.damaged = number, text
             return None
         if not isinstance(value, dict):
-            raise self._log.fail(number, f'{text[:SHOWN]!r} is no object, as in {{"step": 1, ...}}')
+            raise self.log.fail(number, f'{text[:SHOWN]!r} is no object, as in {{"step": 1, ...}}')
         return value
 
     def damage(self) -> EngineError:
         assert self.damaged is not None
         number, text = self.damaged
-        return self._log.fail(number, f"{text[:SHOWN]!r} is not a whole JSON object; is a line of the log damaged?")
+        return self.log.fail(number, f"{text[:SHOWN]!r} is not a whole JSON object; is a line of the log damaged?")
 
     def cut_off(self) -> bool:
         return self.damaged is not None and self.damaged[1].startswith("{")
 
 
-class _Hashes:
+class _Hashes(_Form):
     """A list of hashes: `HASH`, or `STEP HASH`, a line."""
 
     def __init__(self, log: Log) -> None:
-        self._log = log
-        self.damaged: tuple[int, str] | None = None
-        self.left: Record | None = None
+        super().__init__(log)
         self._count = self._width = 0
 
     def record(self, number: int, text: str) -> Record:
         words = WORDS.split(text)
         if len(words) > 2 or len(text) > 300 or not text.isprintable():
-            raise self._log.fail(
+            raise self.log.fail(
                 number, f"{text[:SHOWN]!r} is neither a JSON object nor a hash, nor a step and a hash; is it a log?"
             )
         self._width = self._width or len(words)
         if self._width != len(words):
-            raise self._log.fail(number, f"{text[:SHOWN]!r}: other lines have {self._width} words; is a line damaged?")
+            raise self.log.fail(number, f"{text[:SHOWN]!r}: other lines have {self._width} words; is a line damaged?")
         record = Record(number, text)
         try:
             record.step = int(words[0]) if len(words) == 2 else self._count
         except ValueError:
-            raise self._log.fail(number, f"{words[0][:SHOWN]!r} is no step; write STEP HASH") from None
+            raise self.log.fail(number, f"{words[0][:SHOWN]!r} is no step; write STEP HASH") from None
         self._count += 1
         record.hash = words[-1]
         return record
 
-    def damage(self) -> EngineError:
-        raise NotImplementedError  # refused at once
 
-    cut_off = damage
-
-
-class _Table:
+class _Table(_Form):
     """CSV with a line of names.
 
     `time,a,b` and perhaps states, an event a row; or `step` or `time`, `id` and numbers, a body a row; or `step` and
@@ -491,9 +484,7 @@ class _Table:
     """
 
     def __init__(self, log: Log) -> None:
-        self._log = log
-        self.damaged: tuple[int, str] | None = None
-        self.left: Record | None = None  # a frame that may have further rows
+        super().__init__(log)  # `left`: a frame that may have further rows
         self._columns: list[str] = []
         self._free: list[str] = []
 
@@ -501,7 +492,7 @@ class _Table:
         if not self._columns:
             self._take_columns(number, text)
             return None
-        cells = cells_of(text, f"file {self._log.name!r}, line {number}")
+        cells = cells_of(text, f"file {self.log.name!r}, line {number}")
         if len(cells) != len(self._columns):
             self.damaged = number, text
             return None
@@ -521,19 +512,19 @@ class _Table:
         names = [name.strip() for name in head.split(",")]
         known = set(names)
         if len(known) != len(names) or not known & {"step", "time"} or not known - {"step", "time"}:
-            raise self._log.fail(
+            raise self.log.fail(
                 number,
                 f"{head[:SHOWN]!r} does not name the columns; begin with time,a,b or step,id,x,y,... or step,hash",
             )
         rest = [name for name in names if name not in ("step", "time", "a", "b", "id", "hash")]
         if "id" in known:
-            self._log.names = rest
+            self.log.names = rest
         else:
             self._free = [name for name in rest if name not in SIDES]
         self._columns = names
 
     def _row(self, number: int, text: str, row: dict[str, str]) -> Record | None:
-        log, record = self._log, Record(number, text)
+        log, record = self.log, Record(number, text)
         if "step" in row:
             try:
                 record.step = int(row["step"])
@@ -563,11 +554,8 @@ class _Table:
     def damage(self) -> EngineError:
         assert self.damaged is not None
         number, text = self.damaged
-        cells = len(cells_of(text, self._log.name))
-        return self._log.fail(number, f"has {cells} cells, and {len(self._columns)} columns; is a line damaged?")
-
-    def cut_off(self) -> bool:
-        return True
+        cells = len(cells_of(text, self.log.name))
+        return self.log.fail(number, f"has {cells} cells, and {len(self._columns)} columns; is a line damaged?")
 
 
 SIDES = frozenset(f"{key}{side}" for key in ("x", "y", "vx", "vy") for side in "ab")

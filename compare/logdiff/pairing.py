@@ -217,9 +217,8 @@ class ByBodies(RecordPairs):
             p, q = contacts[0]
             twin = waiting.next_of_both(side, p, q)
             if twin is not None:
-                order = (record, twin.record), (event, twin.event)
-                (a, b), (x, y) = order if side == 0 else (pair[::-1] for pair in order)
-                if self.at_once(a, b, x, y):
+                both = (record, twin.record, event, twin.event)
+                if self.at_once(*both if side == 0 else (twin.record, record, twin.event, event)):
                     waiting.take(waiting.queues[1 - side][p])
                     waiting.take(waiting.queues[1 - side][q])
                     return
@@ -395,8 +394,11 @@ class ByBodies(RecordPairs):
 
     def met_alone(self, side: int, part: Part, body: str) -> None:
         """A meeting that the other log has not, though it goes on beyond it."""
-        records, partners = (part.record, None), (" + ".join(part.partners), None)
-        self.meet(records if side == 0 else records[::-1], body, partners if side == 0 else partners[::-1])
+        record, partners = part.record, " + ".join(part.partners)
+        if side == 0:
+            self.meet((record, None), body, (partners, None))
+        else:
+            self.meet((None, record), body, (None, partners))
 
     def finish(self) -> None:
         """What is left when both logs have ended."""
@@ -448,8 +450,4 @@ def _letters(record: Record) -> int:
 def _exact(x: Part, y: Part, body: str) -> bool:
     """Whether two meetings are the same to the last bit."""
     a, b = x.record, y.record
-    return (
-        sorted(x.partners) == sorted(y.partners)
-        and a.time == b.time
-        and a.states.get(body) == b.states.get(body)
-    )
+    return sorted(x.partners) == sorted(y.partners) and a.time == b.time and a.states.get(body) == b.states.get(body)

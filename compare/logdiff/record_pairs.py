@@ -213,7 +213,9 @@ class RecordPairs:
         if self.found.alone_first[side] is None:
             self.found.alone_first[side] = record
 
-    def meet(self, records: tuple[Record | None, Record | None], body: str, partners: tuple[str | None, str | None]) -> None:
+    def meet(
+        self, records: tuple[Record | None, Record | None], body: str, partners: tuple[str | None, str | None]
+    ) -> None:
         """Keeps the earliest difference of partners: the records in which a body has them, and who they are."""
         found, record = self.found, records[0] or records[1]
         assert record is not None

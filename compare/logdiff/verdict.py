@@ -234,15 +234,14 @@ def _partners_alone(found: Found) -> Answer:
         return Named.OPEN, k, f"{told}; contacts alone do not tell how far apart the runs were by then: log states"
     if found.tie:
         return Named.OPEN, k, (
-            f"{told}, at one instant but for rounding: a tie that each resolves in its own order, or one thing that has "
-            "two names"
+            f"{told}, at one instant but for rounding: a tie that each resolves in its own order, or one thing by two names"
         )  # fmt: skip
     if not found.compared["states"] and found.grid:
         return Named.OPEN, k, f"{told}; times of steps do not tell how far apart the runs were by then: log states"
     if meeting.number < 2 or found.pairs < 4:
         return Named.OPEN, k, f"{told}, and there is nothing before it to tell whether the start was the same"
     if found.explained:
-        return Named.OPEN, k, f"{told}; {_fewer(found)}, so that nothing is seen of a difference before: log both alike"
+        return Named.OPEN, k, f"{told}; {_fewer(found)}, so that a difference before is not seen: log both alike"
     return Named.CHANGED, k, f"{told}, and up to then everything is the same to the last bit"
 
 
@@ -294,15 +293,14 @@ def _thinned(found: Found) -> tuple[int, int] | None:
     """Which log has every so many steps of the other's alone, and how many; None if neither has."""
     strides = [log.counted.stride for log in (found.a, found.b)]
     for side in (0, 1):
-        if strides[1 - side] and strides[side] % strides[1 - side] == 0 and not found.alone[side]:
-            if strides[side] > strides[1 - side] and found.alone[1 - side] >= found.pairs - 1:
-                return side, strides[side]
+        own, other = strides[side], strides[1 - side]
+        if other and own > other and own % other == 0 and found.alone[1 - side] >= found.pairs - 1:
+            return None if found.alone[side] else (side, own)
     return None
 
 
 def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None) -> Answer:
     """Where numbers differ."""
-    growing = found.growing
     top = first[0]
     if found.names and found.uneven is not None and found.uneven[1].number == found.first_states:
         return Named.OPEN, _k(top), (
@@ -314,7 +312,11 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     limits = FLOATS if unit.bits <= 24 else DOUBLES
     size = _size(top)
     if top.name == TIME and found.grid:
-        return Named.OPEN, _k(top), f"{size}; times of steps do not tell how far apart the runs were by then: log states"
+        return (
+            Named.OPEN,
+            _k(top),
+            f"{size}; times of steps do not tell how far apart the runs were by then: log states",
+        )
     start = _start(found, first, limits, size)
     if start is not None:
         return start
@@ -332,7 +334,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
         if found.by == "body":
             what = "how many steps lie between records is not logged; log the step, or states with each contact"
         return Named.OPEN, onset, (
-            f"{size}, but that may be of any age: it is as large as it can be in the first record that has it, and {what}"
+            f"{size}, but it may be of any age: it is as large as it can be in the first record that has it, and {what}"
         )  # fmt: skip
     free = not top.touching and found.contacts_each and found.by == "step" and gap <= 1
     low, high = limits.free if free else limits.touching
@@ -360,7 +362,11 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         if top.bits >= limits.start[1]:
             return Named.START, _k(top), f"{size}, in the first record that both have ({_many(first, known)})"
         if top.bits > limits.start[0]:
-            return Named.OPEN, _k(top), f"{size}, in the first record that both have: another start, or one computed otherwise?"
+            return (
+                Named.OPEN,
+                _k(top),
+                f"{size}, in the first record that both have: another start, or one computed otherwise?",
+            )
         return _small(found, first, _k(top), f"{size}, in the first record that both have")
     begun = min([top.number, *(pair[0].number for pair in (found.hash, found.input) if pair is not None)])
     early = found.first_states is not None and begun <= found.first_states + 1
@@ -506,7 +512,11 @@ def _coarse(found: Found, first: tuple[Difference, ...], coarse: Digits) -> Answ
             return Named.START, onset, f"{_size(top)}, in the first record that both have"
         known = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
         if found.first_states == top.number - 1 and len(first) * 2 > known:
-            return Named.START, onset, f"{_size(top)}, in the first step ({_many(first, known)}): another setting or step"
+            return (
+                Named.START,
+                onset,
+                f"{_size(top)}, in the first step ({_many(first, known)}): another setting or step",
+            )
         return Named.CHANGED, onset, (
             f"{top.name} of {top.body} is {top.a!r} and {top.b!r}, {abs(top.a - top.b) / last:.3g} of the last digit "
             "that is logged, and was the same to all digits before"
@@ -568,7 +578,8 @@ def _notes(found: Found) -> list[str]:
     thinned = _thinned(found)
     if thinned is not None:
         side, stride = thinned
-        told.append(f"{(found.a, found.b)[side].name} has every {stride} steps alone; those of the other between are not compared.")
+        log = (found.a, found.b)[side]
+        told.append(f"{log.name} has a record every {stride} steps; those of the other between are not compared.")
     for side, log in enumerate((found.a, found.b)):
         if not found.contacts[side] and found.contacts[1 - side] and found.compared["states"]:
             told.append(f"{log.name} has no contacts; those of the other are not compared.")
