@@ -51,7 +51,7 @@ def _whole(text: str) -> float:
     return -0.0 if text == "-0" else int(text)
 
 
-DECODE = json.JSONDecoder(parse_int=_whole).raw_decode
+DECODE = json.JSONDecoder(parse_int=_whole).scan_once
 
 WORDS = re.compile(r"[\s,;:=]+")
 
@@ -134,7 +134,7 @@ class Log:
         self.cut: int | None = None
         self.count = 0
         self.counted = Counted(self)
-        self.parsed: dict[str, dict[str, Any]] = {}
+        self.parsed = Parsed()
 
     def __iter__(self) -> Iterator[Record]:
         form: _Form | None = None
@@ -353,12 +353,30 @@ class _Form:
         return True
 
 
+class Parsed:
+    """Lines that one of two logs had lately: what is in both is parsed once.
+
+    Attributes:
+        lines: what they say.
+        letters: how long they are.
+        misses: lines in a row that the other log had not lately.
+    """
+
+    def __init__(self) -> None:
+        self.lines: dict[str, dict[str, Any]] = {}
+        self.letters = self.misses = 0
+
+    def keep(self, text: str, value: dict[str, Any]) -> None:
+        """Keeps one for the other log."""
+        self.letters += len(text)
+        if len(self.lines) > KEPT or self.letters > MOST_LINE:
+            self.lines.clear()
+            self.letters = len(text)
+        self.lines[text] = value
+
+
 class _Json(_Form):
     """Objects of JSON, one a line."""
-
-    def __init__(self, log: Log) -> None:
-        super().__init__(log)
-        self._misses = self._shared = 0  # lines in a row that the other log had not lately, and letters that are kept
 
     def record(self, number: int, text: str) -> Record | None:
         """What a line says; None for one that is no event: a header, an outline, the end."""
@@ -409,23 +427,20 @@ class _Json(_Form):
     def _parsed(self, number: int, text: str) -> dict[str, Any] | None:
         """The object of a line, parsed once for both logs; None where it is not whole."""
         kept = self.log.parsed
-        sharing = self._misses < USELESS
-        if sharing and (value := kept.pop(text, None)) is not None:
-            self._misses = 0
-            return value
-        self._misses += 1
+        if kept.misses < USELESS:
+            value = kept.lines.pop(text, None)
+            if value is not None:
+                kept.misses = 0
+                return value
+            kept.misses += 1
         try:
-            value, stop = DECODE(text)
-        except (ValueError, RecursionError):
+            value, stop = DECODE(text, 0)
+        except (StopIteration, ValueError, RecursionError):
             value, stop = None, -1
         if stop != len(text) or type(value) is not dict or not _each_key_once(text, value):
             value = self._loaded(number, text)
-        if sharing and value is not None:
-            self._shared += len(text)
-            if len(kept) > KEPT or self._shared > MOST_LINE:
-                kept.clear()
-                self._shared = len(text)
-            kept[text] = value
+        if value is not None and kept.misses < USELESS:
+            kept.keep(text, value)
         return value
 
     def _loaded(self, number: int, text: str) -> dict[str, Any] | None:

@@ -133,22 +133,19 @@ class ByBodies(RecordPairs):
             a = None if one.ended else self.next(0)
             b = None if other.ended else self.next(1)
             level = one.events == other.events and not (self.waiting.count or self.parted or any(self.frames))
-            events = [self.counted(which) if r is not None and r.contacts else -1 for which, r in enumerate((a, b))]
-            if not (level and a is not None and b is not None and self.at_once(a, b, events[0], events[1])):
+            if level and a is not None and b is not None and self.at_once(a, b, one.events, one.events):
+                if a.contacts:
+                    one.events += 1
+                    other.events += 1
+            else:
                 if a is not None:
-                    self.feed(0, a, events[0])
+                    self.feed(0, a)
                 if b is not None:
-                    self.feed(1, b, events[1])
+                    self.feed(1, b)
             self.after()
         self.finish()
         self.settled += 2
         self.after()
-
-    def counted(self, which: int) -> int:
-        """The number of one more event of a log."""
-        side = self.sides[which]
-        side.events += 1
-        return side.events - 1
 
     def at_once(self, a: Record, b: Record, event: int, other: int) -> bool:
         """Compares two records that are the same to the letter, or one event but for rounding; whether they are."""
@@ -198,6 +195,7 @@ class ByBodies(RecordPairs):
         befores = {body: growing.before(body, others) for body, others in partners.items()}
         letters = _letters(a), _letters(b)
         most, first = NEVER, None
+        self.first(a)
         for body in partners:
             if body not in growing.bodies:
                 self.last_record[0][body], self.last_record[1][body] = letters
@@ -207,12 +205,14 @@ class ByBodies(RecordPairs):
         if first is not None:
             self.clocks(a, b, first, True, most, befores[first])
 
-    def feed(self, side: int, record: Record, event: int) -> None:
+    def feed(self, side: int, record: Record) -> None:
         """One more record of one log, which may wait for its like in the other."""
         contacts, waiting = record.contacts, self.waiting
         if not contacts:
             self.frame(side, record)
             return
+        event = self.sides[side].events
+        self.sides[side].events += 1
         if len(contacts) == 1 and contacts[0][0] != contacts[0][1]:
             p, q = contacts[0]
             twin = waiting.next_of_both(side, p, q)
@@ -327,6 +327,8 @@ class ByBodies(RecordPairs):
             return
         before = growing.before(body, x.partners)
         stated = body in a.states and body in b.states
+        if stated:
+            self.first(a)
         off = self.states(a, b, body, True, before)
         self.clocks(a, b, body, stated, off, before)
         if x.event == y.event and body == a.contacts[0][0]:

@@ -32,6 +32,8 @@ class RecordPairs:
         self.sides, self.found, self.ignore = (a, b), found, ignore
         self.growing = found.growing
         self.settled = 0
+        coarse = self.growing.unit.coarse
+        self.fewer = coarse if coarse is not None and coarse.side is not None else None
         self.plain = not (b.rename or a.columns or b.columns)
         self.only_fields = not ({"contacts", "states", "hashes"} & kinds(a) & kinds(b))
 
@@ -109,7 +111,6 @@ class RecordPairs:
                 self.uneven(a, b)
             return NEVER
         found.compared["states"] += 1
-        self.first(a)
         if one == other:
             growing.same(body, a.number)
             if 0.0 in one:
@@ -119,9 +120,7 @@ class RecordPairs:
             if found.nans is None and any(map(math.isnan, one)):
                 found.nans = a.place()
             return NEVER
-        coarse = growing.unit.coarse
-        fewer = coarse is not None and coarse.side is not None and len(one) == len(other)
-        if coarse is not None and fewer and all(map(coarse.explains, one, other)):
+        if self.fewer is not None and len(one) == len(other) and all(map(self.fewer.explains, one, other)):
             found.explained += 1
             growing.same(body, a.number)
             return NEVER
@@ -135,6 +134,8 @@ class RecordPairs:
     def all_states(self, a: Record, b: Record, partners: Mapping[str, Iterable[str]]) -> None:
         """Compares the states of all bodies of two records."""
         growing = self.growing
+        if a.states and b.states:
+            self.first(a)
         if a.states.keys() != b.states.keys():
             self.uneven(a, b)
         befores = {body: growing.before(body, partners.get(body, ())) for body in a.states} if growing.off else {}

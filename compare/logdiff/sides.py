@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 from collections import Counter, deque
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import chain, islice, pairwise
 from pathlib import Path
@@ -145,7 +146,7 @@ class Side:
             letters += sum(map(len, record.texts))
             if letters > MOST_HEAD:
                 break
-        self._records = chain(self.head, records)
+        self._records: Iterator[Record] = chain(self.head, records)
         self.ring: deque[Record] = deque(maxlen=AROUND + 1)
         self.rename: dict[str, str] = {}
         self.columns: list[int] | None = None
@@ -153,13 +154,17 @@ class Side:
         self.last: Record | None = None
         self.events = 0
 
+    def translate(self) -> None:
+        """Has records that are yet to come named as the other log names them."""
+        if self.rename or self.columns is not None:
+            self._records = map(self.translated, self._records)
+
     def next(self) -> Record | None:
-        """The next record, with its bodies and numbers as the other log names them."""
+        """The next record."""
         record = next(self._records, None)
         if record is None:
             self.ended = True
             return None
-        record = self.translated(record)
         self.ring.append(record)
         self.last = record
         return record
@@ -167,8 +172,6 @@ class Side:
     def translated(self, record: Record) -> Record:
         """A record in the words of the other log."""
         names, columns = self.rename, self.columns
-        if not names and columns is None:
-            return record
         record = copy.copy(record)
         record.contacts = [(names.get(a, a), names.get(b, b)) for a, b in record.contacts]
         record.states = {
@@ -193,8 +196,11 @@ def two_sides(one: str | Path, other: str | Path) -> tuple[Side, Side]:
         for side in (a, b):
             own = side.log.names or []
             side.columns = None if own == common else [own.index(name) for name in common]
-            side.head = [*map(side.translated, side.head)]
+            if side.columns is not None:
+                side.head = [*map(side.translated, side.head)]
     b.rename = names(a, b)
+    for side in (a, b):
+        side.translate()
     return a, b
 
 

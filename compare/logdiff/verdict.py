@@ -234,7 +234,7 @@ def _partners_alone(found: Found) -> Answer:
         return Named.OPEN, k, f"{told}; contacts alone do not tell how far apart the runs were by then: log states"
     if found.tie:
         return Named.OPEN, k, (
-            f"{told}, at one instant but for rounding: a tie that each resolves in its own order, or one thing by two names"
+            f"{told}, at one instant but for rounding: a tie that each resolves in its own order, or two names for one"
         )  # fmt: skip
     if not found.compared["states"] and found.grid:
         return Named.OPEN, k, f"{told}; times of steps do not tell how far apart the runs were by then: log states"
