@@ -548,7 +548,7 @@ def _many(first: tuple[Difference, ...], known: int) -> str:
 
 
 def _bits(bits: float) -> str:
-    return "nothing" if bits == NEVER else "no number" if bits == math.inf else f"2**{bits:.0f} ulps"
+    return "nothing" if bits == NEVER else "no number" if bits == math.inf else f"2**{max(bits, 0.0):.0f} ulps"
 
 
 def _place(d: Difference) -> str:

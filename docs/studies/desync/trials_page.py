@@ -81,10 +81,10 @@ SETS = {
         "A small solver in Python in 2D and 3D, an event-driven gas, pymunk with joints, and a chain of pendulums in C "
         "(`desync_pairs.py`): written from the docs alone, most of them before the code that decides was looked at. Of "
         "these pairs that code, as it was then, named 210, 197 of them rightly (93.8 %), one of these with its event "
-        "five steps late, and refused 3. What was wrong: 15 digits in one log taken for rounding, or for a change; times "
-        "that are floats, or have four decimals, taken for a change; noise and denormals in the first record taken for "
-        "another start; another time step, in logs without steps, and another start, where one log begins later, taken "
-        "for a change. The table is of the code that was mended.",
+        "five steps late, and refused 3. What was wrong: 15 digits in one log taken for rounding, or for a change; "
+        "times that are floats, or have four decimals, taken for a change; noise and denormals in the first record "
+        "taken for another start; another time step, in logs without steps, and another start, where one log begins "
+        "later, taken for a change. The table is of the code that was mended.",
         pairs,
     ),
 }
