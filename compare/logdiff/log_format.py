@@ -51,7 +51,7 @@ def _whole(text: str) -> float:
     return -0.0 if text == "-0" else int(text)
 
 
-DECODE = json.JSONDecoder(parse_int=_whole).scan_once
+DECODE: Any = json.JSONDecoder(parse_int=_whole).scan_once  # pyright: ignore[reportAttributeAccessIssue]
 
 WORDS = re.compile(r"[\s,;:=]+")
 

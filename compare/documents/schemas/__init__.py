@@ -17,7 +17,7 @@ NAMES = (
     "shadow-1",
     "stress-1",
     "advice-1",
-    "bench-2",
+    "bench-3",
     "suite-1",
     "run-1",
     "saved-comparison-1",
