@@ -1,6 +1,6 @@
-"""Pairs of logs of which it is known what came between them: what `truebreak diff` names of them, in a table.
+"""Pairs of logs of several engines of which it is known what came between them.
 
-`python -m truebreak.compare.logdiff.trials` makes them all and writes the table of docs/desync-trials.md.
+`python docs/studies/desync/trials_page.py` has them compared.
 """
 
 from __future__ import annotations
@@ -8,24 +8,18 @@ from __future__ import annotations
 import copy
 import json
 import random
-import sys
-import tempfile
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
-from . import trial_worlds as worlds
-from .growing import NEVER
-from .log_format import FORMAT
-from .pairing import pair
-from .trial_worlds import NONE, Fault, Steps
-from .verdict import Named, Verdict, decide
+import desync_worlds as worlds
+from desync_worlds import NONE, Fault, Lines, Steps, Trial
+
+from truebreak.compare.logdiff.log_format import FORMAT
+from truebreak.compare.logdiff.verdict import Named
 
 I, H, G, C, S, N = Named  # noqa: E741
-Lines = list[dict[str, Any]]
 TRUE_NAMES = {
     "none": {I}, "ulp": {G}, "moved": {S}, "dt": {S}, "gravity": {S}, "contact": {C}, "warm": {C}, "input": {C},
     "mass": {C}, "garbage": {C}, "nan": {C}, "push": {C}, "threads": {I, H, G, C}, "order": {I, H, G, C},
@@ -33,25 +27,6 @@ TRUE_NAMES = {
 """What is right to say of each fault; "not determined" is never wrong. A mass that differs from the start may be called
 so, too; bodies in another order, and threads, change what a solver does that has not converged, or only the rounding,
 or nothing."""
-
-
-@dataclass(frozen=True)
-class Trial:
-    """One pair.
-
-    Attributes:
-        world: the engine and what it plays.
-        what: the fault, for a person.
-        true: what may be said of it.
-        at: the event from which on the runs differ, where that is known.
-        make: gives the lines of both logs.
-    """
-
-    world: str
-    what: str
-    true: frozenset[Named]
-    make: Callable[[], tuple[Lines, Lines]]
-    at: int | None = None
 
 
 Style = Callable[[Steps], Lines]
@@ -382,68 +357,3 @@ def trials(base: int = 0) -> Iterator[Trial]:
         yield _scene(name, "double", "log cut short", set(), edit=lambda lines: lines[:100])
         yield _scene(name, "double", "another engine: quad", {G, I}, other="quad")
         yield _scene(name, "quad", "one start moved by one ulp", {G}, _moved(2, "ulp"))
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a trial."""
-
-    trial: Trial
-    verdict: Verdict
-    largest: float
-
-    @property
-    def mark(self) -> str:
-        """`right`, `wrong` or `open`.
-
-        A fault that never makes a difference beyond rounding, as a mass that only meets walls, is rounding; one that
-        makes none at all, as a contact lost of two that part already, leaves the runs identical.
-        """
-        if self.verdict.name is N:
-            return "open"
-        faint = (self.verdict.name is G and self.largest < FAINT) or (self.verdict.same and self.largest == NEVER)
-        return "right" if self.verdict.name in self.trial.true or faint else "wrong"
-
-
-FAINT = 8.0
-"""Bits above one ulp that no more than rounding comes to, in a run that is not chaotic."""
-
-
-def tried(trial: Trial) -> Outcome:
-    """Makes a pair and has it compared."""
-    with tempfile.TemporaryDirectory() as folder:
-        paths = [Path(folder) / name for name in ("a.jsonl", "b.jsonl")]
-        for path, lines in zip(paths, trial.make(), strict=True):
-            path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
-        found = pair(paths[0], paths[1])
-        return Outcome(trial, decide(found), found.growing.largest)
-
-
-def table(outcomes: Sequence[Outcome]) -> str:
-    """The outcomes as a table in Markdown, with a line of their numbers before it."""
-    counts = Counter(o.mark for o in outcomes)
-    named = counts["right"] + counts["wrong"]
-    lines = [
-        f"{len(outcomes)} pairs: {counts['right']} named right, {counts['wrong']} wrong, {counts['open']} not "
-        f"determined; of the {named} that are named, {counts['right'] / max(1, named):.1%} are right.",
-        "",
-        "| engine and world | what came between | named | |",
-        "|---|---|---|---|",
-    ]
-    lines += [f"| {o.trial.world} | {o.trial.what} | {o.verdict.line} | {o.mark} |" for o in outcomes]
-    return "\n".join(lines) + "\n"
-
-
-def main(words: Sequence[str] = ()) -> None:
-    """Makes the pairs of one set, `0` or `100`, and prints their table; what is not named right goes to stderr, too."""
-    outcomes: list[Outcome] = []
-    for trial in trials(int(words[0]) if words else TUNED):
-        outcomes.append(tried(trial))
-        if outcomes[-1].mark != "right":
-            verdict = outcomes[-1].verdict
-            print(f"{outcomes[-1].mark}: {trial.world}: {trial.what}: {verdict.line}: {verdict.why}", file=sys.stderr)
-    print(table(outcomes), end="")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

@@ -1,4 +1,5 @@
-"""Worlds of several engines, each with a fault that can be put into it: what `truebreak diff` is tried on."""
+"""Worlds of several engines, each with a fault that can be put into it: what `truebreak diff` is tried on, and what a
+trial is (`python docs/studies/desync/trials_page.py`)."""
 
 from __future__ import annotations
 
@@ -15,7 +16,37 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..adapters.adapter import package
+import truebreak.compare.logdiff
+from truebreak.compare.adapters.adapter import package
+from truebreak.compare.logdiff.verdict import Named
+
+Lines = list[dict[str, Any]]
+"""A log, line by line."""
+
+HEADER = Path(truebreak.compare.logdiff.__path__[0]) / "truebreak_log.h"
+"""The C header that engines in C write logs with."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One pair of logs.
+
+    Attributes:
+        world: the engine and what it plays.
+        what: what came between them, for a person.
+        true: what may be said of that; "not determined" is never wrong.
+        make: gives both logs: lines, or text.
+        at: the event from which on the runs differ, where that is known.
+        suffix: of their files' names.
+    """
+
+    world: str
+    what: str
+    true: frozenset[Named]
+    make: Callable[[], tuple[Lines | str, Lines | str]]
+    at: int | None = None
+    suffix: str = ".jsonl"
+
 
 Rows = dict[str, list[float]]
 """States by body: place, turn and velocities, as the engine has them."""
@@ -513,6 +544,48 @@ int main(int count, char **words) {
 """An engine of 16 discs by steps, in floats or doubles, with and without gravity."""
 
 
+CHAIN = r"""
+#include <math.h>
+#include <stdio.h>
+#ifndef REAL
+#define REAL double
+#endif
+enum { N = 9 };
+int main(void) {
+    REAL a[N], w[N], dt = (REAL)0.01;
+    int i, k;
+    for (i = 0; i < N; i++) a[i] = (REAL)0.7 + (REAL)0.31 * i, w[i] = (REAL)0.1 * i;
+    printf("{\"log\": \"truebreak/log-1\", \"fields\": [\"angle\", \"spin\"]}\n");
+    for (k = 0; k <= 250; k++) {
+        if (k) for (i = 0; i < N; i++) {
+            REAL f = (REAL)-9.8 * (REAL)SIN(a[i]), last = i ? a[i - 1] : 0, next = i < N - 1 ? a[i + 1] : a[i];
+            f += 4 * (last - 2 * a[i] + next) - w[i] / 7;
+            w[i] += f * dt;
+        }
+        if (k) for (i = 0; i < N; i++) a[i] += w[i] * dt;
+        printf("{\"step\": %d, \"states\": {", k);
+        for (i = 0; i < N; i++) printf("%s\"p%d\": [%.17g, %.17g]", i ? ", " : "", i, (double)a[i], (double)w[i]);
+        printf("}}\n");
+    }
+    return 0;
+}
+"""
+"""A chain of pendulums: sines and a spring, no contacts."""
+
+
+@cache
+def chain(*flags: str) -> str:
+    """The chain's log, built with flags."""
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "chain.c"
+        source.write_text(CHAIN, encoding="utf-8")
+        words = flags if any(f.startswith("-DSIN") for f in flags) else (*flags, "-DSIN=sin")
+        subprocess.run(
+            ["cc", "-std=gnu99", *words, "-o", f"{folder}/chain", str(source), "-lm"], check=True, capture_output=True
+        )
+        return subprocess.run([f"{folder}/chain"], check=True, capture_output=True, text=True).stdout
+
+
 @cache
 def compiler() -> str | None:
     """The C compiler, if there is one."""
@@ -528,7 +601,7 @@ def built(flags: tuple[str, ...], folder: str) -> str:
     """
     source = Path(folder) / "discs.c"
     source.write_text(C_ENGINE, encoding="utf-8")
-    shutil.copy(Path(__file__).with_name("truebreak_log.h"), folder)
+    shutil.copy(HEADER, folder)
     target = Path(folder) / f"discs{abs(hash(flags))}"
     words = [compiler() or "cc", "-std=c99", *flags, "-o", str(target), str(source), "-lm"]
     subprocess.run(words, check=True, capture_output=True)
@@ -553,8 +626,8 @@ def _folder() -> str:
 
 def scene_run(name: str, engine: str, change: Callable[[Any], Any] | None, events: int) -> Iterator[dict[str, Any]]:
     """The events of one of truebreak's own engines, with the states that each leaves."""
-    from ..engines import engine as engine_named
-    from ..scene_argument import scene_from
+    from truebreak.compare.engines import engine as engine_named
+    from truebreak.compare.scene_argument import scene_from
 
     scene = scene_from(name)
     trajectory = engine_named(engine).run(change(scene) if change else scene, events=events)
