@@ -379,7 +379,8 @@ def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
         parts.append(account.own)
     for part in parts:
         flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
-        earlier = _left_before(lab) if part.cause is CauseName["INPUT"] and lab.engine.step is None else None
+        asked = part.cause is CauseName["INPUT"] and lab.engine.step is None and flips is not True
+        earlier = _left_before(lab) if asked else None
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
