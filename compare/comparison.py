@@ -13,21 +13,20 @@ from ..scenarios.errors import SceneError
 from ..scenarios.pictures import html_table, shown
 from ..scenarios.scene import Scene
 from ..scenarios.trajectory import Progress, Trajectory
-from .alignment.align import UNKNOWING, VERDICTS
-from .alignment.impulse_order import follows_the_law
-from .alignment.separation import not_measured, return_miss, separation
+from .alignment.align import UNKNOWING, VERDICTS, not_measured, return_miss, separation
+from .alignment.instants import follows_the_law
 from .audit.audit import audit_run
 from .audit.transcript import Transcript
 from .candidate import Candidate
 from .chaos.hazard.errors import model_of
 from .deadline import NO_TIME, Clock, OutOfTime, checked_seconds, time_limit, time_to_read, uninterrupted
 from .engines import engine as engine_named
+from .engines import label_of
 from .foreign.guard import run_guarded
-from .foreign.loading import label_of
-from .outcomes.break_pattern import pattern as pattern_of
 from .outcomes.matched import held
+from .outcomes.outcome import outcomes_of
+from .outcomes.outcome import pattern as pattern_of
 from .outcomes.permitted import PermittedPatterns, permitted_patterns
-from .outcomes.table import outcomes_of
 from .study import Study, run_or_unable
 from .validation import check_engine, check_trajectory, check_until
 
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from .alignment.align import Alignment, Verdict
     from .audit.audit import Audit
     from .certificate.certified import Certified
-    from .outcomes.table import Outcome
+    from .outcomes.outcome import Outcome
 
 DEFAULT_ENGINES = ("double", "interval", "pymunk")
 

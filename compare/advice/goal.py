@@ -8,20 +8,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ...scenarios.errors import SceneError
-from ..alignment.divergence import Kind
+from ..alignment.instants import Kind
 from ..audit.audit import audit_run
 from ..chaos.following import follow
 from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
 from ..documents.values.amounts import plain
 from ..engines import suggestion
-from ..outcomes.table import outcomes_of
+from ..outcomes.outcome import outcomes_of
 from ..validation import EngineError
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.trajectory import Trajectory
-    from ..alignment.divergence import Divergence
+    from ..alignment.instants import Divergence
     from ..study import Study
 
 

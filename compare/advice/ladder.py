@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
+from ..engines import class_path, parsed_settings
 from ..engines import engine as engine_named
-from ..engines import parsed_settings
 from ..foreign.guard import finer_of, wider_of
-from ..foreign.loading import class_path
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

@@ -10,7 +10,7 @@ from ..chaos.hazard.errors import ErrorModel, model_of
 from ..chaos.horizon import Forecaster
 from ..chaos.levels import LEVELS
 from ..comparison import candidate_of, explained
-from ..outcomes.table import outcomes_of
+from ..outcomes.outcome import outcomes_of
 from ..tangent.impacts import NoTangentMap, impacts
 
 if TYPE_CHECKING:

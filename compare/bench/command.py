@@ -12,7 +12,7 @@ from typing import Any
 import click
 
 from ...scenarios.errors import SceneError
-from ..adapters.base.package import NotInstalled
+from ..adapters.adapter import NotInstalled
 from ..cli.arguments import completion
 from ..cli.arguments.numbers import Whole
 from ..cli.arguments.options import a_file

@@ -17,7 +17,7 @@ from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
-from ..outcomes.table import outcomes_of
+from ..outcomes.outcome import outcomes_of
 from ..scene_argument import scene_from
 from ..study import Study
 from .computer import UNEVEN, Took

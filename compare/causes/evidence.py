@@ -17,7 +17,7 @@ from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import Event
 from ..alignment.align import align
-from ..alignment.streams import history
+from ..alignment.walk import history
 from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
 from ..deadline import NO_TIME

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..alignment.align import align
-from ..alignment.divergence import Kind
-from ..alignment.instants import NEARER, instants, velocity_difference
+from ..alignment.instants import NEARER, Kind, instants, velocity_difference
 from ..alignment.walk import REPEATED
 from ..deadline import NO_TIME
 from ..foreign.guard import finer_of, firmer_of

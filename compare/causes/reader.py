@@ -15,7 +15,7 @@ from ...exact.numbers import ball
 from ...exact.replay.state import SeenWall
 from ...scenarios.numbers.quantity import Quantity, Real, real
 from ...scenarios.things import Wall
-from ..alignment.streams import history
+from ..alignment.walk import history
 from .decision import FIRST_BITS, MOST_BITS, DecidingNumber, OwnFlight, Pairing
 from .rounding import nearest, wall_numbers
 

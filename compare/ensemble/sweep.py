@@ -15,7 +15,7 @@ from typing import Any
 from ...scenarios.errors import SceneError
 from ..engines import engine as engine_named
 from ..engines import suggestion
-from ..outcomes.table import OUTCOMES
+from ..outcomes.outcome import OUTCOMES
 from ..validation import check_engine
 from .family import Family, family, shard_of
 from .rows.row import PERTURBED, SweepJob, SweepRow, engine_of

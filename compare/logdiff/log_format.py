@@ -17,7 +17,7 @@ from pathlib import Path
 from struct import unpack
 from typing import Any
 
-from ..foreign.lines import cells_of, once, text_lines
+from ..foreign.log_engine import cells_of, once, text_lines
 from ..validation import EngineError
 
 FORMAT = "truebreak/log-1"

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..foreign.lines import text_lines
+from ..foreign.log_engine import text_lines
 from ..validation import EngineError
 from .growing import NEVER, Growing
 from .log_format import MOST_LINE, Log, Record

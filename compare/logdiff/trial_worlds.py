@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from ..adapters.base.package import package
+from ..adapters.adapter import package
 
 Rows = dict[str, list[float]]
 """States by body: place, turn and velocities, as the engine has them."""

@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from ...scenarios.pictures import scene_picture
 from ..documents.orders import choices_phrase, orders_json, orders_sentence, velocities_phrase
-from ..outcomes.break_pattern import pattern
+from ..outcomes.outcome import pattern
 from .counting import counted
 from .page.patterns import MOST_DRAWN, difference, small_picture
 from .page.provenance import Download, download, file_name, provenance_of, scene_file, stem_of

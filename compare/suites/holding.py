@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 from ..comparison import candidate_of, explained, studied
 from ..deadline import Clock, OutOfTime, checked_seconds
-from ..engines import ENGINES, engine
-from ..foreign.loading import label_of
-from ..outcomes.table import outcomes_of
+from ..engines import ENGINES, engine, label_of
+from ..outcomes.outcome import outcomes_of
 from ..scene_argument import scene_from
 from ..validation import check_engine, check_until
 from .cell import Cell, cell_of

@@ -6,11 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
-from ..adapters.base.package import NotInstalled
+from ..adapters.adapter import NotInstalled
 from ..alignment.align import VERDICTS
 from ..deadline import OutOfTime
-from ..engines import engine
-from ..foreign.loading import label_of
+from ..engines import engine, label_of
 from ..scene_argument import scene_from
 from ..validation import EngineError
 from .cell import Cell

@@ -10,8 +10,7 @@ from typing import Any
 from ...scenarios.disk import text_of
 from ...scenarios.errors import SceneError
 from ...scenarios.files import MAX_TOML, toml_table
-from ..engines import engine, split_engines, suggestion
-from ..foreign.loading import label_of
+from ..engines import engine, label_of, split_engines, suggestion
 from ..scene_argument import FILE_SUFFIXES, scene_from
 
 SUITE_KEYS = ("engines", "until", "events", "causes", "scene")

@@ -9,7 +9,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
-from ..adapters.base.adapted import version_of
+from ..adapters.adapter import version_of
 from ..deadline import Clock, OutOfTime
 from ..engines import ENGINES, engine, suggestion
 from ..scene_argument import scene_from

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from truebreak.compare import compare, engine
-from truebreak.compare.alignment.divergence import Kind
+from truebreak.compare.alignment.instants import Kind
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.cli.exit_codes import of_comparison

@@ -44,8 +44,7 @@ def orders(
     from ....scenarios.errors import SceneError
     from ...documents.orders import orders_json, print_orders
     from ...engines import engine
-    from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner
-    from ...orders.order_search import search_orders
+    from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner, search_orders
     from ...report.text.listing import print_json
     from ...scene_argument import scene_from, with_settings
     from ...validation import check_until

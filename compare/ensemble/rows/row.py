@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ....exact.exact_engine import ExactEngine
 from ....scenarios.errors import SceneError
 from ....scenarios.numbers.quantity import Quantity
-from ...alignment.separation import separation
+from ...alignment.align import separation
 from ...audit.audit import audit_run
 from ...candidate import Candidate
 from ...chaos.following import Followed, follow
@@ -24,7 +24,7 @@ from ...documents.laws import laws_brief
 from ...documents.values.amounts import plain
 from ...engines import engine as engine_named
 from ...outcomes.matched import held
-from ...outcomes.table import outcome
+from ...outcomes.outcome import outcome
 from ...scene_argument import scene_from
 from ...tangent.impacts import NoTangentMap, impacts
 from .perturbed import Perturbed

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ...outcomes.table import room_of, same_outcome
+from ...outcomes.outcome import room_of, same_outcome
 from ..sentences import until_phrase
 
 if TYPE_CHECKING:

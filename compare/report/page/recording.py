@@ -15,7 +15,7 @@ from ..sentences import headline
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
     from ....scenarios.trajectory import Event, Trajectory
-    from ...alignment.divergence import Divergence
+    from ...alignment.instants import Divergence
     from ...candidate import Candidate
     from ...comparison import Comparison
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import TYPE_CHECKING
 
-from ...alignment.streams import history
+from ...alignment.walk import history
 from ..instants import later
 from .listing import LEAST_NORMAL, number
 

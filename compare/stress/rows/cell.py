@@ -13,7 +13,7 @@ from ...deadline import uninterrupted
 from ...documents.laws import laws_brief
 from ...engines import engine as engine_named
 from ...outcomes.matched import held
-from ...outcomes.table import outcomes_of
+from ...outcomes.outcome import outcomes_of
 from ...validation import EngineError
 from ..family import MapPlace
 from ..table import family

@@ -12,7 +12,7 @@ from ....exact.numbers.ball import double_bounds
 from ....exact.replay.contact import Touch
 from ....exact.simulation.policies import Ask, pushing_contacts
 from ...alignment.align import UNKNOWING, Span, align
-from ...alignment.divergence import Kind
+from ...alignment.instants import Kind
 from ...causes.decision import decisions
 from ...causes.reader import RunReader
 from ...foreign.guard import run_guarded

@@ -10,7 +10,7 @@ import click
 import jsonschema
 import pytest
 
-from truebreak.compare.adapters.base import package
+from truebreak.compare.adapters import adapter as package
 from truebreak.compare.bench import command as bench
 from truebreak.compare.bench.command import TRADEOFFS, measure
 from truebreak.compare.bench.ratios import rivals

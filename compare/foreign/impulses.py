@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
-    from ....scenarios.scene import Scene
+    from ...scenarios.scene import Scene
 
 Row: TypeAlias = tuple[float, float, float, float]
 """(x, y, vx, vy) of one circle."""

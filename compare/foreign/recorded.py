@@ -6,14 +6,14 @@ from abc import ABC, abstractmethod
 from dataclasses import fields, is_dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ....scenarios.engine import SCENE_KEYS, Engine, Unchangeable, endable, horizon
-from ....scenarios.errors import TimeIsUp
+from ...scenarios.engine import SCENE_KEYS, Engine, Unchangeable, endable, horizon
+from ...scenarios.errors import TimeIsUp
 from .recording import Recording
 
 if TYPE_CHECKING:
-    from ....scenarios.numbers.quantity import QuantityLike
-    from ....scenarios.scene import Scene
-    from ....scenarios.trajectory import OnProgress, Trajectory
+    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress, Trajectory
 
 
 class Player(Engine, Protocol):

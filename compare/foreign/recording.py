@@ -1,26 +1,207 @@
-"""Builds the run of any engine from what it reports: who hits whom and when, or where everything is."""
+"""What a recording has taken down: events, and the flights between them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from ....floating.knots import EventMotion
-from ....floating.pymunk_run import entries, last_entry
-from ....scenarios.numbers.precision import Double
-from ....scenarios.settings import positive_count, positive_time
-from ....scenarios.trajectory import Event, Progress, Reversal, Stop, StopReason, Trajectory
-from ...validation import EngineError, checked_event
-from .course import Course
+from ...floating.knots import DoubleKnot, EventMotion
+from ...floating.pymunk_run import entries, last_entry
+from ...scenarios.numbers.precision import Double
+from ...scenarios.settings import positive_count, positive_time
+from ...scenarios.trajectory import Contact, Event, Progress, Reversal, Stop, StopReason, Tie, TieProof, Trajectory
+from ..validation import EngineError, checked_event, checked_number, falls
 from .impulses import Impacts, Indices, Row
-from .reports import Reports, rounded_to
 
 if TYPE_CHECKING:
-    from ....scenarios.numbers.quantity import Quantity, QuantityLike
-    from ....scenarios.scene import Scene
-    from ....scenarios.trajectory import OnProgress
-    from .reports import States
+    from ...scenarios.numbers.quantity import Quantity, QuantityLike
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress
+
+MOST_EVENTS = 1_000_000
+"""Events of one recording: a few hundred megabytes."""
+
+
+class Course:
+    """The events of a run so far, and where every circle is.
+
+    Args:
+        scene: what is run.
+        impacts: its laws.
+        rows: x, y, vx, vy of every circle at the start.
+
+    Attributes:
+        times: of the events.
+        knots: for each circle, from when on it flies straight, from where and how fast.
+        left: for each event its time, and how many knots each circle has once it is over.
+        reckoned: the events that came without states.
+    """
+
+    def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row]) -> None:
+        self.scene, self._impacts = scene, impacts
+        self.times: list[float] = []
+        self.knots: list[list[DoubleKnot]] = [[(0.0, *row)] for row in rows]
+        self.left: list[tuple[float, tuple[int, ...]]] = []
+        self.reckoned: set[int] = set()
+        self._links: list[list[Indices]] = []
+        self._coupled: list[bool] = []
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def event(self, index: int) -> Event:
+        """One of the events."""
+        ids, links = self.scene.ids, self._links[index]
+        impulses = tuple(Contact(ids[i], ids[j]) for i, j in links)
+        contacts = tuple(Contact(ids[i], ids[j]) for i, j in sorted(set(links)))
+        ties = (Tie(contacts, TieProof.FLOAT),) if len(contacts) > 1 else ()
+        return Event(index, Double(self.times[index]), contacts, impulses, ties, self._coupled[index])
+
+    def add(self, where: str, now: float, links: Sequence[Indices], rows: Sequence[Row], together: bool) -> None:
+        """Notes an event, of which `leave` is to tell how it leaves the circles.
+
+        Args:
+            where: what an error begins with.
+            rows: where the circles are.
+            together: whether what comes at one time is one.
+
+        Raises:
+            EngineError: if there are too many.
+        """
+        if together and self.times and self.times[-1] == now:
+            links = [*self._links[-1], *links]
+            for told in (self.times, self._links, self._coupled):
+                told.pop()
+        if len(self.times) >= MOST_EVENTS:
+            raise EngineError(f"{where}: more than {MOST_EVENTS:,} events; end the run before that")
+        self.times.append(now)
+        self._links.append(list(links))
+        self._coupled.append(len(set(links)) > 1 and self._impacts.coupled(sorted(set(links)), rows))
+
+    def fly(self, now: float, rows: Mapping[int, Row]) -> None:
+        """Circles fly on from a time as told."""
+        for k, row in rows.items():
+            if self._impacts.moves(k):
+                self.knots[k].append((now, *row))
+
+    def leave(self, now: float) -> None:
+        """The last event, if it is of this time, is over."""
+        if self.times and self.times[-1] == now:
+            self.left[len(self.times) - 1 :] = [(now, tuple(map(len, self.knots)))]
+
+    def rows(self, now: float) -> list[Row]:
+        """Where every circle is by its last flight."""
+        last = (row[-1] for row in self.knots)
+        return [(x + vx * (now - t), y + vy * (now - t), vx, vy) for t, x, y, vx, vy in last]
+
+
+# ----------------------------------------
+# What an engine reports, checked: times, contacts, states.
+
+States: TypeAlias = "Mapping[str, Sequence[float]] | Sequence[Sequence[float]]"
+"""x, y, vx, vy by the ids of circles; or of all circles, in scene order."""
+
+
+class Reports:
+    """Checks what is reported of a scene.
+
+    Attributes:
+        where: what an error begins with: the engine, or the line of a log.
+    """
+
+    def __init__(self, scene: Scene, where: str) -> None:
+        self.where = where
+        self._ids = scene.ids
+        self._places = {name: place for place, name in enumerate(scene.ids)}
+        self._circles = [str(circle.id) for circle in scene.circles]
+
+    def time(self, time: Any, last: float, bits: int | None) -> float:
+        """A time that may follow the last one, of an engine of so many bits.
+
+        Raises:
+            EngineError: for one that is no finite number, or goes back by more than rounding.
+        """
+        now = self._number("time", time)
+        if now < 0:
+            raise EngineError(f"{self.where}: time = {now!r} is before the start; times are from 0")
+        if falls(last, now, bits):
+            raise EngineError(f"{self.where}: time = {now!r} comes before {last!r}, the one before it; sort them")
+        return now
+
+    def contact(self, pair: Any) -> Contact:
+        """A pair in scene order; unknown names are left for the check of the event.
+
+        Raises:
+            EngineError: if it is no pair of texts.
+        """
+        if not isinstance(pair, Sequence) or [type(name) for name in pair] != [str, str]:
+            raise EngineError(f"{self.where}: contact = {str(pair)[:60]}; must be two ids, as text")
+        first, second = pair
+        swap = self._places.get(first, -1) > self._places.get(second, len(self._places))
+        return Contact(second, first) if swap else Contact(first, second)
+
+    def states(self, states: Any) -> dict[int, Row]:
+        """States by the places of their circles.
+
+        Raises:
+            EngineError: for an unknown circle, and for a number that is none, or not finite.
+        """
+        if not isinstance(states, Mapping):
+            try:
+                states = dict(zip(self._circles, states, strict=True))
+            except (TypeError, ValueError):
+                raise EngineError(
+                    f"{self.where}: states = {str(states)[:60]}; must be x, y, vx, vy by id, or of all "
+                    f"{len(self._circles)} circles in scene order"
+                ) from None
+        found: dict[int, Row] = {}
+        for name, row in states.items():
+            place = self._places.get(name, len(self._circles))
+            if place >= len(self._circles):
+                raise EngineError(f"{self.where}: states has {name!r}, which is no circle of the scene; use its ids")
+            try:
+                x, y, vx, vy = row
+            except (TypeError, ValueError):
+                raise EngineError(f"{self.where}: states: {name!r} = {str(row)[:60]}; must be x, y, vx, vy") from None
+            label = f"states: {name!r}: "
+            found[place] = (
+                self._number(f"{label}x", x),
+                self._number(f"{label}y", y),
+                self._number(f"{label}vx", vx),
+                self._number(f"{label}vy", vy),
+            )
+        return found
+
+    def check_all(self, wanted: set[int], given: Mapping[int, Row]) -> None:
+        """Refuses states that leave out a circle which collides."""
+        missing = wanted - given.keys()
+        if missing:
+            raise EngineError(
+                f"{self.where}: states lacks {self._ids[min(missing)]!r}, which collides; "
+                "give every circle that takes part, or no states at all"
+            )
+
+    def _number(self, label: str, value: Any) -> float:
+        if isinstance(value, bool | str):
+            raise EngineError(f"{self.where}: {label} = {value!r}; must be a number")
+        return checked_number(f"{self.where}: {label}", value)
+
+
+def rounded_to(value: float, bits: int | None) -> float:
+    """A double rounded to fewer bits, ties to even; wider numbers stay doubles.
+
+    >>> rounded_to(0.1, 24), rounded_to(0.1, 53)
+    (0.10000000149011612, 0.1)
+    """
+    if bits is None or bits >= 53:
+        return value
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(round(math.ldexp(mantissa, bits)), exponent - bits)
+
+
+# ----------------------------------------
+# Builds the run of any engine from what it reports: who hits whom and when, or where everything is.
 
 RECORD_ENDS = "the record ends at time"
 """What the stop of a run says of which no more is known, before the time."""
