@@ -31,6 +31,7 @@ from .continuation import (
     MERGED,
     OVERLAP,
     SEVERAL,
+    SOLVER,
     Continuation,
     NoContinuation,
 )
@@ -88,6 +89,7 @@ OF_STEPS: tuple[Group, ...] = (
     (CauseName["LATENESS"], (LATENESS,)),
     (CauseName["OVERLAP"], (OVERLAP,)),
     (CauseName["IMPACTS"], (IMPACTS,)),
+    (CauseName["SOLVER"], (SOLVER,)),
     (CauseName["SEVERAL"], (SEVERAL,)),
     (CauseName["MERGED"], (MERGED,)),
     (CauseName["CORRECTION"], (CORRECTION,)),

@@ -9,6 +9,7 @@ the contacts, it is what these alone come to.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
@@ -124,11 +125,14 @@ FLIGHTS, LATENESS, OVERLAP, IMPACTS = "flights", "lateness", "overlap", "impacts
 """Kinds of defects: a place that is not where the flight leads; a time at which the gap is not zero; a line of centres
 that overlap has turned; an impulse."""
 
-SEVERAL, MERGED, CORRECTION = "several", "merged", "correction"
-"""More of them: the impulses of several contacts of one instant; an instant taken apart, or several taken as one; a
+SOLVER, SEVERAL, MERGED, CORRECTION = "solver", "several", "merged", "correction"
+"""More of them: of an engine of steps, an impulse that is off by more than rounding; the impulses of several contacts of one instant; an instant taken apart, or several taken as one; a
 flight that changes without a contact."""
 
-KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SEVERAL, MERGED, CORRECTION)
+KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SOLVER, SEVERAL, MERGED, CORRECTION)
+
+ROUNDED = 2.0**10
+"""Units in the last place of its speeds by which an impulse may be off by rounding, times the places over the radii."""
 
 
 class RoundedState(ReplayState[arb]):
@@ -192,6 +196,7 @@ class Continuation:
         decision: what is asked.
         turned: number of the reference's events before its reversal, if that lies before the decision.
         bits: to which the engine rounds its scene; None: it does not.
+        unit: of its numbers, where it takes steps, so that its impulses may be off by more than rounding.
 
     Attributes:
         stretches: what leads to the decision, in order.
@@ -209,13 +214,14 @@ class Continuation:
         decision: DecidingNumber,
         turned: int | None,
         bits: int | None,
+        unit: float | None = None,
     ) -> None:
         motion = motion_of(reference)
         if motion is None:
             raise NoContinuation(f"{reference.engine} keeps no log")
         self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
         self.scene: Scene = reference.scene
-        self._turned, self._rounds_to = turned, bits
+        self._turned, self._unit = turned, unit
         self._log = motion.log.steps
         self._places = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
@@ -428,8 +434,19 @@ class Continuation:
         stretch.defects[FLIGHTS] = _less(flown, exact)
         stretch.defects[LATENESS] = _less(late, flown)
         stretch.defects[OVERLAP] = _less(pushed, late)
-        kind = IMPACTS if link.single else SEVERAL
-        stretch.defects[kind] = _less({k: after[k] for k in stretch.bodies}, pushed)
+        left = _less({k: after[k] for k in stretch.bodies}, pushed)
+        stretch.defects[SEVERAL if not link.single else IMPACTS if self._is_rounding(stretch, left) else SOLVER] = left
+
+    def _is_rounding(self, stretch: Stretch, left: Rows) -> bool:
+        """Whether what a single impulse misses is rounding; of engines of events the audit tells that."""
+        if self._unit is None:
+            return True
+        rows = [row for k in stretch.bodies for row in (stretch.before[k], stretch.after[k])]
+        speed = max(math.hypot(float(row[3]), float(row[4])) for row in rows)
+        far = max(math.hypot(float(row[1]), float(row[2])) for row in rows)
+        reach = min(float(self._given.bodies[k].r) for k in stretch.bodies)
+        room = ROUNDED * self._unit * speed * (1 + (far / reach if reach else 0.0))
+        return all(math.hypot(float(row[3].mid()), float(row[4].mid())) <= room for row in left.values())
 
     # -- values
 
