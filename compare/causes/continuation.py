@@ -126,8 +126,8 @@ FLIGHTS, LATENESS, OVERLAP, IMPACTS = "flights", "lateness", "overlap", "impacts
 that overlap has turned; an impulse."""
 
 SOLVER, SEVERAL, MERGED, CORRECTION = "solver", "several", "merged", "correction"
-"""More of them: of an engine of steps, an impulse that is off by more than rounding; the impulses of several contacts of one instant; an instant taken apart, or several taken as one; a
-flight that changes without a contact."""
+"""More of them: of an engine of steps, an impulse that is off by more than rounding; the impulses of several contacts of
+one instant; an instant taken apart, or several taken as one; a flight that changes without a contact."""
 
 KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SOLVER, SEVERAL, MERGED, CORRECTION)
 
@@ -182,7 +182,7 @@ class RoundedState(ReplayState[arb]):
             one, two = self.line(0, wall)[:4], other.line(0, wall)[:4]
             made._see(wall, *(a + share * (b - a) for a, b in zip(one, two, strict=True)))
             if self.sides.negative(0, wall):
-                made._lines[wall] = made._lines[wall][::-1]
+                made._lines[wall] = made._lines[wall][1], made._lines[wall][0]
         return made
 
 
