@@ -126,7 +126,7 @@ FLIGHTS, LATENESS, OVERLAP, IMPACTS = "flights", "lateness", "overlap", "impacts
 that overlap has turned; an impulse."""
 
 SOLVER, SEVERAL, MERGED, CORRECTION = "solver", "several", "merged", "correction"
-"""More of them: of an engine of steps, an impulse that is off by more than rounding; the impulses of several contacts of
+"""More: of an engine of steps, an impulse that is off by more than rounding; the impulses of several contacts of
 one instant; an instant taken apart, or several taken as one; a flight that changes without a contact."""
 
 KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SOLVER, SEVERAL, MERGED, CORRECTION)
