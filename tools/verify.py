@@ -39,8 +39,7 @@ def shape(own, all):  # what the parts of a certificate are, and how they are sp
                          "rounds": each(rounds), "enter": each(CONTACT), "zeros": zeros},
             "end": {"reason": REASON, "limit": COUNT, "until": any, "zeros": zeros},
             "final": {"time": DECIMAL, "circles": each(each(DECIMAL, "{4}"))}}
-def dense(value):
-    return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
+def dense(x): return json.dumps(x, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
 def fits(value, shape):  # refuses a part, or a list of parts, of another shape
     for part in value if isinstance(value, list) else [value]:
         for key in part.keys() | (shape.keys() - OPTIONAL):
@@ -168,11 +167,12 @@ class World:
         wall, gap = Meeting(d, (vx, vy), none, {i: d}), d[0] * (x - u) + d[1] * (y - v) - r * length
         wall.gap, wall.speed, wall.disc = gap + gap, none, wall.closing * wall.closing
         return wall
-    def rough(self, k, age):  # a flight or a wall in whole numbers, how large, and how far off
+    def rough(self, k, age):  # a flight or a wall in whole numbers; how large, and how far off
         kept, key = self.flights[k].seen, (age if k < self.n else 0, self.bits, 0)
         if key not in kept:
-            row = self.at(*self.put(k, key[0])[:4], self.things[k][4])
-            kept[key] = *(z.m for z in row), sum(abs(z.m) for z in row), sum(z.r for z in row)
+            x, y, vx, vy, r = row = self.at(*self.put(k, key[0])[:4], self.things[k][4])
+            far, fast = abs(x.m) + abs(y.m) + abs(r.m), abs(vx.m) + abs(vy.m)
+            kept[key] = *(z.m for z in row), far, x.r + y.r + r.r, fast, vx.r + vy.r
         return kept[key]
     def hit(self, c):  # when the gap of two falls through zero
         if self.read is Form: return UNTOLD
@@ -259,8 +259,7 @@ class Checker:
         self.isometries, self.out, self.parted = [self.isometry(g) for g in maps], [], set()
         self.age, self.count, self.known, self.lasting, self.due, self.way = -1, 0, {}, {}, 0, 0
         self.last = self.end["limit"] if self.end["reason"] == "events" else None
-        seed = self.policy.partition("seed=")[2]
-        self.draw = random.Random(int(seed)).randrange if seed else lambda _: 0
+        self.draw = "seed" in self.policy and random.Random(int(self.policy[16:])).randrange
     def isometry(self, told):  # its linear part, its map, as the data have it, and whose flights
         (a, b, d, e), (p, q) = ([number(text) for text in told[key]] for key in ("matrix", "shift"))
         images, zeros = dict(told["map"]), [a * a + d * d - ONE, b * b + e * e - ONE, a * b + d * e]
@@ -291,9 +290,8 @@ class Checker:
     def proves(self, question, c, how, other=None):  # whether a witness proves a number zero
         (i, j), other = c, tuple(other) if other else self.clock
         if how == "back":
-            late = question == "until" and self.end["reason"] == "return" and len(self.out) == 1
-            due = self.way and self.out and (late or question == "gap")
-            return due and self.met.get(other, 0) < 0 and {c, other} <= self.out[-1][1]
+            back = question == "gap" or (question == "until" and self.end["reason"] == "return")
+            return back and self.out and other in self.met and {c, other} <= self.out[-1][1]
         (a, b, d, e), images, _ = g = self.isometries[how]
         kept, first = self.mapped(g), question == "closing" and not self.rows
         alike = other in self.met and self.image(images, c) == other
@@ -312,23 +310,25 @@ class Checker:
         if (sign := self.ball.ask(question, c, self.age).sign()) is not None: return sign
         if self.zero(question, c, self.age): return 0
         raise Undecided(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
-    def look(self, world, c, at, turn, span):  # of two, from an instant on, or back
-        (x, y, vx, vy, r, far, off), (u, v, p, q, s, *more) = (world.rough(k, at) for k in c)
-        far, off, x, y, wall = far + more[0], off + more[1], u - x, v - y, c[1] >= self.n
-        charge(15_000 + (far.bit_length() ** 2 >> 10))
-        off *= 4 * (far + off)  # sums of products of two of these numbers are less than it off
-        if wall: gap, rise = -2 * (x * p + y * q) * world.sides[c] - 2 * r * s, vx * p + vy * q
+    def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
+        (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = (world.rough(k, at) for k in c)
+        far, off, fast, by = (g + h for g, h in zip(a, b, strict=True))
+        charge(15_000 + ((far + fast).bit_length() ** 2 >> 10))
+        slip = 4 * (far * by + fast * off + off * by)  # by which products with velocities are off
+        off, by, x, y = 4 * off * (far + off), 4 * by * (fast + by), u - x, v - y  # and others
+        if wall := c[1] >= self.n:
+            side, off, slip = world.sides[c], off + slip, by
+            gap, rise = -2 * (side * (x * p + y * q) + r * s), turn * side * (vx * p + vy * q)
         else:
-            vx, vy, size = p - vx, q - vy, (s if c[1] < 0 else r + s) ** 2
+            vx, vy, size = turn * (p - vx), turn * (q - vy), (s if c[1] < 0 else r + s) ** 2
             gap, rise = x * x + y * y - size, x * vx + y * vy
-        rise *= turn * world.sides.get(c, 1)
-        sign, safe = (gap > off) - (gap < -off) or (None if off else 0), rise >= off
+        sign, safe = (gap > off) - (gap < -off) or (None if off else 0), rise >= slip
         if sign == 1 and not safe and (wait := span[1:] and world.wait(*span)):  # the tangent
-            safe = (gap - off << wait.bits) + 2 * (rise - off) * (wait.m + wait.r) > 0
-        if safe or wall: return sign, safe, rise < -off
+            safe = (gap - off << wait.bits) + 2 * (rise - slip) * (wait.m + wait.r) > 0
+        if safe or wall: return sign, safe, rise < -slip
         cross, speed = abs(x * vy - y * vx), vx * vx + vy * vy
-        falls = rise < -off and off < size and (cross + off) ** 2 < (speed - off) * (size - off)
-        return sign, cross > off and (speed + off) * (size + off) < (cross - off) ** 2, falls
+        falls = rise < -slip and off < size and (cross + slip) ** 2 < (speed - by) * (size - off)
+        return sign, cross > slip and (speed + by) * (size + off) < (cross - slip) ** 2, falls
     def clear(self, c, age=None, last=False):  # proves that two do not meet on their flights
         if c in self.parted: return charge(500)
         span = [start := self.ball.start(c)] + [age] * (age is not None)
@@ -392,7 +392,7 @@ class Checker:
             while coming := sorted(c for c in group if known[c] < 0 <= c[1]):
                 charge(1_000 * len(group))
                 if self.policy != "simultaneous":
-                    coming = [coming[self.draw(len(coming)) if coming[1:] else 0]]
+                    coming = [coming[self.draw(len(coming)) if self.draw and coming[1:] else 0]]
                 told, rounds = [*rounds, []][0], rounds[1:]
                 push, s = [(i, j) for i, j, *_ in told], [number(x) for c in told for x in c[2:]]
                 refuse(len({*push} & {*coming}) < len(push), f"{push} cannot push")

@@ -17,7 +17,7 @@ export function witness(run, question, c, what, first = false) {
     if (z.how === 'back') {
       const asked = c ?? run.scene.contact(...z.contact);
       if (question !== 'gap' && (question !== 'until' || run.certificate.end.reason !== 'return')) continue;
-      if (asked && other?.sign < 0 && run.turnTime && run.back.knew(asked.key, other.c.key, question === 'until')) return;
+      if (asked && other && run.back.knew(asked.key, other.c.key)) return;
       continue;
     }
     const g = run.isometries[z.how];
