@@ -221,7 +221,7 @@ def survey(
     todo = [(label, one) for label in labels for one in there if (label, one.name) not in entries]
     for one in there:
         if any(one is other for _, other in todo):
-            run_cell(FIRST, one.name, causes=False, max_seconds=None)
+            run_cell(FIRST, one.name, causes=False, max_seconds=max_seconds)
     for done, (label, one) in enumerate(todo):
         told = partial(_tell, progress, done, len(todo), label)
         entry = entries[label, one.name] = _entry(label, one, causes, advice, max_seconds, told)
