@@ -258,10 +258,10 @@ def scene_digest(label: str) -> str:
 
 
 @lru_cache
-def warmed(name: str) -> None:
+def warmed(name: str, max_seconds: float | None) -> None:
     """Lets an engine play a scene of two discs: it is then loaded, and what it compiles is compiled."""
     try:
-        hold(FIRST, name, None)
+        hold(FIRST, name, max_seconds)
     except (EngineError, OutOfTime):
         return
 
@@ -284,7 +284,7 @@ class SurveyJob:
 
     def rows(self) -> list[Row]:
         """A row for each setting tried."""
-        warmed(self.one.name)
+        warmed(self.one.name, self.max_seconds)
         task, tried, runs = SCENES[self.scene], dict[str, Row](), dict[str, Held]()
         for text in settings_tried(self.one, self.scene):
             if any(row.agrees for row in tried.values()):

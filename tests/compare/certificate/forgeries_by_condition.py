@@ -270,14 +270,23 @@ def beyond_the_end_of_a_horizon() -> Told:
 def bare(*rows: tuple[str | int, ...], bits: int = 160, **values: Any) -> Told:
     """A certificate of circles, each told by x, y, vx, vy and perhaps r and one over its mass, of which nothing is told."""
     keys = ("x", "y", "vx", "vy", "r", "w")
-    circles = [{"id": str(k), **dict(zip(keys, map(str, (*row, 1, 1)[:6]), strict=False))} for k, row in enumerate(rows)]
+    circles = [
+        {"id": str(k), **dict(zip(keys, map(str, (*row, 1, 1)[:6]), strict=False))} for k, row in enumerate(rows)
+    ]
     for row, told_row in zip(rows, circles, strict=True):
         if len(row) == 5:
             told_row["w"] = "1"
     scene = {"tie_policy": "simultaneous", "circles": circles, **values.pop("scene", {})}
     final = {"time": "0", "circles": [["0"] * 4 for _ in rows]}
     parts = {"roots": [], "isometries": [], "end": STOPPED, "final": final, "bits": bits}
-    return {"format": "truebreak/certificate-3", "writer": "forger", "scene": scene, "instants": [{"time": "0"}], **parts, **values}
+    return {
+        "format": "truebreak/certificate-3",
+        "writer": "forger",
+        "scene": scene,
+        "instants": [{"time": "0"}],
+        **parts,
+        **values,
+    }
 
 
 def entries(cert: Told, first: Told | None = None, *later: Told) -> Told:
