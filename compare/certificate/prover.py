@@ -207,6 +207,7 @@ class Prover(Checker):
         """Lists the contacts that meet at an instant, first the one whose meeting is its time, and the grazes."""
         self.age += 1
         self.take(entry, f"instant {self.age}")
+        entry.pop("met", None)  # its place is after the witnesses
         entry["met"] = []
         if self.age == 0:
             for c in self.meets:
@@ -301,9 +302,10 @@ class Prover(Checker):
 
     def settle(self, circles: Set[int]) -> None:
         """As the checker's, of what has not been seen to keep apart while the instant was gathered."""
-        found = {c for i in circles for c in self.of[i]} - self.known.keys() - self.cleared
-        for c in sorted(found & self.meets):
-            self.clear(c, self.age)
+        found = {c for i in circles for c in self.of[i] if c not in self.known}
+        for c in found & self.meets:
+            if c not in self.cleared:
+                self.clear(c, self.age)
 
     # -- witnesses
 
