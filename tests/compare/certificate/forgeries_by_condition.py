@@ -516,3 +516,25 @@ def the_same_order_back() -> Told:
     assert last["met"] == [[0, 6], [3, 6]]
     last["zeros"] = [["gap", [3, 6], "back"]]
     return cert
+
+
+def met_at_a_reversal() -> Told:
+    """A centre comes to a rim just when the run is reversed; it is said to meet it at the reversal too."""
+    scene = Scene([Circle(0, 0, vx=1), Circle(50, 50)], pockets=[Pocket(9, 0, 1)], reverse_at=8)
+    rim = {"met": [[0, -1]]}
+    return of(scene, {"exact": "8", **rim, "enter": [[0, -1]]}, {"turn": True, **rim}, end=STOPPED)
+
+
+def unshown(cert: Told) -> Told:
+    """A certificate without witnesses."""
+    for part in (*cert["instants"], cert["end"]):
+        part.pop("zeros", None)
+    return cert
+
+
+def hardly_a_hit() -> Told:
+    """Two that hit by very little are not said to."""
+    cert = told(Scene([Circle(0, 0, vx=1), Circle(9, 3), Circle(40, 0)]), events=1)
+    cert["scene"] |= {"roots": ["2"]}
+    cert["scene"]["circles"][1]["y"] = f"2+1*r1-{isqrt(2 * 10**140) + 1}/{10**70}"
+    return unshown({**cert, "bits": 160})
