@@ -11,8 +11,7 @@ from typing import Any
 
 import pytest
 
-from truebreak.compare.certificate.scene_text import text_of
-from truebreak.compare.certificate.tower import WORK, Exact
+from truebreak.compare.certificate.tower import WORK, Exact, text_of
 from truebreak.tools.verify import UNTOLD, Ball, Declined, Form, Undecided, cost, enclosed, number
 
 

@@ -572,9 +572,27 @@ def test_nothing_is_said_to_be_tried_that_is_not_there() -> None:
 
 DECIMALS = {
     "a place in the end": ("final", "run.decimal(p, row[a], `${'xy'[a]} of circle ${i}`);", "final", "circles", 1, 0),
-    "a velocity in the end": ("final", "run.decimal(run.flights[i].v[a], row[2 + a], `v${'xy'[a]} of circle ${i}`);", "final", "circles", 1, 2),
-    "the final time": ('self.said(self.ball.times[self.age], self.told["final"]["time"])', "run.decimal(run.now, final.time, 'the time');", "final", "time"),
-    "the time of an instant": ('self.said(self.ball.times[age], entry["time"])', "this.decimal(this.now, e.time, 'the time');", "instants", 1, "time"),
+    "a velocity in the end": (
+        "final",
+        "run.decimal(run.flights[i].v[a], row[2 + a], `v${'xy'[a]} of circle ${i}`);",
+        "final",
+        "circles",
+        1,
+        2,
+    ),
+    "the final time": (
+        'self.said(self.ball.times[self.age], self.told["final"]["time"])',
+        "run.decimal(run.now, final.time, 'the time');",
+        "final",
+        "time",
+    ),
+    "the time of an instant": (
+        'self.said(self.ball.times[age], entry["time"])',
+        "this.decimal(this.now, e.time, 'the time');",
+        "instants",
+        1,
+        "time",
+    ),
 }
 
 
