@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import ZERO, Quantity
-from ..cli.writing import check_writable, write_whole
+from ..writing import check_writable, write_whole
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.things import Circle, Pocket, Wall
     from ...scenarios.trajectory import Trajectory
     from ..comparison import Comparison
-    from ..outcomes.nearby import Witness
+    from ..outcomes.permitted import Witness
 
 KEYS = {"circles": "x y r vx vy", "walls": "x0 y0 x1 y1", "pockets": "x y r"}
 TERM = re.compile(r"([+-]?[0-9]+(?:/[0-9]+)?)((?:\*r[0-9]+)*)")

@@ -15,7 +15,7 @@ from certificate.checkers import TOOLS, both_verify, by_program
 from certificate.samples import built, coincidence, rows, samples, there_and_back
 from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.stress import table
+from truebreak.compare.grids.stress_families import stress_family
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, Wall
@@ -128,7 +128,7 @@ def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
     ],
 )
 def test_numbers_of_every_size(family: str, k: int, tmp_path: Path) -> None:
-    one = table.family(family)
+    one = stress_family(family)
     told = {side: certificate_of(ExactEngine().run(one.scene(one.place(k, side)))) for side in one.sides}
     both_verify(told.items(), tmp_path)
 
