@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from certificate.checkers import NODE, TOOLS, both_verify
+from certificate.checkers import NODE, TOOLS
 from certificate.samples import built
 from truebreak.compare.certificate import certificate_json, certificate_of, prover
 from truebreak.tools import verify
@@ -269,9 +269,3 @@ def test_writing_does_the_work_of_checking_once(tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.setattr(prover.Prover, "instant", forgetful)
     assert written_over_checked(tmp_path) > WRITING
-
-
-@pytest.mark.slow
-@pytest.mark.timeout(900)
-def test_a_run_of_ten_thousand_events_is_verified_by_both_without_more_work_allowed(tmp_path: Path) -> None:
-    both_verify([("gas", certificate_of(built("gas", 10_000)))], tmp_path)
