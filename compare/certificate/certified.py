@@ -1,5 +1,5 @@
-"""Certificates in use: written beside a run, attached to a comparison, checked by the program that shares nothing with
-it, and compared with the scene that is meant."""
+"""Certificates in use: written beside a run, checked by the program that shares nothing with it, and compared with the
+scene that is meant."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.things import Circle, Pocket, Wall
     from ...scenarios.trajectory import Trajectory
-    from ..comparison import Comparison
-    from ..outcomes.permitted import Witness
 
 KEYS = {"circles": "x y r vx vy", "walls": "x0 y0 x1 y1", "pockets": "x y r"}
 TERM = re.compile(r"([+-]?[0-9]+(?:/[0-9]+)?)((?:\*r[0-9]+)*)")
@@ -71,29 +69,6 @@ def certified(trajectory: Trajectory) -> Certified:
 
     text = certificate_json(certificate_of(trajectory))
     return Certified(text, *verdict(text))
-
-
-def with_certificates(comparison: Comparison) -> Comparison:
-    """A comparison with the certificate of its reference, and of each nearby scene that some engine's pattern has.
-
-    A nearby scene's run without a certificate is left as it is.
-
-    Raises:
-        SceneError: if the reference has none.
-    """
-    permitted = comparison.permitted
-    if permitted is not None:
-        told = [candidate.pattern for candidate in comparison.candidates if candidate.verdict == "diverged"]
-        witnesses = (_with_certificate(w) if w.pattern in told else w for w in permitted.witnesses)
-        permitted = replace(permitted, witnesses=tuple(witnesses))
-    return replace(comparison, certificate=certified(comparison.reference), permitted=permitted)
-
-
-def _with_certificate(witness: Witness) -> Witness:
-    try:
-        return replace(witness, certificate=certified(witness.run))
-    except SceneError:
-        return witness
 
 
 def verdict(text: str) -> tuple[int, str]:

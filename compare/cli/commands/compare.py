@@ -23,7 +23,8 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
     each run has by then is compared, and what was left out is named.
     """
-    from ...certificate.certified import check_engine, with_certificates
+    from ...certificate.attached import with_certificates
+    from ...certificate.certified import check_engine
     from ...comparison import compare as compare_engines
     from ...documents.comparison import comparison_json
     from ...engines import split_engines

@@ -10,7 +10,7 @@ import jsonschema
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.certificate.certified import with_certificates
+from truebreak.compare.certificate.attached import with_certificates
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.orders.all_orders import all_orders
