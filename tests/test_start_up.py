@@ -12,7 +12,7 @@ import pytest
 SHORT_RUN = {
     "compare": "deadline engines scene_argument validation cli.commands.run cli.arguments.completion "
     "cli.arguments.examples cli.arguments.numbers cli.arguments.options cli.entry cli.exit_codes "
-    "cli.group cli.progress documents.values.amounts foreign.guard report.counting report.text.listing "
+    "cli.group cli.progress files.amounts foreign.guard report.counting report.text.listing "
     "report.text.output saved.cache",
     "scenarios": "engine errors lazy neighbours numbers.nested_roots numbers.parsing numbers.precision "
     "numbers.quantity numbers.tower_element numbers.tower_ring scene settings things trajectory work "

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .compare.audit.audit import audit_run as audit
     from .compare.comparison import compare as comparison
-    from .compare.documents.values.tables import table
+    from .compare.files.tables import table
     from .compare.logdiff.desync import diff
     from .compare.run import run
     from .compare.saved.comparisons import load_comparison, save_comparison
@@ -78,7 +78,7 @@ _HOMES = {
     "save_comparison": ("compare.saved.comparisons", "save_comparison"),
     "save_run": ("compare.saved.runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),
-    "table": ("compare.documents.values.tables", "table"),
+    "table": ("compare.files.tables", "table"),
 }
 """The module of each name, and what it is called there: imported when it is asked for."""
 

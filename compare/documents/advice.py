@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..advice.found import End
 from ..advice.goal import Digits, OutcomeGoal
-from .trajectory import scene_json
+from ..files.documents import Encoder
 
 if TYPE_CHECKING:
     from ..advice.found import Advice, Tried
@@ -27,7 +27,7 @@ def advice_json(advice: Advice) -> dict[str, Any]:
     return {
         "schema": ADVICE_SCHEMA,
         "sentence": sentences(advice)[0],
-        "scene": scene_json(advice.instances[0].study.reference),
+        "scene": Encoder(None)(advice.instances[0].study.reference.scene),
         "goal": {
             "told": str(goal),
             "outcome": goal.name if isinstance(goal, OutcomeGoal) else None,

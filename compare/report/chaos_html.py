@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from ..documents.chaos import chaos_json
+from ..files.documents import chaos_json
 from .page.provenance import Download, download, file_name, limits_of, provenance_of, scene_file, stem_of
 from .page.recording import played
 from .page.rendering import rendered

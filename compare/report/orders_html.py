@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ...scenarios.pictures import scene_picture
-from ..documents.orders import choices_phrase, orders_json, orders_sentence, velocities_phrase
+from ..files.documents import orders_json
 from ..outcomes.outcome import pattern
 from .counting import counted
 from .page.patterns import MOST_DRAWN, difference, small_picture
@@ -19,6 +19,7 @@ from .page.provenance import Download, download, file_name, provenance_of, scene
 from .page.recording import Played, played
 from .page.rendering import rendered
 from .text.listing import laid_out
+from .text.order_tree import choices_phrase, orders_sentence, velocities_phrase
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

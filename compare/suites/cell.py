@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
-from ..documents.laws import laws_brief
-from ..documents.values.amounts import plain
+from ..files.amounts import plain
+from ..files.documents import laws_brief
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory

@@ -8,7 +8,7 @@ from typing import Any
 
 from ...scenarios.trajectory import Trajectory
 from ..cli.writing import write_whole
-from ..documents.trajectory import trajectory_json
+from ..files.documents import trajectory_json
 
 GOLDEN_SCHEMA = "truebreak/golden-1"
 

@@ -18,12 +18,12 @@ from truebreak.compare import minimise as smallest
 from truebreak.compare.advice.goal import Digits, HistoryGoal, OutcomeGoal
 from truebreak.compare.comparison import studied
 from truebreak.compare.deadline import Clock
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.documents.sweep import sweep_json
 from truebreak.compare.engines import engine as engine_named
 from truebreak.compare.ensemble.rows.row import SweepJob, rows_of
 from truebreak.compare.ensemble.survival import summaries
 from truebreak.compare.ensemble.sweep import plan
+from truebreak.compare.files.schema import schema
 from truebreak.compare.reduction.smallest import End
 from truebreak.compare.stress.family import MapPlace
 from truebreak.compare.stress.rows.cell import Job, row_of

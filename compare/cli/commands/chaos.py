@@ -59,8 +59,8 @@ def chaos(
     """
     from ...chaos.chaos import DEFAULT_ENGINES
     from ...chaos.chaos import chaos as measured
-    from ...documents.chaos import chaos_json
     from ...engines import split_engines
+    from ...files.documents import chaos_json
     from ...report.text.chaos import print_chaos
     from ...report.text.listing import print_json
     from ...scene_argument import changed

@@ -27,8 +27,8 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
     from ...certificate.attached import with_certificates
     from ...certificate.certified import check_engine
     from ...comparison import compare as compare_engines
-    from ...documents.comparison import comparison_json
     from ...engines import split_engines
+    from ...files.documents import comparison_json
     from ...report.text.listing import print_json
     from ...report.text.terminal import print_comparison
     from ..progress import goal_of, showing_progress

@@ -20,9 +20,9 @@ from ...chaos.growth.spectrum import spectrum
 from ...chaos.horizon import MORE_EVENTS, Forecaster, Horizon
 from ...comparison import explained
 from ...deadline import uninterrupted
-from ...documents.laws import laws_brief
-from ...documents.values.amounts import plain
 from ...engines import engine as engine_named
+from ...files.amounts import plain
+from ...files.documents import laws_brief
 from ...outcomes.matched import held
 from ...outcomes.outcome import outcome
 from ...scene_argument import scene_from

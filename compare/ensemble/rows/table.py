@@ -8,7 +8,7 @@ import json
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from ...documents.values.amounts import no_formula
+from ...files.amounts import no_formula
 from .row import COLUMNS, SweepRow
 
 

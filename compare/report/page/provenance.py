@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 from ....scenarios.errors import SceneError
 from ....scenarios.files import dump_json, dump_toml
 from ....scenarios.trajectory import StopReason
-from ...documents.comparison import comparison_json
 from ...engines import ENGINES
+from ...files.documents import comparison_json
 from ..text.listing import laid_out
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from ...alignment.align import UNKNOWING
 from ...audit.audit import audit_run
 from ...chaos.following import Followed, follow
 from ...deadline import uninterrupted
-from ...documents.laws import laws_brief
 from ...engines import engine as engine_named
+from ...files.documents import laws_brief
 from ...outcomes.matched import held
 from ...outcomes.outcome import outcomes_of
 from ...validation import EngineError

@@ -21,8 +21,8 @@ from truebreak.compare.advice.search import advise
 from truebreak.compare.chaos.growth.accuracy import end_error
 from truebreak.compare.cli.entry import main
 from truebreak.compare.documents.advice import advice_json, sentences
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble.rows.perturbed import nudged
+from truebreak.compare.files.schema import schema
 from truebreak.exact import ExactEngine
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue

@@ -16,12 +16,12 @@ import pytest
 
 from truebreak.compare import compare
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble.family import family, shard_of, varied
 from truebreak.compare.ensemble.rows.perturbed import Perturbed, displaced
 from truebreak.compare.ensemble.rows.row import COLUMNS, SweepJob, rows_of, text_of
 from truebreak.compare.ensemble.survival import fitted, proportion, summaries, survival
 from truebreak.compare.ensemble.sweep import sweep
+from truebreak.compare.files.schema import schema
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, catalogue
 
 GAS = ["gas:n=3", "--vary", "seed=1..6", "--engines", "single,double", "--events", "60"]

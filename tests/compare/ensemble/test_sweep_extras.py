@@ -15,7 +15,6 @@ import jsonschema
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.ensemble import cost
 from truebreak.compare.ensemble.executors import executor_named
 from truebreak.compare.ensemble.frames import to_pandas, write_parquet
@@ -26,6 +25,7 @@ from truebreak.compare.ensemble.rows.worker import carry_out
 from truebreak.compare.ensemble.survival import proportion, summaries
 from truebreak.compare.ensemble.sweep import SweepWarning, sweep
 from truebreak.compare.ensemble.uncertainty import ChangedShare, slope, uncertainty
+from truebreak.compare.files.schema import schema
 from truebreak.compare.report.pictures.engine_style import engine_style
 from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
 from truebreak.scenarios import SceneError

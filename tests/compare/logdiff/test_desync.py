@@ -15,7 +15,7 @@ import jsonschema
 import pytest
 from command_line import done as truebreak
 
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.logdiff import pairing
 from truebreak.compare.logdiff.desync import diff, report_json
 from truebreak.compare.logdiff.desync_page import desync_html

@@ -13,7 +13,7 @@ from command_line import said
 
 import truebreak as tb
 from truebreak.compare import Comparison, compare, comparison_json
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.report.html import html_report
 from truebreak.compare.saved.comparisons import comparison_of, saved_comparison
@@ -70,7 +70,7 @@ def test_the_file_holds_the_report_for_any_reader() -> None:
     data = json.loads(saved_comparison(found))
     assert data["comparison"] == json.loads(json.dumps(comparison_json(found)))
     jsonschema.Draft202012Validator(schema("saved-comparison-1")).validate(data)
-    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data["comparison"])
+    jsonschema.Draft202012Validator(schema("comparison-5")).validate(data["comparison"])
 
 
 def test_the_reference_goes_on_from_there() -> None:

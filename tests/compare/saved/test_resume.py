@@ -16,7 +16,7 @@ from test_run_file import MANY_ROOTS, RUNS, assumed, pocketed
 
 import truebreak as tb
 from truebreak.compare import trajectory_json
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.saved.run_file import run_of, saved_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import certified_decider as precision

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.documents.stress import exact_sentence
+from truebreak.compare.files.schema import schema
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
 from truebreak.compare.stress.__main__ import TITLE
 from truebreak.compare.stress.__main__ import main as page_main

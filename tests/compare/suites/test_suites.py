@@ -13,7 +13,7 @@ import pytest
 
 from truebreak.compare import compare, study
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.suites.cell import Cell
 from truebreak.compare.suites.document import suite_json
 from truebreak.compare.suites.holding import hold

@@ -10,8 +10,8 @@ import jsonschema
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES, engine
+from truebreak.compare.files.schema import schema
 from truebreak.compare.suites.document import survey_json
 from truebreak.compare.suites.survey import SCENES, SURVEYED, Survey, SurveyEntry, installed, survey, texts
 from truebreak.compare.suites.surveys.recorded_survey import read_survey

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+import json
+from pathlib import Path
 from typing import Any
 
 import jsonschema
@@ -9,7 +12,8 @@ import pytest
 
 from truebreak.compare import compare, comparison_json, engine, trajectory_json
 from truebreak.compare.deadline import Clock
-from truebreak.compare.documents.schemas import NAMES, schema
+from truebreak.compare.files.documents import COMPUTED, FORMS, keys_of
+from truebreak.compare.files.schema import DOCUMENTS, NAMES, schema, text
 from truebreak.scenarios import Scene, catalogue
 
 
@@ -120,7 +124,7 @@ def test_a_comparison_is_printed(text: str) -> None:
 
 @pytest.mark.parametrize("scene", ["lee", "rack:rows=3"])
 def test_orders_are_what_their_schema_says(scene: str) -> None:
-    from truebreak.compare.documents.orders import orders_json
+    from truebreak.compare.files.documents import orders_json
     from truebreak.compare.orders.all_orders import all_orders
     from truebreak.exact import ExactEngine
 
@@ -141,3 +145,45 @@ def test_what_rests_on_less_than_proof_says_so() -> None:
         first = data["assumptions"][0]["event"]
         assert all(("rests_on" in event) == (event["index"] >= first) for event in data["events"])
         assert data["certified"] is False
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_a_schema_is_what_its_classes_say(name: str, root: Path) -> None:
+    written = (root / "compare" / "files" / "schemas" / f"{name}.json").read_text("utf-8")
+    assert written == text(name), "run: python -m truebreak.compare.files.schema"
+
+
+@pytest.mark.parametrize("place", FORMS)
+def test_every_key_of_a_form_has_a_meaning_or_its_class_one(place: str) -> None:
+    """And no computed key is of a class, or of a form, that does not have it."""
+    module, _, name = place.partition(":")
+    kind = getattr(importlib.import_module(f"truebreak.{module}"), name)
+    assert kind.__doc__ and not kind.__doc__.startswith(f"{name}(")
+    mine = {key.partition(".")[2] for key in COMPUTED if key.partition(".")[0] == name}
+    assert mine <= {key.name for key in keys_of(kind)}
+    assert name in {place.partition(":")[2] for place in FORMS} and {key.partition(".")[0] for key in COMPUTED} <= {
+        place.partition(":")[2] for place in FORMS
+    }
+
+
+def test_a_schema_refuses_what_its_document_does_not_have() -> None:
+    good = trajectory_json(engine("exact").run(catalogue.build("lee")))
+    check(good)
+    for path, value in (
+        (("events", 0, "time"), "1"),
+        (("events", 0, "contacts", 0), ["left"]),
+        (("events", 0, "more"), 1),
+        (("stop", "reason"), "tired"),
+        (("final", "circles"), None),
+        (("certified",), 1),
+    ):
+        wrong = json.loads(json.dumps(good))
+        place = wrong
+        for part in path[:-1]:
+            place = place[part]
+        place[path[-1]] = value
+        with pytest.raises(jsonschema.ValidationError):
+            check(wrong)
+    del good["plan"]
+    with pytest.raises(jsonschema.ValidationError):
+        check(good)

@@ -8,17 +8,17 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ....scenarios.errors import SceneError
-from ....scenarios.trajectory import Trajectory
-from ...alignment.align import Separation
-from ...comparison import Comparison
+from ...scenarios.errors import SceneError
+from ...scenarios.trajectory import Trajectory
+from ..alignment.align import Separation
+from ..comparison import Comparison
 from .amounts import no_formula
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from ....scenarios.trajectory import Contact
+    from ...scenarios.trajectory import Contact
 
 
 @dataclass(frozen=True)

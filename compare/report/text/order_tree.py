@@ -1,65 +1,20 @@
-"""The tree of all orders as the JSON object `truebreak/orders-1`, and for people."""
+"""The tree of all orders of one instant, for people."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from .trajectory import stop_json
-from .values.amounts import double
+from ..counting import counted
+from .output import console, grid, say
 
 if TYPE_CHECKING:
-    from ...scenarios.scene import Scene
-    from ...scenarios.trajectory import Stop
-    from ..orders.all_orders import Leaf, OrderTree
-
-ORDERS_SCHEMA = "truebreak/orders-1"
-
-
-def orders_json(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> dict[str, Any]:
-    """The object that `truebreak orders --json` prints; with a stop if the search was ended before it was done."""
-    return {
-        "schema": ORDERS_SCHEMA,
-        "scene": {"name": scene.name, "digest": scene.digest},
-        "complete": tree.complete,
-        "cap": tree.cap,
-        "merged": tree.merged,
-        "unproved": tree.unproved,
-        "swapped": tree.swapped,
-        "sampled": tree.sampled,
-        **({} if stop is None else {"stop": stop_json(stop)}),
-        "outcomes": [_outcome_json(outcome) for outcome in tree.outcomes],
-    }
-
-
-def _outcome_json(outcome: Leaf) -> dict[str, Any]:
-    run = outcome.trajectory
-    return {
-        "decisions": [
-            {
-                "instant": decision.instant,
-                "offered": [list(contact) for contact in decision.offered],
-                "chosen": list(decision.chosen),
-            }
-            for decision in outcome.decisions
-        ],
-        "seed": outcome.seed,
-        "stop": stop_json(run.stop),
-        "collisions": run.collisions,
-        "impulses": [[list(contact) for contact in event.impulses] for event in run.events],
-        "final": {
-            "time": double(run.final_time),
-            "circles": [
-                {"id": c.id, "x": double(c.x), "y": double(c.y), "vx": double(c.vx), "vy": double(c.vy)}
-                for c in run.final.circles
-            ],
-        },
-    }
+    from ....scenarios.scene import Scene
+    from ....scenarios.trajectory import Stop
+    from ...orders.all_orders import Leaf, OrderTree
 
 
 def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> None:
     """The outcomes, one a row, with the choices that lead to each and the velocities at the end."""
-    from ..report.text.output import console, grid, say
-
     out = console()
     say(out, orders_sentence(scene, tree, stop), "bold")
     say(out, f"merged into an equal state: {tree.merged}; swaps of independent contacts left out: {tree.swapped}")
@@ -72,8 +27,6 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> Non
 
 def orders_sentence(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> str:
     """How many outcomes there are, and whether these are all."""
-    from ..report.counting import counted
-
     found = counted(len(tree.outcomes), "outcome")
     if tree.complete and tree.unproved:
         return (

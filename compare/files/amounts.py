@@ -9,7 +9,7 @@ from enum import Enum
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 if TYPE_CHECKING:
-    from ....scenarios.numbers.quantity import Real
+    from ...scenarios.numbers.quantity import Real
 
 
 def double(value: Any) -> float | None:
