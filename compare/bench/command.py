@@ -11,13 +11,11 @@ from typing import Any
 import click
 
 from ...scenarios.errors import SceneError
-from ..cli.arguments import completion
-from ..cli.arguments.numbers import Whole
-from ..cli.arguments.options import a_file
-from ..cli.exit_codes import DONE, ExitCode
-from ..cli.progress import duration, showing
-from ..cli.writing import check_writable, write_whole
+from ..cli import completion
+from ..cli.options import Whole, a_file
+from ..cli.progress import DONE, ExitCode, duration, showing
 from ..engines import split_engines
+from ..writing import check_writable, write_whole
 from .computer import calibration, computer, idleness
 from .speed_report import Against, Report, against, check_scenes, idleness_of, load, rows_of, tables, worst
 from .subjects import SUBJECTS, digest_of, subjects
@@ -77,14 +75,14 @@ def run(
     kept = None if keep is None else load(keep, "--keep")
     _check_files({s.name: digest_of(s) for s in subjects(scenes)}, then, compared, kept, keep)
     if svg is not None:
-        from ..report.pictures.picture import svg_path
+        from ..report.picture import svg_path
 
         check_writable(svg_path(svg))
     with _showing() as show:
         report = measure(scenes=scenes, engines=engines, kept=kept, progress=show,
                          processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1))  # fmt: skip
     if svg is not None:
-        from ..report.pictures.picture import svg_path
+        from ..report.picture import svg_path
         from ..report.pictures.tradeoff_plot import tradeoff_plot
 
         write_whole(svg_path(svg), tradeoff_plot(report.tradeoffs))
@@ -117,7 +115,7 @@ def _check_files(
 
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
-    from ..report.text.output import console, say
+    from ..report.output import console, say
 
     out = console()
     if as_json:

@@ -17,7 +17,7 @@ from .subjects import SUBJECTS
 from .tradeoff import Tradeoff, told_digits
 
 if TYPE_CHECKING:
-    from ..report.text.output import TextTable
+    from ..report.output import TextTable
 
 SCHEMA = "truebreak/bench-3"
 
@@ -223,7 +223,7 @@ def tables(report: Report) -> Iterator[TextTable]:
 
 def _scene(name: str, rows: list[Tradeoff]) -> TextTable:
     spec = next((f" ({subject.spec})" for subject in SUBJECTS if subject.name == name), "")
-    from ..report.text.output import grid
+    from ..report.output import grid
 
     title = f"{name}{spec}, {rows[0].events:,} events; * is Pareto's front"
     table = grid("", "engine", "/ exact", "seconds", "agreed", "largest error", "digits", "outcomes", "memory",

@@ -73,7 +73,7 @@ def exact_sentence(rows: Sequence[StressRow]) -> str:
 
 def print_stress(rows: Sequence[StressRow], told: Sequence[Ladder]) -> None:
     """One table a family, a row for each engine and lane, a letter for each k, in tens."""
-    from ..report.text.output import console, grid, say
+    from ..report.output import console, grid, say
     from ..stress.family import MapPlace
     from ..stress.rows.marks import MapMark
     from ..stress.table import family

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from ...scenarios.errors import SceneError
 from ..cli.commands.stress import how_far
-from ..cli.writing import check_writable, write_whole
 from ..report.pictures.heat_map import heat_map
+from ..writing import check_writable, write_whole
 from .ladder import ladders
 from .page import map_part, rewritten
 from .plan import carry_out, plan

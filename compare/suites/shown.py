@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..report.text.output import console, grid, say
+from ..report.output import console, grid, say
 
 if TYPE_CHECKING:
     from .cell import Cell

@@ -21,12 +21,12 @@ from typing import TYPE_CHECKING
 import averages
 
 from truebreak.compare.chaos.growth.spectrum import spectrum
-from truebreak.compare.cli.writing import write_whole
 from truebreak.compare.engines import engine as engine_named
 from truebreak.compare.foreign.guard import run_guarded
-from truebreak.compare.report.pictures.curves import Curve, plot
+from truebreak.compare.report.curves import Curve, plot
 from truebreak.compare.report.pictures.sweep_plots import standalone
 from truebreak.compare.tangent.impacts import NoTangentMap, impacts
+from truebreak.compare.writing import write_whole
 from truebreak.exact.exact_engine import ExactEngine
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.engine import DEFAULT_EVENTS

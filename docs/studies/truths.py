@@ -17,11 +17,11 @@ import pinball
 
 from truebreak.compare.chaos.following import follow
 from truebreak.compare.chaos.growth.spectrum import spectrum
-from truebreak.compare.cli.writing import check_writable, write_whole
 from truebreak.compare.engines import engine
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.tangent.growth import Displacements, certified_growth, unit_displacements
 from truebreak.compare.tangent.impacts import impacts
+from truebreak.compare.writing import check_writable, write_whole
 from truebreak.exact.exact_engine import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.scenarios import catalogue

@@ -8,10 +8,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..arguments.numbers import Whole
-from ..arguments.options import JSON, WithDefault, a_file, isolating, some_engines
-from ..exit_codes import DONE, ExitCode
-from ..progress import duration, showing
+from ..options import JSON, Whole, WithDefault, a_file, isolating, some_engines
+from ..progress import DONE, ExitCode, duration, showing
 
 if TYPE_CHECKING:
     from ...stress.plan import Done
@@ -80,11 +78,11 @@ def stress(
     """
     from ...documents.stress import print_stress, stress_json
     from ...engines import split_engines
-    from ...report.text.listing import print_json
+    from ...report.listing import print_json
     from ...stress.ladder import ladders
     from ...stress.plan import DEFAULT_ENGINES, carry_out, plan
     from ...stress.store import Store
-    from ..writing import check_writable, write_whole
+    from ...writing import check_writable, write_whole
 
     if listed:
         _list()
@@ -124,7 +122,7 @@ def code_of(rows: Sequence[StressRow]) -> ExitCode:
 
 def _list() -> None:
     """The families, what happens in each, and what k is."""
-    from ...report.text.output import console, grid
+    from ...report.output import console, grid
     from ...stress.table import FAMILIES, family
 
     table = grid("family", "what happens", "k", "scenes", whole=("family",))

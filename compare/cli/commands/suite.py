@@ -8,11 +8,9 @@ from contextlib import contextmanager
 
 import click
 
-from ..arguments import completion
-from ..arguments.numbers import Seconds
-from ..arguments.options import JSON, a_file, isolating, some_engines
-from ..exit_codes import DONE, ExitCode
-from ..progress import duration, showing
+from .. import completion
+from ..options import JSON, Seconds, a_file, isolating, some_engines
+from ..progress import DONE, ExitCode, duration, showing
 
 SUITE_HELP = """
 \b
@@ -73,7 +71,7 @@ def suite(
     With --against, it tells too what changed since an earlier one.
     """
     from ....scenarios.errors import SceneError
-    from ...report.text.listing import print_json
+    from ...report.listing import print_json
     from ...suites.document import suite_json
     from ...suites.running import run_suite
     from ...suites.shown import print_suite
@@ -127,14 +125,14 @@ def survey(
     Each engine is run as it comes, and, where it diverges, at finer settings, the best of which is told; then at the
     cheapest setting that `truebreak advise` finds. It exits with 0 whatever diverged: this is a survey, not a check.
     """
-    from ...report.text.listing import print_json
+    from ...report.listing import print_json
     from ...suites.document import survey_json
     from ...suites.shown import print_survey
     from ...suites.survey import survey as run_survey
     from ...suites.surveys.recorded_survey import read_survey
     from ...suites.surveys.survey_page import page_text
     from ...suites.surveys.survey_store import SurveyStore, survey_settings
-    from ..writing import check_writable, write_whole
+    from ...writing import check_writable, write_whole
 
     if page is not None:
         check_writable(page)

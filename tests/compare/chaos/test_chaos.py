@@ -23,7 +23,7 @@ from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
 from truebreak.compare.files.documents import chaos_json
 from truebreak.compare.files.schema import schema
-from truebreak.compare.report.text.chaos import horizon_rows, sentences
+from truebreak.compare.report.chaos_page import horizon_rows, sentences
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine

@@ -26,7 +26,7 @@ from truebreak.compare.ensemble.survival import proportion, summaries
 from truebreak.compare.ensemble.sweep import SweepWarning, sweep
 from truebreak.compare.ensemble.uncertainty import ChangedShare, slope, uncertainty
 from truebreak.compare.files.schema import schema
-from truebreak.compare.report.pictures.engine_style import engine_style
+from truebreak.compare.report.picture import engine_style
 from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
 from truebreak.scenarios import SceneError
 

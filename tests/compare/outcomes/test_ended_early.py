@@ -22,10 +22,9 @@ from truebreak.compare.files.documents import comparison_json
 from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign import LogEngine, Recording
 from truebreak.compare.foreign.change import changes_of
-from truebreak.compare.report.html import html_report
-from truebreak.compare.report.page.outcome_tables import changed, kept
+from truebreak.compare.report.html import changed, html_report, kept
 from truebreak.compare.report.sentences import consequence_phrase
-from truebreak.compare.report.text.terminal import changed_text
+from truebreak.compare.report.terminal import changed_text
 from truebreak.compare.suites.cell import cell_of
 from truebreak.compare.suites.shown import outcome
 from truebreak.compare.testing.check import CheckFailed, check

@@ -13,7 +13,7 @@ from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.compare.certificate.certified import Certified, verdict
 from truebreak.compare.cli import main
 from truebreak.compare.cli.commands.stress import code_of
-from truebreak.compare.cli.exit_codes import ExitCode
+from truebreak.compare.cli.progress import ExitCode
 from truebreak.compare.stress.family import MapPlace
 from truebreak.compare.stress.rows import witness as witnessing
 from truebreak.compare.stress.rows.cell import Job, row_of
