@@ -57,7 +57,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
 
         write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
     if save is not None:
-        from ...saved.comparisons import save_comparison
+        from ...files.saved import save_comparison
 
         save_comparison(comparison, save)
     if held.as_json:

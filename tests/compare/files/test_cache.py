@@ -15,9 +15,9 @@ import pytest
 from command_line import said
 
 from truebreak.compare import trajectory_json
-from truebreak.compare.saved import cache as certified_cache
-from truebreak.compare.saved.cache import CachedEngine, CacheWarning, cache_folder, cached
-from truebreak.compare.saved.run_file import saved_run
+from truebreak.compare.files import cache as certified_cache
+from truebreak.compare.files.cache import CachedEngine, CacheWarning, cache_folder, cached
+from truebreak.compare.files.saved import saved_run
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Scene, Trajectory, catalogue
@@ -219,6 +219,6 @@ def test_the_command_line(folder: Path, runs: list[Scene], capsys: pytest.Captur
 
 def test_tests_leave_the_users_own_alone() -> None:
     assert os.environ["TRUEBREAK_CACHE"] == ""
-    code = "from truebreak.compare.saved.cache import cache_folder; print(cache_folder())"
+    code = "from truebreak.compare.files.cache import cache_folder; print(cache_folder())"
     out = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, check=True).stdout
     assert out == "None\n"

@@ -171,7 +171,7 @@ def _kept(path: Path, scene: Scene) -> Trajectory | None:
         return _damaged(path, str(error))
     import gzip
 
-    from .run_file import run_of
+    from .saved import run_of
 
     try:
         text = gzip.decompress(packed).decode()
@@ -201,7 +201,7 @@ def _keep(path: Path, run: Trajectory) -> None:
     import gzip
 
     from ...scenarios.disk import write_file
-    from .run_file import saved_run
+    from .saved import saved_run
 
     try:
         data = gzip.compress(saved_run(run).encode(), compresslevel=1, mtime=0)

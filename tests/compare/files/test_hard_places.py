@@ -21,9 +21,8 @@ from truebreak.compare.ensemble.rows.row import rows_of
 from truebreak.compare.ensemble.rows.store import Store as SweepStore
 from truebreak.compare.ensemble.rows.table import csv_text
 from truebreak.compare.ensemble.sweep import plan as sweep_plan
-from truebreak.compare.saved import cache
-from truebreak.compare.saved.comparisons import save_comparison
-from truebreak.compare.saved.runs import save_run
+from truebreak.compare.files import cache
+from truebreak.compare.files.saved import save_comparison, save_run
 from truebreak.compare.stress.plan import carry_out
 from truebreak.compare.stress.plan import plan as stress_plan
 from truebreak.compare.stress.store import Store as StressStore

@@ -15,7 +15,7 @@ from flint import arb
 
 import truebreak as tb
 from truebreak.compare import comparison_json, engine, trajectory_json
-from truebreak.compare.saved.run_file import run_of, saved_run
+from truebreak.compare.files.saved import run_of, saved_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.numbers import ball
 from truebreak.exact.numbers.ball import from_parts, parts_of
@@ -134,7 +134,7 @@ def test_what_is_known_comes_from_the_log() -> None:
 def test_a_normal_form_too_long_to_be_read_is_kept_as_a_ball(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its exact value is then the log's."""
     run = roots()
-    monkeypatch.setattr("truebreak.compare.saved.run_numbers.MAX_LENGTH", 5)
+    monkeypatch.setattr("truebreak.compare.files.codec.MAX_LENGTH", 5)
     again = run_of(saved_run(run))
     assert isinstance(again.events[1].time.near, arb)  # type: ignore[attr-defined]
     assert trajectory_json(again, exact=True) == trajectory_json(run, exact=True)

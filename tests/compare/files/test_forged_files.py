@@ -14,9 +14,7 @@ from mutated import mutated
 
 import truebreak as tb
 from truebreak.compare import compare
-from truebreak.compare.saved.comparisons import comparison_of, saved_comparison
-from truebreak.compare.saved.going_on import GoingOn
-from truebreak.compare.saved.run_file import run_of, saved_run
+from truebreak.compare.files.saved import GoingOn, comparison_of, run_of, saved_comparison, saved_run
 from truebreak.compare.suites.document import suite_json
 from truebreak.compare.suites.running import run_suite
 from truebreak.compare.suites.shown import print_suite

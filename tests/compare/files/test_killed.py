@@ -18,9 +18,8 @@ from truebreak.compare.ensemble.rows.row import SweepJob, rows_of
 from truebreak.compare.ensemble.rows.store import Store as SweepStore
 from truebreak.compare.ensemble.rows.table import csv_text
 from truebreak.compare.ensemble.sweep import plan as sweep_plan
-from truebreak.compare.saved import cache
-from truebreak.compare.saved.run_file import load_run, saved_run
-from truebreak.compare.saved.runs import save_run
+from truebreak.compare.files import cache
+from truebreak.compare.files.saved import load_run, save_run, saved_run
 from truebreak.compare.stress.plan import carry_out
 from truebreak.compare.stress.plan import plan as stress_plan
 from truebreak.compare.stress.store import Store as StressStore
