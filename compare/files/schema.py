@@ -5,7 +5,9 @@ Those of `DOCUMENTS` are made of the classes that `documents.py` encodes; the ot
 
 from __future__ import annotations
 
+import ast
 import builtins
+import collections.abc
 import json
 import re
 import sys
@@ -19,7 +21,7 @@ from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
 from ...scenarios.numbers.quantity import Real
-from .documents import BY_VALUE, COMPUTED, FORMS, Key, keys_of
+from .documents import BY_VALUE, COMPUTED, Key, keys_of
 
 DOCUMENTS = {
     "trajectory-1": ("scenarios.trajectory:Trajectory", "A run, as `truebreak run --json` prints it"),
@@ -33,7 +35,7 @@ DOCUMENTS = {
 }
 """Of each schema, the class whose form it is, and the title."""
 
-BY_HAND = ("certificate-3", "diff-1", "sweep-1", "stress-1", "advice-1", "bench-3", "suite-1", "run-1",
+BY_HAND = ("certificate-3", "diff-1", "sweep-2", "stress-2", "advice-1", "bench-3", "suite-2", "run-1",
            "saved-comparison-1")  # fmt: skip
 
 NAMES = (*DOCUMENTS, *BY_HAND)
@@ -83,17 +85,19 @@ def _class(place: str) -> Any:
 
 
 class _Names(dict[str, Any]):
-    """What annotations name: also what their modules import for the checker of types alone, wherever it is defined."""
+    """What annotations of a module name: also what it imports for the checker of types alone."""
+
+    def __init__(self, module: str) -> None:
+        super().__init__({**vars(collections.abc), **vars(builtins), "Any": Any, **vars(sys.modules[module])})
+        self._module = module
 
     def __missing__(self, name: str) -> Any:
-        from ..alignment.align import Verdict
-
-        for place in FORMS:
-            _class(place)
-        known: dict[str, Any] = {"Mapping": Mapping, "Sequence": Sequence, "Real": Real, "Verdict": Verdict}
-        homes = [vars(home) for path, home in sorted(sys.modules.items()) if path.startswith(f"{ROOT}.")]
-        known |= {**vars(builtins), "Any": Any}
-        return known[name] if name in known else next(home[name] for home in homes if name in home)
+        source = Path(str(sys.modules[self._module].__file__)).read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(source)):
+            if isinstance(node, ast.ImportFrom) and any(alias.name == name for alias in node.names):
+                home = import_module("." * node.level + (node.module or ""), self._module.rpartition(".")[0])
+                return getattr(home, name)
+        raise KeyError(name)
 
 
 def _hint(of: Any, name: str) -> Any:
@@ -101,7 +105,7 @@ def _hint(of: Any, name: str) -> Any:
     owner = next((kind for kind in getattr(of, "__mro__", (of,)) if name in getattr(kind, "__annotations__", {})), of)
     noted = getattr(owner.__annotations__[name], "__forward_arg__", owner.__annotations__[name])  # of a NamedTuple
     while isinstance(noted, str):
-        noted = eval(noted, {}, _Names(vars(sys.modules[owner.__module__])))
+        noted = eval(noted, {}, _Names(owner.__module__))
     return noted
 
 
@@ -172,7 +176,7 @@ class _Maker:
     def of(self, hint: Any) -> dict[str, Any]:
         """A value of a type."""
         if isinstance(hint, str):  # an alias within another type
-            return self.of(eval(hint, {}, _Names()))
+            return self.of(eval(hint, {}, _Names(__name__)))
         if hint is Any:
             return {}
         if hint in PLAIN:

@@ -52,6 +52,7 @@ def desync_html(compared: Sequence[Desync], *, command: str = "") -> str:
             "bodies": [
                 (row["body"], row["told"]) for row in one.bodies()
             ],
+            "numbers": one.numbers(),
             "around": [(*row, row[2] != row[3]) for row in one.around()],
         }
         for one in compared

@@ -11,6 +11,7 @@ import argparse
 import json
 import math
 import random
+import shutil
 import statistics
 import subprocess
 import sys
@@ -20,7 +21,7 @@ from pathlib import Path
 from time import process_time
 from typing import Any
 
-from truebreak.compare.logdiff import trial_worlds
+import truebreak.compare.logdiff
 from truebreak.compare.logdiff.pymunk_record import record
 
 EVENTS, BODIES, STEPS, BLOCKS = 1_000_000, 100, 320, 15
@@ -111,8 +112,8 @@ def logs(folder: Path, events: int) -> Iterator[tuple[str, Path, Path]]:
     """
     source, program = folder / "gas.c", folder / "gas"
     source.write_text(GAS, encoding="utf-8")
-    header = Path(trial_worlds.__file__).parent
-    compiler = trial_worlds.compiler() or "cc"
+    header = truebreak.compare.logdiff.__path__[0]
+    compiler = next((name for name in ("cc", "gcc", "clang") if shutil.which(name)), "cc")
     words = [compiler, "-std=c99", "-O2", "-ffp-contract=off", f"-I{header}", "-o", str(program), str(source), "-lm"]
     subprocess.run(words, check=True, capture_output=True)
     one, other = folder / "a.jsonl", folder / "b.jsonl"
