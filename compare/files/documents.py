@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from ..chaos.horizon import Horizon
     from ..comparison import Comparison
     from ..foreign.change import Change
+    from ..grids.survival import Summary, Uncertainty
     from ..orders.all_orders import Leaf, OrderTree
     from ..outcomes.permitted import PermittedPatterns, Relation
     from ..shadowing.shadow import Proof, Shadow
@@ -93,6 +94,12 @@ FORMS = {
     "compare.chaos.horizon:Horizon": "engine model unit_bits=unit expected low high by_exponent observed=seen inside",
     "compare.chaos.chaos:Chaos": "scene events time stop=reference.stop certified=reference.certified lyapunov "
     "convergence spectrum entropy growth horizons exact",
+    "compare.grids.survival:Step": "event share low high at_risk",
+    "compare.grids.survival:Law": "slope intercept correlation scenes",
+    "compare.grids.survival:ChangedShare": "size count total low high",
+    "compare.grids.survival:Uncertainty": "shares exponent low high",
+    "compare.grids.survival:Summary": "engine verdicts median survival band law changed laws",
+    "compare.files.documents:Sweep": "settings scenes engines uncertainty failures",
     "compare.shadowing.obstacle:Blocked": "kind=obstacle event message",
     "compare.shadowing.obstacle:StartDistance": "position velocity",
     "compare.shadowing.obstacle:Distance": "position velocity time circle",
@@ -425,16 +432,6 @@ def comparison_json(comparison: Comparison, changes: Sequence[Change] = ()) -> d
     return {**data, "changes": Encoder(comparison)(changes)} if changes else data
 
 
-def laws_brief(audit: Audit | None) -> dict[str, Any] | None:
-    """An audit in a row of many: whether the laws are kept, and what is found, or why it cannot be told.
-
-    >>> from truebreak.compare.audit.audit import Audit
-    >>> laws_brief(Audit(None, "no finer step was run")), laws_brief(Audit(True)), laws_brief(None)
-    ({'kept': None, 'told': 'no finer step was run'}, {'kept': True, 'told': ''}, None)
-    """
-    return None if audit is None else {"kept": audit.kept, "told": audit.finding}
-
-
 # -- All orders of one instant.
 
 
@@ -606,3 +603,86 @@ def shadow_json(told: Shadow, best: Shadow | None = None) -> dict[str, Any]:
         best: the shadow of a shorter beginning, where one was looked for and found.
     """
     return document("shadow-2", told, told if best is None else best)
+
+
+# -- Sweeps.
+
+
+@dataclass(frozen=True)
+class Band:
+    """Of those that diverged and had a predicted interval: how many did inside it, and how many there are."""
+
+    inside: int
+    left: int
+
+
+@dataclass(frozen=True)
+class ChangedScenes:
+    """Of the scenes whose outcomes were compared: how many changed, of how many, and the 95 % interval of the share."""
+
+    scenes: int
+    of: int
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class LawCounts:
+    """In how many runs the laws are kept, in how many they are not, and in how many that is not determined."""
+
+    kept: int
+    not_kept: int
+    not_determined: int
+
+
+@dataclass(frozen=True)
+class FailedScene:
+    """A draw of a scene that came to nothing, and why."""
+
+    scene: int
+    attempt: int
+    note: str
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What was asked, what the rows say together; by outcome, how displacements of several sizes change it."""
+
+    settings: Mapping[str, Any]
+    scenes: int
+    engines: tuple[Summary, ...]
+    uncertainty: Mapping[str, Uncertainty]
+    failures: tuple[FailedScene, ...]
+
+
+@computed("Summary.band")
+def _summary_band(summary: Summary, _: Any) -> Band:
+    """How the predicted intervals did."""
+    return Band(*summary.inside)
+
+
+@computed("Summary.changed")
+def _summary_changed(summary: Summary, _: Any) -> ChangedScenes | None:
+    """Changed outcomes; null where none were compared."""
+    return None if summary.changed is None else ChangedScenes(*summary.changed)
+
+
+@computed("Summary.laws")
+def _summary_laws(summary: Summary, _: Any) -> LawCounts:
+    """The audits of its runs."""
+    return LawCounts(*summary.laws)
+
+
+def sweep_json(
+    settings: Mapping[str, Any],
+    scenes: int,
+    told: Sequence[Summary],
+    failures: Sequence[tuple[int, int, str]],
+    unsure: Mapping[str, Uncertainty],
+) -> dict[str, Any]:
+    """The object that `truebreak sweep --json` prints.
+
+    Args:
+        unsure: by outcome, how displacements of several sizes change it.
+    """
+    return document("sweep-2", Sweep(settings, scenes, tuple(told), unsure, tuple(FailedScene(*f) for f in failures)))

@@ -32,10 +32,11 @@ DOCUMENTS = {
     ),
     "chaos-2": ("compare.chaos.chaos:Chaos", "Growth of errors along a run, as `truebreak chaos --json` prints it"),
     "shadow-2": ("compare.shadowing.shadow:Shadow", "A shadow of a run, as `truebreak shadow --json` prints it"),
+    "sweep-2": ("compare.files.documents:Sweep", "What the rows of a sweep say, as `truebreak sweep --json` prints it"),
 }
 """Of each schema, the class whose form it is, and the title."""
 
-BY_HAND = ("certificate-3", "diff-1", "sweep-2", "stress-2", "advice-1", "bench-3", "suite-2", "run-1",
+BY_HAND = ("certificate-3", "diff-1", "stress-2", "advice-1", "bench-3", "suite-2", "run-1",
            "saved-comparison-1")  # fmt: skip
 
 NAMES = (*DOCUMENTS, *BY_HAND)

@@ -1,70 +1,20 @@
-"""A sweep as the JSON object `truebreak/sweep-2`, and for people."""
+"""A sweep for people."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from .output import console, counted, grid, say
+
 if TYPE_CHECKING:
     from ..grids.survival import Summary, Uncertainty
-
-SWEEP_SCHEMA = "truebreak/sweep-2"
-
-
-def sweep_json(
-    settings: Mapping[str, Any],
-    scenes: int,
-    told: Sequence[Summary],
-    failures: Sequence[tuple[int, int, str]],
-    unsure: Mapping[str, Uncertainty],
-) -> dict[str, Any]:
-    """The object that `truebreak sweep --json` prints: what was asked, and what the rows say together.
-
-    Args:
-        unsure: by outcome, how displacements of several sizes change it.
-    """
-    return {
-        "schema": SWEEP_SCHEMA,
-        "settings": dict(settings),
-        "scenes": scenes,
-        "engines": [_engine(summary) for summary in told],
-        "uncertainty": {outcome: _uncertainty(found) for outcome, found in unsure.items()},
-        "failures": [{"scene": scene, "attempt": attempt, "note": note} for scene, attempt, note in failures],
-    }
-
-
-def _engine(summary: Summary) -> dict[str, Any]:
-    law, changed = summary.law, summary.changed
-    return {
-        "engine": summary.engine,
-        "verdicts": summary.verdicts,
-        "median": summary.median,
-        "survival": [
-            {"event": s.event, "share": s.share, "low": s.low, "high": s.high, "at_risk": s.at_risk}
-            for s in summary.survival
-        ],
-        "band": {"inside": summary.inside[0], "left": summary.inside[1]},
-        "law": None if law is None else vars(law),
-        "changed": None if changed is None else dict(zip(("scenes", "of", "low", "high"), changed, strict=True)),
-        "laws": dict(zip(("kept", "not_kept", "not_determined"), summary.laws, strict=True)),
-    }
-
-
-def _uncertainty(found: Uncertainty) -> dict[str, Any]:
-    return {
-        "shares": [vars(share) for share in found.shares],
-        "exponent": found.exponent,
-        "low": found.low,
-        "high": found.high,
-    }
 
 
 def print_sweep(
     settings: Mapping[str, Any], scenes: int, told: Sequence[Summary], unsure: Mapping[str, Uncertainty]
 ) -> None:
     """One row an engine, and a line for each outcome that displacements of several sizes change."""
-    from ..report.output import console, counted, grid, say
-
     out = console()
     asked = " ".join([settings["scene"], *settings["vary"]])
     say(out, f"{asked}: {counted(scenes, 'scene')}, each compared with its certified run.", "bold")
