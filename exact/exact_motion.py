@@ -518,12 +518,29 @@ class ExactMotion:
             return [
                 (_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in log.scene.circles
             ]
+        at = self._within(time)
+        return [self._of_circle(i, at) for i in range(len(self.knots))]
+
+    def circle(self, i: int, time: ExactValue | QuantityLike) -> ExactRow:
+        """(x, y, vx, vy) of one circle, by its place; see `state`.
+
+        Raises:
+            ValueError: before 0 or after the end.
+        """
+        return self.state(time)[i] if self.returned and time is self.end else self._of_circle(i, self._within(time))
+
+    def _within(self, time: ExactValue | QuantityLike) -> RunTime:
+        """A time that may be asked for.
+
+        Raises:
+            ValueError: before 0 or after the end.
+        """
         at = time if isinstance(time, ExactValue) else Quantity.of(time)
         if isinstance(at, Quantity) and at.sign() < 0:
             raise ValueError(f"time {at} is before the start; ask for 0 or later")
         if at is not self.end and self._own(at) is None and self._after(at, self.end):
             raise ValueError(f"time {_shown(at)} is after the end of the run; run it for longer")
-        return [self._of_circle(i, at) for i in range(len(self.knots))]
+        return at
 
     def _own(self, time: RunTime) -> int | None:
         """The number of the instant of this run that a time is; None for any other time."""
