@@ -245,7 +245,7 @@ def diff(one: str | Path, other: str | Path, *, ignore: Iterable[str] = (), scen
     """Compares two logs of any engine in any world.
 
     Args:
-        ignore: free fields that are not compared, such as wall-clock times.
+        ignore: free fields that are not compared; `time` for clocks of logs with steps.
         scene: what both runs are of, if it is a scene of truebreak: they are then audited, too.
 
     Raises:
