@@ -85,6 +85,7 @@ class Found:
         nans: first record with a number that is none, in both logs alike.
         context: records around the first difference, by log.
         final: last state of each body, by log.
+        columns: which numbers of a state each log has that the other has, too; None for all.
     """
 
     a: Log
@@ -126,6 +127,16 @@ class Found:
     grid: bool = False
     last_common: Record | None = None
     longer: str | None = None
+    columns: tuple[list[int] | None, ...] = (None, None)
+
+    def again(self) -> Iterator[Side]:
+        """Both logs, to be read once more in the same words."""
+        back = {theirs: ours for ours, theirs in self.names.items()}
+        for log, rename, columns in zip((self.a, self.b), ({}, back), self.columns, strict=True):
+            side = Side(Log(log.name))
+            side.rename, side.columns = rename, columns
+            side.translate()
+            yield side
 
 
 class Side:

@@ -357,7 +357,7 @@ def _size(d: Difference) -> str:
 def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size: str) -> Answer | None:
     """Where the first records differ already; None if they do not."""
     growing, top = found.growing, first[0]
-    known = len(growing.same_at | dict.fromkeys(growing.bodies))
+    known = found.growing.known
     if top.number == found.first_states and all(d.fresh for d in first) and not top.touching:
         if top.bits >= limits.start[1]:
             return Named.START, _k(top), f"{size}, in the first record that both have ({_many(first, known)})"
@@ -482,7 +482,7 @@ def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -
                 f"{size}; but {m.body} meets {m.a or 'nobody'} instead of {m.b or 'nobody'} at event {m.number}, when "
                 f"nothing was off by more than {_bits(found.meeting_off)}: a near tie, or a change"
             )  # fmt: skip
-    known = len(growing.same_at | dict.fromkeys(growing.bodies))
+    known = growing.known
     late = growing.contacts_before(top.number) >= SETTLED
     if late and len(first) >= 3 and len(first) * 2 >= known:
         return Named.OPEN, onset, (
@@ -510,7 +510,7 @@ def _coarse(found: Found, first: tuple[Difference, ...], coarse: Digits) -> Answ
     if not abs(top.a - top.b) < COARSE * last and gap <= 1 and (_stride(found) or 1) == 1 and last < 1e-5 * scale:
         if found.first_states == top.number:
             return Named.START, onset, f"{_size(top)}, in the first record that both have"
-        known = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
+        known = found.growing.known
         if found.first_states == top.number - 1 and len(first) * 2 > known:
             return (
                 Named.START,
@@ -533,7 +533,7 @@ COARSE = 2.0**12
 
 def _spread(found: Found, first: tuple[Difference, ...]) -> str:
     """Where the first difference is."""
-    known = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
+    known = found.growing.known
     if len(first) * 2 > known > 2:
         return f"everywhere at once ({_many(first, known)})"
     if len(first) == 1:
