@@ -30,9 +30,12 @@ SECONDS = 120
 THREADS = ("threaded_space 0", "threaded_space 1", "threaded_space 2")
 """The example that has no run of its own, with as many threads."""
 
+TRIES = 5
+"""Further pairs of runs of those that are not the same each time."""
+
 WHY = {
     "index_video": "balls come by a timer, and that goes by the clock on the wall",
-    "threaded_space 2": "two threads solve contacts in an order that is another each time",
+    "threaded_space 2": "two threads solve contacts in an order that is another most times; some pairs are identical",
 }
 """Why two runs are not the same, where a seed does not make them so."""
 
@@ -50,6 +53,7 @@ def names() -> list[str]:
 def logged(name: str, file: str, seed: int | None) -> None:
     """Runs an example, and logs the first space that it steps."""
     random.seed(seed)
+    sys.argv = [name, "/i"] if name == "newtons_cradle" else [name]  # a screen saver, which is told what it is
     plain: Any = Space.step
     first: list[Any] = []
     count = 0
@@ -121,6 +125,8 @@ def table() -> Iterator[str]:
     none: list[str] = []
     for name in names():
         found = compared(name)
+        for _ in range(TRIES if name in WHY else 0):
+            found = compared(name) if found is not None and found.verdict.same else found
         if found is None:
             none.append(name)
             continue
@@ -130,7 +136,8 @@ def table() -> Iterator[str]:
             seeded = again is not None and again.verdict.same
             why = "Python's `random`, not seeded: with a seed it is identical" if seeded else WHY.get(name, "not known")
         yield f"| `{name}` | {found.verdict.line} | {why} |"
-    yield f"\nWithout a row, as they step no space without a window or what they need is not here: {', '.join(none)}."
+    others = ", ".join(f"`{name}`" for name in none)
+    yield f"\nWithout a row, as they step no space, or none without a window: {others}."
 
 
 def main(words: Sequence[str]) -> None:
