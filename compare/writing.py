@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 
@@ -40,8 +41,8 @@ def check_folder(path: str | Path) -> None:
     check_writable(Path(path) / "perturbed")
 
 
-def write_whole(path: str | Path, text: str) -> None:
-    """Writes UTF-8 text, all of it or nothing, so that it is on disk once this returns.
+def write_whole(path: str | Path, text: str | Iterable[str]) -> None:
+    """Writes UTF-8 text, given whole or in parts: all of it or nothing, so that it is on disk once this returns.
 
     Raises:
         SceneError: if the place cannot be written to.
@@ -49,11 +50,12 @@ def write_whole(path: str | Path, text: str) -> None:
     from ..scenarios.disk import write_file
     from ..scenarios.errors import SceneError
 
-    target = Path(path)
+    target, parts = Path(path), [text] if isinstance(text, str) else text
     try:
         if target.exists() and not target.is_file():
-            target.write_text(text, encoding="utf-8")  # a device or a pipe, such as /dev/stdout
+            with target.open("w", encoding="utf-8", newline="") as file:  # a device or a pipe, such as /dev/stdout
+                file.writelines(parts)
         else:
-            write_file(target, text.encode("utf-8"))
+            write_file(target, (part.encode("utf-8") for part in parts))
     except OSError as error:
         raise SceneError(f"file {str(path)!r}: {error.strerror or error}; choose another place to write to") from None

@@ -11,8 +11,8 @@ from ..options import JSON, SCENE, SCENE_HELP, UNTIL, Whole, WithDefault, isolat
 from ..progress import DONE, ExitCode
 
 if TYPE_CHECKING:
-    from ...advice.goal import Goal
-    from ...advice.search import Searching
+    from ...grids.goals import Goal
+    from ...grids.setting_search import Searching
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -41,7 +41,7 @@ Exit codes:
 
 
 def _default_budget() -> str:
-    from ...advice.search import DEFAULT_BUDGET
+    from ...grids.setting_search import DEFAULT_BUDGET
 
     return f"{DEFAULT_BUDGET:,}"
 
@@ -107,10 +107,9 @@ def advise(
     Settings are tried from the cheapest up (pymunk: step and iterations; interval: bits) on the scene and on K scenes
     beside it, so that one that is right by luck is found out. Every cheaper one was run, and is wrong.
     """
-    from ...advice.found import End
-    from ...advice.search import DEFAULT_BUDGET
-    from ...advice.search import advise as search
     from ...documents.advice import advice_json, print_advice
+    from ...grids.setting_search import DEFAULT_BUDGET, End
+    from ...grids.setting_search import advise as search
     from ...report.listing import print_json
     from ...scene_argument import scene_from
     from ...writing import check_folder, write_whole
@@ -150,7 +149,7 @@ def advise(
 
 
 def _goal(outcome: str | None, digits: int | None, events: int | None) -> Goal:
-    from ...advice.goal import Digits, HistoryGoal, OutcomeGoal
+    from ...grids.goals import Digits, HistoryGoal, OutcomeGoal
 
     if outcome is not None:
         return OutcomeGoal(outcome)
@@ -160,7 +159,7 @@ def _goal(outcome: str | None, digits: int | None, events: int | None) -> Goal:
 def searched(state: Searching, seconds: float) -> str:
     """How far a search is.
 
-    >>> from truebreak.compare.advice.search import Searching
+    >>> from truebreak.compare.grids.setting_search import Searching
     >>> searched(Searching(3_000_000, 30_000_000, "pymunk:dt=1/64", "perturbed 2"), 6.0)
     'pymunk:dt=1/64 on perturbed 2; 3,000,000 of at most 30,000,000 units, 500,000 a second, at most 54 s left'
     """

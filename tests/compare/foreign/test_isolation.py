@@ -351,9 +351,9 @@ DOORS = {
     "judge": ["compare", "galperin:n=0", "--engines", "double", "--reference", "hostile:Leaves"],
     "minimise": ["minimise", "galperin:n=0", "--engine", "hostile:Leaves"],
     "shadow": ["shadow", "gas:n=3", "--events", "3", "--engine", "hostile:Leaves"],
-    "stress": ["stress", "near-ties", "--levels", "3..4", "--engines", "hostile:Leaves"],
+    "stress": ["stress", "near-ties", "--levels", "3..4", "--engines", "hostile:Leaves", "--jobs", "1"],
     "advise": ["advise", "galperin:n=0", "--engine", "hostile:Leaves"],
-    "suite": ["suite", "suite.toml"],
+    "suite": ["suite", "suite.toml", "--jobs", "1"],
     "sweep": ["sweep", "galperin", "--vary", "n=0..0", "--engines", "hostile:Leaves", "--jobs", "1"],
 }
 
