@@ -443,8 +443,7 @@ def _partners(record: Record) -> dict[str, list[str]]:
 
 def _letters(record: Record) -> int:
     """The lines of a record as one number."""
-    texts = record.texts
-    return hash(texts[0]) if len(texts) == 1 else hash(tuple(texts))
+    return hash(record.texts[0]) if len(record.texts) == 1 else hash(tuple(record.texts))
 
 
 def _exact(x: Part, y: Part, body: str) -> bool:

@@ -74,6 +74,7 @@ class Found:
         zeros: the first record at which a zero has another sign.
         explained: how many states differ by no more than the digits that one log leaves out.
         fields_alone: free fields that one log has at a record and the other has not: whose, and the record.
+        field_leap: the first free field that differs by far more than states did by then, and where.
         alone: how many records of each log had none to be compared with; `alone_first`: the first of them.
         clock: how much later the clock of the second is, where it is otherwise the same.
         names: bodies of the first by what they are called in the second, where that differs.
@@ -108,6 +109,7 @@ class Found:
     missing: list[tuple[str, str]] = field(default_factory=list)
     missing_count: int = 0
     repeated: list[tuple[str, int]] = field(default_factory=list)
+    field_leap: tuple[str, Record] | None = None
     alone: list[int] = field(default_factory=lambda: [0, 0])
     alone_first: list[Record | None] = field(default_factory=lambda: [None, None])
     clock: float | None = None

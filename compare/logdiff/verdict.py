@@ -11,7 +11,7 @@ from .growing import NEVER, Difference, Digits, Rate, Unit, rate_of
 
 if TYPE_CHECKING:
     from .log_format import Record
-    from .sides import Found
+    from .sides import Found, Meeting
 
 
 class Named(Enum):
@@ -149,12 +149,8 @@ def _as_before(found: Found) -> str:
     return "the same but for the digits that one log leaves out" if found.explained else "the same to the last bit"
 
 
-def _event(record: Record) -> int:
-    return record.step if record.step is not None else record.number
-
-
-def _k(d: Difference) -> int:
-    return d.step if d.step is not None else d.number
+def _event(at: Record | Difference | Meeting) -> int:
+    return at.step if at.step is not None else at.number
 
 
 def _without_states(found: Found) -> Answer:
@@ -226,7 +222,7 @@ def _partners_alone(found: Found) -> Answer:
     """Where bodies meet others, and no number differed before."""
     meeting = found.meeting
     assert meeting is not None
-    k = meeting.step if meeting.step is not None else meeting.number
+    k = _event(meeting)
     told = f"{meeting.body} meets {meeting.a or 'nobody'} in the one and {meeting.b or 'nobody'} in the other"
     if found.by == "step":
         if found.compared["states"]:
@@ -303,7 +299,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     """Where numbers differ."""
     top = first[0]
     if found.names and found.uneven is not None and found.uneven[1].number == found.first_states:
-        return Named.OPEN, _k(top), (
+        return Named.OPEN, _event(top), (
             f"{_size(top)}; but ids differ, and {found.uneven[2]} starts like none in the other log; name bodies alike"
         )  # fmt: skip
     unit = _unit_of(found, top)
@@ -314,7 +310,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     if top.name == TIME and found.grid:
         return (
             Named.OPEN,
-            _k(top),
+            _event(top),
             f"{size}; times of steps do not tell how far apart the runs were by then: log states",
         )
     start = _start(found, first, limits, size)
@@ -356,7 +352,7 @@ def _size(d: Difference) -> str:
 
 def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size: str) -> Answer | None:
     """Where the first records differ already; None if they do not."""
-    growing, top, k = found.growing, first[0], _k(first[0])
+    growing, top, k = found.growing, first[0], _event(first[0])
     bodies, most = _many(found, first), len(first) * 2 > growing.known
     if top.number == found.first_states and all(d.fresh for d in first) and not top.touching:
         size = f"{size}, in the first record that both have"
@@ -394,10 +390,10 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         if top.number < max(3, growing.known) and all(
             d.fresh for d in first if d.body in found.final[0] or not found.final[0]
         ):
-            return Named.START, _k(top), (
+            return Named.START, _event(top), (
                 f"{size}, and that is the first that is logged of {top.body}: it came there at another time or place"
             )  # fmt: skip
-        return Named.OPEN, _k(top), (
+        return Named.OPEN, _event(top), (
             f"{size}, and nothing is logged of {top.body} before: it may have started elsewhere, or been moved since; "
             "log states at the start"
         )  # fmt: skip
@@ -410,7 +406,7 @@ def _onset(found: Found, top: Difference) -> tuple[int, int]:
     if earlier:
         record = min(earlier, key=lambda r: r.number)
         return _event(record), top.number - record.number + 1
-    return _k(top), max(1, top.gap)
+    return _event(top), max(1, top.gap)
 
 
 def _allowance(found: Found, gap: int, rate: Rate | None) -> float | None:
@@ -462,7 +458,7 @@ def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -
         limits = FLOATS if growing.unit.bits <= 24 else DOUBLES
         if leap in free and leap.bits >= limits.free[1] + 4:
             why = f"runs were off by rounding before, but {told}, and it touches nothing there"
-            return Named.CHANGED, _k(leap), why
+            return Named.CHANGED, _event(leap), why
         return Named.OPEN, onset, f"{size}; but {told} near enough to decide that: a near tie, or a change"
     if found.by == "body" and found.meeting is not None:
         chance = max(found.meeting_off, 0.0) + math.log2(found.onsets_then + 1)
@@ -472,6 +468,9 @@ def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -
                 f"{size}; but {m.body} meets {m.a or 'nobody'} instead of {m.b or 'nobody'} at event {m.number}, when "
                 f"nothing was off by more than {_bits(found.meeting_off)}: a near tie, or a change"
             )  # fmt: skip
+    odd = ("the input", found.input[0]) if found.input is not None else found.field_leap
+    if odd is not None:
+        return Named.OPEN, onset, f"{size}; but {odd[0]} differs by more than that, first at {odd[1].place()}"
     late = growing.contacts_before(top.number) >= SETTLED
     if late and len(first) >= 3 and len(first) * 2 >= growing.known:
         return Named.OPEN, onset, (
