@@ -104,6 +104,7 @@ def sweep(
     Each scene runs in a worker process; each engine only until it leaves the history. Rows go into the store as soon
     as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.
     """
+    from ....scenarios.errors import printable
     from ...documents.sweep import print_sweep, sweep_json
     from ...engines import split_engines
     from ...ensemble.rows.store import Store, merged
@@ -154,7 +155,8 @@ def sweep(
     there = {row["index"] for row in rows}
     for index, attempt, note in failures:
         after = "; another attempt was done" if index in there else ""
-        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}", err=True)
+        told = f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}"
+        click.echo(printable(" ".join(told.split())), err=True)
     return ExitCode.UNDECIDED if any(index not in there for index, _, _ in failures) else DONE
 
 

@@ -185,5 +185,5 @@ def _digest(text: str, *place: int) -> str:
 
 
 def _short(value: object) -> str:
-    text = json.dumps(value)
+    text = json.dumps(value, default=repr)
     return text if len(text) <= 60 else f"{text[:60]}…"

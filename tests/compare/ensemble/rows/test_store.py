@@ -133,6 +133,8 @@ def test_a_damaged_store_is_refused(tmp_path: Path, thread: Executor) -> None:
         ("UPDATE rows SET row = '{}' WHERE scene = 1", "is damaged: it holds"),
         ("UPDATE rows SET row = replace(row, '0', '1') WHERE scene = 1", "is damaged: it holds"),
         ("UPDATE rows SET scene = 7 WHERE scene = 1", "is damaged: it holds"),
+        ("UPDATE rows SET row = x'fffe' WHERE scene = 1", "is damaged: it holds"),
+        ("UPDATE meta SET value = x'ff' WHERE key = 'settings'", "is damaged: it holds"),
         ("UPDATE meta SET value = replace(value, '10', '11') WHERE key = 'settings'", "is damaged: it holds"),
         ("DROP TABLE meta", "is no store"),
         ("DROP TABLE rows", "is no store"),
