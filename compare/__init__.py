@@ -14,13 +14,13 @@ from ..scenarios.lazy import handed_on
 
 if TYPE_CHECKING:
     from .alignment.align import Alignment
-    from .alignment.divergence import Divergence
+    from .alignment.instants import Divergence
     from .candidate import Candidate
     from .comparison import Comparison, compare
     from .documents.comparison import comparison_json
     from .documents.trajectory import trajectory_json
     from .engines import ENGINES, engine
-    from .outcomes.table import OUTCOMES, Outcome
+    from .outcomes.outcome import OUTCOMES, Outcome
     from .reduction.minimise import minimise
     from .reduction.smallest import Smallest
     from .report.html import html_report
@@ -44,12 +44,12 @@ __all__ = [
 
 _HOMES = {
     "ENGINES": "engines",
-    "OUTCOMES": "outcomes.table",
+    "OUTCOMES": "outcomes.outcome",
     "Alignment": "alignment.align",
     "Candidate": "candidate",
     "Comparison": "comparison",
-    "Divergence": "alignment.divergence",
-    "Outcome": "outcomes.table",
+    "Divergence": "alignment.instants",
+    "Outcome": "outcomes.outcome",
     "Smallest": "reduction.smallest",
     "compare": "comparison",
     "comparison_json": "documents.comparison",

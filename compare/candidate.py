@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ..scenarios.trajectory import Trajectory
-    from .alignment.align import Alignment, Verdict
-    from .alignment.separation import Separation
+    from .alignment.align import Alignment, Separation, Verdict
     from .audit.audit import Audit
     from .causes.diagnosis import Diagnosis, Margin
     from .chaos.hazard.errors import ErrorModel

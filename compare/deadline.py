@@ -27,7 +27,7 @@ NO_TIME = "not tried: the seconds (--max-seconds) are over"
 
 WHOLE = tuple(
     f"{__name__.rpartition('.compare')[0]}.{module}"
-    for module in ("compare.foreign.runs.recording", "scenarios.numbers.precision", "scenarios.errors")
+    for module in ("compare.foreign.recording", "scenarios.numbers.precision", "scenarios.errors")
 )
 """What must not be stopped in the middle: what takes down an event, what gives flint's precision back, and what notes
 where a run can be ended."""

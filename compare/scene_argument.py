@@ -77,7 +77,7 @@ def with_settings(engine_text: str, **settings: str | int | None) -> str:
     given = ",".join(f"{key}={value}" for key, value in settings.items() if value is not None)
     if not given:
         return engine_text
-    from .foreign.loading import class_path
+    from .engines import class_path
 
     path = class_path(engine_text)
     begun = path.settings != "" if path is not None else ":" in engine_text

@@ -13,7 +13,7 @@ from ..scenarios.numbers.precision import Double
 from ..scenarios.trajectory import Stop, StopReason, Trajectory
 from .alignment.align import UNKNOWING, Alignment, Span, align
 from .alignment.instants import Finer, SharedInstant, instants, velocity_difference
-from .alignment.patience import Patience, patience_for
+from .alignment.walk import Patience, patience_for
 from .deadline import Clock, OutOfTime, time_limit, uninterrupted
 from .foreign.guard import finer_of, run_guarded
 from .outcomes.matched import told_until

@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.engine import SCENE_KEYS
-from .base.adapted import Adapted
-from .base.package import package
-from .base.walls import sides
+from .adapter import Adapted, package, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.runs.impulses import Row
-    from ..foreign.runs.recording import Recording
+    from ..foreign.impulses import Row
+    from ..foreign.recording import Recording
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .base.package import package
-from .base.stepped import OutOfRoom, SteppedAdapter, power_of_two, top_speed
-from .base.walls import Stretch, stretches
+from .adapter import OutOfRoom, SteppedAdapter, Stretch, package, power_of_two, stretches, top_speed
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.runs.impulses import Row
+    from ..foreign.impulses import Row
 
 QUICK = 2.0**30
 """How many of a scene's units of time pass in one of Box2D's seconds. What approaches slower than 1 m/s does not bounce

@@ -10,15 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...scenarios.errors import SceneError
-from .base.episodes import LASTING, Episodes
-from .base.package import package
-from .base.stepped import SteppedAdapter
-from .base.walls import lines, sides
+from .adapter import LASTING, Episodes, SteppedAdapter, lines, package, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.runs.impulses import Row
-    from ..foreign.runs.recording import Recording
+    from ..foreign.impulses import Row
+    from ..foreign.recording import Recording
 
 MOST_FACES = 30
 """Faces of walls that MuJoCo's 32-bit masks tell apart, beside the bit of the circles."""

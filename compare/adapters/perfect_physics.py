@@ -6,12 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .base.adapted import Adapted
-from .base.package import package
+from .adapter import Adapted, package
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.runs.recording import Recording
+    from ..foreign.recording import Recording
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .base.adapted import Adapted
-from .base.package import package
-from .base.stepped import power_of_two
-from .base.walls import stretches
+from .adapter import Adapted, package, power_of_two, stretches
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.runs.impulses import Row
-    from ..foreign.runs.recording import Recording
+    from ..foreign.impulses import Row
+    from ..foreign.recording import Recording
 
 
 SPACER = 1e-9

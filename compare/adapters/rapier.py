@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from .base.package import package
-from .base.stepped import SteppedAdapter, power_of_two
-from .base.walls import lines, sides
+from .adapter import SteppedAdapter, lines, package, power_of_two, sides
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.runs.impulses import Row
+    from ..foreign.impulses import Row
 
 UNCAPPED = 1e30
 """Rapier's greatest speed, in lengths a second: none that a scene comes near."""

@@ -1,14 +1,127 @@
-"""Walks one body's meetings in two runs side by side, up to the first partner that differs."""
+"""Whom each body meets, in order: the form in which two histories are compared."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
 
-from .patience import Patience
-from .streams import Meeting
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+
+
+class Meeting(NamedTuple):
+    """The partners that one body meets at one instant, once for each impulse between them.
+
+    Attributes:
+        event: index of the event.
+        partners: ids in the order of the impulses; a partner comes twice if two rounds of impulses passed.
+    """
+
+    event: int
+    partners: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Streams:
+    """A trajectory seen body by body.
+
+    Attributes:
+        meetings: for each body that can move, its meetings in order. Walls and fixed circles are met, but
+            have no history of their own: two balls that bounce off the same wall do not influence each other.
+        times: the time of each event as a double.
+    """
+
+    meetings: dict[str, list[Meeting]]
+    times: tuple[float, ...]
+
+
+def bodies(scene: Scene) -> tuple[str, ...]:
+    """Ids of the circles that can move, in scene order."""
+    return tuple(str(circle.id) for circle in scene.circles if not circle.fixed)
+
+
+def history(trajectory: Trajectory) -> Streams:
+    """The meetings of every body, from the impulses of every event, in one pass.
+
+    >>> from fractions import Fraction
+    >>> from truebreak.scenarios import Contact, Event
+    >>> from types import SimpleNamespace
+    >>> from truebreak.scenarios import Circle, Scene, Wall
+    >>> scene = Scene([Circle(0, 0, id="a"), Circle(3, 0, id="b")], [Wall(9, 0, 9, 1, id="w")])
+    >>> ab, bw = Contact("a", "b"), Contact("b", "w")
+    >>> events = (Event(0, 1.0, (ab,), (ab,)), Event(1, 2.0, (bw,), (bw,)))
+    >>> history(SimpleNamespace(scene=scene, events=events)).meetings["b"]
+    [Meeting(event=0, partners=('a',)), Meeting(event=1, partners=('w',))]
+    """
+    meetings: dict[str, list[Meeting]] = {name: [] for name in bodies(trajectory.scene)}
+    for index, event in enumerate(trajectory.events):
+        if len(event.impulses) == 1:
+            first, second = event.impulses[0]
+            if first in meetings:
+                meetings[first].append(Meeting(index, (second,)))
+            if second in meetings:
+                meetings[second].append(Meeting(index, (first,)))
+            continue
+        met: dict[str, list[str]] = {}
+        for first, second in event.impulses:
+            if first in meetings:
+                met.setdefault(first, []).append(second)
+            if second in meetings:
+                met.setdefault(second, []).append(first)
+        for body, partners in met.items():
+            meetings[body].append(Meeting(index, tuple(partners)))
+    return Streams(meetings, tuple(float(event.time) for event in trajectory.events))
+
+
+# ----------------------------------------
+# How late a meeting may be and still be the same meeting: a rule that knows nothing of the span compared.
+
+SLOWER = 2.0
+"""A run that takes this many times as long to come to a meeting does not come to it."""
+
+
+@dataclass(frozen=True)
+class Patience:
+    """How long one run is waited for where the other has a meeting.
+
+    The rule is a function of the meeting's own time. If it depended on the end of the span, a longer span could
+    turn a missing meeting into a late one, and take a divergence back.
+
+    Attributes:
+        slack: time granted on top of `SLOWER` times the meeting's own.
+    """
+
+    slack: float = 0.0
+
+    def latest(self, time: float) -> float:
+        """The last time at which another run may have the meeting that one has at `time`.
+
+        >>> Patience(0.5).latest(3.0)
+        6.5
+        """
+        return SLOWER * time + self.slack
+
+
+def patience_for(scene: Scene, step: float | None) -> Patience:
+    """What a scene's own measures grant: the time in which its fastest circle crosses it, and two time steps.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> patience_for(Scene([Circle(0, 0, vx=2), Circle(6, 8)]), None).slack
+    6.0
+    """
+    xs, ys = [float(c.x) for c in scene.circles], [float(c.y) for c in scene.circles]
+    across = math.hypot(max(xs) - min(xs), max(ys) - min(ys)) + 2 * max(float(c.r) for c in scene.circles)
+    fastest = max(math.hypot(float(c.vx), float(c.vy)) for c in scene.circles)
+    return Patience((across / fastest if fastest else 1.0) + 2 * (step or 0.0))
+
+
+# ----------------------------------------
+# Walks one body's meetings in two runs side by side, up to the first partner that differs.
 
 REPEATED = 64
 """Time steps within which an engine comes to all rounds of one instant: a round takes few, and a dozen touching circles

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...scenarios.errors import SceneError
-from ..engines import ENGINES, suggestion
-from ..foreign.loading import offered
+from ..engines import ENGINES, offered, suggestion
 from ..scene_argument import scene_from
 
 SETTINGS = (

@@ -10,13 +10,12 @@ from flint import arb
 
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import Real
-from ..alignment.divergence import Kind
-from ..alignment.instants import instants
+from ..alignment.instants import Kind, instants
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Contact, Trajectory
     from ..alignment.align import Alignment
-    from ..alignment.divergence import Divergence
+    from ..alignment.instants import Divergence
     from ..alignment.walk import Walk
 
 FIRST_BITS, MOST_BITS = 256, 1 << 14

@@ -12,8 +12,7 @@ from flint import arb
 from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ..alignment.align import Span, align
-from ..alignment.divergence import Kind
-from ..alignment.impulse_order import DOUBLE_BITS
+from ..alignment.instants import DOUBLE_BITS, Kind
 from ..deadline import OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
 from ..study import SERIES_MORE

@@ -10,7 +10,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.scene import Scene
 from ...scenarios.things import Circle, Wall
-from ..alignment.impulse_order import DOUBLE_BITS
+from ..alignment.instants import DOUBLE_BITS
 
 SINGLE_BITS, PAIR_BITS = 24, 106
 """Of a single, and of a pair of doubles: formats of which more is known than how many bits they have."""

@@ -10,7 +10,7 @@ from .certified import certified
 
 if TYPE_CHECKING:
     from ..comparison import Comparison
-    from ..outcomes.nearby import Witness
+    from ..outcomes.permitted import Witness
 
 
 def with_certificates(comparison: Comparison) -> Comparison:

@@ -11,7 +11,7 @@ from .values.amounts import plain
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
-    from ..alignment.separation import Separation
+    from ..alignment.align import Separation
     from ..candidate import Candidate
     from ..causes.diagnosis import Margin
     from ..comparison import Comparison

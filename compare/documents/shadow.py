@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from .values.amounts import double
 
 if TYPE_CHECKING:
-    from ..alignment.divergence import Divergence
+    from ..alignment.instants import Divergence
     from ..shadowing.shadow import Proof, Shadow
 
 SHADOW_SCHEMA = "truebreak/shadow-1"

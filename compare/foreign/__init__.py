@@ -16,19 +16,18 @@ from ...scenarios.lazy import handed_on
 
 if TYPE_CHECKING:
     from .isolation import isolated
-    from .log import read_log
-    from .log_engine import LogEngine
-    from .runs.recorded import RecordedEngine
-    from .runs.recording import Recording
+    from .log_engine import LogEngine, read_log
+    from .recorded import RecordedEngine
+    from .recording import Recording
 
 __all__ = ["LogEngine", "RecordedEngine", "Recording", "isolated", "read_log"]
 
 _HOMES = {
     "LogEngine": "log_engine",
-    "RecordedEngine": "runs.recorded",
-    "Recording": "runs.recording",
+    "RecordedEngine": "recorded",
+    "Recording": "recording",
     "isolated": "isolation",
-    "read_log": "log",
+    "read_log": "log_engine",
 }
 
 __getattr__, __dir__ = handed_on(__name__, _HOMES)

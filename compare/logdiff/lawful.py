@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
-    from ..foreign.runs.recording import Recording
+    from ..foreign.recording import Recording
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def lawful_runs(one: str | Path, other: str | Path, scene: Scene) -> Lawful:
         EngineError: for a log that is none of this scene.
     """
     from ...exact.exact_engine import ExactEngine
-    from ..foreign.log import read_log
+    from ..foreign.log_engine import read_log
     from ..tangent.growth import certified_growth
 
     recordings = [read_log(path, scene) for path in (one, other)]

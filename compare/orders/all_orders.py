@@ -1,20 +1,131 @@
-"""Every outcome that the physics permits: all sequential orders of simultaneous impulses, as a tree."""
+"""One approaching contact at a time, chosen by a script: the branches of all sequential orders."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from ...exact.exact_motion import ExactValue
 from ...exact.numbers.system import Undecided
 from ...exact.replay.contact import Touch, contact_of
-from ...exact.simulation.policies import Policy, Sequential
-from ...scenarios.errors import SceneError
+from ...exact.simulation.policies import Ask, Policy, Sequential
+from ...scenarios.errors import SceneError, TimeIsUp
 from ...scenarios.numbers.quantity import QuantityLike, Real
 from ...scenarios.scene import Scene
-from ...scenarios.trajectory import Contact, OnProgress, Progress, StopReason, Trajectory
-from .scripted import BranchDone, Choice, Scripted
+from ...scenarios.trajectory import Contact, OnProgress, Progress, Stop, StopReason, Trajectory
+from ..deadline import Clock, time_limit, uninterrupted
+
+
+class Choice(NamedTuple):
+    """One choice: at which instant (of those with several impulses), among which contacts, which was taken.
+
+    `asleep` are those that were not to be taken.
+    """
+
+    instant: int
+    offered: tuple[Touch, ...]
+    chosen: Touch
+    asleep: frozenset[Touch]
+
+
+class BranchDone(Exception):
+    """This branch repeats one that has been followed: nothing new comes of it."""
+
+
+class Scripted(Policy):
+    """Follows `script`, then takes the first contact that is not asleep; remembers what it could have chosen.
+
+    Two contacts without a common circle of finite mass may be swapped without any difference. So of all orders
+    that differ by such swaps only one is followed, by sleep sets (Godefroid, *Partial-Order Methods for the
+    Verification of Concurrent Systems*, LNCS 1032, 1996): a contact whose branch has been followed is asleep
+    until one that it depends on is kicked.
+
+    Where, besides, the state after an instant is exactly one that another branch has reached from the same
+    beginning, the branch is merged into that one: the same future follows.
+
+    Args:
+        script: the contacts to kick where there is a choice, in order.
+        asleep: at the script's last choice, the contacts whose branches have been followed, and the sleepers.
+        movers: for each circle, whether its mass is finite.
+        seen: the states reached by all branches so far, shared among them.
+    """
+
+    chooses_order = True
+
+    def __init__(
+        self,
+        script: Sequence[Touch],
+        asleep: frozenset[Touch],
+        movers: Sequence[bool],
+        seen: dict[Hashable, int],
+    ) -> None:
+        self.script = tuple(script)
+        self.asleep = asleep
+        self.movers = movers
+        self.seen = seen
+        self.node = 0
+        self.instant = 0
+        self.choices: list[Choice] = []
+        self._before = 0
+
+    def choose(self, approaching: Sequence[Touch], ask: Ask) -> tuple[Touch, ...]:
+        """One contact.
+
+        Raises:
+            BranchDone: if all of them are asleep.
+        """
+        place = len(self.choices)
+        last = len(self.script) - 1
+        if len(approaching) == 1:
+            chosen = approaching[0]
+            if place > last:
+                if chosen in self.asleep:
+                    raise BranchDone("asleep")
+                self.asleep = self._still_asleep(chosen)
+            return (chosen,)
+        if place <= last:
+            chosen = self.script[place]
+            self.choices.append(Choice(self.instant, tuple(approaching), chosen, frozenset()))
+            if place == last:
+                self.asleep = self._still_asleep(chosen)
+            return (chosen,)
+        awake = [link for link in approaching if link not in self.asleep]
+        if not awake:
+            raise BranchDone("asleep")
+        self.choices.append(Choice(self.instant, tuple(approaching), awake[0], self.asleep))
+        self.asleep = self._still_asleep(awake[0])
+        return (awake[0],)
+
+    def instant_done(self, state: Callable[[], Hashable | None]) -> None:
+        """Merges the branch into another of the same state; no sleep outlasts its instant.
+
+        Raises:
+            BranchDone: if another branch has reached the state.
+        """
+        self.instant += 1
+        made = tuple(choice.chosen for choice in self.choices[self._before :])
+        self._before = len(self.choices)
+        if not made:
+            return
+        exact = state()
+        key = (self.node, self.instant, made if exact is None else exact)
+        # The script's last choice is one that no branch had taken there.
+        new = len(self.choices) >= len(self.script)
+        if key in self.seen and new and exact is not None:
+            raise BranchDone("merged")
+        self.node = self.seen.setdefault(key, len(self.seen) + 1)
+        if len(self.choices) >= len(self.script):
+            self.asleep = frozenset()
+
+    def _still_asleep(self, chosen: Touch) -> frozenset[Touch]:
+        """The sleepers that do not depend on the contact kicked."""
+        mine = {i for i in chosen.circles if self.movers[i]}
+        return frozenset(link for link in self.asleep if link != chosen and mine.isdisjoint(link.circles))
+
+
+# ----------------------------------------
+# Every outcome that the physics permits: all sequential orders of simultaneous impulses, as a tree.
 
 DEFAULT_CAP = 256
 """Orders followed to their end before enumeration gives way to a sample."""
@@ -241,3 +352,101 @@ def _decisions(scene: Scene, choices: list[Choice]) -> tuple[Branching, ...]:
 
 def _impulses(trajectory: Trajectory) -> tuple[tuple[Contact, ...], ...]:
     return tuple(event.impulses for event in trajectory.events)
+
+
+# ----------------------------------------
+# Follows all orders of impulses as `all_orders` does, and ends when the user's seconds are over, or at Ctrl-C.
+
+
+@dataclass(frozen=True)
+class Search:
+    """What came of following the orders.
+
+    Attributes:
+        tree: the outcomes, every one of them whole.
+        stop: why more were not looked for, if it was the time.
+    """
+
+    tree: OrderTree
+    stop: Stop | None = None
+
+
+class Attended:
+    """An engine for `all_orders`, whose runs are taken for outcomes only if they went to their own end.
+
+    Once the seconds are over, or so many runs were made, it has no more outcomes: a branch ends at once, and a draw
+    repeats what is known.
+
+    Attributes:
+        cut: whether that has happened.
+        drawn: how many orders were drawn at random before.
+    """
+
+    def __init__(self, engine: Runner, watch: Clock | None = None, runs: int | None = None) -> None:
+        self._engine = engine
+        self._left = runs
+        self._watch = Clock(None) if watch is None else watch
+        self._last: Trajectory | None = None
+        self.cut = False
+        self.drawn = 0
+
+    def run_with(
+        self,
+        scene: Scene,
+        policy: Policy | None,
+        *,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        progress: OnProgress | None = None,
+    ) -> Trajectory:
+        """As the engine's own.
+
+        Raises:
+            KeyboardInterrupt: if the user interrupts the run.
+        """
+        if not self._watch.over and self._left != 0:
+            self._left = None if self._left is None else self._left - 1
+            watched = self._watch.watched(progress)
+            try:
+                run = uninterrupted(self._engine.run_with(scene, policy, until=until, events=events, progress=watched))
+            except TimeIsUp:  # before the run has begun, say; what was found before stays
+                run = None
+            if run is not None and not (run.stop.reason is StopReason.BUDGET and self._watch.over):
+                self._last = run
+                self.drawn += not isinstance(policy, Scripted)
+                return run
+        self.cut = True
+        if isinstance(policy, Scripted) or self._last is None:
+            raise BranchDone("out of time")
+        return self._last
+
+
+def search_orders(
+    engine: Runner,
+    scene: Scene,
+    *,
+    until: QuantityLike | None = None,
+    events: int | None = None,
+    cap: int = DEFAULT_CAP,
+    samples: int = DEFAULT_SAMPLES,
+    seed: int = 0,
+    max_seconds: float | None = None,
+    progress: OnProgress | None = None,
+) -> Search:
+    """`all_orders`, and what it has found if the seconds are over before.
+
+    Raises:
+        SceneError: as `all_orders`, and for seconds that are not above zero.
+        KeyboardInterrupt: if the user interrupts it.
+    """
+    with time_limit(max_seconds) as watch:
+        attended = Attended(engine, watch)
+        tree = all_orders(
+            attended, scene, until=until, events=events, cap=cap, samples=samples, seed=seed, progress=progress
+        )
+    if not attended.cut:
+        return Search(tree)
+    reason = StopReason.BUDGET
+    return Search(
+        replace(tree, complete=False, sampled=attended.drawn), Stop(reason, f"{reason.value}: {watch.is_up()}")
+    )

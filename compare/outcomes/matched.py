@@ -14,14 +14,13 @@ from ...floating.pymunk_run import time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import Span
 from ..alignment.instants import instants
-from ..foreign.runs.impulses import Impacts
-from .pockets import Entries
-from .table import changed_outcomes
+from ..foreign.impulses import Impacts
+from .outcome import Entries, changed_outcomes
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Contact, Event, Motion, Pocketing, Trajectory
     from ..alignment.align import Alignment
-    from ..alignment.patience import Patience
+    from ..alignment.walk import Patience
 
 Impulses: TypeAlias = "tuple[Contact, ...]"
 

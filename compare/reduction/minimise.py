@@ -11,9 +11,19 @@ from ...scenarios.errors import SceneError
 from ...scenarios.trajectory import StopReason
 from ..comparison import compare
 from ..deadline import Clock, OutOfTime, checked_seconds
-from .ddmin import ddmin
-from .parts import DENOMINATORS, THINGS, SceneParts, digits, settings, things
-from .smallest import End, Reduction, SceneSize, Smallest
+from .smallest import (
+    DENOMINATORS,
+    THINGS,
+    End,
+    Reduction,
+    SceneParts,
+    SceneSize,
+    Smallest,
+    ddmin,
+    digits,
+    settings,
+    things,
+)
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

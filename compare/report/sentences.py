@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import VERDICTS
-from ..alignment.divergence import Kind
+from ..alignment.instants import Kind
 from ..causes.diagnosis import NO_CAUSE
-from ..foreign.runs.recording import RECORD_ENDS
+from ..foreign.recording import RECORD_ENDS
 from ..outcomes.permitted import Relation
-from .counting import counted
+from .output import counted
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -10,18 +10,26 @@ from ...exact.numbers import ball
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import rational
 from ...scenarios.things import Circle
-from ..alignment.divergence import Divergence
+from ..alignment.instants import Divergence
 from ..chaos.following import follow
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
 from ..tangent.impacts import NoTangentMap, check_sizes, moving
 from ..validation import check_engine, check_trajectory
-from .distance import Distance, StartDistance, distance, start_distance
-from .obstacle import Blocked, Obstacle, drift, not_closed, other_history, units
-from .order import FixedOrder, Node, segments
-from .record import Record, recorded
-from .refine import FIRST_BITS, Refined, refined
+from .obstacle import (
+    Blocked,
+    Distance,
+    Obstacle,
+    StartDistance,
+    distance,
+    drift,
+    not_closed,
+    other_history,
+    start_distance,
+    units,
+)
+from .pseudo_orbit import FIRST_BITS, FixedOrder, Node, Record, Refined, recorded, refined, segments
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

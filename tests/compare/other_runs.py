@@ -9,7 +9,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Any, TypeAlias
 
-from truebreak.compare.alignment.divergence import Divergence, Kind
+from truebreak.compare.alignment.instants import Divergence, Kind
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.comparison import studied
 from truebreak.compare.deadline import Clock

@@ -36,7 +36,7 @@ from other_runs import (
 )
 
 from truebreak.compare import compare
-from truebreak.compare.alignment.divergence import Kind
+from truebreak.compare.alignment.instants import Kind
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.engines import engine as engine_named
 from truebreak.exact import ExactEngine

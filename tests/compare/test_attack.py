@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from truebreak.compare import ENGINES, compare, engine
-from truebreak.compare.alignment.divergence import Kind
+from truebreak.compare.alignment.instants import Kind
 from truebreak.compare.candidate import Candidate
 from truebreak.scenarios import Circle, Scene, StopReason, Trajectory, Wall, catalogue
 

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import pytest
 
 from truebreak.compare import compare
-from truebreak.compare.alignment.divergence import Divergence, Kind
+from truebreak.compare.alignment.instants import Divergence, Kind
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.foreign import RecordedEngine, Recording
 from truebreak.compare.report.sentences import verdict_sentence

@@ -576,7 +576,8 @@ SYMMETRY = (
     Mutant(
         "walls_all_one", ISOMETRY,
         "        if self.alone or isinstance(link, Pair):\n",
-        "        if isinstance(link, AtWall):\n            return AtWall(link.circle, 0)\n        if isinstance(link, Pair):\n",
+        "        if isinstance(link, AtWall):\n            return AtWall(link.circle, 0)\n"
+        "        if isinstance(link, Pair):\n",
         "any two walls are one",
     ),
     Mutant(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from ....scenarios.errors import SceneError
 from ....scenarios.trajectory import Trajectory
-from ...alignment.separation import Separation
+from ...alignment.align import Separation
 from ...comparison import Comparison
 from .amounts import no_formula
 

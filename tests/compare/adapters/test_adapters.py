@@ -9,7 +9,7 @@ import pytest
 
 from truebreak.compare.adapters.__main__ import SCENES as COSTED
 from truebreak.compare.adapters.__main__ import main as costs_command
-from truebreak.compare.adapters.base.package import NotInstalled, package
+from truebreak.compare.adapters.adapter import NotInstalled, package
 from truebreak.compare.comparison import compare
 from truebreak.compare.engines import engine
 from truebreak.scenarios import Circle, Scene, SceneError, Wall
@@ -207,7 +207,7 @@ def test_a_comparison_with_an_engine_that_is_not_installed_is_refused(monkeypatc
     def missing(name: str) -> None:
         raise ModuleNotFoundError(f"No module named {name!r}")
 
-    monkeypatch.setattr("truebreak.compare.adapters.base.package.import_module", missing)
+    monkeypatch.setattr("truebreak.compare.adapters.adapter.import_module", missing)
     with pytest.raises(NotInstalled, match=r"pip install '\.\[box2d\]'"):
         compare(two(), ["box2d"], events=3)
 

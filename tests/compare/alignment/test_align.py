@@ -11,10 +11,8 @@ import pytest
 
 from truebreak.compare import compare, engine
 from truebreak.compare.alignment.align import VERDICTS, Span, Wanted, align
-from truebreak.compare.alignment.divergence import Kind
-from truebreak.compare.alignment.impulse_order import order_reproduces, same_velocity
-from truebreak.compare.alignment.patience import Patience
-from truebreak.compare.alignment.streams import history
+from truebreak.compare.alignment.instants import Kind, order_reproduces, same_velocity
+from truebreak.compare.alignment.walk import Patience, history
 from truebreak.scenarios import Circle, Contact, Event, Scene, Stop, StopReason, Trajectory, Wall, catalogue
 
 WALL = "w"

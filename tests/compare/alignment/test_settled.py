@@ -9,7 +9,7 @@ import pytest
 
 from truebreak.compare import ENGINES, compare, engine
 from truebreak.compare import comparison as comparison_room
-from truebreak.compare.alignment.separation import not_measured
+from truebreak.compare.alignment.align import not_measured
 from truebreak.compare.comparison import Comparison
 from truebreak.scenarios import Event, Quantity, Scene, Trajectory, catalogue
 

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from truebreak.compare import compare, engine
-from truebreak.compare.alignment.divergence import Divergence, Kind
+from truebreak.compare.alignment.instants import Divergence, Kind
 from truebreak.compare.foreign import RecordedEngine
 from truebreak.scenarios import Circle, Engine, Scene, StopReason, Trajectory, Wall, catalogue
 

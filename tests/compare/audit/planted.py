@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from truebreak.compare.foreign import Recording
-from truebreak.compare.foreign.runs.recorded import RecordedEngine
+from truebreak.compare.foreign.recorded import RecordedEngine
 from truebreak.scenarios import Scene
 
 FAULTS: dict[str, dict[str, Any]] = {

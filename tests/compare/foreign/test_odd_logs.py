@@ -10,7 +10,7 @@ import pytest
 from command_line import said
 
 from truebreak.compare.foreign import LogEngine
-from truebreak.compare.foreign import log as log_module
+from truebreak.compare.foreign import log_engine as log_module
 from truebreak.compare.validation import EngineError
 from truebreak.scenarios import catalogue
 
@@ -82,7 +82,7 @@ def test_an_engine_that_exits_does_not_end_the_command_unsaid(
 
 def test_a_log_with_a_header_steps_and_hashes_is_judged_by_its_events(tmp_path: Path) -> None:
     """What `truebreak diff` reads besides is passed over."""
-    from truebreak.compare.foreign.log import read_log
+    from truebreak.compare.foreign.log_engine import read_log
     from truebreak.scenarios import Circle, Scene
 
     path = tmp_path / "log.jsonl"

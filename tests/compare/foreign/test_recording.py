@@ -10,7 +10,7 @@ from logs import without_limits
 
 from truebreak.compare import compare
 from truebreak.compare.foreign import LogEngine, Recording
-from truebreak.compare.foreign.runs.impulses import least
+from truebreak.compare.foreign.impulses import least
 from truebreak.compare.validation import EngineError
 from truebreak.floating import DoubleEngine, PymunkEngine, SingleEngine
 from truebreak.scenarios import Circle, Pocket, Scene, StopReason, Wall, catalogue

@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 
 from truebreak.compare import compare, engine
-from truebreak.compare.outcomes.break_pattern import table
-from truebreak.compare.outcomes.symmetry import mirror
-from truebreak.compare.outcomes.table import OUTCOMES, changed_outcomes, outcomes_of
+from truebreak.compare.outcomes.outcome import OUTCOMES, changed_outcomes, mirror, outcomes_of, table
 from truebreak.scenarios import Circle, Pocket, Scene, Trajectory, Wall, catalogue
 
 

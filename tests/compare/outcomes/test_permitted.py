@@ -14,9 +14,8 @@ from truebreak.compare.certificate.attached import with_certificates
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.orders.all_orders import all_orders
-from truebreak.compare.outcomes.break_pattern import pattern
-from truebreak.compare.outcomes.nearby import NEARBY, nearby
-from truebreak.compare.outcomes.permitted import Relation, permitted_patterns
+from truebreak.compare.outcomes.outcome import pattern
+from truebreak.compare.outcomes.permitted import NEARBY, Relation, nearby, permitted_patterns
 from truebreak.compare.report.sentences import pattern_phrase
 from truebreak.compare.study import Study
 from truebreak.exact import ExactEngine

@@ -1,0 +1,219 @@
+"""Impulses upon circles in doubles: by the laws, at given places; or inferred from velocities that have changed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+
+Row: TypeAlias = tuple[float, float, float, float]
+"""(x, y, vx, vy) of one circle."""
+
+Indices: TypeAlias = tuple[int, int]
+"""Two touching things by their places in `scene.ids`; a wall is last."""
+
+MOST_ROUNDS = 10_000
+"""Rounds of impulses at one instant, as in the exact engine."""
+
+SOLVED = 2.0**-44
+"""What is left of a system of impulses, as a share of what it began with, once it is solved: some hundred operations in
+doubles leave this much."""
+
+
+class Normal(NamedTuple):
+    """The line of centres of two things that touch.
+
+    Attributes:
+        x, y: of length 1, from the second to the first.
+        gap: distance of the two surfaces; negative: an overlap.
+    """
+
+    x: float
+    y: float
+    gap: float
+
+
+class Impacts:
+    """The circles and walls of a scene in doubles, and the laws of elastic impact upon them."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.count = len(scene.circles)
+        self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
+        self._radii = [float(c.r) for c in scene.circles]
+        self._walls: list[tuple[float, float, float, float]] = []
+        for wall in scene.walls:
+            nx, ny = (float(n) for n in wall.normal)
+            length = math.hypot(nx, ny)
+            self._walls.append((float(wall.x0), float(wall.y0), nx / length, ny / length))
+        self._sides = [[1.0 if w.height(c.x, c.y).sign() >= 0 else -1.0 for w in scene.walls] for c in scene.circles]
+
+    def normal(self, link: Indices, rows: Sequence[Row]) -> Normal:
+        """The line of centres, at given places."""
+        (i, j), (x, y) = link, rows[link[0]][:2]
+        if j >= self.count:
+            x0, y0, nx, ny = self._walls[j - self.count]
+            side = self._sides[i][j - self.count]
+            return Normal(side * nx, side * ny, side * (nx * (x - x0) + ny * (y - y0)) - self._radii[i])
+        dx, dy = x - rows[j][0], y - rows[j][1]
+        length = math.hypot(dx, dy)
+        if length == 0.0:
+            return Normal(1.0, 0.0, -self._radii[i] - self._radii[j])
+        return Normal(dx / length, dy / length, length - self._radii[i] - self._radii[j])
+
+    def opening(self, link: Indices, rows: Sequence[Row], normal: Normal) -> float:
+        """The speed at which two part; negative: they approach."""
+        (i, j) = link
+        vx, vy = rows[i][2:]
+        if j < self.count:
+            vx, vy = vx - rows[j][2], vy - rows[j][3]
+        return vx * normal.x + vy * normal.y
+
+    def bounce(self, links: Sequence[Indices], rows: Sequence[Row]) -> list[Row] | None:
+        """The rows after elastic impacts at one instant, in rounds, each of which all that approach share.
+
+        None if none of the contacts approaches, or if the rounds have no end.
+        """
+        after, normals = list(rows), {link: self.normal(link, rows) for link in links}
+        for done in range(MOST_ROUNDS):
+            opening = {link: self.opening(link, after, normal) for link, normal in normals.items()}
+            closing = [link for link, speed in opening.items() if speed < 0.0]
+            if not closing:
+                return after if done else None
+            matrix = self.matrix([(link, normals[link]) for link in closing])
+            strengths = least(matrix @ matrix.T, np.array([-2.0 * opening[link] for link in closing]))
+            if not strengths.any():
+                return None
+            after = self._pushed(after, matrix, strengths)
+        return None
+
+    def inferred(
+        self, rows: Sequence[Row], before: Sequence[Row], room: float, way: float | None = None
+    ) -> tuple[list[Indices], float]:
+        """The contacts that explain how velocities have changed, and the part of the change that they leave.
+
+        Of all pairs no farther apart than `room` of which one has changed, those whose impulses, none of them
+        pulling, come nearest to the change.
+
+        Args:
+            rows: the circles now.
+            before: where they would be without the change.
+            room: the largest gap of a contact.
+            way: how long ago two may have met; their line of centres is then taken as it was at the meeting of their
+                flights before, if that explains more.
+        """
+        change = np.array([[r[2] - v[2], r[3] - v[3]] for r, v in zip(rows, before, strict=True)])
+        moved = [k for k in range(self.count) if change[k].any()]
+        near = [(link, n) for link in self._pairs(moved) if (n := self.normal(link, rows)).gap <= room]
+        found = self._explaining(near, change)
+        if way is None or found[1] <= SOLVED:
+            return found
+        met = [(link, self._met(link, before, way) or normal) for link, normal in near]
+        return min(self._explaining(met, change), found, key=lambda told: told[1])
+
+    def _met(self, link: Indices, rows: Sequence[Row], way: float) -> Normal | None:
+        """The line of centres at which two circles that flew straight on met, no longer ago than `way`."""
+        i, j = link
+        if j >= self.count:
+            return None
+        dx, dy, vx, vy = (one - other for one, other in zip(rows[i], rows[j], strict=True))
+        reach, speed, near = self._radii[i] + self._radii[j], vx * vx + vy * vy, dx * vx + dy * vy
+        root = speed * reach * reach - (dx * vy - dy * vx) ** 2
+        if root < 0.0 or speed == 0.0 or not 0.0 <= (near + math.sqrt(root)) / speed <= way:
+            return None
+        ago = (near + math.sqrt(root)) / speed
+        return Normal((dx - ago * vx) / reach, (dy - ago * vy) / reach, 0.0)
+
+    def _explaining(
+        self, near: Sequence[tuple[Indices, Normal]], change: NDArray[np.float64]
+    ) -> tuple[list[Indices], float]:
+        """Those contacts of some whose impulses come nearest to a change, and the part of it that they leave."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wanted = np.where(self.weights[:, None] > 0, change / np.sqrt(self.weights)[:, None], 0.0).reshape(-1)
+        size = float(np.linalg.norm(wanted))
+        if not near:
+            return [], 1.0
+        matrix = self.matrix(near)
+        strengths = least(matrix @ matrix.T, matrix @ wanted)
+        left = float(np.linalg.norm(wanted - matrix.T @ strengths)) / size
+        reach = np.linalg.norm(matrix, axis=1) * strengths
+        return [link for (link, _), part in zip(near, reach, strict=True) if part > SOLVED * size], left
+
+    def _pairs(self, moved: Sequence[int]) -> list[Indices]:
+        """Every pair of which one is among the circles given."""
+        found = {(min(i, j), max(i, j)) for i in moved for j in range(self.count) if i != j}
+        return [*sorted(found), *((i, self.count + w) for i in moved for w in range(len(self._walls)))]
+
+    def matrix(self, contacts: Sequence[tuple[Indices, Normal]]) -> NDArray[np.float64]:
+        """Shape (contacts, 2 * circles): what each unit impulse does, in velocities times the root of the mass."""
+        rows = np.zeros((len(contacts), self.count, 2))
+        for k, ((i, j), normal) in enumerate(contacts):
+            rows[k, i] += (normal.x, normal.y)
+            if j < self.count:
+                rows[k, j] -= (normal.x, normal.y)
+        return (rows * np.sqrt(self.weights)[:, None]).reshape(len(contacts), -1)
+
+    def _pushed(self, rows: list[Row], matrix: NDArray[np.float64], strengths: NDArray[np.float64]) -> list[Row]:
+        gain = (matrix.T @ strengths).reshape(self.count, 2) * np.sqrt(self.weights)[:, None]
+        return [
+            (x, y, vx + float(gx), vy + float(gy)) if gx or gy else (x, y, vx, vy)
+            for (x, y, vx, vy), (gx, gy) in zip(rows, gain, strict=True)
+        ]
+
+    def moves(self, place: int) -> bool:
+        """Whether a place in `scene.ids` is that of a circle which can move."""
+        return place < self.count and self.weights[place] > 0
+
+    def coupled(self, links: Sequence[Indices], rows: Sequence[Row]) -> bool:
+        """Whether a moving circle has two of the contacts, not at right angles: then their order may matter."""
+        lines: dict[int, list[Normal]] = {}
+        for link in links:
+            normal = self.normal(link, rows)
+            for k in filter(self.moves, link):
+                others = lines.setdefault(k, [])
+                if any(abs(normal.x * other.x + normal.y * other.y) > SOLVED for other in others):
+                    return True
+                others.append(normal)
+        return False
+
+    def quiet(self, rows: Sequence[Row]) -> bool:
+        """Whether no two circles, and no circle and wall, come nearer to each other: then none ever will."""
+        links = [(i, j) for i in range(self.count) for j in range(i + 1, self.count + len(self._walls))]
+        return all(self.opening(link, rows, self.normal(link, rows)) >= 0.0 for link in links)
+
+
+def least(square: NDArray[np.float64], wanted: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The s >= 0 that makes s.G.s / 2 - b.s least: what no contact pulls at (Lawson and Hanson, 1974, chapter 23).
+
+    Args:
+        square: G, symmetric and positive semidefinite.
+        wanted: b.
+
+    >>> least(np.array([[2.0, 1.0], [1.0, 2.0]]), np.array([1.0, -1.0])).tolist()
+    [0.5, 0.0]
+    """
+    count = len(wanted)
+    found, kept = np.zeros(count), np.zeros(count, dtype=bool)
+    floor = SOLVED * float(np.abs(wanted).max(initial=0.0))
+    for _ in range(3 * count + 3):
+        slack = np.where(kept, -np.inf, wanted - square @ found)
+        if not count or slack.max() <= floor:
+            break
+        kept[int(np.argmax(slack))] = True
+        while True:
+            trial = np.zeros(count)
+            trial[kept] = np.linalg.lstsq(square[np.ix_(kept, kept)], wanted[kept], rcond=None)[0]
+            if not (trial[kept] <= 0.0).any():
+                break
+            low = np.flatnonzero(kept & (trial <= 0.0))
+            shares = found[low] / np.maximum(found[low] - trial[low], math.ulp(0.0))
+            first = int(low[int(np.argmin(shares))])
+            found = found + float(shares.min()) * (trial - found)
+            found[first], kept[first] = 0.0, False
+        found = trial
+    return found

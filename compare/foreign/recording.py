@@ -1,0 +1,517 @@
+"""What a recording has taken down: events, and the flights between them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from ...floating.knots import DoubleKnot, EventMotion
+from ...floating.pymunk_run import entries, last_entry
+from ...scenarios.numbers.precision import Double
+from ...scenarios.settings import positive_count, positive_time
+from ...scenarios.trajectory import Contact, Event, Progress, Reversal, Stop, StopReason, Tie, TieProof, Trajectory
+from ..validation import EngineError, checked_event, checked_number, falls
+from .impulses import Impacts, Indices, Row
+
+if TYPE_CHECKING:
+    from ...scenarios.numbers.quantity import Quantity, QuantityLike
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import OnProgress
+
+MOST_EVENTS = 1_000_000
+"""Events of one recording: a few hundred megabytes."""
+
+
+class Course:
+    """The events of a run so far, and where every circle is.
+
+    Args:
+        scene: what is run.
+        impacts: its laws.
+        rows: x, y, vx, vy of every circle at the start.
+
+    Attributes:
+        times: of the events.
+        knots: for each circle, from when on it flies straight, from where and how fast.
+        left: for each event its time, and how many knots each circle has once it is over.
+        reckoned: the events that came without states.
+    """
+
+    def __init__(self, scene: Scene, impacts: Impacts, rows: Sequence[Row]) -> None:
+        self.scene, self._impacts = scene, impacts
+        self.times: list[float] = []
+        self.knots: list[list[DoubleKnot]] = [[(0.0, *row)] for row in rows]
+        self.left: list[tuple[float, tuple[int, ...]]] = []
+        self.reckoned: set[int] = set()
+        self._links: list[list[Indices]] = []
+        self._coupled: list[bool] = []
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def event(self, index: int) -> Event:
+        """One of the events."""
+        ids, links = self.scene.ids, self._links[index]
+        impulses = tuple(Contact(ids[i], ids[j]) for i, j in links)
+        contacts = tuple(Contact(ids[i], ids[j]) for i, j in sorted(set(links)))
+        ties = (Tie(contacts, TieProof.FLOAT),) if len(contacts) > 1 else ()
+        return Event(index, Double(self.times[index]), contacts, impulses, ties, self._coupled[index])
+
+    def add(self, where: str, now: float, links: Sequence[Indices], rows: Sequence[Row], together: bool) -> None:
+        """Notes an event, of which `leave` is to tell how it leaves the circles.
+
+        Args:
+            where: what an error begins with.
+            rows: where the circles are.
+            together: whether what comes at one time is one.
+
+        Raises:
+            EngineError: if there are too many.
+        """
+        if together and self.times and self.times[-1] == now:
+            links = [*self._links[-1], *links]
+            for told in (self.times, self._links, self._coupled):
+                told.pop()
+        if len(self.times) >= MOST_EVENTS:
+            raise EngineError(f"{where}: more than {MOST_EVENTS:,} events; end the run before that")
+        self.times.append(now)
+        self._links.append(list(links))
+        self._coupled.append(len(set(links)) > 1 and self._impacts.coupled(sorted(set(links)), rows))
+
+    def fly(self, now: float, rows: Mapping[int, Row]) -> None:
+        """Circles fly on from a time as told."""
+        for k, row in rows.items():
+            if self._impacts.moves(k):
+                self.knots[k].append((now, *row))
+
+    def leave(self, now: float) -> None:
+        """The last event, if it is of this time, is over."""
+        if self.times and self.times[-1] == now:
+            self.left[len(self.times) - 1 :] = [(now, tuple(map(len, self.knots)))]
+
+    def rows(self, now: float) -> list[Row]:
+        """Where every circle is by its last flight."""
+        last = (row[-1] for row in self.knots)
+        return [(x + vx * (now - t), y + vy * (now - t), vx, vy) for t, x, y, vx, vy in last]
+
+
+# ----------------------------------------
+# What an engine reports, checked: times, contacts, states.
+
+States: TypeAlias = "Mapping[str, Sequence[float]] | Sequence[Sequence[float]]"
+"""x, y, vx, vy by the ids of circles; or of all circles, in scene order."""
+
+
+class Reports:
+    """Checks what is reported of a scene.
+
+    Attributes:
+        where: what an error begins with: the engine, or the line of a log.
+    """
+
+    def __init__(self, scene: Scene, where: str) -> None:
+        self.where = where
+        self._ids = scene.ids
+        self._places = {name: place for place, name in enumerate(scene.ids)}
+        self._circles = [str(circle.id) for circle in scene.circles]
+
+    def time(self, time: Any, last: float, bits: int | None) -> float:
+        """A time that may follow the last one, of an engine of so many bits.
+
+        Raises:
+            EngineError: for one that is no finite number, or goes back by more than rounding.
+        """
+        now = self._number("time", time)
+        if now < 0:
+            raise EngineError(f"{self.where}: time = {now!r} is before the start; times are from 0")
+        if falls(last, now, bits):
+            raise EngineError(f"{self.where}: time = {now!r} comes before {last!r}, the one before it; sort them")
+        return now
+
+    def contact(self, pair: Any) -> Contact:
+        """A pair in scene order; unknown names are left for the check of the event.
+
+        Raises:
+            EngineError: if it is no pair of texts.
+        """
+        if not isinstance(pair, Sequence) or [type(name) for name in pair] != [str, str]:
+            raise EngineError(f"{self.where}: contact = {str(pair)[:60]}; must be two ids, as text")
+        first, second = pair
+        swap = self._places.get(first, -1) > self._places.get(second, len(self._places))
+        return Contact(second, first) if swap else Contact(first, second)
+
+    def states(self, states: Any) -> dict[int, Row]:
+        """States by the places of their circles.
+
+        Raises:
+            EngineError: for an unknown circle, and for a number that is none, or not finite.
+        """
+        if not isinstance(states, Mapping):
+            try:
+                states = dict(zip(self._circles, states, strict=True))
+            except (TypeError, ValueError):
+                raise EngineError(
+                    f"{self.where}: states = {str(states)[:60]}; must be x, y, vx, vy by id, or of all "
+                    f"{len(self._circles)} circles in scene order"
+                ) from None
+        found: dict[int, Row] = {}
+        for name, row in states.items():
+            place = self._places.get(name, len(self._circles))
+            if place >= len(self._circles):
+                raise EngineError(f"{self.where}: states has {name!r}, which is no circle of the scene; use its ids")
+            try:
+                x, y, vx, vy = row
+            except (TypeError, ValueError):
+                raise EngineError(f"{self.where}: states: {name!r} = {str(row)[:60]}; must be x, y, vx, vy") from None
+            label = f"states: {name!r}: "
+            found[place] = (
+                self._number(f"{label}x", x),
+                self._number(f"{label}y", y),
+                self._number(f"{label}vx", vx),
+                self._number(f"{label}vy", vy),
+            )
+        return found
+
+    def check_all(self, wanted: set[int], given: Mapping[int, Row]) -> None:
+        """Refuses states that leave out a circle which collides."""
+        missing = wanted - given.keys()
+        if missing:
+            raise EngineError(
+                f"{self.where}: states lacks {self._ids[min(missing)]!r}, which collides; "
+                "give every circle that takes part, or no states at all"
+            )
+
+    def _number(self, label: str, value: Any) -> float:
+        if isinstance(value, bool | str):
+            raise EngineError(f"{self.where}: {label} = {value!r}; must be a number")
+        return checked_number(f"{self.where}: {label}", value)
+
+
+def rounded_to(value: float, bits: int | None) -> float:
+    """A double rounded to fewer bits, ties to even; wider numbers stay doubles.
+
+    >>> rounded_to(0.1, 24), rounded_to(0.1, 53)
+    (0.10000000149011612, 0.1)
+    """
+    if bits is None or bits >= 53:
+        return value
+    mantissa, exponent = math.frexp(value)
+    return math.ldexp(round(math.ldexp(mantissa, bits)), exponent - bits)
+
+
+# ----------------------------------------
+# Builds the run of any engine from what it reports: who hits whom and when, or where everything is.
+
+RECORD_ENDS = "the record ends at time"
+"""What the stop of a run says of which no more is known, before the time."""
+
+MOST_STEPS = 10_000_000
+"""States of one recording, as many as pymunk's default budget of steps."""
+
+FLIGHT = 2.0**-40
+"""A state that is off the flight from the last one by no more than this share of the scene's measures says nothing
+new: adding up v dt over a thousand steps rounds by less. Others begin a flight of their own. A velocity that differs
+from the last by no more than this share of the largest speed does by rounding, and not by a contact."""
+
+UNEXPLAINED = 1 / 8
+"""A change of velocities of which contacts leave more than this share is not of their making. Overlaps turn the lines
+of centres, and so an honest step leaves some."""
+
+
+class Recording:
+    """Takes down the run of an engine, which reports either what happens or where everything is.
+
+    An engine of events reports each `hit`, best with the states of the two as it leaves them. Without states, where
+    circles are is reckoned in doubles from the times reported, by the laws of elastic impact. An engine of steps hands
+    over its `state` after each step, and what hit what is inferred from the velocities that have changed, unless it
+    reports that too. The scene's reversal is made by the recording; an engine of steps makes its own as well.
+
+    Args:
+        scene: what is run.
+        name: the engine's.
+        bits: of its numbers; None for exact ones.
+        step: its time step, if it has one: all that it reports at one time is then one event.
+        until, events: how far is asked for: `open` says whether there is more to do.
+        parameters: its settings, for reports.
+        returns: whether a run of a scene with a reversal is to end at the return, at twice the reversal's time.
+        progress: called with how far the run is.
+
+    Attributes:
+        reckoned: whether a hit came without states, so that places were reckoned from times.
+        notes: what reports are to say of it.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> recording = Recording(Scene([Circle(0, 0, vx=1, id="a"), Circle(4, 0, id="b")]), step=1 / 8)
+    >>> recording.state(2.125, {"a": (2.125, 0, 0, 0), "b": (4, 0, 1, 0)})
+    >>> recording.trajectory().events[0].contacts
+    (Contact(first='a', second='b'),)
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        name: str = "recording",
+        *,
+        bits: int | None = 53,
+        step: float | None = None,
+        until: QuantityLike | None = None,
+        events: int | None = None,
+        parameters: Mapping[str, Any] | None = None,
+        returns: bool = False,
+        progress: OnProgress | None = None,
+    ) -> None:
+        self.scene, self.name, self.bits, self.step = scene, name, bits, step
+        self.parameters = dict(parameters or {})
+        self.until, self.events = positive_time("until", until), positive_count("events", events)
+        self.notes: list[str] = []
+        self.reckoned = False
+        self._returns, self._progress = returns, progress
+        self.reversal: Reversal | None = None
+        self._places = {name: place for place, name in enumerate(scene.ids)}
+        self._impacts, self._reports = Impacts(scene), Reports(scene, f"engine {name!r}")
+        numbers = [[rounded_to(float(v), bits) for v in (c.x, c.y, c.vx, c.vy)] for c in scene.circles]
+        self._course = Course(scene, self._impacts, [(x, y, vx, vy) for x, y, vx, vy in numbers])
+        self._scale = max(max(abs(float(c.x)), abs(float(c.y)), float(c.r)) for c in scene.circles)
+        self._now, self._end, self._steps = 0.0, 0.0, 0
+        self._budget: str | None = None
+        self._quiet = self._reported = self._closed = False
+
+    # -- what an engine reports
+
+    @property
+    def where(self) -> str:
+        """What an error begins with: the engine, or the line of a log."""
+        return self._reports.where
+
+    @where.setter
+    def where(self, told: str) -> None:
+        self._reports.where = told
+
+    @property
+    def open(self) -> bool:
+        """Whether the run is to go on: it has not come to its limits, nor to its end."""
+        return not self._closed and self._stop_within(None, self.until, self.events) is None
+
+    @property
+    def rows(self) -> list[Row]:
+        """x, y, vx, vy of every circle at the last time reported; at first the scene's, in the engine's bits."""
+        return self._course.rows(self._now)
+
+    def hit(self, time: float, a: str, b: str, states: States | None = None) -> None:
+        """Two circles, or a circle and a wall, collide.
+
+        Args:
+            a, b: ids, in any order.
+            states: x, y, vx, vy of circles as the collision leaves them; each that moves must be among them.
+
+        Raises:
+            EngineError: for an unknown id, a time that is not finite or goes back, a state that is not finite.
+        """
+        self.hits(time, [(a, b)], states)
+
+    def hits(self, time: float, pairs: Sequence[tuple[str, str]], states: States | None = None) -> None:
+        """Several contacts collide at one instant, together; otherwise as `hit`."""
+        now = self._reports.time(time, self._now, self.bits)
+        contacts = [self._reports.contact(pair) for pair in pairs]
+        index = len(self._course)
+        event = Event(index, Double(now), tuple(dict.fromkeys(contacts)), tuple(contacts))
+        checked_event(self.where, event, index, self.scene)
+        links = [(self._places[a], self._places[b]) for a, b in contacts]
+        if all(not self._impacts.moves(k) for link in links for k in link):
+            raise EngineError(f"{self.where}: {contacts[0]} cannot collide: neither ever moves; leave it out")
+        self._turn_before(now)
+        rows = self._course.rows(now)
+        if self._part_at_the_turn(now, links, rows):
+            self._reverse(now)
+            rows = self._course.rows(now)
+        given = None if states is None else self._reports.states(states)
+        if given is not None:
+            self._reports.check_all({k for link in links for k in link if self._impacts.moves(k)}, given)
+        self._course.add(self.where, now, links, rows, self.step is not None)
+        if given is None:
+            self._bounce(now, links, rows)
+        else:
+            self._course.fly(now, given)
+        self._leave(now)
+        self._reported = True
+        self._turn_after()
+        self._tell()
+
+    def state(self, time: float, states: States) -> None:
+        """Where circles are at a time, and how fast they go; for an engine of steps, after each step.
+
+        Where a velocity has changed since the last state, and no hit was reported, the contacts are inferred: of the
+        pairs that touch, or have come nearer than a step takes them, those whose impulses explain the change.
+
+        Raises:
+            EngineError: as `hit`, and for a change of velocity that no contact explains.
+        """
+        now = self._reports.time(time, self._now, self.bits)
+        given = self._reports.states(states)
+        way = self.step if self.step is not None else now - self._now
+        self._turn_before(now)
+        before = self._course.rows(now)
+        rows = [given.get(k, row) for k, row in enumerate(before)]
+        small = FLIGHT * max(math.hypot(*row[2:]) for row in [*rows, *before])
+        turned = [max(abs(vx - ux), abs(vy - uy)) for (*_, vx, vy), (*_, ux, uy) in zip(rows, before, strict=True)]
+        changed = [k for k, by in enumerate(turned) if by > small]
+        if changed and not self._reported:
+            links = self._inferred(now, way, rows, before)
+            self._course.add(self.where, now, links, rows, self.step is not None)
+        off = [
+            k
+            for k, by in enumerate(turned)
+            if by or max(abs(rows[k][0] - before[k][0]), abs(rows[k][1] - before[k][1])) > FLIGHT * self._scale
+        ]
+        self._course.fly(now, {k: rows[k] for k in off})
+        self._leave(now)
+        self._steps += 1
+        happened = bool(changed) or self._reported or self._steps == 1
+        self._reported = False
+        if happened:
+            self._turn_after()
+            turns = self.scene.reverse_at is not None or self.scene.reverse_after is not None
+            self._quiet = not (turns and self.reversal is None) and self._impacts.quiet(rows)
+        if self._steps >= MOST_STEPS:
+            self.spent(f"{MOST_STEPS:,} states")
+        self._closed = self._closed or (self._quiet and self.until is None)
+        self._tell()
+
+    def end(self, time: float | None = None, *, quiet: bool = False) -> None:
+        """The run ends: what comes later than this is not known.
+
+        Args:
+            time: by default that of the last report.
+            quiet: whether nothing is left to happen, for ever.
+
+        Raises:
+            EngineError: for a time before the last report.
+        """
+        if time is not None:
+            now = self._reports.time(time, self._now, self.bits)
+            self._turn_before(now)
+            self._end = max(self._end, now)
+        at = self.scene.reverse_at
+        if quiet and at is not None and self.reversal is None:  # after which nothing is left to happen either
+            self._reverse(float(at))
+            self._end = max(self._end, float(at))
+        self._quiet, self._closed = quiet, True
+
+    def spent(self, budget: str) -> None:
+        """The run ends since a budget is spent; `budget` says which."""
+        self._budget, self._closed = budget, True
+
+    def trajectory(self, *, until: QuantityLike | None = None, events: int | None = None) -> Trajectory:
+        """The run as reported, up to the limits given, or else to those of the recording."""
+        limit, count = positive_time("until", until), positive_count("events", events)
+        if limit is None and count is None:
+            limit, count = self.until, self.events
+        stop = self._stop_within(self._end, limit, count)
+        assert stop is not None
+        told = [k for k, time in enumerate(self._course.times) if limit is None or time <= float(limit)][:count]
+        end: Any = Double(self._end)
+        knots, turned = self._course.knots, self.reversal
+        if stop.reason is StopReason.EVENTS:
+            end = Double(self._course.times[told[-1]])
+            knots = [row[:number] for row, number in zip(knots, self._course.left[told[-1]][1], strict=True)]
+            turned = turned if turned and turned.after < len(told) else None
+        elif stop.reason is StopReason.QUIET:
+            end = Double(last_entry(self.scene, self._course.knots, self._end))
+        elif stop.reason is StopReason.HORIZON and limit is not None and (self._quiet or float(limit) <= self._end):
+            end, knots = limit, [[knot for knot in row if knot[0] <= float(limit)] for row in knots]
+        turned = turned if turned and float(turned.time) <= float(end) else None
+        return Trajectory(
+            scene=self.scene,
+            engine=self.name,
+            parameters=self.parameters,
+            events=tuple(self._course.event(k) for k in told),
+            stop=stop,
+            final_time=end,
+            motion=EventMotion(knots, float(end), self._course.left, tuple(sorted(self._course.reckoned))),
+            reversal=turned,
+            pocketings=entries(self.scene, knots, float(end)) if self.scene.pockets else (),
+            notes=tuple(self.notes),
+        )
+
+    # -- what is made of it
+
+    def _stop_within(self, end: float | None, limit: Quantity | None, count: int | None) -> Stop | None:
+        """Why a run with such limits ends; with `end` None, None while it does not."""
+        done = len(self._course)
+        if limit is not None and end is not None:
+            done = sum(time <= float(limit) for time in self._course.times)
+        if count is not None and done >= count:
+            return Stop(StopReason.EVENTS, f"{StopReason.EVENTS.value}: {count}")
+        reached = self._now if end is None else end
+        if limit is not None and (float(limit) <= reached or (self._quiet and end is not None)):
+            return Stop(StopReason.HORIZON, f"{StopReason.HORIZON.value} {limit.brief()}")
+        if end is None:
+            return None
+        if self._quiet:
+            return Stop(StopReason.QUIET, StopReason.QUIET.value)
+        if self._budget is not None:
+            return Stop(StopReason.BUDGET, f"{StopReason.BUDGET.value}: {self._budget}")
+        return Stop(StopReason.HORIZON, f"{RECORD_ENDS} {end!r}")
+
+    def _bounce(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> None:
+        """Has the laws say how a hit without states leaves the circles."""
+        self.reckoned = True
+        self._course.reckoned.add(len(self._course) - 1)
+        after = self._impacts.bounce(links, rows)
+        if after is None:
+            if not self.notes:
+                self.notes.append(
+                    f"event {len(self._course) - 1}: with the times reported, the laws do not have "
+                    f"{self.scene.ids[links[0][0]]} and {self.scene.ids[links[0][1]]} approach there: from then on "
+                    "where circles are is not known; report states"
+                )
+            return
+        self._course.fly(now, {k: row for k, row in enumerate(after) if row[2:] != rows[k][2:]})
+
+    def _inferred(self, now: float, way: float, rows: Sequence[Row], before: Sequence[Row]) -> list[Indices]:
+        """The contacts of the last `way` of time."""
+        fastest = max(math.hypot(*row[2:]) for row in [*rows, *before])
+        room = 2 * fastest * way + FLIGHT * self._scale
+        links, left = self._impacts.inferred(rows, before, room, None if self.step else way)
+        if not links or left > UNEXPLAINED:
+            changed = max(range(len(rows)), key=lambda k: math.dist(rows[k][2:], before[k][2:]))
+            raise EngineError(
+                f"{self.where}: at time {now!r} the velocity of {self.scene.ids[changed]!r} has changed, and no "
+                "contact near it explains how; report the contacts by hit(time, a, b)"
+            )
+        return links
+
+    def _turn_before(self, now: float) -> None:
+        """The scene's reversal at a set time, if it is due before a report; and the clock goes on."""
+        at = self.scene.reverse_at
+        if at is not None and self.reversal is None and float(at) < now:
+            self._reverse(float(at))
+        self._now = self._end = max(self._now, now)
+
+    def _part_at_the_turn(self, now: float, links: Sequence[Indices], rows: Sequence[Row]) -> bool:
+        """Whether a hit at the very time of the reversal, to a double, comes after it: those that collide parted."""
+        at = self.scene.reverse_at
+        if at is None or self.reversal is not None or float(at) != now:
+            return False
+        return all(self._impacts.opening(link, rows, self._impacts.normal(link, rows)) > 0.0 for link in links)
+
+    def _turn_after(self) -> None:
+        """The scene's reversal after a number of events, if it is due."""
+        if self.scene.reverse_after == len(self._course) and self.reversal is None:
+            self._reverse(self._course.times[-1])
+
+    def _reverse(self, time: float) -> None:
+        self.reversal = Reversal(len(self._course), Double(time))
+        self._course.fly(time, {k: (x, y, -vx, -vy) for k, (x, y, vx, vy) in enumerate(self._course.rows(time))})
+        if self._returns:
+            self.until, self.events = positive_time("until", 2 * time), None
+
+    def _tell(self) -> None:
+        if self._progress is not None:
+            self._progress(Progress(len(self._course), self._now))
+
+    def _leave(self, now: float) -> None:
+        """The last event is over, if it is of this time; unless velocities have been reversed since."""
+        if self.reversal is None or self.reversal.after < len(self._course):
+            self._course.leave(now)

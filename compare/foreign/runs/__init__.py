@@ -1,1 +1,0 @@
-"""Runs of any engine, made of what it reports."""

@@ -1,0 +1,377 @@
+"""An engine's run as it tells it: the contacts in order, and where each circle is between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, log2
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from flint import arb
+
+from ...exact.numbers import ball
+from ...exact.replay.contact import AtWall, Flight, Pair, Touch
+from ...exact.replay.state import Go, Kick, ReplayState
+from ..tangent.growth import Displacements, unit_displacements
+from ..tangent.impacts import Impact, NoTangentMap, check_start, moving
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+
+Indices = tuple[int, int]
+"""A contact by index: two circles, or circle i and wall j - n, n the number of circles."""
+
+DoubleFlight = tuple[float, float, float, float, float]
+"""(t, x, y, vx, vy): from time t on a circle flies straight from (x, y) at (vx, vy)."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """The first events of a run in doubles.
+
+    Attributes:
+        links: the contacts, one after the other; those of one instant in the order of their impulses.
+        events: for each contact the event that it belongs to.
+        times: for each contact its time.
+        flights: for each circle that can move, by its index, how it flew at the start and after each of its contacts.
+    """
+
+    links: tuple[Indices, ...]
+    events: tuple[int, ...]
+    times: tuple[float, ...]
+    flights: dict[int, tuple[DoubleFlight, ...]]
+
+
+def recorded(trajectory: Trajectory, events: int) -> Record:
+    """The first events of a run.
+
+    Raises:
+        NoTangentMap: where nearby runs are not its image under a smooth map: circles that touch from the start on or
+            go out of play, a reversal, and a circle that has several contacts at one instant.
+
+    >>> from truebreak.floating import DoubleEngine
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> told = recorded(DoubleEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 0)])), 1)
+    >>> told.links, told.times, told.flights[1]
+    (((0, 1),), (2.0,), ((0.0, 4.0, 0.0, 0.0, 0.0), (2.0, 4.0, 0.0, 1.0, 0.0)))
+    """
+    scene = trajectory.scene
+    check_start(scene)
+    if trajectory.reversal is not None and trajectory.reversal.after < events:
+        raise NoTangentMap(f"the run turns back after {trajectory.reversal.after} events", trajectory.reversal.after)
+    place = {name: k for k, name in enumerate(scene.ids)}
+    flights: dict[int, list[DoubleFlight]] = {}
+    for i in moving(scene):
+        c = scene.circles[i]
+        flights[i] = [(0.0, float(c.x), float(c.y), float(c.vx), float(c.vy))]
+    links: list[Indices] = []
+    owners: list[int] = []
+    times: list[float] = []
+    for event in trajectory.events[:events]:
+        mine = [(place[first], place[second]) for first, second in event.impulses]
+        met = [i for link in mine for i in link if i in flights]
+        if len(set(met)) < len(met):
+            twice = next(scene.ids[i] for i in met if met.count(i) > 1)
+            raise NoTangentMap(f"event {event.index}: {twice} has several contacts at one instant", event.index)
+        time, states = float(event.time), trajectory.motion.state(event.time)
+        for i in met:
+            x, y, vx, vy = (float(value) for value in states[i])
+            flights[i].append((time, x, y, vx, vy))
+        links += mine
+        owners += [event.index] * len(mine)
+        times += [time] * len(mine)
+    return Record(tuple(links), tuple(owners), tuple(times), {i: tuple(rows) for i, rows in flights.items()})
+
+
+# ----------------------------------------
+# A run with its order of contacts held fixed: a smooth map from one node to the next, and its tangent map.
+
+Node = list[arb]
+"""x, y, vx, vy of every circle that can move, one after the other: midpoints, without a radius."""
+
+
+class Missed(ArithmeticError):
+    """Two that are to meet do not: what leads to them passes by.
+
+    Attributes:
+        contact: which, by its place in the order.
+    """
+
+    def __init__(self, contact: int) -> None:
+        super().__init__(f"contact {contact} is missed")
+        self.contact = contact
+
+
+@dataclass(frozen=True)
+class Segment:
+    """From one node to the next: contacts from number `first` on, and the two nodes' times."""
+
+    first: int
+    links: tuple[Indices, ...]
+    begin: float
+    end: float
+
+
+def segments(record: Record) -> list[Segment]:
+    """One for each instant: nodes stand half-way between instants, the first at time 0, the last at the last instant.
+
+    Nothing is lost where two instants are so close that a contact falls on the other side of a node: a state is then
+    flown back to it.
+    """
+    found: list[Segment] = []
+    first, begin, count = 0, 0.0, len(record.links)
+    while first < count:
+        stop = first + 1
+        while stop < count and record.events[stop] == record.events[first]:
+            stop += 1
+        last = record.times[stop - 1]
+        end = last if stop == count else last + (record.times[stop] - last) / 2
+        found.append(Segment(first, record.links[first:stop], begin, end))
+        first, begin = stop, end
+    return found
+
+
+class FixedOrder:
+    """The map of each segment, in balls at flint's working precision.
+
+    Args:
+        scene: what runs; of its start only walls, fixed circles, radii and masses count.
+        chain: the segments.
+    """
+
+    def __init__(self, scene: Scene, chain: Sequence[Segment]) -> None:
+        self.scene = scene
+        self.chain = chain
+        self.free = moving(scene)
+        self._made = ReplayState(scene, ball.BALLS)
+        self._bits = ball.bits_in_use()
+
+    def image(self, k: int, node: Node) -> tuple[Node, list[Impact]]:
+        """Where segment k leads from a node, and the impacts on the way.
+
+        Raises:
+            Missed: if two that are to meet do not.
+        """
+        segment = self.chain[k]
+        state = self._state(segment, node)
+        struck: list[Impact] = []
+        for place, (i, j) in enumerate(segment.links):
+            link = Pair(i, j) if j < state.n else AtWall(i, j - state.n)
+            meets = link.approach(state) < 0
+            state.do(Go(link, link.circles))
+            if not meets or not state.instant.is_finite():
+                raise Missed(segment.first + place)
+            struck.append(_impact(state, link))
+            state.do(Kick((link,), (link,)))
+        end, told = arb(segment.end), []
+        for i in self.free:
+            flight = state.bodies[i].flight
+            told += [flight.x + flight.vx * (end - flight.t), flight.y + flight.vy * (end - flight.t)]
+            told += [flight.vx, flight.vy]
+        return told, struck
+
+    def _state(self, segment: Segment, node: Node) -> ReplayState[arb]:
+        if self._bits != ball.bits_in_use():
+            self._made, self._bits = ReplayState(self.scene, ball.BALLS), ball.bits_in_use()
+        state, begin = self._made, arb(segment.begin)
+        for body in state.bodies.values():
+            body.flight = body.flight._replace(last=0)
+        for row, i in enumerate(self.free):
+            x, y, vx, vy = node[4 * row : 4 * row + 4]
+            state.bodies[i].flight = Flight(x, y, vx, vy, begin, begin)
+        state.steps_done, state.met = 0, None
+        return state
+
+    def tangent(self, k: int, struck: Sequence[Impact]) -> NDArray[np.float64]:
+        """The tangent map of segment k, in doubles: shape (4 moving circles, the same)."""
+        segment = self.chain[k]
+        carried = Displacements(self.scene, unit_displacements(self.scene), segment.begin)
+        carried.through(struck)
+        carried.fly(segment.end)
+        return carried.matrix * 2.0**carried.scale
+
+
+def _impact(state: ReplayState[arb], link: Touch) -> Impact:
+    """The impact that is about to push."""
+    i = link.circles[0]
+    flight = state.bodies[i].flight
+    if isinstance(link, AtWall):
+        line = state.line(link.circle, link.wall)
+        return Impact(
+            state.instant, i, None, line.nx, line.ny, flight.vx, flight.vy, line.length, state.zero, state.zero
+        )
+    (a, b), (dx, dy) = link.ends(state), state.span(link)
+    vx, vy = b.flight.vx - flight.vx, b.flight.vy - flight.vy
+    return Impact(state.instant, i, link.b, dx, dy, vx, vy, state.reach(a, b), a.w, b.w)
+
+
+# ----------------------------------------
+# Multiple shooting: the true orbit of a fixed order of contacts that is nearest to given nodes, to any accuracy.
+#
+# Newton's method on the misfits between the image of each node and the next. Of the many corrections that close them
+# to first order the shortest is taken, over all nodes together: so the orbit found stays by the nodes, forwards and
+# backwards alike. Misfits are computed in balls, tangent maps in doubles: each round gains about as many digits as
+# these are good for.
+
+MOST_ROUNDS = 200
+"""Rounds of Newton's method at most: each gains more than a bit, or the search ends."""
+
+GUARD_BITS = 64
+"""Bits beyond what the run loses: so near to the true orbit is that of the start that comes out, at its end."""
+
+FIRST_BITS = 192
+"""Bits of the first rounds, which start from doubles."""
+
+LINEAR = 2.0**-20
+"""Corrections, as a share of the scale, below which tangent maps are not taken anew: the error of the old ones is of
+that size itself."""
+
+LEAST_GAIN = 0.5
+"""A round that leaves more than this share of the misfits gains nothing."""
+
+PATIENCE = 3
+"""Rounds without gain after which the search ends: from a start that is far off, misfits may grow at first."""
+
+
+@dataclass(frozen=True)
+class Refined:
+    """What came of the search.
+
+    Attributes:
+        nodes: the last nodes.
+        misfits: the largest misfit of each round, as a share of the scale, in bits (log2).
+        corrections: the largest correction of each round, likewise.
+        closed: whether the misfits became as small as was asked for.
+        bits: the precision at the end.
+        missed: a contact that came to nothing, as the two passed each other by; None if none did.
+    """
+
+    nodes: list[Node]
+    misfits: tuple[float, ...]
+    corrections: tuple[float, ...]
+    closed: bool
+    bits: int
+    missed: int | None = None
+
+
+def refined(order: FixedOrder, nodes: Sequence[Sequence[float]], scale: Sequence[float]) -> Refined:
+    """Closes the misfits from nodes in doubles.
+
+    Args:
+        nodes: the coordinates at the begin of each segment, and at the end of the last.
+        scale: for each coordinate the size by which it is measured.
+    """
+    weights = np.array(scale)
+    now: list[Node] = [[arb(value) for value in node] for node in nodes]
+    maps: list[NDArray[np.float64]] = []
+    misfits: list[float] = []
+    corrections: list[float] = []
+    bits, goal, stale = FIRST_BITS, 0.0, 0
+    for _ in range(MOST_ROUNDS):
+        with ball.precision(bits):
+            fresh = not corrections or corrections[-1] > log2(LINEAR)
+            try:
+                residuals, new = _misfits(order, now, weights, fresh)
+            except Missed as error:
+                return Refined(now, tuple(misfits), tuple(corrections), False, bits, error.contact)
+            if fresh:
+                maps = new
+                goal = -(_growth(maps) + GUARD_BITS)
+            misfits.append(_largest(residuals))
+            if misfits[-1] < goal:
+                return Refined(now, tuple(misfits), tuple(corrections), True, bits)
+            best = min(misfits[:-1], default=inf)
+            stale = 0 if misfits[-1] < best + log2(LEAST_GAIN) else stale + 1
+            if stale >= PATIENCE:
+                break
+            try:
+                steps, exponent = shortest(maps, residuals)
+            except np.linalg.LinAlgError:  # by a graze: growth there is without bound
+                break
+            corrections.append(exponent + log2(max(float(np.abs(step).max()) for step in steps) or 2.0**-1000))
+            if corrections[-1] > 0:
+                break
+            factor = arb(2) ** exponent
+            now = [
+                [(value + arb(float(step) * float(weight)) * factor).mid() for value, step, weight in zip(
+                    node, mine, weights, strict=True)]
+                for node, mine in zip(now, steps, strict=True)
+            ]  # fmt: skip
+        bits = max(bits, int(GUARD_BITS + FIRST_BITS - goal))
+    return Refined(now, tuple(misfits), tuple(corrections), False, bits)
+
+
+def _misfits(
+    order: FixedOrder, nodes: Sequence[Node], weights: NDArray[np.float64], fresh: bool
+) -> tuple[list[list[arb]], list[NDArray[np.float64]]]:
+    """Image less next node, of every segment, and the tangent maps if they are wanted; both by the scale."""
+    residuals: list[list[arb]] = []
+    maps: list[NDArray[np.float64]] = []
+    for k, node in enumerate(nodes[:-1]):
+        image, struck = order.image(k, node)
+        residuals.append([(a - b) / arb(float(w)) for a, b, w in zip(image, nodes[k + 1], weights, strict=True)])
+        if fresh:
+            maps.append(order.tangent(k, struck) * weights[None, :] / weights[:, None])
+    return residuals, maps
+
+
+def _largest(residuals: Sequence[Sequence[arb]]) -> float:
+    """log2 of the largest, whatever its size."""
+    return max(_exponent(value) for row in residuals for value in row)
+
+
+def _exponent(value: arb) -> float:
+    top = value.abs_upper()
+    return -inf if top.is_zero() else float(top.log() / arb(2).log())
+
+
+def _growth(maps: Sequence[NDArray[np.float64]]) -> float:
+    """Bits by which the worst displacement grows along all segments."""
+    product, scale = np.eye(len(maps[0])), 0.0
+    for step in maps:
+        product = step @ product
+        size = float(np.abs(product).max())
+        product /= size
+        scale += log2(size)
+    return max(0.0, scale + log2(float(np.linalg.norm(product, 2))))
+
+
+def shortest(
+    maps: Sequence[NDArray[np.float64]], residuals: Sequence[Sequence[arb]]
+) -> tuple[list[NDArray[np.float64]], int]:
+    """The shortest corrections s with maps[k] s[k] - s[k + 1] = -residuals[k], and the exponent that they share.
+
+    With A the matrix of these equations, s = -A^T (A A^T)^-1 r; A A^T has blocks on three diagonals only, and is
+    solved by its block elimination.
+
+    >>> import numpy as np
+    >>> steps, exponent = shortest([np.eye(1) * 2], [[arb(1)]])
+    >>> [float(step[0]) * 2.0**exponent for step in steps]  # 2 s0 - s1 = -1
+    [-0.4, 0.2]
+    """
+    exponent = int(max(_largest(residuals), -1e9))
+    factor = arb(2) ** -exponent
+    right = [-np.array([float(value * factor) for value in row]) for row in residuals]
+    unit = np.eye(len(right[0]))
+    below: list[NDArray[Any]] = []
+    sides: list[NDArray[Any]] = []
+    for k, step in enumerate(maps):
+        block, side = step @ step.T + unit, right[k]
+        if k:
+            block = block - step @ below[-1]
+            side = side + step @ sides[-1]
+        if k + 1 < len(maps):
+            solved = np.linalg.solve(block, np.column_stack([maps[k + 1].T, side]))
+            below.append(solved[:, :-1])
+            sides.append(solved[:, -1])
+        else:
+            sides.append(np.linalg.solve(block, side))
+    for k in range(len(maps) - 2, -1, -1):
+        sides[k] = sides[k] + below[k] @ sides[k + 1]
+    steps = [maps[0].T @ sides[0]]
+    steps += [maps[k].T @ sides[k] - sides[k - 1] for k in range(1, len(maps))]
+    return [*steps, -sides[-1]], exponent
