@@ -11,7 +11,16 @@ from flint import arb, fmpq
 
 from ..scenarios.lazy import frozen, kept
 from ..scenarios.numbers.nested_roots import Tower
-from ..scenarios.numbers.precision import BITS_PER_DIGIT, bounds_of, certain_double, decimals_of, nearest_double
+from ..scenarios.numbers.precision import (
+    BITS_PER_DIGIT,
+    MOST_BITS,
+    MOST_DIGITS,
+    asked,
+    bounds_of,
+    certain_double,
+    decimals_of,
+    nearest_double,
+)
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.tower_element import Element
 from ..scenarios.numbers.tower_ring import TowerLimit
@@ -172,8 +181,10 @@ class ExactValue:
         """An enclosure accurate to about `bits` bits, relatively (absolutely, for a value that may be zero).
 
         Raises:
+            SceneError: for bits that are no whole number from 1 to `MOST_BITS`.
             Undecided: where counted work does not suffice for that.
         """
+        bits = asked("ball", bits, MOST_BITS)
         if isinstance(self.near, fmpq):
             with ball.precision(bits + ball.GUARD_BITS):
                 return arb(self.near)
@@ -246,6 +257,7 @@ class ExactValue:
         "0" is told of what is proved to be zero alone.
 
         Raises:
+            SceneError: for a count that is no whole number from 1 to `MOST_DIGITS`.
             Undecided: where a number beyond all bits that counted work allows for is not proved to be zero.
 
         >>> from truebreak.exact import ExactEngine
@@ -254,7 +266,7 @@ class ExactValue:
         >>> ExactEngine().run(scene).events[0].time.digits(30)
         '2.26794919243112270647255365849'
         """
-        near = self.near
+        count, near = asked("digits", count, MOST_DIGITS), self.near
         if isinstance(near, fmpq):
             return ball.fraction_in_decimals(near, count)
         if isinstance(near, Element):

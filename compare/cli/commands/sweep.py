@@ -157,10 +157,13 @@ def sweep(
 
 def came_to_nothing(rows: Store) -> int:
     """Says on stderr which attempts came to nothing; the exit code is 4 if a scene has no rows for that."""
+    from ....scenarios.errors import printable
+
     undone = {scene for scene, _, _ in rows.failures(undone=True)}
     for index, attempt, note in rows.failures():
         after = "" if index in undone else "; another attempt was done"
-        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}", err=True)
+        told = f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}"
+        click.echo(printable(" ".join(told.split())), err=True)
     return ExitCode.UNDECIDED if undone else DONE
 
 

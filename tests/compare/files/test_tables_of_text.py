@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import io
 import json
+import sqlite3
 from pathlib import Path
 
 import pytest
@@ -63,6 +65,22 @@ def test_a_terminal_is_given_no_orders(mark: str, tmp_path: Path, capsys: pytest
     suite = tmp_path / "s.toml"
     suite.write_text('engines = ["double"]\n[[scene]]\nname = "lee"', encoding="utf-8")
     assert mark[0] not in said(capsys, "suite", str(suite), "--against", str(path))[2]
+
+
+@pytest.mark.parametrize("mark", ORDERS)
+def test_a_store_of_a_sweep_gives_a_terminal_no_orders(
+    mark: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What went wrong with a scene is read from a file that may come from anyone."""
+    path = str(tmp_path / "s.db")
+    said(capsys, "sweep", "galperin", "--vary", "n=0..0", "--store", path, "--jobs", "1")
+    with contextlib.closing(sqlite3.connect(path)) as base, base:
+        base.execute("INSERT INTO failures VALUES (0, ?, ?)", (f"x{mark}", f"a{mark}b"))
+    code, out, err = said(capsys, "sweep", "--store", path)
+    assert code == 0
+    assert "came to nothing: a" in err
+    assert mark[0] not in out + err
+    assert err.count("\n") == 1
 
 
 def test_what_can_be_read_is_left_as_it_is() -> None:
