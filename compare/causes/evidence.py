@@ -22,14 +22,13 @@ from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
 from ..deadline import NO_TIME
 from ..validation import falls
-from .budget import Account, account_of
-from .continuation import Continuation, NoContinuation
 from .diagnosis import CauseName, Experiment
 from .reader import short_quantity
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Contact, Trajectory
+    from .budget import Account
     from .decision import OwnFlight
     from .laboratory import Laboratory
 
@@ -339,18 +338,11 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
 
 
 def _shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
-    assert lab.decision is not None and lab.margin is not None
-    try:
-        run = Continuation(
-            lab.reference, lab.candidate.trajectory, lab.candidate.alignment.walks, lab.decision, lab.turned,
-            lab.bits if lab.engine.rounds_input else None, None if lab.engine.step is None else 2.0**-lab.bits,
-        )  # fmt: skip
-        rounded = lab.engine.rounds_input and (lab.given is None or lab.given.digest != lab.study.scene.digest)
-        account = account_of(run, lab.margin, lab.got, lab.engine.step is not None, rounded)
-    except NoContinuation as why:
+    account = lab.accounted
+    if isinstance(account, str):
         chose = "; rounding before the instant chose" if lab.chosen_before else ""
         own = Experiment(
-            CauseName["ARITHMETIC"], f"its share is not determined: {why}{chose}", None, lab.chosen_before or None
+            CauseName["ARITHMETIC"], f"its share is not determined: {account}{chose}", None, lab.chosen_before or None
         )
         return [*_input_by_run(lab), own]
     if any(row.suffices and row.cause is CauseName["ITERATIONS"] for row in rows):
@@ -358,10 +350,10 @@ def _shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         parts = tuple(replace(part, cause=named.get(part.cause, part.cause)) for part in account.contributions)
         account = replace(account, contributions=parts)
     lab.account = account
-    return _rows(lab, account, rounded)
+    return _rows(lab, account)
 
 
-def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
+def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     assert lab.margin is not None
     found: list[Experiment] = []
     total: float = account.displacement
@@ -371,6 +363,9 @@ def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
         if itself is None:
             told = f"{lab.name}'s own flights decide as the exact ones do, by more than rounding"
             return [Experiment(CauseName["ARITHMETIC"], f"not determined: {told}")]
+        total += itself
+    elif lab.got is not None and not lab.changes(lab.got) and abs(float(lab.got.mid())) > 0:
+        itself = -float(lab.got.mid())
         total += itself
     lab.displacement = total
     order = [*CauseName]
@@ -407,14 +402,18 @@ def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
         if account.lumped and part.cause is account.own.cause:
             told += f"; its kinds are not told apart: {account.lumped}"
         found.append(Experiment(part.cause, told, part.size, flips, part.size / total if total else None))
-    if not rounded and lab.engine.rounds_input:
+    if not lab.input_rounded and lab.engine.rounds_input:
         found.insert(
             0,
             Experiment(CauseName["INPUT"], f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False),
         )
     if itself is not None:
         told = f"{lab.name}'s own flights decide as the exact ones do, by {abs(itself):.3g}; its answer differs"
-        found.append(Experiment(CauseName["DECISION"], told, itself, None, itself / total if total else None))
+        cause = CauseName["DECISION"]
+        if lab.engine.step is not None:
+            cause = CauseName["MERGED" if lab.decision is not None and lab.decision.kind == "order" else "STEPS"]
+            told += ", as it looks at the ends of steps only"
+        found.append(Experiment(cause, told, itself, None, itself / total if total else None))
     return found
 
 

@@ -58,7 +58,9 @@ class Laboratory:
         turned = self.reference.reversal
         self.turned = None if turned is None or turned.after > divergence.expected_event else turned.after
         self.truth = RunReader(self.reference, turned_after=self.turned)
-        self.own = RunReader(candidate.trajectory, candidate.alignment.walks, self._rounds_to, self.turned)
+        self.own = RunReader(
+            candidate.trajectory, candidate.alignment.walks, self._rounds_to, self.turned, self.first_time
+        )
         self.decision = self._decision()
         self.margin = None if self.decision is None else arb(0) if self.tied else self.truth.value(self.decision)
         self.got = None if self.decision is None else self.own.value(self.decision)
@@ -95,6 +97,12 @@ class Laboratory:
         return [] if self.decision is None else self.decision.pairings
 
     @property
+    def first_time(self) -> float:
+        """When the first of the meetings in question comes, in either run."""
+        parted = self.divergence
+        return min(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
+
+    @property
     def last_time(self) -> float:
         """When the last of the meetings in question comes, in either run."""
         parted = self.divergence
@@ -111,6 +119,29 @@ class Laboratory:
     def run_some(self, scene: Scene, until: float, events: int) -> Trajectory:
         """A run of the reference's engine from another start, for a few events."""
         return run_guarded(self.study.truth, scene, until=until, events=events, progress=None)
+
+    @property
+    def input_rounded(self) -> bool:
+        """Whether the engine is given another scene."""
+        return self.engine.rounds_input and (self.given is None or self.given.digest != self.study.scene.digest)
+
+    @cached_property
+    def accounted(self) -> Account | str:
+        """What the displacement is made of; or why there is no such account."""
+        from .budget import account_of
+        from .continuation import Continuation, NoContinuation
+
+        if self.decision is None or self.margin is None:
+            return "no contact can be named"
+        stepped = self.engine.step is not None
+        try:
+            run = Continuation(
+                self.reference, self.candidate.trajectory, self.candidate.alignment.walks, self.decision, self.turned,
+                self._rounds_to, 2.0**-self.bits if stepped else None, self.first_time,
+            )  # fmt: skip
+            return account_of(run, self.margin, self.got, stepped, self.input_rounded)
+        except NoContinuation as why:
+            return str(why)
 
     @cached_property
     def given_run(self) -> Trajectory:

@@ -13,6 +13,7 @@ from ...exact.laws import formulas as law
 from ...exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
 from ...exact.numbers import ball
 from ...exact.replay.state import SeenWall
+from ...floating.knots import DoubleMotion
 from ...scenarios.numbers.quantity import Quantity, Real, real
 from ...scenarios.things import Wall
 from ..alignment.walk import history
@@ -36,6 +37,7 @@ class RunReader:
         walks: how its meetings were matched with the reference's; None for the reference itself.
         rounds_to: to how many bits it rounds walls and radii; None: not at all.
         turned_after: number of the reference's events before its reversal, if that lies before the decision.
+        until: when the decision comes: a flight is read as the run has it just before.
     """
 
     def __init__(
@@ -44,12 +46,13 @@ class RunReader:
         walks: Mapping[str, Walk] | None = None,
         rounds_to: int | None = None,
         turned_after: int | None = None,
+        until: float = 0.0,
     ) -> None:
         self.run = run
         self.scene = run.scene
         self.places = {str(name): k for k, name in enumerate(run.scene.ids)}
         self._rounds_to = rounds_to
-        self.turned_after = turned_after
+        self.turned_after, self._until = turned_after, until
         self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
         self._states: dict[int, State] = {}
         self._numbers: dict[tuple[str, int | None, bool, int], FlightBalls] = {}
@@ -78,6 +81,11 @@ class RunReader:
         if key not in self._states:
             self._states[key] = self.run.at(time) if index is None or key == -2 else self.run.after(index)
         state = self._states[key][name]
+        if self._until and isinstance(self.run.motion, DoubleMotion):
+            knots = self.run.motion.knots[self.places[name]]
+            last = max((n for n, knot in enumerate(knots) if float(time) < knot[0] < self._until), default=None)
+            if last is not None:
+                return OwnFlight(*map(real, knots[last][:5]))
         return OwnFlight(time, state.x, state.y, state.vx, state.vy)
 
     def value(self, decision: DecidingNumber, bits: int = FIRST_BITS) -> arb | None:
