@@ -16,7 +16,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import Event
-from ..alignment.align import align
+from ..alignment.align import Span, align
 from ..alignment.walk import history
 from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
@@ -218,8 +218,8 @@ def _given_does(lab: Laboratory) -> bool:
     if lab.given is None or lab.given.digest == lab.study.scene.digest:
         return False
     run = lab.given_run
-    found = align(run, lab.candidate.trajectory, span=lab.span_of(run), bits=lab.engine.bits)
-    parted = found.divergence
+    span = Span(len(run.events), lab.last_time)
+    parted = align(run, lab.candidate.trajectory, span=span, bits=lab.engine.bits).divergence
     return parted is None or parted.time > lab.last_time
 
 
@@ -378,12 +378,19 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         parts.append(account.own)
     for part in parts:
         flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
-        asked = part.cause is CauseName["INPUT"] and lab.engine.step is None and flips is not True
-        earlier = _left_before(lab) if asked else None
+        earlier, free = None, ""
+        if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
+            if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
+                flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
+            earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
+        if free:
+            alone = f"by the contacts of the exact run it changes the decision alone{free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
             flips, told = True, f"{told}; run freely, the exact law on it differs at event {earlier} already"
+        elif free:
+            flips = False
         if part is account.own:
             found.append(
                 Experiment(
@@ -415,6 +422,11 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             told += ", as it looks at the ends of steps only"
         found.append(Experiment(cause, told, itself, None, itself / total if total else None))
     return found
+
+
+def _several_before(lab: Laboratory) -> bool:
+    """Whether the exact run has an instant of several contacts that hang together before the divergence."""
+    return any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event])
 
 
 def _audited(lab: Laboratory) -> bool:

@@ -193,11 +193,7 @@ class Laboratory:
     @property
     def span(self) -> Span:
         """Up to the divergence."""
-        return self.span_of(self.reference)
-
-    def span_of(self, run: Trajectory) -> Span:
-        """Up to the divergence, in another run of the reference's engine."""
-        return Span(min(self.divergence.expected_event + 1, len(run.events)), self.divergence.time)
+        return Span(min(self.divergence.expected_event + 1, len(self.reference.events)), self.divergence.time)
 
     def until(self, step: float | None) -> float:
         """How far an experiment has to run: past both meetings, by what an error may delay them."""
