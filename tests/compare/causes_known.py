@@ -559,9 +559,8 @@ def of_several_faults() -> Iterator[Case]:
     """Engines of steps that round to few bits as well, push apart, or iterate too little: one of these decides."""
     tried: list[tuple[str, Scene, Steps, dict[str, Any], int]] = []
     for bits, step, margin in (
-        (12, 1 / 256, Fraction(-1, 2**8)), (12, 1 / 512, Fraction(1, 2**8)), (16, 1 / 1024, Fraction(-1, 2**13)),
-        (16, 1 / 512, Fraction(1, 2**13)), (14, 1 / 512, Fraction(-1, 2**11)), (24, 1 / 4, Fraction(-1, 2**6)),
-        (24, 1 / 2, Fraction(-1, 2**5)), (20, 1 / 8, Fraction(-1, 2**9)),
+        (12, 1 / 256, Fraction(-1, 2**8)), (16, 1 / 512, Fraction(1, 2**13)), (14, 1 / 512, Fraction(-1, 2**11)),
+        (24, 1 / 4, Fraction(-1, 2**6)), (24, 1 / 2, Fraction(-1, 2**5)), (20, 1 / 8, Fraction(-1, 2**9)),
     ):  # fmt: skip
         scene = rounded_scene(slanted(2 + margin), bits)
         made = Steps(step, bits, rounds=True)
@@ -584,6 +583,46 @@ def of_several_faults() -> Iterator[Case]:
         yield known
 
 
+def of_mixed_contacts() -> Iterator[Case]:
+    """Contacts that are missed or invented where another error comes too, and laws beside rounding."""
+    rounding = frozenset({INPUT, ARITHMETIC, FLIGHTS, IMPACTS})
+    for seed in (31, 32, 33, 34, 35, 36):
+        scene = catalogue.build(f"gas:n=4,seed={seed}")
+        ids = {str(c.id) for c in scene.circles}
+        pairs = history(scene, (), 30)
+        event = next(k for k, pair in enumerate(pairs) if k > 8 and set(pair) <= ids)
+        yield Case(
+            f"gas of 4, seed {seed}: event {event} missed", scene, Made((Skip(event),)),
+            frozenset({MISSED, LAW}), event + 6, rounding | {TIE, PHANTOM},
+        )  # fmt: skip
+        event = next(k for k, pair in enumerate(pairs) if k > 1 and set(pair) <= ids)
+        faults = Invent(event, Fraction(0), *pairs[event], Fraction(1, 2**50)), Kick(event + 3, pairs[event][0], WAY)
+        yield Case(
+            f"gas of 4, seed {seed}: an impulse of 2**-50, then a real one that is off", scene, Made(faults),
+            frozenset({PHANTOM}), event + 6, rounding | {TIE, MISSED, LAW},
+        )  # fmt: skip
+        lossy = Made((Rounded(16), Always(Fraction(99, 100))), 16)
+        yield Case(f"gas of 4, seed {seed}: restitution 0.99 in 16 bits", scene, lossy, frozenset({LAW}), 80, rounding)
+
+
+def of_other_ties() -> Iterator[Case]:
+    """Ties that the rounding of the input splits, and lasting contacts that it opens."""
+    for mass, bits in (("3", 16), ("5", 20), ("7", 24), ("3/2", 30), ("10", 53), ("1/3", 53)):
+        yield Case(
+            f"triple, mass {mass}: split by {bits} bits", triple(mass), RoundedExact(bits), frozenset({INPUT}), 4,
+            frozenset({TIE, LAW, ARITHMETIC, FLIGHTS, IMPACTS}),
+        )  # fmt: skip
+    for mass in ("3", "5", "7"):
+        yield Case(
+            f"triple, mass {mass}: in another order", triple(mass), OtherPolicy(), frozenset({TIE}), 4, AIMED | {INPUT}
+        )
+    for depth, bits in ((12, 11), (26, 24), (40, 24), (60, 53)):
+        circles = [Circle(0, f"2-1/2**{depth}", vx=1, id="b"), Circle(4, 2, id="d")]
+        scene = Scene(circles, [Wall(0, 3, 1, 3, id="w")], name=f"struck 2**-{depth} below its centre")
+        yield Case(f"{scene.name}, {bits} bits", scene, RoundedExact(bits), frozenset({INPUT}), 8,
+                   frozenset({LAW, PHANTOM, TIE, ARITHMETIC, FLIGHTS, IMPACTS}))  # fmt: skip
+
+
 FAMILIES: dict[str, Callable[[], Iterator[Case]]] = {
     "input": of_input,
     "one kind": of_one_kind,
@@ -598,6 +637,8 @@ FAMILIES: dict[str, Callable[[], Iterator[Case]]] = {
     "own engines": of_arithmetic,
     "ties": of_ties,
     "several faults": of_several_faults,
+    "mixed contacts": of_mixed_contacts,
+    "other ties": of_other_ties,
 }
 
 
