@@ -60,7 +60,9 @@ def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     laws, parted = lab.candidate.laws, lab.divergence
     if laws is None or laws.kept is not False:
         return []
-    latest = max(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
+    latest, got, expected = lab.last_time, parted.got_time, parted.expected_time
+    if got is not None and (expected is None or got < expected):
+        latest = max(got, parted.time)  # what it has too much is there by then
     if laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
         return []
     return [Experiment(CauseName["LAW"], laws.finding, None, True)]

@@ -596,7 +596,8 @@ def of_mixed_contacts() -> Iterator[Case]:
             frozenset({MISSED, LAW}), event + 6, rounding | {TIE, PHANTOM},
         )  # fmt: skip
         event = next(k for k, pair in enumerate(pairs) if k > 1 and set(pair) <= ids)
-        faults = Invent(event, Fraction(0), *pairs[event], Fraction(1, 2**50)), Kick(event + 3, pairs[event][0], WAY)
+        off = WAY[0] / 2**10, WAY[1] / 2**10
+        faults = Invent(event, Fraction(0), *pairs[event], Fraction(1, 2**50)), Kick(event + 3, pairs[event][0], off)
         yield Case(
             f"gas of 4, seed {seed}: an impulse of 2**-50, then a real one that is off", scene, Made(faults),
             frozenset({PHANTOM}), event + 6, rounding | {TIE, MISSED, LAW},
