@@ -390,7 +390,8 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
             alone = f"by the contacts of the exact run it changes the decision alone{free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
-            flips, told = True, f"{told}; run freely, the exact law on it differs at event {earlier} already"
+            told = f"{told}; run freely, the exact law on it differs at event {earlier} already"
+            flips = True if part.size * total > 0 else None  # what acts against the displacement is not what made it
         elif free:
             flips = False
         if part is account.own:
