@@ -34,7 +34,7 @@ format: .venv/ready
 
 bench: .venv/ready
 	$(BIN)/pip install -q -e '.[bench]'
-	$(BIN)/truebreak bench --full
+	$(BIN)/python docs/studies/speed_ratios.py --full
 
 # Runs every example of the README, of docs/ and of the docstrings, and builds the site: build/site/html/index.html.
 docs: .venv/ready
@@ -76,7 +76,7 @@ picture: .venv/ready
 
 # Runs all stress families, and writes the map into docs/stress.md and docs/stress.svg; a test checks some of its places.
 stress-map: .venv/ready
-	$(BIN)/python -m truebreak.compare.stress docs/stress.md --store stress-map.jsonl
+	$(BIN)/python docs/studies/stress_page.py docs/stress.md --store stress-map.db
 
 # Writes docs/reference-set-1.zip; a test proves that it is current.
 reference-set: .venv/ready

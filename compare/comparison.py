@@ -103,7 +103,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """One row an engine, and a picture of where the first of them parts, or of the scene, for a notebook."""
-        from .report.pictures.picture import notebook_picture
+        from .report.picture import notebook_picture
 
         rows: list[tuple[object, ...]] = [(self.reference.engine, "reference", len(self.reference.events), "", "")]
         for candidate in self.candidates:
@@ -132,6 +132,7 @@ def compare(
     reference: str | Engine = "exact",
     outcomes: Mapping[str, Outcome] | None = None,
     causes: bool = True,
+    bits: bool = False,
     max_seconds: float | None = None,
     progress: OnProgress | None = None,
 ) -> Comparison:
@@ -146,6 +147,7 @@ def compare(
         reference: the engine taken as the truth.
         outcomes: further outcomes by name.
         causes: whether to find out, by further runs, why an engine diverged.
+        bits: whether to find out how many bits lead an engine to the end that cannot decide with those that it has.
         max_seconds: ends the whole comparison after about so many seconds; half of them at most are the
             reference's. What each run has by then is compared.
         progress: called now and then with how far a run is.
@@ -180,7 +182,7 @@ def compare(
             cut.append(f"the position error of {label}")
         if causes and not watch.over:
             try:
-                result = explained(study, result, engine, _noted(progress, f"why {label}"))
+                result = explained(study, result, engine, _noted(progress, f"why {label}"), bits=bits)
                 if _in_part(result):
                     cut.append(f"part of why {label}")
             except OutOfTime:
@@ -299,9 +301,8 @@ def _audited(study: Study, engine: Engine, candidate: Candidate) -> Audit | None
 
 def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> Audit:
     """The audit of a record without states: its times and partners, up to the certified horizon of its bits."""
-    from .testing.tolerances.local_error import local_error
-    from .testing.tolerances.numbers import Demand, number_off
-    from .testing.tolerances.reach import MOST_CIRCLES, reach_of
+    from .testing.errors_grown import local_error
+    from .testing.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
     if len(reference.scene.circles) > MOST_CIRCLES or study.truth.rounds_input:
@@ -340,7 +341,9 @@ def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: St
     return all(follows_the_law(run, c, engine.bits) for c in last if c is not None)
 
 
-def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Candidate:
+def explained(
+    study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None, *, bits: bool = False
+) -> Candidate:
     """The same with causes and margin.
 
     Raises:
@@ -357,7 +360,8 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
         return replace(candidate, diagnosis=found, margin=margin_of(lab, found))
     if candidate.alignment.undecided:
         with time_to_read(study.watch):
-            return replace(candidate, diagnosis=diagnosis_of_stop(Stopped(study, candidate, engine, progress)))
+            found = diagnosis_of_stop(Stopped(study, candidate, engine, progress, bits))
+            return replace(candidate, diagnosis=found)
     return candidate
 
 

@@ -9,7 +9,7 @@ import os
 import re
 import secrets
 import stat
-from collections.abc import Generator
+from collections.abc import Generator, Iterable
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,12 +67,13 @@ def text_of(
         raise SceneError(f"{where}: is not UTF-8 text (at byte {error.start}); save it as UTF-8") from None
 
 
-def write_file(target: Path, data: bytes, *, lasting: bool = True) -> None:
+def write_file(target: Path, data: bytes | Iterable[bytes], *, lasting: bool = True) -> None:
     """Writes a file beside its place, then moves it there: at no time is there half of one.
 
     What other processes that were killed have left beside it is removed first; what one that is alive is writing stays.
 
     Args:
+        data: all of it, or one part after the other.
         lasting: whether it is to be there after a power cut too, once this returns; it takes some milliseconds.
 
     Raises:
@@ -81,7 +82,7 @@ def write_file(target: Path, data: bytes, *, lasting: bool = True) -> None:
     folder = target.parent
     clear(folder)
     with _beside(folder) as (file, name):
-        file.write(data)
+        file.writelines([data] if isinstance(data, bytes) else data)
         file.flush()
         if lasting:
             os.fsync(file.fileno())

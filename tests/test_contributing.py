@@ -21,7 +21,7 @@ LINE = re.compile(r"(?P<path>[\w./-]+): in (?P<table>\w+)")
 
 
 class Recipe(NamedTuple):
-    """One section: the new file, the line for a table, and what then holds."""
+    """One section: the new file, or what comes before a table; the line for a table; and what then holds."""
 
     title: str
     file: tuple[str, str]
@@ -121,9 +121,12 @@ def add_line(top: Path, table: str, name: str, row: str) -> None:
 @pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.title)
 def test_a_recipe_is_one_file_and_one_line(recipe: Recipe, copy: Path) -> None:
     assert run(recipe.holds, copy).returncode != 0, "it must not hold without the recipe"
-    path, text = recipe.file
-    new = copy / "truebreak" / path
-    assert not new.exists()
+    path, _, table = recipe.file[0].partition(": before ")
+    new, text = copy / "truebreak" / path, recipe.file[1]
+    if table:
+        head, found, rest = new.read_text("utf-8").partition(f"\n{table} = (\n")
+        text = f"{head}\n\n{text}\n{found}{rest}"
+    assert new.exists() == bool(table)
     new.write_text(text, "utf-8")
     if recipe.table is not None:
         add_line(copy / "truebreak", *recipe.table)
@@ -133,7 +136,7 @@ def test_a_recipe_is_one_file_and_one_line(recipe: Recipe, copy: Path) -> None:
 
 @pytest.mark.parametrize("recipe", RECIPES, ids=lambda recipe: recipe.title)
 def test_a_recipe_is_formatted_and_typed_as_the_project_is(recipe: Recipe, tmp_path: Path) -> None:
-    path = tmp_path / Path(recipe.file[0]).name
+    path = tmp_path / Path(recipe.file[0].partition(":")[0]).name
     path.write_text(recipe.file[1], "utf-8")
     for command in (["check"], ["format", "--check"]):
         settings = ["--config", str(ROOT / "pyproject.toml")]

@@ -13,7 +13,7 @@ import sys
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..ensemble.rows.worker import THREADS
+from ..grids.executors import THREADS
 from .computer import Took, calibration, loop, memory, reset_peak, timed
 
 if TYPE_CHECKING:

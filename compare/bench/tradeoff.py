@@ -12,11 +12,11 @@ from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
-from ..advice.ladder import RunSize, cost
 from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
+from ..grids.setting_ladder import RunSize, cost
 from ..outcomes.outcome import outcomes_of
 from ..scene_argument import scene_from
 from ..study import Study

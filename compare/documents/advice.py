@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..advice.found import End
-from ..advice.goal import Digits, OutcomeGoal
+from ..grids.goals import Digits, OutcomeGoal
+from ..grids.setting_search import End
 from .trajectory import scene_json
 
 if TYPE_CHECKING:
-    from ..advice.found import Advice, Tried
+    from ..grids.setting_search import Advice, Tried
 
 ADVICE_SCHEMA = "truebreak/advice-1"
 
@@ -186,7 +186,7 @@ def _left_out(advice: Advice) -> list[str]:
 
 def print_advice(advice: Advice) -> None:
     """The sentences, and one row for each of the last settings."""
-    from ..report.text.output import console, grid, say
+    from ..report.output import console, grid, say
 
     out = console()
     first, *others = sentences(advice)

@@ -1,48 +1,50 @@
-"""A stress map as the JSON object `truebreak/stress-1`, and for people."""
+"""A stress map as the JSON object `truebreak/stress-2`, and for people."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..stress.ladder import Ladder
-    from ..stress.rows.cell import StressRow
+    from ..grids.row import Row
+    from ..grids.store import Store
+    from ..grids.stress_map import Ladder
 
-STRESS_SCHEMA = "truebreak/stress-1"
+STRESS_SCHEMA = "truebreak/stress-2"
 
 
-def stress_json(settings: Mapping[str, Any], rows: Sequence[StressRow], told: Sequence[Ladder]) -> dict[str, Any]:
-    """The object that `truebreak stress --json` prints: what was asked, where each engine turns wrong, and every place.
+def stress_json(settings: Mapping[str, Any], rows: Iterable[Row], told: Sequence[Ladder]) -> dict[str, Any]:
+    """The object that `truebreak stress --json` prints: what was asked, where each engine turns wrong, and every row.
 
     Args:
         settings: what the map is of.
-        rows: its places, in order.
+        rows: of its places, in order.
         told: the ladders of the rows.
     """
-    from ..stress.family import MapPlace
+    from ..grids.stress_map import COLUMNS
 
-    places = [MapPlace(row["family"], row["k"], row["side"], row["seed"]) for row in rows]
     return {
         "schema": STRESS_SCHEMA,
         "settings": dict(settings),
         "exact": exact_counts(rows),
         "ladders": [_ladder(ladder) for ladder in told],
-        "places": [{**row, "show": place.show} for row, place in zip(rows, places, strict=True)],
+        "rows": [row.data(COLUMNS) for row in rows],
     }
 
 
-def exact_counts(rows: Sequence[StressRow]) -> dict[str, int]:
+def exact_counts(rows: Iterable[Row]) -> dict[str, int]:
     """At how many places the exact engine bears each mark, those that it bears at any, and to how many a closed form
     agrees.
 
-    >>> exact_counts([{"exact": {"mark": "right", "closed_form": True}}])
+    >>> from truebreak.compare.grids.row import Row
+    >>> exact_counts([Row(0, "near-ties-left-1", "exact", "agree", mark="right", closed_form=True)])
     {'places': 1, 'closed_form': 1, 'right': 1}
     """
-    marks = [row["exact"]["mark"] for row in rows]
+    exact = [row for row in rows if row.engine == "exact"]
+    marks = [str(row.mark) for row in exact]
     counts = {mark: marks.count(mark) for mark in dict.fromkeys(marks)}
-    return {"places": len(rows), "closed_form": sum(row["exact"]["closed_form"] is True for row in rows), **counts}
+    return {"places": len(exact), "closed_form": sum(row.closed_form is True for row in exact), **counts}
 
 
 def _ladder(ladder: Ladder) -> dict[str, Any]:
@@ -58,10 +60,11 @@ def _ladder(ladder: Ladder) -> dict[str, Any]:
     }
 
 
-def exact_sentence(rows: Sequence[StressRow]) -> str:
+def exact_sentence(rows: Iterable[Row]) -> str:
     """What the witnesses say of the exact engine, with nothing left out.
 
-    >>> exact_sentence([{"exact": {"mark": "right", "closed_form": None}}])
+    >>> from truebreak.compare.grids.row import Row
+    >>> exact_sentence([Row(0, "near-ties-left-1", "exact", "agree", mark="right")])
     'The exact engine: right at 1 of 1 places, each proved again by the independent checker.'
     """
     counts = exact_counts(rows)
@@ -71,16 +74,15 @@ def exact_sentence(rows: Sequence[StressRow]) -> str:
     return f"{told} independent checker{closed}{'; ' + ', '.join(others) if others else ''}."
 
 
-def print_stress(rows: Sequence[StressRow], told: Sequence[Ladder]) -> None:
+def print_stress(rows: Store, told: Sequence[Ladder]) -> None:
     """One table a family, a row for each engine and lane, a letter for each k, in tens."""
-    from ..report.text.output import console, grid, say
-    from ..stress.family import MapPlace
-    from ..stress.rows.marks import MapMark
-    from ..stress.table import family
+    from ..grids.stress_families import stress_family
+    from ..grids.stress_map import MapMark, place_of
+    from ..report.output import console, grid, say
 
     out = console()
     for name, group in groupby(told, key=lambda ladder: ladder.family):
-        lanes, one = list(group), family(name)
+        lanes, one = list(group), stress_family(name)
         say(out, f"{name}: {one.summary} {one.grows}.", "bold")
         levels = lanes[0].levels
         table = grid("engine", "scene", "wrong at", f"k = {levels[0]} to {levels[-1]}")
@@ -93,8 +95,6 @@ def print_stress(rows: Sequence[StressRow], told: Sequence[Ladder]) -> None:
         say(out, f"{mark.sign}  {mark.meaning}")
     say(out, "")
     say(out, exact_sentence(rows), "bold")
-    if rows:
-        last = rows[-1]
-        place = MapPlace(last["family"], last["k"], last["side"], last["seed"])
-        say(out, f"Any of the scenes: {place.show} > scene.toml")
+    if len(rows):
+        say(out, f"Any of the scenes: {place_of(rows[-1]).show} > scene.toml")
         say(out, "and then: truebreak compare scene.toml --engines ENGINE")

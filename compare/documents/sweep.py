@@ -1,4 +1,4 @@
-"""A sweep as the JSON object `truebreak/sweep-1`, and for people."""
+"""A sweep as the JSON object `truebreak/sweep-2`, and for people."""
 
 from __future__ import annotations
 
@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ..ensemble.survival import Summary
-    from ..ensemble.uncertainty import Uncertainty
+    from ..grids.survival import Summary, Uncertainty
 
-SWEEP_SCHEMA = "truebreak/sweep-1"
+SWEEP_SCHEMA = "truebreak/sweep-2"
 
 
 def sweep_json(
@@ -64,16 +63,17 @@ def print_sweep(
     settings: Mapping[str, Any], scenes: int, told: Sequence[Summary], unsure: Mapping[str, Uncertainty]
 ) -> None:
     """One row an engine, and a line for each outcome that displacements of several sizes change."""
-    from ..report.counting import counted
-    from ..report.text.output import console, grid, say
+    from ..report.output import console, counted, grid, say
 
     out = console()
     asked = " ".join([settings["scene"], *settings["vary"]])
-    say(out, f"{asked}: {counted(scenes, 'scene')}, each held against its certified run.", "bold")
+    say(out, f"{asked}: {counted(scenes, 'scene')}, each compared with its certified run.", "bold")
     asked_for = any(summary.changed is not None for summary in told)
     audited = any(any(summary.laws) for summary in told)
+    foreseen = settings["forecast"]
     last = [*["outcomes changed"] * asked_for, *["law"] * audited]
-    table = grid("engine", "verdicts", "half have left by", "inside the band", "t = a ln(1/eps)/lambda + b", *last)
+    predicted = ["in the 90 % interval", "t = a ln(1/eps)/lambda + b"] * foreseen
+    table = grid("engine", "verdicts", "median divergence", *predicted, *last)
     for summary in told:
         inside, left = summary.inside
         law, changed = summary.law, summary.changed
@@ -81,9 +81,11 @@ def print_sweep(
             summary.engine,
             ", ".join(f"{count} {verdict}" for verdict, count in summary.verdicts.items()),
             "" if summary.median is None else f"event {summary.median}",
-            f"{inside} of {left}" if left else "",
-            "" if law is None else f"a = {law.slope:.3f}, b = {law.intercept:.3g}, r = {law.correlation:.2f}",
         ]
+        if foreseen:
+            cells.append(f"{inside} of {left}" if left else "")
+            line = "" if law is None else f"a = {law.slope:.3f}, b = {law.intercept:.3g}, r = {law.correlation:.2f}"
+            cells.append(line)
         if asked_for:
             cells.append(
                 "" if changed is None else f"{changed[0]} of {changed[1]} (95 %: {changed[2]:.3f} to {changed[3]:.3f})"

@@ -15,22 +15,18 @@ from lawless import Events
 
 from truebreak.compare import compare
 from truebreak.compare import minimise as smallest
-from truebreak.compare.advice.goal import Digits, HistoryGoal, OutcomeGoal
 from truebreak.compare.comparison import studied
 from truebreak.compare.deadline import Clock
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.documents.sweep import sweep_json
 from truebreak.compare.engines import engine as engine_named
-from truebreak.compare.ensemble.rows.row import SweepJob, rows_of
-from truebreak.compare.ensemble.survival import summaries
-from truebreak.compare.ensemble.sweep import plan
+from truebreak.compare.grids.family_sweep import SweepJob, plan
+from truebreak.compare.grids.goals import Digits, HistoryGoal, OutcomeGoal
+from truebreak.compare.grids.stress_families import MapPlace
+from truebreak.compare.grids.stress_map import StressJob
+from truebreak.compare.grids.suite_file import Suite, Task, run_suite, since, suite_json
+from truebreak.compare.grids.survival import summaries
 from truebreak.compare.reduction.smallest import End
-from truebreak.compare.stress.family import MapPlace
-from truebreak.compare.stress.rows.cell import Job, row_of
-from truebreak.compare.suites.document import suite_json
-from truebreak.compare.suites.running import run_suite
-from truebreak.compare.suites.since import since
-from truebreak.compare.suites.suite import Suite, Task
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import SceneError, catalogue
 
@@ -45,19 +41,17 @@ def suite() -> Callable[[str], Suite]:
 
 def test_a_suite_says_which_cell_breaks_a_law(suite: Callable[[str], Suite]) -> None:
     right, wrong = run_suite(suite(HOME)), run_suite(suite(LAWLESS))
-    assert [cell.right for cell in right.cells] == [True]
-    (cell,) = wrong.cells
-    assert (wrong.verdict, wrong.lawless, cell.verdict, cell.right) == ("agree", 1, "agree", False)
-    assert cell.laws == {"kept": False, "told": "restitution 0.999 fits 3 of 3 impacts"}
+    assert [row.agrees for row in right.rows] == [True]
+    (row,) = wrong.rows
+    assert (wrong.verdict, wrong.lawless, row.verdict, row.agrees) == ("agree", 1, "agree", False)
+    assert row.laws == {"kept": False, "told": "restitution 0.999 fits 3 of 3 impacts"}
     for report in (right, wrong):
-        jsonschema.Draft202012Validator(schema("suite-1")).validate(suite_json(report, []))
-    earlier = json.loads(json.dumps(suite_json(right)))
-    (change,) = since(earlier, wrong)
+        jsonschema.Draft202012Validator(schema("suite-2")).validate(suite_json(report, []))
+    (change,) = since(right.rows, wrong)
     assert change.what == "laws"
     assert "breaks no law before, does not keep the law (restitution 0.999 fits 3 of 3 impacts) now" in change.sentence
-    jsonschema.Draft202012Validator(schema("suite-1")).validate(suite_json(wrong, [change]))
-    for old in earlier["cells"]:
-        del old["laws"]
+    jsonschema.Draft202012Validator(schema("suite-2")).validate(suite_json(wrong, [change]))
+    earlier = [replace(old, laws=None) for old in right.rows]
     assert [change.what for change in since(earlier, wrong)] == ["outcomes"], "nothing was audited before"
 
 
@@ -67,25 +61,25 @@ def test_a_suite_with_a_law_not_kept_exits_with_1(
 ) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(f'engines = ["mine={engine}"]\nevents = 3\n[[scene]]\nname = "gas:n=3"\n', "utf-8")
-    found, out, _ = said(capsys, "suite", str(path))
+    found, out, _ = said(capsys, "suite", str(path), "--jobs", "1")
     assert found == code
     assert told in " ".join(out.split())
 
 
 def test_a_row_of_a_sweep_says_whether_the_laws_are_kept() -> None:
     job = SweepJob(0, "gas:n=3", {}, (HOME, LAWLESS, "perturbed:1e-12"), events=3)
-    right, wrong, moved = rows_of(job)
-    assert (right["verdict"], right["laws"]) == ("agree", {"kept": True, "told": ""})
-    assert (wrong["verdict"], wrong["laws"]["kept"]) == ("agree", False)
-    assert wrong["laws"]["told"] == "restitution 0.999 fits 3 of 3 impacts"
-    assert moved["laws"] is None, "a displaced scene is another scene"
+    right, wrong, moved = job.rows()
+    assert (right.verdict, right.laws) == ("agree", {"kept": True, "told": ""})
+    assert (wrong.verdict, wrong.lawless) == ("agree", True)
+    assert (wrong.laws or {})["told"] == "restitution 0.999 fits 3 of 3 impacts"
+    assert moved.laws is None, "a displaced scene is another scene"
     counts = {summary.engine: summary.laws for summary in summaries([right, wrong, moved])}
     assert counts == {HOME: (1, 0, 0), LAWLESS: (0, 1, 0), "perturbed:1e-12": (0, 0, 0)}
     settings = plan("gas", ["n=3"], [HOME], events=3).settings
     told = sweep_json(settings, 1, summaries([right, wrong]), [], {})
-    jsonschema.Draft202012Validator(schema("sweep-1")).validate(told)
+    jsonschema.Draft202012Validator(schema("sweep-2")).validate(told)
     assert [engine["laws"]["not_kept"] for engine in told["engines"]] == [0, 1]
-    assert all(row["laws"] is None for row in rows_of(replace(job, audit=False)))
+    assert all(row.laws is None for row in replace(job, audit=False).rows())
 
 
 def test_a_sweep_may_leave_the_audit_out(capsys: pytest.CaptureFixture[str]) -> None:
@@ -96,12 +90,9 @@ def test_a_sweep_may_leave_the_audit_out(capsys: pytest.CaptureFixture[str]) -> 
 
 
 def test_a_place_of_the_map_where_a_law_is_broken_is_wrong() -> None:
-    row = row_of(Job(MapPlace("near-ties", 2, "left"), (HOME, LAWLESS)))
-    assert row["engines"][HOME] == {"mark": "right"}
-    wrong = row["engines"][LAWLESS]
-    assert (wrong["mark"], wrong["event"], wrong["laws"]["kept"]) == ("wrong", None, False)
-    places = schema("stress-1")["properties"]["places"]["items"]["properties"]["engines"]
-    jsonschema.Draft202012Validator(places).validate(row["engines"])
+    _, right, wrong = StressJob(0, MapPlace("near-ties", 2, "left"), (HOME, LAWLESS)).rows()
+    assert right.mark == "right"
+    assert (wrong.mark, wrong.event, wrong.lawless) == ("wrong", None, True)
 
 
 @pytest.mark.parametrize("goal", [HistoryGoal(3), OutcomeGoal("collisions", 3), Digits(1, 3)])

@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..arguments import completion
-from ..arguments.numbers import Whole
-from ..arguments.options import JSON, SCENE, SCENE_HELP, UNTIL, WithDefault, isolating, one_engine
-from ..exit_codes import DONE, ExitCode
+from .. import completion
+from ..options import JSON, SCENE, SCENE_HELP, UNTIL, Whole, WithDefault, isolating, one_engine
+from ..progress import DONE, ExitCode
 
 if TYPE_CHECKING:
-    from ...advice.goal import Goal
-    from ...advice.search import Searching
+    from ...grids.goals import Goal
+    from ...grids.setting_search import Searching
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -42,7 +41,7 @@ Exit codes:
 
 
 def _default_budget() -> str:
-    from ...advice.search import DEFAULT_BUDGET
+    from ...grids.setting_search import DEFAULT_BUDGET
 
     return f"{DEFAULT_BUDGET:,}"
 
@@ -108,14 +107,13 @@ def advise(
     Settings are tried from the cheapest up (pymunk: step and iterations; interval: bits) on the scene and on K scenes
     beside it, so that one that is right by luck is found out. Every cheaper one was run, and is wrong.
     """
-    from ...advice.found import End
-    from ...advice.search import DEFAULT_BUDGET
-    from ...advice.search import advise as search
     from ...documents.advice import advice_json, print_advice
-    from ...report.text.listing import print_json
+    from ...grids.setting_search import DEFAULT_BUDGET, End
+    from ...grids.setting_search import advise as search
+    from ...report.listing import print_json
     from ...scene_argument import scene_from
+    from ...writing import check_folder, write_whole
     from ..progress import showing_search
-    from ..writing import check_folder, write_whole
 
     if sum(given is not None for given in (outcome, digits, events)) > 1:
         raise click.UsageError("--outcome, --digits and --events are three different questions; ask one")
@@ -151,7 +149,7 @@ def advise(
 
 
 def _goal(outcome: str | None, digits: int | None, events: int | None) -> Goal:
-    from ...advice.goal import Digits, HistoryGoal, OutcomeGoal
+    from ...grids.goals import Digits, HistoryGoal, OutcomeGoal
 
     if outcome is not None:
         return OutcomeGoal(outcome)
@@ -161,7 +159,7 @@ def _goal(outcome: str | None, digits: int | None, events: int | None) -> Goal:
 def searched(state: Searching, seconds: float) -> str:
     """How far a search is.
 
-    >>> from truebreak.compare.advice.search import Searching
+    >>> from truebreak.compare.grids.setting_search import Searching
     >>> searched(Searching(3_000_000, 30_000_000, "pymunk:dt=1/64", "perturbed 2"), 6.0)
     'pymunk:dt=1/64 on perturbed 2; 3,000,000 of at most 30,000,000 units, 500,000 a second, at most 54 s left'
     """

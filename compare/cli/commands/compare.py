@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..arguments.examples import examples
-from ..arguments.options import SCENE, HeldAgainst, a_file, held_against, some_engines
-from ..exit_codes import DONE, of_comparison
+from ..options import SCENE, HeldAgainst, a_file, examples, held_against, some_engines
+from ..progress import DONE, of_comparison
 
 
 @click.command(epilog=examples("compare"))
@@ -17,8 +16,11 @@ from ..exit_codes import DONE, of_comparison
 )
 @held_against
 @a_file("--save", help="Also save the comparison with its runs, for `truebreak.load_comparison`.")
+@click.option(
+    "--bits", is_flag=True, help="Find how many bits lead to the end where enclosures are too wide to decide."
+)
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
-def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_zero: bool) -> int:
+def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits: bool, exit_zero: bool) -> int:
     """Run a scene in several engines: do they tell the same history?
 
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
@@ -29,10 +31,10 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
     from ...comparison import compare as compare_engines
     from ...documents.comparison import comparison_json
     from ...engines import split_engines
-    from ...report.text.listing import print_json
-    from ...report.text.terminal import print_comparison
+    from ...report.listing import print_json
+    from ...report.terminal import print_comparison
+    from ...writing import check_writable, write_whole
     from ..progress import goal_of, showing_progress
-    from ..writing import check_writable, write_whole
 
     loaded = held.scene(scene)
     for file in (held.html, save):
@@ -47,6 +49,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
             until=held.until,
             events=held.events,
             reference=held.engine(),
+            bits=bits,
             max_seconds=held.max_seconds,
             progress=progress,
         )
@@ -54,7 +57,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
         comparison = with_certificates(comparison)
     if held.html is not None:
         from ...report.html import html_report
-        from ..retold import command_of
+        from ..options import command_of
 
         write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
     if save is not None:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import click
 
-from ..arguments.numbers import Whole
-from ..arguments.options import JSON, WithDefault, a_file, isolating, some_engines
-from ..exit_codes import DONE, ExitCode
-from ..progress import duration, showing
+from ..options import JSON, Whole, WithDefault, a_file, isolating, some_engines
+from ..progress import DONE, ExitCode
+from .sweep import came_to_nothing, showing_done
 
 if TYPE_CHECKING:
-    from ...stress.plan import Done
-    from ...stress.rows.cell import StressRow
+    from ...grids.row import Row
 
 EPILOG = """
 \b
@@ -24,7 +21,7 @@ Examples:
   truebreak stress near-ties --engines double,quad        one of them
   truebreak stress near-ties --show 16 --side left > scene.toml
   truebreak compare scene.toml --engines double     by an independent call
-  truebreak stress --store map.jsonl --svg map.svg  all of them; it resumes
+  truebreak stress --store map.db --svg map.svg  all of them; it resumes
   truebreak stress grazes --levels 60..64 --engines quad
 
 \b
@@ -37,7 +34,7 @@ Exit codes:
 
 
 def _default_engines() -> str:
-    from ...stress.plan import DEFAULT_ENGINES
+    from ...grids.stress_map import DEFAULT_ENGINES
 
     return ",".join(DEFAULT_ENGINES)
 
@@ -45,13 +42,13 @@ def _default_engines() -> str:
 @click.command(epilog=EPILOG)
 @click.argument("families", metavar="[FAMILY]...", nargs=-1)
 @some_engines(
-    "What to hold against the exact engine, which is always in the map", None, cls=WithDefault, told=_default_engines
+    "What to compare with the exact engine, which is always in the map", None, cls=WithDefault, told=_default_engines
 )
 @click.option("--levels", metavar="LOW..HIGH", help="The k of every family; else each family's own.")
 @click.option("--short", is_flag=True, help="Only four of each family's own levels.")
-@a_file("--store", help="Keep the rows in this file, and resume from it.")
+@a_file("--store", help="Keep the rows in this SQLite file, and resume from it.")
 @a_file("--svg", help="Also write the map as a picture.")
-@click.option("--jobs", type=Whole(1), default=1, show_default=True, metavar="N", help="Worker processes.")
+@click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
 @click.option("--list", "listed", is_flag=True, help="List the families.")
 @click.option("--show", type=Whole(), metavar="K", help="Print the scene of one place (TOML), and run nothing.")
 @click.option("--side", metavar="NAME", help="For --show: which of the family's variants; else its first.")
@@ -65,7 +62,7 @@ def stress(
     short: bool,
     store: str | None,
     svg: str | None,
-    jobs: int,
+    jobs: int | None,
     listed: bool,
     show: int | None,
     side: str | None,
@@ -74,17 +71,17 @@ def stress(
 ) -> int:
     """Find where on ever harder scenes each engine turns wrong.
 
-    A family is a row of scenes, k = 1, 2, 3..., such as two collisions 10**-k apart. Each engine is held against the
+    A family is a row of scenes, k = 1, 2, 3..., such as two collisions 10**-k apart. Each engine is compared with the
     certified run of each of them, and that run is proved again by the checker of certificates, which shares nothing
     with the engines.
     """
     from ...documents.stress import print_stress, stress_json
     from ...engines import split_engines
-    from ...report.text.listing import print_json
-    from ...stress.ladder import ladders
-    from ...stress.plan import DEFAULT_ENGINES, carry_out, plan
-    from ...stress.store import Store
-    from ..writing import check_writable, write_whole
+    from ...grids.grid import carry_out
+    from ...grids.store import Store
+    from ...grids.stress_map import DEFAULT_ENGINES, ladders, stress_plan
+    from ...report.listing import print_json
+    from ...writing import check_writable, write_whole
 
     if listed:
         _list()
@@ -96,27 +93,30 @@ def stress(
         return DONE
     if side is not None or seed is not None:
         raise click.UsageError("--side and --seed say which scene to --show; add --show K")
-    asked = plan(families, DEFAULT_ENGINES if engines is None else split_engines(engines), levels=levels, short=short)
+    asked = stress_plan(
+        families, DEFAULT_ENGINES if engines is None else split_engines(engines), levels=levels, short=short
+    )
     for path in filter(None, (store, svg)):
         check_writable(path)
-    with _showing() as progress:
-        kept = Store(store, asked.settings, list(asked.places()))
-        rows = carry_out(asked, kept, jobs=jobs, progress=progress)
+    rows = Store(store or ":memory:", asked.settings)
+    with showing_done("stress", "places") as progress:
+        carry_out(asked, rows, jobs=jobs, progress=progress)
+    rows.verify()
     told = ladders(rows, asked.engines)
     if svg is not None:
         from ...report.pictures.heat_map import heat_map
 
         write_whole(svg, heat_map(asked.families, told, "Where each engine's answer turns wrong"))
     if as_json:
-        print_json(stress_json(kept.settings, rows, told))
+        print_json(stress_json(rows.settings, rows, told))
     else:
         print_stress(rows, told)
-    return code_of(rows)
+    return max(code_of(rows), came_to_nothing(rows))
 
 
-def code_of(rows: Sequence[StressRow]) -> ExitCode:
+def code_of(rows: Iterable[Row]) -> ExitCode:
     """1 if the exact engine is refuted anywhere, 4 if it is undecided or unchecked anywhere, else 0."""
-    marks = {row["exact"]["mark"] for row in rows}
+    marks = {row.mark for row in rows if row.engine == "exact"}
     if "wrong" in marks:
         return ExitCode.DIVERGED
     return ExitCode.DONE if marks <= {"right"} else ExitCode.UNDECIDED
@@ -124,12 +124,11 @@ def code_of(rows: Sequence[StressRow]) -> ExitCode:
 
 def _list() -> None:
     """The families, what happens in each, and what k is."""
-    from ...report.text.output import console, grid
-    from ...stress.table import FAMILIES, family
+    from ...grids.stress_families import FAMILIES
+    from ...report.output import console, grid
 
     table = grid("family", "what happens", "k", "scenes", whole=("family",))
-    for name in FAMILIES:
-        one = family(name)
+    for name, one in FAMILIES.items():
         seeds = "" if one.seeds == (0,) else f"; seeds {', '.join(map(str, one.seeds))}"
         told = f"{one.first} to {one.last} (at most {one.most}): {one.grows}"
         table.add_row(name, one.summary, told, f"{', '.join(one.sides)}{seeds}")
@@ -139,30 +138,9 @@ def _list() -> None:
 def _show(families: Sequence[str], k: int, side: str | None, seed: int | None) -> None:
     """The scene of one place, as a file."""
     from ....scenarios.files import dump_toml
-    from ...stress.table import family
+    from ...grids.stress_families import stress_family
 
     if len(families) != 1:
         raise click.UsageError("--show prints one scene; name one family")
-    one = family(families[0])
+    one = stress_family(families[0])
     click.echo(dump_toml(one.scene(one.place(k, side, seed))).rstrip())
-
-
-@contextmanager
-def _showing() -> Iterator[Callable[[Done], None] | None]:
-    """A line on stderr with the rate and the time left; None, and no output, where stderr is not a terminal."""
-    with showing("stress") as show:
-        yield None if show is None else lambda done: show(how_far(done))
-
-
-def how_far(done: Done) -> str:
-    """How far a map is.
-
-    >>> from truebreak.compare.stress.family import MapPlace
-    >>> from truebreak.compare.stress.plan import Done
-    >>> how_far(Done(30, 80, 12.0, 20, MapPlace("near-ties", 7, "left")))
-    'stress: near-ties, left, k = 7: 30 of 80 places, 1.67 a second, 30 s left'
-    """
-    rate = f", {done.fresh / done.seconds:.3g} a second" if done.seconds else ""
-    left = "" if done.left is None else f", {duration(done.left)} left"
-    where = f"{done.place.family}, {done.place.lane}, k = {done.place.k}"
-    return f"stress: {where}: {done.there:,} of {done.wanted:,} places{rate}{left}"

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..arguments import completion
-from ..arguments.numbers import Whole
-from ..arguments.options import EVENTS, JSON, SCENE_HELP, WORK, a_file, isolating, some_engines
-from ..exit_codes import DONE, ExitCode
-from ..progress import duration, showing
+from .. import completion
+from ..options import EVENTS, JSON, SCENE_HELP, WORK, Whole, a_file, isolating, some_engines
+from ..progress import DONE, ExitCode, duration, showing
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from ...ensemble.sweep import Done
+    from ...grids.grid import Done
+    from ...grids.store import Store
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -45,7 +44,7 @@ ended it.
     metavar="KEY=VALUES",
     help="A parameter of the scene: n=3..20, seed=0..90:10 or gap=0,1/10. Several make a grid.",
 )
-@some_engines("What to hold against the truth.", "double")
+@some_engines("What to compare with the certified runs.", "double")
 @click.option(
     "--perturb",
     multiple=True,
@@ -62,8 +61,9 @@ ended it.
     "--causes", is_flag=True, help="Also find out why each engine diverged, by experiment: many times the work."
 )
 @click.option(
-    "--no-audit", is_flag=True, help="Do not audit the steps of each run: whether the laws are kept is then not told."
+    "--no-audit", is_flag=True, help="Do not audit the steps of each run: whether the laws are kept is then not known."
 )
+@click.option("--forecast", is_flag=True, help="Also predict when each engine diverges: several times the work.")
 @EVENTS
 @WORK
 @a_file("--store", multiple=True, help="Keep the rows in this SQLite file, and resume from it.")
@@ -88,6 +88,7 @@ def sweep(
     outcome: tuple[str, ...],
     causes: bool,
     no_audit: bool,
+    forecast: bool,
     events: int | None,
     work: int | None,
     store: tuple[str, ...],
@@ -99,21 +100,20 @@ def sweep(
     yes: bool,
     as_json: bool,
 ) -> int:
-    """Hold engines against the truth for a whole family of scenes.
+    """Compare engines with the certified runs of a whole family of scenes.
 
-    Each scene runs in a worker process; each engine only until it leaves the history. Rows go into the store as soon
+    Each scene runs in a worker process; each engine only until it diverges. Rows go into the store as soon
     as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.
     """
     from ...documents.sweep import print_sweep, sweep_json
     from ...engines import split_engines
-    from ...ensemble.rows.store import Store, merged
-    from ...ensemble.rows.table import csv_text
-    from ...ensemble.survival import summaries
-    from ...ensemble.sweep import plan, run
-    from ...ensemble.uncertainty import uncertainty
+    from ...grids.family_sweep import csv_parts, plan
+    from ...grids.grid import carry_out
+    from ...grids.store import Store, merged
+    from ...grids.survival import summaries, uncertainty
+    from ...report.listing import print_json
     from ...report.pictures.sweep_plots import survival_svg
-    from ...report.text.listing import print_json
-    from ..writing import check_writable, write_whole
+    from ...writing import check_writable, write_whole
 
     for file in (csv_file, svg):
         if file not in (None, "-"):
@@ -125,44 +125,49 @@ def sweep(
     if scene is None:
         if not store:
             raise click.UsageError("nothing to do: give a SCENE to run, or a --store to read")
-        rows, settings, failures = merged(store)
-        _tell_missing(settings, rows)
+        rows = merged(store)
+        _tell_missing(rows)
     else:
         if len(store) > 1:
             raise click.UsageError("several stores can be read, and one be written to; give one --store")
         asked = plan(scene, vary, split_engines(engines), events=events, perturb=perturb, outcomes=outcome,
-                     causes=causes, work=work, shard=shard, audit=not no_audit)  # fmt: skip
+                     causes=causes, work=work, shard=shard, audit=not no_audit, forecast=forecast)  # fmt: skip
         _ask(len(asked.family), yes)
-        base = Store(store[0] if store else ":memory:", asked.settings)
-        with _workers(executor_text, jobs) as (executor, count), _showing(asked.family.scene) as show:
-            run(asked, base, jobs=count, executor=executor, progress=show)
-        rows, settings, failures = list(base.rows()), base.settings, base.failures()
-        base.close()
+        rows = Store(store[0] if store else ":memory:", asked.settings)
+        with _workers(executor_text, jobs) as (executor, count), showing_done(asked.family.scene, "scenes") as show:
+            carry_out(asked, rows, jobs=count, executor=executor, progress=show)
+        rows.verify()
+    settings = rows.settings
     keys = [text.partition("=")[0] for text in settings["vary"]]
-    scenes = len({row["index"] for row in rows})
     if csv_file == "-":
-        sys.stdout.write(csv_text(rows, keys))
+        sys.stdout.writelines(csv_parts(rows, keys))
     elif csv_file is not None:
-        write_whole(csv_file, csv_text(rows, keys))
+        write_whole(csv_file, csv_parts(rows, keys))
+    told = summaries(rows) if svg is not None or as_json or csv_file != "-" else []
     if svg is not None:
-        write_whole(svg, survival_svg(summaries(rows)))
+        write_whole(svg, survival_svg(told))
     unsure = {name: uncertainty(rows, name) for name in settings["outcomes"] if _displaced(settings)}
     if as_json:
-        print_json(sweep_json(settings, scenes, summaries(rows), failures, unsure))
+        print_json(sweep_json(settings, rows.scenes, told, rows.failures(), unsure))
     elif csv_file != "-":
-        print_sweep(settings, scenes, summaries(rows), unsure)
-    there = {row["index"] for row in rows}
-    for index, attempt, note in failures:
-        after = "; another attempt was done" if index in there else ""
+        print_sweep(settings, rows.scenes, told, unsure)
+    return came_to_nothing(rows)
+
+
+def came_to_nothing(rows: Store) -> int:
+    """Says on stderr which attempts came to nothing; the exit code is 4 if a scene has no rows for that."""
+    undone = {scene for scene, _, _ in rows.failures(undone=True)}
+    for index, attempt, note in rows.failures():
+        after = "" if index in undone else "; another attempt was done"
         click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}", err=True)
-    return ExitCode.UNDECIDED if any(index not in there for index, _, _ in failures) else DONE
+    return ExitCode.UNDECIDED if undone else DONE
 
 
-def _tell_missing(settings: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]) -> None:
+def _tell_missing(rows: Store) -> None:
     """Says on stderr how many scenes of a sweep are not in the stores that are read."""
-    from ...ensemble.family import family
+    from ...grids.scene_family import family
 
-    wanted, there = len(family(settings["scene"], settings["vary"])), len({row["index"] for row in rows})
+    wanted, there = len(family(rows.settings["scene"], rows.settings["vary"])), rows.scenes
     if there < wanted:
         click.echo(f"truebreak: {there:,} of {wanted:,} scenes are there; the others are in another shard's store, or "
                    "not done yet", err=True)  # fmt: skip
@@ -170,7 +175,7 @@ def _tell_missing(settings: Mapping[str, Any], rows: Sequence[Mapping[str, Any]]
 
 def _displaced(settings: Mapping[str, Any]) -> bool:
     """Whether a sweep displaces its scenes."""
-    from ...ensemble.rows.row import PERTURBED
+    from ...grids.family_sweep import PERTURBED
 
     return any(label.startswith(PERTURBED) for label in settings["engines"])
 
@@ -181,7 +186,7 @@ def _ask(scenes: int, yes: bool) -> None:
     Raises:
         UsageError: where nobody is there to answer, or the answer is no.
     """
-    from ...ensemble.sweep import ASK_FIRST
+    from ...grids.family_sweep import ASK_FIRST
 
     if scenes <= ASK_FIRST or yes:
         return
@@ -195,21 +200,27 @@ def _workers(text: str | None, jobs: int | None) -> Iterator[tuple[Executor | No
     if text is None:
         yield None, jobs
         return
-    from ...ensemble.executors import executor_named
+    from ...grids.executors import executor_named
 
     with executor_named(text) as found:
         yield found
 
 
 @contextmanager
-def _showing(title: str) -> Iterator[Callable[[Done], None] | None]:
+def showing_done(title: str, what: str) -> Iterator[Callable[[Done], None] | None]:
     """A line on stderr with the rate and the time left; None, and no output, where stderr is not a terminal."""
     with showing(title) as show:
+        yield None if show is None else lambda done: show(how_far(title, what, done))
 
-        def told(done: Done) -> str:
-            rate = done.fresh / done.seconds if done.seconds else 0.0
-            left = "" if done.left is None else f", {duration(done.left)} left"
-            failed = f", {done.failed} failed" if done.failed else ""
-            return f"{title}: {done.there:,} of {done.wanted:,} scenes, {rate:.1f} a second{left}{failed}"
 
-        yield None if show is None else lambda done: show(told(done))
+def how_far(title: str, what: str, done: Done) -> str:
+    """How far a grid is.
+
+    >>> from truebreak.compare.grids.grid import Done
+    >>> how_far("gas", "scenes", Done(30, 80, 1, 12.0, 20, "gas:seed=7"))
+    'gas: 30 of 80 scenes, 1.67 a second, 29 s left, 1 failed; last: gas:seed=7'
+    """
+    rate = f", {done.fresh / done.seconds:.3g} a second" if done.seconds else ""
+    left = "" if done.left is None else f", {duration(done.left)} left"
+    failed = f", {done.failed} failed" if done.failed else ""
+    return f"{title}: {done.there:,} of {done.wanted:,} {what}{rate}{left}{failed}; last: {done.label}"

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from html import escape
 from itertools import groupby
 
-from ...stress.family import Family
-from ...stress.ladder import Ladder
-from ...stress.rows.marks import MapMark
+from ...grids.stress_families import StressFamily
+from ...grids.stress_map import Ladder, MapMark
 
 CELL, ROW, LETTER = 15, 18, 8
 """Width and height of a cell, and the room granted to one letter of 12 pixels, all in pixels: fixed-width letters of
@@ -42,7 +41,7 @@ LETTERS = {mark: mark.sign for mark in MapMark} | {MapMark.RIGHT: "·", MapMark.
 """What stands in a cell, so that no mark is told by its colour alone."""
 
 
-def heat_map(families: Sequence[Family], ladders: Sequence[Ladder], title: str) -> str:
+def heat_map(families: Sequence[StressFamily], ladders: Sequence[Ladder], title: str) -> str:
     """The map as one SVG document.
 
     Args:
@@ -118,7 +117,7 @@ class _Sheet:
                 self.y += ROW
         self.y += ROW // 2
 
-    def block(self, family: Family, ladders: Sequence[Ladder]) -> None:
+    def block(self, family: StressFamily, ladders: Sequence[Ladder]) -> None:
         """One family: what it is, the k, and a row for each engine and lane."""
         self.y += ROW // 2
         self.text(EDGE, family.name, "title")

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from .curves import Curve, plot
-from .engine_style import REFERENCE, plain_css
+from ..curves import Curve, plot
+from ..picture import REFERENCE, plain_css
 
 if TYPE_CHECKING:
-    from ...ensemble.rows.row import SweepRow
-    from ...ensemble.survival import Step, Summary
+    from ...grids.row import Row
+    from ...grids.survival import Step, Summary
 
 STYLE = f"""<style>
 svg {{ background: #fff; font: 12px sans-serif; }} .gridline {{ stroke: #ddd; }}
@@ -22,7 +22,7 @@ svg {{ background: #fff; font: 12px sans-serif; }} .gridline {{ stroke: #ddd; }}
 def staircase(steps: Sequence[Step]) -> list[tuple[float, float]]:
     """The corners of a survival curve, from all at event 0 down.
 
-    >>> from truebreak.compare.ensemble.survival import survival
+    >>> from truebreak.compare.grids.survival import survival
     >>> staircase(survival([(2, True), (5, False)]))
     [(0.0, 1.0), (2.0, 1.0), (2.0, 0.5)]
     """
@@ -33,12 +33,21 @@ def staircase(steps: Sequence[Step]) -> list[tuple[float, float]]:
     return points
 
 
-def law_points(rows: Iterable[SweepRow]) -> dict[str, list[tuple[float, float]]]:
-    """For each engine (ln(1/eps)/lambda, time of divergence) of every scene for which both are told."""
+MOST_POINTS = 5_000
+"""Points of one engine in a picture; of more scenes, every so manyth is drawn."""
+
+
+def law_points(rows: Iterable[Row]) -> dict[str, list[tuple[float, float]]]:
+    """For each engine (ln(1/eps)/lambda, time of divergence) of every scene for which both are known, or of a share."""
+    from ...grids.survival import stored
+
+    store = stored(rows)
+    asked = "FROM rows WHERE event IS NOT NULL AND by_exponent IS NOT NULL"
     found: dict[str, list[tuple[float, float]]] = {}
-    for row in rows:
-        if row["event"] is not None and row["by_exponent"] is not None:
-            found.setdefault(row["engine"], []).append((row["by_exponent"], row["at"]))
+    for engine, count in store.sql(f"SELECT engine, count(*) {asked} GROUP BY engine ORDER BY min(place), min(job)"):
+        each = -(-count // MOST_POINTS)
+        points = f"SELECT by_exponent, at {asked} AND engine = ? AND job % ? = 0 ORDER BY job"
+        found[engine] = store.sql(points, engine, each)
     return found
 
 
@@ -50,13 +59,13 @@ def standalone(svg: str, engines: int = 0) -> str:
 
 
 def survival_svg(told: Sequence[Summary]) -> str:
-    """The share of scenes whose history is still true, over events, an engine a curve."""
+    """The share of scenes whose history still agrees, over events, an engine a curve."""
     curves = [Curve(summary.engine, staircase(summary.survival), f"e{k}") for k, summary in enumerate(told)]
-    return standalone(plot("Share of scenes whose history is still true", "event", "share", curves), len(told))
+    return standalone(plot("Share of scenes whose history still agrees", "event", "share", curves), len(told))
 
 
-def law_svg(rows: Iterable[SweepRow], told: Sequence[Summary]) -> str:
-    """The time at which each scene's history was left over ln(1/eps)/lambda, with each engine's fitted line."""
+def law_svg(rows: Iterable[Row], told: Sequence[Summary]) -> str:
+    """The time of each scene's divergence over ln(1/eps)/lambda, with each engine's fitted line."""
     clouds = law_points(rows)
     engines = dict.fromkeys([*(summary.engine for summary in told), *clouds])
     styles = {engine: f"e{k}" for k, engine in enumerate(engines)}

@@ -15,13 +15,13 @@ from certificate.checkers import TOOLS, both_verify, by_program
 from certificate.samples import built, coincidence, rows, samples, there_and_back
 from truebreak.compare.certificate import CertificateError, certificate_json, certificate_of
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.stress import table
+from truebreak.compare.grids.stress_families import stress_family
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Scene, Wall
 from truebreak.tools.verify import verdict
 
-LINES, COLUMNS = 539, 100
+LINES, COLUMNS = 480, 100
 """Most lines of the checker, which is to be read in an hour: it may lose some, and not gain any."""
 
 ORDINARY = 120
@@ -128,7 +128,7 @@ def test_numbers_of_thousands_of_digits(tmp_path: Path) -> None:
     ],
 )
 def test_numbers_of_every_size(family: str, k: int, tmp_path: Path) -> None:
-    one = table.family(family)
+    one = stress_family(family)
     told = {side: certificate_of(ExactEngine().run(one.scene(one.place(k, side)))) for side in one.sides}
     both_verify(told.items(), tmp_path)
 

@@ -21,7 +21,7 @@ from test_interruption import ENDLESS, assert_beginning, endless, finished, pati
 
 from truebreak.compare import compare, trajectory_json
 from truebreak.compare.deadline import uninterrupted
-from truebreak.compare.ensemble.rows.store import Store
+from truebreak.compare.grids.store import Store
 from truebreak.compare.saved.run_file import load_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.exact_engine import DEFAULT_WORK
@@ -116,7 +116,7 @@ def test_a_signal_keeps_the_rows_of_a_sweep(tmp_path: Path) -> None:
 def rows_in(store: Path) -> list[Any]:
     """What a sweep has kept by now; nothing while it makes its store."""
     try:
-        return list(Store(str(store), None).rows())
+        return list(Store(str(store)))
     except SceneError:
         return []
 

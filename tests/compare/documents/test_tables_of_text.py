@@ -11,8 +11,8 @@ import pytest
 from command_line import said
 
 import truebreak as tb
-from truebreak.compare.ensemble.rows.row import COLUMNS
-from truebreak.compare.ensemble.rows.table import csv_text
+from truebreak.compare.grids.family_sweep import csv_parts
+from truebreak.compare.grids.row import Row
 from truebreak.scenarios.errors import printable
 
 EVIL = ("=1+1", "@SUM(A1)", "+cmd|' /C calc'!A0", "-2+3+cmd|' /C calc'!A0")
@@ -26,10 +26,8 @@ def test_a_name_is_no_formula_in_csv(name: str, tmp_path: Path, capsys: pytest.C
     for what in ("events", "states"):
         for row in csv.reader(io.StringIO(tb.table(tb.run(scene), what).csv())):
             assert not any(cell.startswith(("=", "@", "+")) or cell.startswith("-2+3") for cell in row)
-    row = {**dict.fromkeys(COLUMNS), "parameters": {"n": name}, "engine": name}
-    assert all(
-        cell in ("", f"'{name}") for cell in next(csv.reader(io.StringIO(csv_text([row], ["n"]).splitlines()[1])))
-    )
+    lines = list(csv_parts([Row(0, name, name, parameters={"n": name})], ["n"]))
+    assert set(next(csv.reader(io.StringIO(lines[1])))) == {"0", "", "undecided", f"'{name}"}
     path = tmp_path / "x.json"
     path.write_text(json.dumps(scene.data()), encoding="utf-8")
     code, out, err = said(capsys, "export", str(path), "--floats", "--csv")

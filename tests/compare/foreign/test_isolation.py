@@ -18,7 +18,7 @@ import pytest
 from command_line import done
 
 import truebreak as tb
-from truebreak.compare.cli.group import PLACES, Commands
+from truebreak.compare.cli.entry import PLACES, Commands
 from truebreak.compare.deadline import Clock, OutOfTime, time_limit
 from truebreak.compare.foreign import RecordedEngine, isolation
 from truebreak.compare.foreign.guard import run_guarded
@@ -351,9 +351,9 @@ DOORS = {
     "judge": ["compare", "galperin:n=0", "--engines", "double", "--reference", "hostile:Leaves"],
     "minimise": ["minimise", "galperin:n=0", "--engine", "hostile:Leaves"],
     "shadow": ["shadow", "gas:n=3", "--events", "3", "--engine", "hostile:Leaves"],
-    "stress": ["stress", "near-ties", "--levels", "3..4", "--engines", "hostile:Leaves"],
+    "stress": ["stress", "near-ties", "--levels", "3..4", "--engines", "hostile:Leaves", "--jobs", "1"],
     "advise": ["advise", "galperin:n=0", "--engine", "hostile:Leaves"],
-    "suite": ["suite", "suite.toml"],
+    "suite": ["suite", "suite.toml", "--jobs", "1"],
     "sweep": ["sweep", "galperin", "--vary", "n=0..0", "--engines", "hostile:Leaves", "--jobs", "1"],
 }
 

@@ -13,21 +13,20 @@ import pytest
 from command_line import said
 
 from truebreak.compare import compare
-from truebreak.compare.advice.goal import OutcomeGoal
 from truebreak.compare.comparison import Comparison, studied
 from truebreak.compare.deadline import Clock
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.ensemble.rows.perturbed import Perturbed
-from truebreak.compare.ensemble.rows.row import SweepJob, rows_of
 from truebreak.compare.foreign import LogEngine, Recording
 from truebreak.compare.foreign.change import changes_of
-from truebreak.compare.report.html import html_report
-from truebreak.compare.report.page.outcome_tables import changed, kept
+from truebreak.compare.grids.family_sweep import SweepJob
+from truebreak.compare.grids.goals import OutcomeGoal
+from truebreak.compare.grids.row import compared
+from truebreak.compare.grids.scene_family import Perturbed
+from truebreak.compare.report.grid_tables import outcome_words
+from truebreak.compare.report.html import changed, html_report, kept
 from truebreak.compare.report.sentences import consequence_phrase
-from truebreak.compare.report.text.terminal import changed_text
-from truebreak.compare.suites.cell import cell_of
-from truebreak.compare.suites.shown import outcome
+from truebreak.compare.report.terminal import changed_text
 from truebreak.compare.testing.check import CheckFailed, check
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
@@ -181,8 +180,9 @@ def test_an_engine_that_left_a_history_with_an_end_is_taken_on_to_its_own() -> N
     (near,) = compare(scene, [Perturbed(Quantity.of("1/3"), 18)], causes=False).candidates
     assert (near.verdict, near.until) == ("diverged", None)
     assert (near.expected["collisions"], near.outcomes["collisions"]) == (0, 9)
-    (row,) = rows_of(SweepJob(18, "three-disc:distance=5/2,seed=19", {}, ("perturbed:1/3",), outcomes=("collisions",)))
-    assert (row["events"], row["verdict"], row["changed"]) == (0, "diverged", ["collisions"])
+    job = SweepJob(18, "three-disc:distance=5/2,seed=19", {}, ("perturbed:1/3",), outcomes=("collisions",))
+    (row,) = job.rows()
+    assert (row.events, row.verdict, row.changed) == (0, "diverged", ["collisions"])
 
 
 @pytest.mark.parametrize(("step", "times"), [(None, [1, 4, 16]), (1 / 64, [1, 4])])
@@ -229,9 +229,9 @@ def test_the_page_holds_no_outcome_of_a_part_to_be_kept() -> None:
 def test_a_suite_and_advice_tell_no_outcome_of_a_part() -> None:
     log = logged(HITS[:120])
     study = studied(GAS, ExactEngine(), Clock(None), None, 200)
-    cell = cell_of(study, held(120)["log"], "gas:n=4")
-    assert outcome(cell) == "not told"
-    assert outcome(replace(cell, until=None)) == "wrong"
+    row = compared(study, held(120)["log"], 0, "gas:n=4")
+    assert outcome_words(row) == "not known"
+    assert outcome_words(replace(row, until=None)) == "wrong"
     judged = OutcomeGoal("collisions").judge(study, "log", log)
     assert not judged.right
     assert judged.told.startswith("stops at t = 196.087: the record ends")
@@ -239,10 +239,10 @@ def test_a_suite_and_advice_tell_no_outcome_of_a_part() -> None:
 
 def test_a_sweep_tells_no_outcome_of_a_part(monkeypatch: pytest.MonkeyPatch) -> None:
     for hits, told in ((120, None), (260, ["collisions"])):
-        monkeypatch.setattr("truebreak.compare.ensemble.rows.row.engine_of", lambda label, seed: log)  # noqa: B023
+        monkeypatch.setattr("truebreak.compare.grids.family_sweep.engine_of", lambda label, seed: log)  # noqa: B023
         log = logged(HITS[:hits])
-        (row,) = rows_of(SweepJob(0, "gas:n=4", {}, ("log",), 200, ("collisions",)))
-        assert (row["verdict"], row["changed"]) == ("diverged", told)
+        (row,) = SweepJob(0, "gas:n=4", {}, ("log",), 200, ("collisions",)).rows()
+        assert (row.verdict, row.changed) == ("diverged", told)
 
 
 def test_two_logs_of_other_ends_are_not_held_against_each_other() -> None:

@@ -8,10 +8,9 @@ from pathlib import Path
 import pytest
 from browser import Browser, found
 
+from truebreak.compare.grids.stress_families import stress_family
+from truebreak.compare.grids.stress_map import Ladder, MapMark
 from truebreak.compare.report.pictures.heat_map import DARK, LIGHT, heat_map
-from truebreak.compare.stress.ladder import Ladder
-from truebreak.compare.stress.rows.marks import MapMark
-from truebreak.compare.stress.table import family
 
 pytestmark = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 
@@ -38,7 +37,9 @@ def many(levels: int, engine: str) -> str:
     marks = tuple(list(MapMark)[k % len(MapMark)] for k in range(levels))
     lanes = [("near-ties", "left", 0), ("near-ties", "right", 0), ("scaled", "down", 2)]
     told = [Ladder(*lane, engine, tuple(range(1, levels + 1)), marks) for lane in lanes]
-    return heat_map([family("near-ties"), family("scaled")], told, "Where each engine's answer turns wrong")
+    return heat_map(
+        [stress_family("near-ties"), stress_family("scaled")], told, "Where each engine's answer turns wrong"
+    )
 
 
 @pytest.mark.parametrize("levels", [2, 40, 130])

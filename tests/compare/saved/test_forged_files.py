@@ -14,14 +14,11 @@ from mutated import mutated
 
 import truebreak as tb
 from truebreak.compare import compare
+from truebreak.compare.grids.suite_file import parsed_suite, read_report, run_suite, since, suite_json
+from truebreak.compare.report.grid_tables import print_suite
 from truebreak.compare.saved.comparisons import comparison_of, saved_comparison
 from truebreak.compare.saved.going_on import GoingOn
 from truebreak.compare.saved.run_file import run_of, saved_run
-from truebreak.compare.suites.document import suite_json
-from truebreak.compare.suites.running import run_suite
-from truebreak.compare.suites.shown import print_suite
-from truebreak.compare.suites.since import read_report, since
-from truebreak.compare.suites.suite import parsed_suite
 from truebreak.scenarios import SceneError, catalogue
 from truebreak.scenarios.disk import digest
 
@@ -157,7 +154,7 @@ def test_a_forged_report_of_a_suite_is_refused_or_compared(tmp_path: Path, capsy
         told, data = mutated(json.loads(json.dumps(suite_json(report))), seed)
         file.write_text(json.dumps(data), encoding="utf-8")
         try:
-            print_suite(report, since(read_report(str(file)), report))
+            print_suite(report, since(read_report(str(file))[1], report))
         except SceneError as error:
             refused += 1
             assert "earlier.json" in str(error), told

@@ -17,18 +17,12 @@ from typing import Any
 import pytest
 
 import truebreak as tb
-from truebreak.compare.ensemble.rows.row import rows_of
-from truebreak.compare.ensemble.rows.store import Store as SweepStore
-from truebreak.compare.ensemble.rows.table import csv_text
-from truebreak.compare.ensemble.sweep import plan as sweep_plan
+from truebreak.compare.grids.family_sweep import csv_parts
+from truebreak.compare.grids.family_sweep import plan as sweep_plan
+from truebreak.compare.grids.store import Store, merged
 from truebreak.compare.saved import cache
 from truebreak.compare.saved.comparisons import save_comparison
 from truebreak.compare.saved.runs import save_run
-from truebreak.compare.stress.plan import carry_out
-from truebreak.compare.stress.plan import plan as stress_plan
-from truebreak.compare.stress.store import Store as StressStore
-from truebreak.compare.suites.survey import survey
-from truebreak.compare.suites.surveys.survey_store import SurveyStore, survey_settings
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.disk import UNFINISHED, Lines
 
@@ -56,41 +50,18 @@ class Kept:
 @pytest.fixture(scope="module")
 def kinds() -> dict[str, Kept]:
     asked = sweep_plan("gas:n=3", ["seed=1..12"], ["single"], events=5)
-    rows = [rows_of(asked.job(k)) for k in range(12)]
+    rows = [asked.job(k).rows() for k in range(12)]
 
     def sweep(path: Path) -> None:
-        store = SweepStore(str(path), asked.settings)
+        store = Store(str(path), asked.settings)
         try:
-            for k in sorted(set(range(12)) - store.done()):
-                store.add(k, rows[k], 0.0)
+            for k in sorted(set(range(12)) - store.done(asked.key)):
+                store.add(k, "", rows[k], 1.0)
         finally:
             store.close()
 
     def table(path: Path) -> bytes:
-        store = SweepStore(str(path), None)
-        try:
-            return csv_text(store.rows(), ["seed"]).encode()
-        finally:
-            store.close()
-
-    mapped = stress_plan(["near-ties"], ["double"], levels="14..17")
-    places = list(mapped.places())
-    memory = StressStore(None, mapped.settings, places)
-    carry_out(mapped, memory)
-
-    def stress(path: Path) -> None:
-        store = StressStore(str(path), mapped.settings, places)
-        for row in memory.rows[len(store.rows) :]:
-            store.add(row)
-
-    settings = survey_settings(causes=False, advice=False, max_seconds=None)
-    surveyed = survey(["double", "quad"], ["lee", "near-tie"], causes=False, advice=False)
-
-    def keep_survey(path: Path) -> None:
-        store = SurveyStore(str(path), settings)
-        for entry in surveyed.entries:
-            if (entry.label, entry.name) not in store.entries:
-                store.add(entry)
+        return "".join(csv_parts(merged([str(path)]), ["seed"])).encode()
 
     run = tb.run(tb.scene("gas:n=4"), events=40)
     compared = tb.comparison(tb.scene("lee"), ["double"], events=2)
@@ -106,15 +77,13 @@ def kinds() -> dict[str, Kept]:
     whole = Path.read_bytes
     return {
         "sweep": Kept(sweep, table, True),
-        "stress": Kept(stress, whole, True),
-        "survey": Kept(keep_survey, whole, True),
         "run": Kept(lambda path: save_run(run, path), whole, False),
         "comparison": Kept(lambda path: save_comparison(compared, path), whole, False),
         "kept run": Kept(kept, lambda path: gzip.decompress(path.read_bytes()), False),
     }
 
 
-@pytest.fixture(params=["sweep", "stress", "survey", "run", "comparison", "kept run"])
+@pytest.fixture(params=["sweep", "run", "comparison", "kept run"])
 def kind(request: pytest.FixtureRequest, kinds: dict[str, Kept]) -> Kept:
     return kinds[request.param]
 
@@ -249,20 +218,6 @@ def test_a_clock_that_goes_back(kind: Kept, whole: bytes, tmp_path: Path) -> Non
 
 
 # -- what a kill may have left, each exactly
-
-
-@pytest.mark.parametrize("name", ["stress", "survey"])
-def test_lines_that_end_anywhere_go_on(name: str, kinds: dict[str, Kept], tmp_path: Path) -> None:
-    """At every byte of the first and the last line, and at some between."""
-    path = tmp_path / "file"
-    kinds[name].write(path)
-    whole = path.read_bytes()
-    first, last = whole.index(b"\n") + 2, whole.rindex(b"\n", 0, -1) - 1
-    places = [*range(0, first, 7), *range(first, last, 997), *range(last, len(whole), 97), len(whole) - 1, len(whole)]
-    for place in places:
-        path.write_bytes(whole[:place])
-        kinds[name].write(path)
-        assert path.read_bytes() == whole, place
 
 
 def test_a_database_that_a_kill_left_empty_is_taken_up(kinds: dict[str, Kept], tmp_path: Path) -> None:

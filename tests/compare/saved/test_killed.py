@@ -14,18 +14,12 @@ from typing import Any
 import pytest
 
 import truebreak as tb
-from truebreak.compare.ensemble.rows.row import SweepJob, rows_of
-from truebreak.compare.ensemble.rows.store import Store as SweepStore
-from truebreak.compare.ensemble.rows.table import csv_text
-from truebreak.compare.ensemble.sweep import plan as sweep_plan
+from truebreak.compare.grids.family_sweep import csv_parts
+from truebreak.compare.grids.family_sweep import plan as sweep_plan
+from truebreak.compare.grids.store import Store, merged
 from truebreak.compare.saved import cache
 from truebreak.compare.saved.run_file import load_run, saved_run
 from truebreak.compare.saved.runs import save_run
-from truebreak.compare.stress.plan import carry_out
-from truebreak.compare.stress.plan import plan as stress_plan
-from truebreak.compare.stress.store import Store as StressStore
-from truebreak.compare.suites.survey import survey
-from truebreak.compare.suites.surveys.survey_store import SurveyStore, survey_settings
 from truebreak.scenarios import SceneError
 from truebreak.scenarios.disk import UNFINISHED
 
@@ -76,26 +70,21 @@ def kills(request: pytest.FixtureRequest) -> int:
     return request.param
 
 
-def test_a_store_of_a_sweep(kills: int, tmp_path: Path) -> None:
+def test_a_store_of_a_grid(kills: int, tmp_path: Path) -> None:
     """Rows that are there stay, and are whole; what is resumed gives the same table."""
     asked = sweep_plan("gas:n=3", ["seed=1..30"], ["single"], events=5)
-    jobs: list[SweepJob] = [asked.job(k) for k in range(30)]
-    rows = [rows_of(job) for job in jobs]
+    rows = [asked.job(k).rows() for k in range(30)]
 
     def write(path: Path) -> None:
-        store = SweepStore(str(path), asked.settings)
-        there = store.done()
+        store = Store(str(path), asked.settings)
+        there = store.done(asked.key)
         for k in range(30):
             if k not in there:
-                store.add(k, rows[k], 0.0)
+                store.add(k, "", rows[k], 1.0)
         store.close()
 
     def table(path: Path) -> str:
-        store = SweepStore(str(path), None)
-        try:
-            return csv_text(store.rows(), ["seed"])
-        finally:
-            store.close()
+        return "".join(csv_parts(merged([str(path)]), ["seed"]))
 
     write(tmp_path / "whole.db")
     whole = table(tmp_path / "whole.db")
@@ -104,10 +93,11 @@ def test_a_store_of_a_sweep(kills: int, tmp_path: Path) -> None:
     def check() -> None:
         if path.exists() and path.stat().st_size:
             try:
-                store = SweepStore(str(path), asked.settings)
+                store = Store(str(path), asked.settings)
+                store.verify()
             except SceneError:
                 raise AssertionError("a store that a kill left is refused") from None
-            there = len(store.done())
+            there = len(store.done(asked.key))
             store.close()
             assert there >= seen[0]
             seen[0] = there
@@ -121,77 +111,32 @@ def test_a_store_of_a_sweep(kills: int, tmp_path: Path) -> None:
     assert table(path) == whole
 
 
-def test_a_store_of_a_stress_map(kills: int, tmp_path: Path) -> None:
-    asked = stress_plan(["near-ties", "corners"], ["double"], levels="14..17")
-    places = list(asked.places())
-    carry_out(asked, StressStore(str(tmp_path / "whole.jsonl"), asked.settings, places))
-    whole = (tmp_path / "whole.jsonl").read_bytes()
-    rows = StressStore(str(tmp_path / "whole.jsonl")).rows
-    path = tmp_path / "map.jsonl"
-
-    def write() -> None:
-        store = StressStore(str(path), asked.settings, places)
-        for row in rows[len(store.rows) :]:
-            store.add(row)
-
-    def check() -> None:
-        data = path.read_bytes() if path.exists() else b""
-        assert whole.startswith(data)
-        if data == whole:
-            path.unlink()
-
-    withstands(write, check, kills, 2)
-    write()
-    assert path.read_bytes() == whole
-
-
-def test_a_store_of_a_survey(kills: int, tmp_path: Path) -> None:
-    """The bytes that are there are those of one that was never killed, as far as they go."""
-    settings = survey_settings(causes=False, advice=False, max_seconds=None)
-    found = survey(["double", "quad", "single"], ["lee", "near-tie"], causes=False, advice=False)
-
-    def write(path: Path) -> None:
-        store = SurveyStore(str(path), settings)
-        for entry in found.entries:
-            if (entry.label, entry.name) not in store.entries:
-                store.add(entry)
-
-    write(tmp_path / "whole.jsonl")
-    whole = (tmp_path / "whole.jsonl").read_bytes()
-    path = tmp_path / "rows.jsonl"
-
-    def check() -> None:
-        data = path.read_bytes() if path.exists() else b""
-        assert whole.startswith(data)
-        if data == whole:
-            path.unlink()
-
-    withstands(lambda: write(path), check, kills, 4)
-    write(path)
-    assert path.read_bytes() == whole
-
-
-def test_two_processes_do_not_write_one_stress_map(tmp_path: Path) -> None:
-    """The second is told; once the first has been killed, it goes on."""
-    asked = stress_plan(["near-ties"], ["double"], levels="14..15")
-    path = tmp_path / "map.jsonl"
+def test_a_store_in_which_another_process_writes_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once the other has been killed, it goes on, and nothing of what was half written is there."""
+    asked = sweep_plan("gas:n=3", ["seed=1..2"], ["single"], events=5)
+    path, (row,) = tmp_path / "s.db", asked.job(0).rows()
+    Store(str(path), asked.settings).close()
 
     def hold() -> None:
-        store = StressStore(str(path), asked.settings, list(asked.places()))
+        store = Store(str(path), asked.settings)
+        store.add(0, "", [row], 0.0)
         (tmp_path / "held").touch()
         time.sleep(60)
-        del store
 
     number = child(hold)
     while not (tmp_path / "held").exists():
         time.sleep(0.01)
+    second = Store(str(path), asked.settings)
+    second.base.execute("PRAGMA busy_timeout = 10")
     try:
-        with pytest.raises(SceneError, match="another process writes there"):
-            StressStore(str(path), asked.settings, list(asked.places()))
+        with pytest.raises(SceneError, match="database is locked; see that it is free"):
+            second.add(1, "", [row], 1.0)
     finally:
         os.kill(number, signal.SIGKILL)
         os.waitpid(number, 0)
-    assert StressStore(str(path), asked.settings, list(asked.places())).rows == []
+    second.add(1, "", [row], 1.0)
+    second.close()
+    assert len(merged([str(path)])) == 1
 
 
 def test_a_saved_run_and_a_kept_one(kills: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -232,4 +177,4 @@ def test_a_folder_that_may_only_be_read_is_one_line(tmp_path: Path) -> None:
     assert "\n" not in str(error.value)
     asked = sweep_plan("gas:n=3", ["seed=1..2"], ["single"], events=5)
     with pytest.raises(SceneError, match="create it first"):
-        SweepStore(str(tmp_path / "not-a-folder" / "s.db"), asked.settings)
+        Store(str(tmp_path / "not-a-folder" / "s.db"), asked.settings)

@@ -1,1 +1,0 @@
-"""The rows of a sweep: made by a worker, kept in a store, shown as a table."""

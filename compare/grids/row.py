@@ -1,0 +1,337 @@
+"""One engine on one scene as a row of plain data: what all grids keep, print and compare, and its one JSON form."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cache
+from importlib.metadata import version
+from types import NoneType, UnionType
+from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_hints
+
+from ...scenarios.disk import fits
+from ...scenarios.errors import SceneError, cut
+from ..alignment.align import UNKNOWING
+from ..audit.audit import audit_run
+from ..chaos.following import Followed, follow
+from ..documents.laws import laws_brief
+from ..documents.values.amounts import plain
+from ..outcomes.matched import held
+from ..outcomes.outcome import outcome, outcomes_of
+
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.trajectory import Trajectory
+    from ..alignment.align import Alignment
+    from ..candidate import Candidate
+    from ..study import Study
+
+VerdictWord = Literal["agree", "diverged", "unsettled", "undecided", "refused", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One engine on one scene. Made of what JSON knows; what does not apply, or is not known, is None.
+
+    Attributes:
+        index: place of the scene in its grid, from 0.
+        scene: the scene, as on the command line.
+        engine: the engine and its settings, as asked for, or its label.
+        verdict: as in a comparison; `refused`: the scene or the engine cannot be run; `failed`: the engine
+            ended with an error.
+        digest: digest of the scene; null if it cannot be built.
+        parameters: values of what varies over the grid.
+        settings: all parameters of the engine, those it is built with too.
+        agreed: events before the first divergence.
+        events: events of the reference.
+        time: time at which the reference ends.
+        stop: why the reference ends.
+        ended: how the engine's run ended.
+        event: first divergence: number of the event.
+        at: first divergence: its time.
+        body: first divergence: the body whose next partner differs.
+        expected: first divergence: the partner in the reference; null: none.
+        got: first divergence: the partner in the engine's run; null: none.
+        kind: first divergence: `different`, `missing` or `extra`.
+        cause: why it diverged or stopped, by experiment; null: it agrees, or causes were not asked for.
+        margin: how close the decision was in the reference: bounds of the distance.
+        error: error of the engine's places by then.
+        changed: outcomes that differ from the reference's; null: not asked for, or not settled.
+        until: where the engine's run ends before the span does; null: it covers all of it.
+        drift: energy gained by the end of the run, as a share of that at its start.
+        laws: whether every step keeps the laws: `kept` (null: not determined) and `told`.
+        foreseen_low: forecast: first event of the 90 % prediction interval of the divergence.
+        foreseen: forecast: the event by which the engine is expected to have diverged.
+        foreseen_high: forecast: last event of the prediction interval.
+        by_exponent: forecast: ln(1/eps)/lambda, a time.
+        lyapunov: forecast: the largest exponent per unit of time, an estimate.
+        lyapunov_low: forecast: lower end of its interval.
+        lyapunov_high: forecast: upper end of its interval.
+        mark: what a stress map shows: `right`, `wrong`, `unsettled` or another mark.
+        closed_form: whether the outcome is that of a closed form; null: there is none.
+        right: whether what was asked for is right, and known to be.
+        units: counted work of the run, in units of about a microsecond.
+        steps: time steps of the run.
+        seconds: seconds of the run on the wall.
+        times: processor time of the run alone over that of the reference made beside it.
+        work: what the reference counted, its plan.
+        versions: what computed the row.
+        note: a remark, such as why it was refused.
+    """
+
+    index: int
+    scene: str
+    engine: str
+    verdict: VerdictWord = "undecided"
+    digest: str | None = None
+    parameters: dict[str, str] | None = None
+    settings: dict[str, Any] | None = None
+    agreed: int | None = None
+    events: int | None = None
+    time: float | None = None
+    stop: str | None = None
+    ended: str | None = None
+    event: int | None = None
+    at: float | None = None
+    body: str | None = None
+    expected: str | None = None
+    got: str | None = None
+    kind: str | None = None
+    cause: str | None = None
+    margin: list[float] | None = None
+    error: float | None = None
+    changed: list[str] | None = None
+    until: float | None = None
+    drift: float | None = None
+    laws: dict[str, Any] | None = None
+    foreseen_low: int | None = None
+    foreseen: int | None = None
+    foreseen_high: int | None = None
+    by_exponent: float | None = None
+    lyapunov: float | None = None
+    lyapunov_low: float | None = None
+    lyapunov_high: float | None = None
+    mark: str | None = None
+    closed_form: bool | None = None
+    right: bool | None = None
+    units: int | None = None
+    steps: int | None = None
+    seconds: float | None = None
+    times: float | None = None
+    work: dict[str, Any] | None = None
+    versions: str | None = None
+    note: str | None = None
+
+    @property
+    def lawless(self) -> bool:
+        """Whether its steps are known not to keep the laws."""
+        return self.laws is not None and self.laws["kept"] is False
+
+    @property
+    def agrees(self) -> bool:
+        """Whether it agrees, and is not known to break a law."""
+        return self.verdict == "agree" and not self.lawless
+
+    @property
+    def pair(self) -> tuple[str, str]:
+        """Scene and engine."""
+        return self.scene, self.engine
+
+    def data(self, keys: Sequence[str] | None = None) -> dict[str, Any]:
+        """As JSON: all of it, or these keys.
+
+        >>> Row(0, "lee", "double", "agree", agreed=1).data(("engine", "agreed", "event"))
+        {'engine': 'double', 'agreed': 1, 'event': None}
+        """
+        return {key: getattr(self, key) for key in (KEYS if keys is None else keys)}
+
+    def text(self) -> str:
+        """As a store keeps it: JSON in one form without what is None, so that equal rows are equal byte by byte.
+
+        >>> Row(0, "lee", "double", "agree", agreed=1).text()
+        '{"index":0,"scene":"lee","engine":"double","verdict":"agree","agreed":1}'
+        """
+        there = {key: value for key in KEYS if (value := getattr(self, key)) is not None}
+        return json.dumps(there, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+
+
+KEYS = tuple(one.name for one in fields(Row))
+
+
+@cache
+def _shapes() -> dict[str, Any]:
+    return {key: _shape(hint) for key, hint in get_type_hints(Row).items()}
+
+
+def _shape(hint: Any) -> Any:
+    """What `fits` takes for a type."""
+    if get_origin(hint) is UnionType:
+        inner = [_shape(part) for part in get_args(hint) if part is not NoneType]
+        return (inner[0], None)
+    if get_origin(hint) is Literal:
+        return str
+    if get_origin(hint) is list:
+        return [_shape(get_args(hint)[0])]
+    if get_origin(hint) is dict:
+        return {str: _shape(get_args(hint)[1])}
+    return frozenset({int, float}) if hint is float else hint
+
+
+def row_of(data: Any, where: str) -> Row:
+    """A row from its JSON, every part of it checked.
+
+    Raises:
+        SceneError: naming the part and the remedy.
+
+    >>> row_of({"index": 0, "scene": "lee", "engine": "double", "agreed": True}, "file 'x': row 0")
+    Traceback (most recent call last):
+      ...
+    truebreak.scenarios.errors.SceneError: file 'x': row 0: agreed = true; write the report again
+    """
+    if not isinstance(data, dict):
+        raise SceneError(f"{where} is no object; write the report again")
+    for key in ("index", "scene", "engine", "verdict"):
+        if key not in data and key != "verdict":
+            raise SceneError(f"{where} lacks {key!r}; write the report again")
+    for key, value in data.items():
+        shape = _shapes().get(key)
+        if shape is None:
+            raise SceneError(f"{where}: {cut(key)} is no part of a row; write the report again")
+        optional = isinstance(shape, tuple)
+        if not (optional and value is None) and not fits(value, shape[0] if optional else shape):
+            raise SceneError(f"{where}: {key} = {cut(value)}; write the report again")
+    if data.get("verdict", "undecided") not in get_args(VerdictWord):
+        raise SceneError(f"{where}: verdict = {cut(data['verdict'])}; write the report again")
+    if data.get("laws") is not None and data["laws"].keys() != {"kept", "told"}:
+        raise SceneError(f"{where}: laws = {cut(data['laws'])}; write the report again")
+    if data.get("event") is not None and data.get("body") is None:
+        raise SceneError(f"{where}: event {data['event']} has no body; write the report again")
+    return Row(**data)
+
+
+def divergence_of(alignment: Alignment) -> dict[str, Any]:
+    """Verdict, events agreed and the first divergence, as a row has them."""
+    first = alignment.divergence
+    found: dict[str, Any] = {"verdict": alignment.verdict, "agreed": alignment.agreed}
+    if first is not None:
+        found |= {"event": first.event, "at": first.time, "body": first.body, "expected": first.expected,
+                  "got": first.got, "kind": first.kind.value}  # fmt: skip
+    return found
+
+
+def reference_of(run: Trajectory) -> dict[str, Any]:
+    """What a row has of its reference."""
+    return {"digest": run.scene.digest, "events": len(run.events), "time": float(run.final_time),
+            "stop": run.stop.reason.name.lower()}  # fmt: skip
+
+
+def versions() -> str:
+    """What computes rows."""
+    return ", ".join(f"{name} {version(name)}" for name in ("truebreak", "python-flint", "pymunk"))
+
+
+# -- what a row is made of: an engine followed until it diverges, or compared as `truebreak compare` does
+
+
+def followed(run: Trajectory, engine: Engine, foreseen: int | None = None) -> Followed:
+    """An engine run beside a reference until it has diverged; one of events and bits is run over all of it at once:
+    that costs less than to begin anew."""
+    whole = foreseen is None and engine.step is None and engine.bits is not None
+    return follow(run, engine, len(run.events) if whole else foreseen)
+
+
+def outcomes_changed(found: Followed, run: Trajectory, step: float | None, names: Sequence[str] | None) -> Any:
+    """The outcomes that differ, of those named (None: of all), and whether they are those of the whole span."""
+    chosen = None if names is None else {name: outcome(name) for name in names}
+
+    def tell(mine: Trajectory) -> Mapping[str, Any]:
+        return outcomes_of(mine) if chosen is None else {name: value(mine) for name, value in chosen.items()}
+
+    study, mine = found.study, found.study.longest or run
+    return held(found.run, mine, found.alignment, study.span, study.patience(step), tell, tell(run))
+
+
+def laws_of(run: Trajectory, engine: Engine) -> dict[str, Any] | None:
+    """The audit of a run's steps, as a row has it."""
+    return laws_brief(audit_run(run, engine))
+
+
+def unknowing(run: Trajectory) -> bool:
+    """Whether a reference stopped not knowing."""
+    return run.stop.reason in UNKNOWING
+
+
+def compared(study: Study, candidate: Candidate, index: int, scene: str) -> Row:
+    """The row of an engine that was compared with a reference, as `truebreak compare` reports it."""
+    run, unable = candidate.trajectory, candidate.unable
+    return Row(
+        index,
+        scene,
+        candidate.engine,
+        **(divergence_of(candidate.alignment) | ({"verdict": "refused"} if unable else {})),
+        **reference_of(study.reference),
+        settings=dict(plain(run.parameters)),
+        ended=run.stop.message,
+        cause=None if candidate.diagnosis is None else str(candidate.diagnosis),
+        changed=list(candidate.changed),
+        until=candidate.until,
+        drift=None if unable else energy_drift(run),
+        laws=laws_brief(candidate.laws),
+        seconds=candidate.seconds,
+        times=candidate.processor / study.processor if candidate.processor and study.processor else None,
+    )
+
+
+def energy_drift(trajectory: Trajectory) -> float | None:
+    """The energy gained by the end of a run, as a share of that at its start; None where there is none at all.
+
+    >>> from truebreak.floating import DoubleEngine
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> energy_drift(DoubleEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 0)]), until=3))
+    0.0
+    """
+    circles = [circle for circle in trajectory.scene.circles if not circle.fixed]
+    before = sum((float(c.vx) ** 2 + float(c.vy) ** 2) / float(c.inverse_mass) for c in circles)
+    if not before:
+        return None
+    final = trajectory.final
+    after = sum(
+        (float(final[str(c.id)].vx) ** 2 + float(final[str(c.id)].vy) ** 2) / float(c.inverse_mass) for c in circles
+    )
+    return after / before - 1.0
+
+
+# -- its JSON schema, from its types and what its docstring says of each
+
+
+def row_schema(keys: Sequence[str] | None = None) -> dict[str, Any]:
+    """The JSON schema of a row, or of these parts of it: every one is there, perhaps as null.
+
+    >>> row_schema(("index", "margin"))["properties"]["margin"]["type"]
+    ['array', 'null']
+    """
+    meanings = dict(re.findall(r"^ {8}(\w+): (.+?)\.(?=\n {8}\w|\n+ *\Z)", Row.__doc__ or "", re.MULTILINE | re.DOTALL))
+    hints = get_type_hints(Row)
+    chosen = KEYS if keys is None else keys
+    told = {key: {**_schema(hints[key]), "description": " ".join(meanings[key].split())} for key in chosen}
+    return {"type": "object", "required": list(chosen), "additionalProperties": False, "properties": told}
+
+
+NAMES = {bool: "boolean", int: "integer", float: "number", str: "string", list: "array", dict: "object"}
+
+
+def _schema(hint: Any) -> dict[str, Any]:
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin is UnionType:
+        (part,) = (part for part in inner if part is not NoneType)
+        told = _schema(part)
+        return {**told, "type": [told["type"], "null"]}
+    if origin is Literal:
+        return {"type": "string", "enum": list(inner)}
+    if origin is list:
+        return {"type": "array", "items": _schema(inner[0])}
+    if origin is dict:
+        return {"type": "object"} if inner[1] is Any else {"type": "object", "additionalProperties": _schema(inner[1])}
+    return {"type": NAMES[hint]}

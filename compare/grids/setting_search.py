@@ -1,0 +1,480 @@
+"""Finds the cheapest setting of an engine that gets what is asked for right on a scene and on scenes beside it."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import TYPE_CHECKING, TypeAlias
+
+from ...exact.exact_engine import ExactEngine
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity
+from ...scenarios.settings import positive_time
+from ...scenarios.trajectory import StopReason
+from ..alignment.align import UNKNOWING
+from ..chaos.hazard.errors import ErrorModel, model_of
+from ..chaos.horizon import Forecaster
+from ..chaos.levels import LEVELS
+from ..comparison import candidate_of, explained
+from ..engines import engine as engine_named
+from ..outcomes.outcome import outcomes_of
+from ..study import Study
+from ..tangent.impacts import NoTangentMap, impacts
+from ..validation import check_until, checked_number, unsupported
+from .goals import HistoryGoal
+from .scene_family import nudged
+from .setting_ladder import RunSize, Setting, cost, ladder
+
+if TYPE_CHECKING:
+    from ...scenarios.engine import Engine
+    from ...scenarios.numbers.quantity import QuantityLike
+    from ...scenarios.scene import Scene
+    from .goals import Goal, Judged
+
+
+class End(Enum):
+    """How a search ended."""
+
+    FOUND = "a setting is right"
+    BUDGET = "the budget is spent"
+    LADDER = "no costlier setting is to be had"
+    REFERENCE = "the certified run itself is not decided"
+
+
+@dataclass(frozen=True)
+class Instance:
+    """One scene on which a setting has to be right.
+
+    Attributes:
+        seed: of its velocities; None: the scene as it is.
+        study: its certified run.
+    """
+
+    seed: int | None
+    study: Study = field(repr=False)
+
+    @property
+    def label(self) -> str:
+        """What reports call it."""
+        return "the scene itself" if self.seed is None else f"perturbed {self.seed}"
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One setting, held against the certified run of some of the scenes.
+
+    Attributes:
+        setting: the setting.
+        judged: what came out, by the scene's seed (None: the scene itself).
+        of: how many scenes there are.
+    """
+
+    setting: Setting
+    judged: dict[int | None, Judged]
+    of: int
+
+    @property
+    def wrong(self) -> list[int | None]:
+        """The scenes on which it is wrong, as far as it was tried."""
+        return [seed for seed, told in self.judged.items() if not told.right]
+
+    @property
+    def right(self) -> bool:
+        """Whether it is right on every scene."""
+        return len(self.judged) == self.of and not self.wrong
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one run of the setting over the scene took, and the certified run: seconds of this machine's processor."""
+
+    seconds: float
+    exact_seconds: float
+
+
+@dataclass(frozen=True)
+class Advice:
+    """What a search found.
+
+    Attributes:
+        scene, goal, engine: what was asked.
+        size, perturbed: of the changes of velocities; the seeds of the scenes beside this one.
+        left_out: seeds of those whose certified run is not decided, so that nothing can be held against it.
+        budget, spent: units of work.
+        tried: every setting that was tried, cheapest first, up to the one that is right.
+        end: how the search ended.
+        beyond: costlier settings, tried after that.
+        cost: of the setting that is right.
+        why: where none is, why.
+        next: where the budget ended the search, the setting that it did not suffice for.
+        instances: the scenes, as far as they were needed.
+    """
+
+    scene: Scene
+    goal: Goal
+    engine: str
+    size: Quantity
+    perturbed: tuple[int, ...]
+    left_out: tuple[int, ...]
+    budget: int
+    spent: int
+    tried: tuple[Tried, ...]
+    end: End
+    beyond: tuple[Tried, ...] = ()
+    cost: Cost | None = None
+    why: tuple[str, ...] = ()
+    next: Setting | None = None
+    instances: tuple[Instance, ...] = field(default=(), repr=False)
+
+    @property
+    def named(self) -> Tried | None:
+        """The cheapest setting that is right everywhere; None if none was found."""
+        return self.tried[-1] if self.end is End.FOUND else None
+
+    @property
+    def cheaper(self) -> Tried | None:
+        """The one before it: one step cheaper, and wrong; None if it is the cheapest there is."""
+        return self.tried[-2] if self.end is End.FOUND and len(self.tried) > 1 else None
+
+    @property
+    def lucky(self) -> tuple[Tried, ...]:
+        """Cheaper settings that are right on the scene itself, and wrong beside it."""
+        cheaper = self.tried[:-1] if self.end is End.FOUND else self.tried
+        return tuple(t for t in cheaper if None in t.judged and t.judged[None].right and t.wrong)
+
+    @property
+    def worse(self) -> tuple[Tried, ...]:
+        """Costlier settings that are wrong."""
+        return tuple(t for t in self.beyond if t.wrong)
+
+
+DEFAULT_PERTURBED = 8
+
+DEFAULT_SIZE = Quantity.of("1/1000")
+"""Share of a velocity by which it is changed: enough that impacts fall elsewhere between two steps, too little to make
+another scene of it."""
+
+DEFAULT_BUDGET = 30_000_000
+"""Units of work of all runs together: half a minute or so of pymunk."""
+
+FAR = 10**9
+"""Work up to which a ladder is followed to see whether it ends."""
+
+BEYOND = 3
+"""Costlier settings that are looked at once one is right, to tell luck from convergence."""
+
+
+@dataclass(frozen=True)
+class Searching:
+    """How far a search is: units spent, the budget, the setting under way and the scene."""
+
+    spent: int
+    budget: int
+    setting: str
+    scene: str
+
+
+OnSearch: TypeAlias = Callable[[Searching], None]
+
+
+def advise(
+    scene: Scene,
+    goal: Goal | None = None,
+    engine: str = "pymunk",
+    *,
+    until: QuantityLike | None = None,
+    perturbed: int = DEFAULT_PERTURBED,
+    size: QuantityLike = DEFAULT_SIZE,
+    seed: int = 1,
+    budget: int = DEFAULT_BUDGET,
+    why: bool = True,
+    progress: OnSearch | None = None,
+) -> Advice:
+    """Searches an engine's settings, from the cheapest up, for the first that is right.
+
+    Every cheaper one is tried, and wrong on the scene or on one of those beside it: nothing is left out by supposing
+    that what costs more is better.
+
+    Args:
+        goal: what is to be right; by default every event.
+        engine: whose settings; parameters that are given say where to begin.
+        until: the end of the history looked at, where the goal sets none; by default the scene's own.
+        perturbed: how many scenes beside this one: velocities differ, by shares of up to `size` of them, drawn from
+            `seed`, `seed` + 1, ...
+        budget: the most units of work (about a microsecond each) that all runs of the engine may cost together. Each
+            run is counted before it is begun, by its setting and by the length of the certified run.
+        why: whether to find out what stands in the way where no setting is right, by further runs beside the budget.
+        progress: called before each run.
+
+    Raises:
+        SceneError: for a goal that the scene has not, an engine that cannot take the scene, and a number out of range.
+
+    >>> from truebreak.scenarios import catalogue
+    >>> told = advise(catalogue.build("gas:n=3"), HistoryGoal(4), perturbed=2)
+    >>> told.named.right, len(told.cheaper.wrong) > 0
+    (True, True)
+    """
+    goal = HistoryGoal() if goal is None else goal
+    share = _checked(size, perturbed, budget)
+    return _Search(scene, goal, engine, until, share, range(seed, seed + perturbed), budget, why, progress).advice()
+
+
+def _checked(size: QuantityLike, perturbed: int, budget: int) -> Quantity:
+    """The size, if all three are in range."""
+    try:
+        share = Quantity.of(size)
+    except SceneError as error:
+        raise SceneError(f"--size {error}") from None
+    if not 0 < share < 1:
+        raise SceneError(f"--size {share.brief()}: is a share of each velocity; write one above 0 and below 1")
+    if perturbed < 0:
+        raise SceneError(f"--perturbed {perturbed}: must be a whole number from 0")
+    if budget < 1:
+        raise SceneError(f"--budget {budget}: nothing can be tried with that; write a whole number from 1")
+    return share
+
+
+class _Spent(Exception):
+    """The next run costs more than is left."""
+
+
+class _Search:
+    """One search under way."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        goal: Goal,
+        engine: str,
+        until: QuantityLike | None,
+        size: Quantity,
+        seeds: range,
+        budget: int,
+        why: bool,
+        progress: OnSearch | None,
+    ) -> None:
+        self.scene, self.goal, self.engine, self.until = scene, goal, engine, until
+        self.size, self.seeds, self.budget, self.why, self.progress = size, seeds, budget, why, progress
+        self.spent, self.left_out = 0, list[int]()
+        self.exact = ExactEngine()
+        chosen = engine_named(engine)
+        key = unsupported(chosen, scene)
+        if key is not None:
+            raise SceneError(f"engine {engine!r} does not follow {key!r}, which the scene has; choose another --engine")
+        check_until(chosen, scene, until)
+        end = positive_time("until", until) or scene.until
+        if end is not None:
+            checked_number("until", end)
+        began = clock.process_time()
+        self.home = self._instance(None, scene)
+        self.exact_seconds = clock.process_time() - began
+        goal.check(self.home.study.reference)
+        self._beside: list[Instance] | None = None
+
+    def _instance(self, seed: int | None, scene: Scene) -> Instance:
+        until, events = (None, self.goal.events) if self.goal.events is not None else (self.until, None)
+        run = self.exact.run(scene, until=until, events=events)
+        if run.stop.reason is StopReason.INTERRUPTED:
+            raise KeyboardInterrupt
+        return Instance(seed, Study(scene, self.exact, run, pay=self._pay))
+
+    @property
+    def instances(self) -> list[Instance]:
+        """The scene, and those beside it whose certified run is decided."""
+        if self._beside is None:
+            self._beside = []
+            for seed in self.seeds:
+                near = self._instance(seed, nudged(self.scene, self.size, seed))
+                if near.study.reference.stop.reason in UNKNOWING:
+                    self.left_out.append(seed)
+                else:
+                    self._beside.append(near)
+        return [self.home, *self._beside]
+
+    def advice(self) -> Advice:
+        """Tries one after the other."""
+        run = self.home.study.reference
+        if run.stop.reason in UNKNOWING:
+            return self._told(
+                (), End.REFERENCE, why=(f"The certified run of the scene itself stops: {run.stop.message}.",)
+            )
+        rungs = ladder(self.engine, RunSize.of(run), self.budget)
+        tried: list[Tried] = []
+        first: int | None = None
+        for setting in rungs:
+            try:
+                told = self._try(setting, first)
+            except _Spent:
+                return self._none(tried, End.BUDGET, setting)
+            tried.append(told)
+            if told.right:
+                return self._found(tried, rungs[len(tried) :])
+            first = told.wrong[0]
+        return self._none(tried, self._end_of(rungs), None)
+
+    def _end_of(self, rungs: tuple[Setting, ...]) -> End:
+        """Whether the ladder goes on beyond the budget."""
+        more = ladder(self.engine, RunSize.of(self.home.study.reference), max(4 * self.budget, FAR))
+        return End.BUDGET if len(more) > len(rungs) else End.LADDER
+
+    def _try(self, setting: Setting, first: int | None, whole: Tried | None = None) -> Tried:
+        """Holds a setting against the scene itself, then against the one on which the last was wrong, then the others.
+
+        Args:
+            whole: what is known of it; it is then held against all the others, and not only up to the first failure.
+
+        Raises:
+            _Spent: if the budget does not suffice.
+        """
+        judged = {} if whole is None else dict(whole.judged)
+        if None not in judged:
+            judged[None] = self._judge(setting, self.home)
+        if judged[None].right or whole is not None:
+            for near in sorted(self.instances[1:], key=lambda one: one.seed != first):
+                if near.seed in judged:
+                    continue
+                judged[near.seed] = self._judge(setting, near)
+                if whole is None and not judged[near.seed].right:
+                    break
+        return Tried(setting, judged, 1 + len(self.seeds) - len(self.left_out))
+
+    def _judge(self, setting: Setting, near: Instance) -> Judged:
+        work = cost(setting.engine, RunSize.of(near.study.reference))[1]
+        if self.spent + work > self.budget:
+            raise _Spent
+        if self.progress is not None:
+            self.progress(Searching(self.spent, self.budget, setting.text, near.label))
+        self.spent += work
+        return self.goal.judge(near.study, setting.text, setting.engine)
+
+    def _pay(self, engine: Engine, steps: int) -> None:
+        """Counts a run at a finer step, by which it is told whether an instant of several contacts is the same.
+
+        Raises:
+            _Spent: if the budget does not suffice.
+        """
+        size = replace(RunSize.of(self.home.study.reference), time=steps * (engine.step or 0.0))
+        work = cost(engine, size)[1]
+        if self.spent + work > self.budget:
+            raise _Spent
+        self.spent += work
+
+    def _found(self, tried: list[Tried], costlier: tuple[Setting, ...]) -> Advice:
+        """Looks at what is one step cheaper on every scene, at what is costlier, and takes the time of the run."""
+        end = float(self.home.study.reference.final_time)
+        began = clock.process_time()
+        self.home.study.run(tried[-1].setting.engine, self.scene, self.home.study.past(end))
+        took = Cost(clock.process_time() - began, self.exact_seconds)
+        beyond: list[Tried] = []
+        try:
+            if len(tried) > 1:
+                tried[-2] = self._try(tried[-2].setting, None, tried[-2])
+            beyond.extend(self._try(setting, None) for setting in costlier[:BEYOND])
+        except _Spent:
+            pass
+        return replace(self._told(tuple(tried), End.FOUND), beyond=tuple(beyond), cost=took)
+
+    def _none(self, tried: list[Tried], end: End, after: Setting | None) -> Advice:
+        seed = tried[-1].wrong[0] if tried else None
+        near = next(one for one in (self.home, *(self._beside or ())) if one.seed == seed)
+        free = replace(near.study, pay=None)
+        why = reasons(near.label, free, [(t.setting, t.judged.get(seed)) for t in tried]) if self.why else ()
+        return self._told(tuple(tried), end, why=why, after=after)
+
+    def _told(
+        self, tried: tuple[Tried, ...], end: End, why: tuple[str, ...] = (), after: Setting | None = None
+    ) -> Advice:
+        return Advice(
+            self.scene,
+            self.goal,
+            self.engine,
+            self.size,
+            tuple(self.seeds),
+            tuple(self.left_out),
+            self.budget,
+            self.spent,
+            tried,
+            end,
+            why=why,
+            next=after,
+            instances=(self.home, *(self._beside or ())),
+        )
+
+
+# -- why no setting was right: how far they came, what would be needed, and what the divergence is due to
+
+DIAGNOSED_WORK = 2_000_000
+"""Work of the costliest run whose cause is looked for, by experiments that take many times as much."""
+
+SHOWN = 4
+"""Settings whose reach is shown."""
+
+
+def reasons(where: str, study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> tuple[str, ...]:
+    """Sentences, the most telling first.
+
+    Args:
+        where: the scene on which the last setting was wrong, in words.
+        study: its certified run.
+        tried: each setting, and what came out on that scene; None where it was not tried there.
+    """
+    if not tried:
+        return ("The budget does not suffice for one run of the cheapest setting.",)
+    setting, judged = tried[-1]
+    last = None if judged is None else f"The last tried, {setting.text}, on {where}: {judged.told}."
+    sentences = (last, _reach(study, tried), _needed(study, setting), _cause(study, tried))
+    return tuple(sentence for sentence in sentences if sentence)
+
+
+def _reach(study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> str | None:
+    """How many events the best of each step, or width, agreed on."""
+    best: dict[float, int] = {}
+    for setting, judged in tried:
+        if judged is not None and judged.agreed is not None:
+            key = setting.engine.step or float(setting.engine.bits or 0)
+            best[key] = max(best.get(key, 0), judged.agreed)
+    reached = list(best.values())[-SHOWN:]
+    if len(reached) < 2:
+        return None
+    what = "halving of the step" if tried[-1][0].engine.step is not None else "wider number"
+    return (
+        f"Of {len(study.reference.events):,} events, each {what} agreed on: ... "
+        f"{', '.join(f'{count:,}' for count in reached)}."
+    )
+
+
+def _needed(study: Study, setting: Setting) -> str | None:
+    """The step, or the bits, with which half of such runs keep the whole history, foreseen from the certified run."""
+    declared, reference = model_of(setting.engine), study.reference
+    if declared is None or not reference.events:
+        return None
+    try:
+        curve = Forecaster(reference, impacts(reference, len(reference.events))).curve(declared[0])
+    except NoTangentMap:
+        return None
+    unit = curve.unit_at(LEVELS[declared[0].name][1])
+    if unit >= declared[1] or math.isinf(unit):
+        return None
+    rate = "Errors grow along the certified run so that it would take"
+    if declared[0] is ErrorModel.STEPPED:
+        steps = math.log10(float(reference.final_time)) - unit * math.log10(2)
+        return f"{rate} a step of about 2**{math.floor(unit)}, some 10**{steps:.0f} steps, to keep every event."
+    return f"{rate} about {math.ceil(-unit)} bits to keep every event."
+
+
+def _cause(study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> str | None:
+    """What the first divergence is due to, by experiment, at the costliest setting that is cheap enough for that."""
+    cheap = [setting for setting, judged in tried if setting.work <= DIAGNOSED_WORK and judged and not judged.right]
+    if not cheap:
+        return None
+    setting = cheap[-1]
+    found = candidate_of(study, setting.text, setting.engine, outcomes_of(study.reference), None, None)
+    if found.alignment.divergence is None:
+        return None
+    diagnosis = explained(study, found, setting.engine, None).diagnosis
+    if diagnosis is None:
+        return None
+    return f"Why {setting.text} leaves the history at event {found.alignment.divergence.event}: {diagnosis}."

@@ -1,1 +1,0 @@
-"""What the survey keeps: its rows in a file, the advice beside them, its page."""

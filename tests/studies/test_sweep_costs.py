@@ -1,0 +1,30 @@
+"""What a sweep costs beside a loop over `compare`: each way is measured, workers included."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+import sweep_costs
+
+
+def test_the_cost_of_each_way_is_told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sweep_costs, "EVENTS", 5)
+    assert sweep_costs.main(["--scenes", "2"]) == 0
+    told = capsys.readouterr().out
+    assert [line.split("|")[1].strip() for line in told.splitlines() if line.startswith("| ")] == [
+        "way",
+        *sweep_costs.WAYS,
+    ]
+    assert "in 2 turns" in told and "% of what two separate processes reach" in told
+    with pytest.raises(SystemExit) as stop:
+        sweep_costs.main(["--scenes", "0"])
+    assert stop.value.code == 2
+
+
+def test_the_time_of_workers_that_have_ended_is_counted() -> None:
+    """A child that works for as long as this on its processor, while we wait."""
+    code = "import time\nwhile time.process_time() < 0.3: pass"
+    spent = sweep_costs.cost(lambda: subprocess.run([sys.executable, "-S", "-c", code], check=True))
+    assert spent.processor >= 0.3
