@@ -36,9 +36,7 @@ from ...exact.replay.state import Flip, Go, Kick, ReplayState, SeenWall, Step, s
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import Flight as OwnRow
 from ..audit.transcript import Instant, Transcript
-from .decision import DecidingNumber, OwnFlight, Pairing
-from .reader import FlightBalls, RunReader
-from .rounding import nearest
+from .decision import DecidingNumber, FlightBalls, OwnFlight, Pairing, RunReader, nearest
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -22,8 +22,8 @@ from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
 from ..deadline import NO_TIME
 from ..validation import falls
+from .decision import short_quantity
 from .diagnosis import CauseName, Experiment
-from .reader import short_quantity
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

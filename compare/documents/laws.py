@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 from .values.amounts import double, plain
 
 if TYPE_CHECKING:
-    from ..audit.audit import Audit, Violation
+    from ..audit.audit import Audit, Defect, Violation
     from ..audit.fits import Fit
-    from ..audit.halving import Defect
 
 
 def laws_json(audit: Audit | None) -> dict[str, Any] | None:
