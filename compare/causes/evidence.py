@@ -420,10 +420,12 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     if itself is not None:
         told = f"{lab.name}'s own flights decide as the exact ones do, by {abs(itself):.3g}; its answer differs"
         cause = CauseName["DECISION"]
-        if lab.engine.step is not None:
-            cause = CauseName["MERGED" if lab.decision is not None and lab.decision.kind == "order" else "STEPS"]
+        if lab.engine.step is not None:  # of two meetings within one step it has both at the end of it
+            cause = CauseName["LATENESS" if lab.decision is not None and lab.decision.kind == "order" else "STEPS"]
             told += ", as it looks at the ends of steps only"
-        found.append(Experiment(cause, told, itself, None, itself / total if total else None))
+        size = itself + sum(row.displacement or 0.0 for row in found if row.cause is cause)
+        found = [row for row in found if row.cause is not cause or row.share is None]
+        found.append(Experiment(cause, told, size, None, size / total if total else None))
     return found
 
 

@@ -182,7 +182,9 @@ KNOWN = [
     *(
         case
         for k in range(2, 7)
-        for case in known(CauseName.STEP, f"pymunk:dt=1/{4 * 8 ** (k - 1)}", named(f"near-tie:k={k}"))
+        for case in known(
+            {CauseName.STEP, CauseName.LATENESS}, f"pymunk:dt=1/{4 * 8 ** (k - 1)}", named(f"near-tie:k={k}")
+        )  # where no step that can be run is short enough, both come at the end of one
     ),
     # Overlap for 0.0004 time units, between two steps of 1/64.
     *known(CauseName.TUNNELLING, "pymunk:dt=1/64", {f"bullet {x}": partial(bullet, x) for x in FAR}, until=20),
