@@ -11,7 +11,16 @@ from flint import arb, fmpq
 
 from ..scenarios.lazy import frozen, kept
 from ..scenarios.numbers.nested_roots import Tower
-from ..scenarios.numbers.precision import BITS_PER_DIGIT, bounds_of, certain_double, decimals_of, nearest_double
+from ..scenarios.numbers.precision import (
+    BITS_PER_DIGIT,
+    MOST_BITS,
+    MOST_DIGITS,
+    asked,
+    bounds_of,
+    certain_double,
+    decimals_of,
+    nearest_double,
+)
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.tower_element import Element
 from ..scenarios.numbers.tower_ring import TowerLimit
@@ -19,16 +28,7 @@ from ..scenarios.scene import Scene
 from ..scenarios.work import Work
 from .laws.formulas import advance
 from .numbers import ball
-from .numbers.ball import (
-    GUARD_BITS,
-    Known,
-    NestedNumbers,
-    element_in_decimals,
-    flown,
-    fraction_in_decimals,
-    known_ball,
-    reduced,
-)
+from .numbers.ball import Known, NestedNumbers, known_ball, reduced
 from .numbers.double_pairs import advanced_pairs, pair_of
 from .numbers.system import N, Undecided, number_system
 from .replay.centred_state import CentredState
@@ -181,10 +181,12 @@ class ExactValue:
         """An enclosure accurate to about `bits` bits, relatively (absolutely, for a value that may be zero).
 
         Raises:
+            SceneError: for bits that are no whole number from 1 to `MOST_BITS`.
             Undecided: where counted work does not suffice for that.
         """
+        bits = asked("ball", bits, MOST_BITS)
         if isinstance(self.near, fmpq):
-            with ball.precision(bits + GUARD_BITS):
+            with ball.precision(bits + ball.GUARD_BITS):
                 return arb(self.near)
         if isinstance(self.near, Element):
             return self.near.ball(bits)
@@ -199,7 +201,7 @@ class ExactValue:
             Undecided: once that has cost all the work that it may.
         """
         log, upto = self.log, self.upto
-        working = log.lost + max(bits + GUARD_BITS, LEAST_BITS)
+        working = log.lost + max(bits + ball.GUARD_BITS, LEAST_BITS)
         allowed = VALUE_WORK + MORE_WORK * log.units(working, upto)
         with ball.precision(working):
             while True:
@@ -255,6 +257,7 @@ class ExactValue:
         "0" is told of what is proved to be zero alone.
 
         Raises:
+            SceneError: for a count that is no whole number from 1 to `MOST_DIGITS`.
             Undecided: where a number beyond all bits that counted work allows for is not proved to be zero.
 
         >>> from truebreak.exact import ExactEngine
@@ -263,12 +266,12 @@ class ExactValue:
         >>> ExactEngine().run(scene).events[0].time.digits(30)
         '2.26794919243112270647255365849'
         """
-        near = self.near
+        count, near = asked("digits", count, MOST_DIGITS), self.near
         if isinstance(near, fmpq):
-            return fraction_in_decimals(near, count)
+            return ball.fraction_in_decimals(near, count)
         if isinstance(near, Element):
-            return element_in_decimals(near, count)
-        bits = int(count * BITS_PER_DIGIT) + 2 * GUARD_BITS
+            return ball.element_in_decimals(near, count)
+        bits = int(count * BITS_PER_DIGIT) + 2 * ball.GUARD_BITS
         told = decimals_of(near, count)
         if told is None:
             told = decimals_of(
@@ -283,7 +286,7 @@ class ExactValue:
         if told is None:
             exact = self.exact()
             if exact is not None:
-                return element_in_decimals(exact, count)
+                return ball.element_in_decimals(exact, count)
             told = decimals_of(self._sharpened(2 * bits, lambda value: decimals_of(value, count) is not None), count)
             assert told is not None
         return told
@@ -600,7 +603,7 @@ class ExactMotion:
             bodies = (i,)
             near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
 
-        near_x, near_y = flown(x, vx, near_time, t, READ_BITS), flown(y, vy, near_time, t, READ_BITS)
+        near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
         make = ExactValue
         return (
             make(self.log, upto, bodies, Place(i, 0, time), near_x),
@@ -630,7 +633,7 @@ class ExactMotion:
                 for row, time in enumerate(times):
                     t, x, y, vx, vy, *_ = self.knots[i][int(used[which[row]])]
                     then = fmpq(*float(time).as_integer_ratio())
-                    near = (flown(x, vx, then, t, READ_BITS), flown(y, vy, then, t, READ_BITS), vx, vy)
+                    near = (ball.flown(x, vx, then, t, READ_BITS), ball.flown(y, vy, then, t, READ_BITS), vx, vy)
                     result[row, i] = [_double(value) for value in near]
         return result
 

@@ -72,7 +72,7 @@ def logged(name: str, file: str, seed: int | None) -> None:
 
     setattr(Space, "step", step)  # noqa: B010
     try:
-        import pygame
+        import pygame  # pyright: ignore[reportMissingImports]
 
         class Clock:
             """A clock that goes by frames."""

@@ -25,7 +25,7 @@ from desync_trials import (
 )
 from desync_worlds import NONE, Fault, PymunkWorld, run
 
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.logdiff import pairing
 from truebreak.compare.logdiff.desync import diff, report_json
 from truebreak.compare.logdiff.desync_page import desync_html
