@@ -19,9 +19,9 @@ from ..alignment.align import separation
 from ..candidate import Candidate
 from ..comparison import explained
 from ..deadline import uninterrupted
-from ..documents.values.amounts import no_formula, plain
 from ..engines import engine as engine_named
 from ..engines import suggestion
+from ..files.amounts import no_formula, plain
 from ..outcomes.outcome import OUTCOMES
 from ..scene_argument import scene_from
 from ..validation import check_engine

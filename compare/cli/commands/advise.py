@@ -107,9 +107,9 @@ def advise(
     Settings are tried from the cheapest up (pymunk: step and iterations; interval: bits) on the scene and on K scenes
     beside it, so that one that is right by luck is found out. Every cheaper one was run, and is wrong.
     """
-    from ...documents.advice import advice_json, print_advice
     from ...grids.setting_search import DEFAULT_BUDGET, End
     from ...grids.setting_search import advise as search
+    from ...report.advice_text import advice_json, print_advice
     from ...report.listing import print_json
     from ...scene_argument import scene_from
     from ...writing import check_folder, write_whole

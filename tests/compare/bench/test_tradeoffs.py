@@ -31,8 +31,8 @@ from truebreak.compare.bench.speed_report import (
 from truebreak.compare.bench.subjects import SETTINGS, SUBJECTS, digest_of, settings_of, subjects
 from truebreak.compare.bench.tradeoff import Subject, Tradeoff, in_exact, study_of, tradeoffs, with_front
 from truebreak.compare.cli.entry import main
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES
+from truebreak.compare.files.schema import schema
 from truebreak.compare.report.pictures.tradeoff_plot import CIRCLE, tradeoff_plot
 from truebreak.scenarios import SceneError, catalogue
 

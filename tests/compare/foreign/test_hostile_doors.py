@@ -15,7 +15,7 @@ from command_line import said
 import truebreak as tb
 from truebreak.compare.foreign import isolated, isolation
 from truebreak.compare.foreign.isolation import EngineWarning
-from truebreak.compare.suites import survey as surveys
+from truebreak.compare.grids import engine_survey as surveys
 from truebreak.compare.testing.check import NotDecided
 from truebreak.compare.validation import EngineError
 
