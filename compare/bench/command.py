@@ -75,14 +75,14 @@ def run(
     kept = None if keep is None else load(keep, "--keep")
     _check_files({s.name: digest_of(s) for s in subjects(scenes)}, then, compared, kept, keep)
     if svg is not None:
-        from ..report.picture import svg_path
+        from ..picture import svg_path
 
         check_writable(svg_path(svg))
     with _showing() as show:
         report = measure(scenes=scenes, engines=engines, kept=kept, progress=show,
                          processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1))  # fmt: skip
     if svg is not None:
-        from ..report.picture import svg_path
+        from ..picture import svg_path
         from ..report.pictures.tradeoff_plot import tradeoff_plot
 
         write_whole(svg_path(svg), tradeoff_plot(report.tradeoffs))
