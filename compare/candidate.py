@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from .alignment.align import Alignment, Separation, Verdict
     from .audit.audit import Audit
     from .causes.diagnosis import Diagnosis, Margin
-    from .chaos.hazard.errors import ErrorModel
+    from .tangent.hazard import ErrorModel
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,6 @@ from .alignment.instants import follows_the_law
 from .audit.audit import audit_run
 from .audit.transcript import Transcript
 from .candidate import Candidate
-from .chaos.hazard.errors import model_of
 from .deadline import NO_TIME, Clock, OutOfTime, checked_seconds, time_limit, time_to_read, uninterrupted
 from .engines import engine as engine_named
 from .engines import label_of
@@ -28,6 +27,7 @@ from .outcomes.outcome import outcomes_of
 from .outcomes.outcome import pattern as pattern_of
 from .outcomes.permitted import PermittedPatterns, permitted_patterns
 from .study import Study, run_or_unable
+from .tangent.hazard import model_of
 from .validation import check_engine, check_trajectory, check_until
 
 if TYPE_CHECKING:
@@ -306,8 +306,8 @@ def _audited(study: Study, engine: Engine, candidate: Candidate) -> Audit | None
 
 def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> Audit:
     """The audit of a record without states: its times and partners, up to the certified horizon of its bits."""
-    from .testing.errors_grown import local_error
-    from .testing.reach import MOST_CIRCLES, Demand, number_off, reach_of
+    from .tolerances.errors_grown import local_error
+    from .tolerances.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
     if len(reference.scene.circles) > MOST_CIRCLES or study.truth.rounds_input:

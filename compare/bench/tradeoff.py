@@ -12,7 +12,7 @@ from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.trajectory import StopReason
-from ..chaos.growth.accuracy import end_error
+from ..chaos.accuracy import end_error
 from ..comparison import candidate_of
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named

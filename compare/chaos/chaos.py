@@ -16,8 +16,8 @@ from ..engines import engine as engine_named
 from ..tangent.growth import CertifiedGrowth, Displacements, certified_growth, unit_displacements
 from ..tangent.impacts import NoTangentMap, impacts
 from ..validation import check_engine
-from .growth.spectrum import Spectrum, spectrum
 from .horizon import Forecaster, Horizon
+from .spectrum import Spectrum, spectrum
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

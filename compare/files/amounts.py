@@ -86,3 +86,12 @@ def plain(value: Any) -> Any:
     if type(value).__module__ == "numpy":  # not imported for it: a value of numpy's is there only if numpy is
         return plain(value.tolist())
     return str(value)
+
+
+def counted(number: int, noun: str) -> str:
+    """A number with its noun.
+
+    >>> counted(1, "event"), counted(1200, "event")
+    ('1 event', '1,200 events')
+    """
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"

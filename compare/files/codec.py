@@ -230,7 +230,7 @@ CLASSES = (
     "compare.causes.diagnosis:Experiment",
     "compare.causes.diagnosis:Margin",
     "compare.certificate.certified:Certified",
-    "compare.chaos.hazard.errors:ErrorModel",
+    "compare.tangent.hazard:ErrorModel",
     "compare.comparison:Comparison",
     "compare.outcomes.permitted:Witness",
     "compare.outcomes.permitted:PermittedPatterns",

@@ -26,9 +26,8 @@ if TYPE_CHECKING:
     from ..audit.audit import Audit
     from ..candidate import Candidate
     from ..chaos.chaos import Chaos, Grown
-    from ..chaos.growth.blocks import Rate
-    from ..chaos.growth.spectrum import Spectrum
     from ..chaos.horizon import Horizon
+    from ..chaos.spectrum import Rate, Spectrum
     from ..cli.commands.foreign import Change
     from ..comparison import Comparison
     from ..grids.survival import Summary, Uncertainty
@@ -87,8 +86,8 @@ FORMS = {
     "outcomes",
     "compare.tangent.growth:CertifiedGrowth": "events low high precision=bits",
     "compare.chaos.chaos:Grown": "event time bits",
-    "compare.chaos.growth.blocks:Rate": "value low high blocks",
-    "compare.chaos.growth.spectrum:Spectrum": "dimension exponents pairing volume",
+    "compare.chaos.spectrum:Rate": "value low high blocks",
+    "compare.chaos.spectrum:Spectrum": "dimension exponents pairing volume",
     "compare.chaos.horizon:EventTime": "event time",
     "compare.chaos.horizon:Seen": "verdict at=place",
     "compare.chaos.horizon:Horizon": "engine model unit_bits=unit expected low high by_exponent observed=seen inside",

@@ -33,8 +33,7 @@ from .store import Store
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.trajectory import Trajectory
-    from ..chaos.following import Followed
-    from ..chaos.horizon import Horizon
+    from ..chaos.horizon import Followed, Horizon
 
 PERTURBED = "perturbed:"
 """What the label of a displaced scene's certified run begins with."""
@@ -135,8 +134,8 @@ class Forecast:
     """What a certified run predicts of engines; nothing where there is no tangent map, or nothing moves."""
 
     def __init__(self, run: Trajectory) -> None:
-        from ..chaos.growth.spectrum import spectrum
         from ..chaos.horizon import Forecaster
+        from ..chaos.spectrum import spectrum
         from ..tangent.impacts import NoTangentMap, impacts
 
         self.forecaster: Forecaster | None = None

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from ...scenarios.errors import SceneError
 from ..alignment.instants import Kind
 from ..audit.audit import audit_run
-from ..chaos.following import follow
-from ..chaos.growth.accuracy import end_error
+from ..chaos.accuracy import end_error
+from ..chaos.horizon import follow
 from ..comparison import candidate_of
 from ..engines import suggestion
 from ..files.amounts import plain

@@ -15,7 +15,7 @@ from ...scenarios.disk import fits
 from ...scenarios.errors import SceneError, cut
 from ..alignment.align import UNKNOWING
 from ..audit.audit import Audit, audit_run
-from ..chaos.following import Followed, follow
+from ..chaos.horizon import Followed, follow
 from ..files.amounts import plain
 from ..outcomes.matched import held
 from ..outcomes.outcome import outcome, outcomes_of

@@ -15,13 +15,12 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.settings import positive_time
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
-from ..chaos.hazard.errors import ErrorModel, model_of
-from ..chaos.horizon import Forecaster
-from ..chaos.levels import LEVELS
+from ..chaos.horizon import LEVELS, Forecaster
 from ..comparison import candidate_of, explained
 from ..engines import engine as engine_named
 from ..outcomes.outcome import outcomes_of
 from ..study import Study
+from ..tangent.hazard import ErrorModel, model_of
 from ..tangent.impacts import NoTangentMap, impacts
 from ..validation import check_until, checked_number, unsupported
 from .goals import HistoryGoal

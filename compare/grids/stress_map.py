@@ -28,7 +28,7 @@ from .stress_families import FAMILIES, MapPlace, StressFamily, stress_family
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory
-    from ..chaos.following import Followed
+    from ..chaos.horizon import Followed
 
 DEFAULT_ENGINES = ("single", "double", "quad", "interval", "pymunk:max_steps=300000")
 """Compared with the certified run unless others are asked for. 300,000 steps of pymunk take about a second."""

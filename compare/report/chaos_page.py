@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
+from ..files.amounts import counted
 from ..files.documents import chaos_json
 from .curves import Band, Curve, plot
 from .listing import laid_out
-from .output import console, counted, grid, say
+from .output import console, grid, say
 from .page import Download, download, file_name, limits_of, provenance_of, rendered, scene_file, stem_of
 from .player import played
 from .plot import NARROW, WIDE
@@ -22,8 +23,8 @@ from .sentences import listed
 
 if TYPE_CHECKING:
     from ..chaos.chaos import Chaos
-    from ..chaos.growth.blocks import Rate
     from ..chaos.horizon import EventTime, Horizon
+    from ..chaos.spectrum import Rate
 
 SHOWN_EXPONENTS = 12
 """Exponents listed for people; the JSON has all."""
@@ -34,7 +35,7 @@ HORIZON_HEADINGS = ("engine", "foreseen at event", "90 % band", "time", "ln(1/ep
 def rate_phrase(rate: Rate) -> str:
     """A rate with its interval.
 
-    >>> from truebreak.compare.chaos.growth.blocks import Rate
+    >>> from truebreak.compare.chaos.spectrum import Rate
     >>> rate_phrase(Rate(0.25, 0.2, 0.3, 20)), rate_phrase(Rate(0.25))
     ('0.25 (95 %: 0.2 to 0.3)', '0.25 (too short for an interval)')
     """

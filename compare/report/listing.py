@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 from ...exact.numbers.system import Undecided
 from ...scenarios.errors import printable
 from ...scenarios.numbers.quantity import real
-from ..files.amounts import bounds, double
-from .output import TextTable, console, counted, grid, say
+from ..files.amounts import bounds, counted, double
+from .output import TextTable, console, grid, say
 
 if TYPE_CHECKING:
     from ...scenarios.catalogue import SceneEntry

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .output import console, counted, grid, say
+from ..files.amounts import counted
+from .output import console, grid, say
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -15,15 +15,6 @@ if TYPE_CHECKING:
     import rich.table
 
 
-def counted(number: int, noun: str) -> str:
-    """A number with its noun.
-
-    >>> counted(1, "event"), counted(1200, "event")
-    ('1 event', '1,200 events')
-    """
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
 # ----------------------------------------
 # Standard output, lines and tables: plain ones are laid out here, what has colours or wraps by rich.
 

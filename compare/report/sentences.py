@@ -10,9 +10,9 @@ from ...scenarios.trajectory import StopReason
 from ..alignment.align import VERDICTS
 from ..alignment.instants import Kind
 from ..causes.diagnosis import NO_CAUSE
+from ..files.amounts import counted
 from ..foreign.recording import RECORD_ENDS
 from ..outcomes.permitted import Relation
-from .output import counted
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

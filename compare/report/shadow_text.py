@@ -5,7 +5,8 @@ from __future__ import annotations
 from decimal import ROUND_CEILING, Context, Decimal
 from typing import TYPE_CHECKING
 
-from .output import console, counted, say
+from ..files.amounts import counted
+from .output import console, say
 
 if TYPE_CHECKING:
     from ..shadowing.shadow import Proof, Shadow

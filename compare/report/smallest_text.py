@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from ..files.amounts import counted
 from ..reduction.smallest import SceneSize
-from .output import console, counted, grid, say
+from .output import console, grid, say
 from .sentences import divergence_phrase
 from .terminal import print_comparison
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from .output import console, counted, grid, say
+from ..files.amounts import counted
+from .output import console, grid, say
 
 if TYPE_CHECKING:
     from ..grids.survival import Summary, Uncertainty

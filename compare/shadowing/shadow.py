@@ -11,7 +11,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import rational
 from ...scenarios.things import Circle
 from ..alignment.instants import Divergence
-from ..chaos.following import follow
+from ..chaos.horizon import follow
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded

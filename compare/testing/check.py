@@ -31,10 +31,10 @@ from ..report.sentences import divergence_phrase, listed, margin_phrase, middle,
 from ..report.sentences import off as off_by
 from ..scene_argument import scene_from
 from ..study import Study
+from ..tolerances.errors_grown import LocalError, local_error
+from ..tolerances.reach import MOST_CIRCLES, Demand, ErrorWalk, OutOfReach, Reach, number_off, tie_off
 from ..validation import check_engine, check_trajectory, unsupported
-from .errors_grown import LocalError, local_error
 from .own_order import permission
-from .reach import MOST_CIRCLES, Demand, ErrorWalk, OutOfReach, Reach, number_off, tie_off
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

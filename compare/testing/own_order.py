@@ -18,8 +18,8 @@ from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..orders.guided import Guided
 from ..outcomes.permitted import Relation
+from ..tolerances.reach import reach_of
 from ..validation import check_trajectory
-from .reach import reach_of
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from ..alignment.align import Alignment
     from ..candidate import Candidate
     from ..comparison import Comparison
-    from .errors_grown import LocalError
-    from .reach import Reach
+    from ..tolerances.errors_grown import LocalError
+    from ..tolerances.reach import Reach
 
 
 class GuidedRounds(Guided):

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from truebreak.compare.chaos.growth.spectrum import TURNING, spectrum
+from truebreak.compare.chaos.spectrum import TURNING, spectrum
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact.exact_engine import ExactEngine
 from truebreak.scenarios import catalogue

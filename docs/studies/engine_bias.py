@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 
 import averages
 
-from truebreak.compare.chaos.growth.spectrum import spectrum
+from truebreak.compare.chaos.spectrum import spectrum
 from truebreak.compare.engines import engine as engine_named
 from truebreak.compare.foreign.guard import run_guarded
 from truebreak.compare.report.curves import Curve, plot

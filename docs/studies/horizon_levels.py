@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from truebreak.compare.chaos.hazard.errors import ErrorModel
 from truebreak.compare.chaos.horizon import Forecaster
 from truebreak.compare.engines import engine as engine_named
+from truebreak.compare.tangent.hazard import ErrorModel
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact.exact_engine import ExactEngine
 from truebreak.scenarios import catalogue

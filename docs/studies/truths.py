@@ -15,8 +15,8 @@ from pathlib import Path
 import averages
 import pinball
 
-from truebreak.compare.chaos.following import follow
-from truebreak.compare.chaos.growth.spectrum import spectrum
+from truebreak.compare.chaos.horizon import follow
+from truebreak.compare.chaos.spectrum import spectrum
 from truebreak.compare.engines import engine
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.tangent.growth import Displacements, certified_growth, unit_displacements

@@ -1,4 +1,4 @@
-"""`truebreak judge` and `truebreak export`: logs of any engine, and the scene in doubles that such an engine starts from."""
+"""`truebreak judge` and `truebreak export`: logs of any engine, and the scene in doubles that it starts from."""
 
 from __future__ import annotations
 

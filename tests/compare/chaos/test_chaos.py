@@ -14,16 +14,14 @@ import numpy as np
 import pytest
 
 from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
-from truebreak.compare.chaos.growth.blocks import rate
-from truebreak.compare.chaos.growth.spectrum import spectrum
-from truebreak.compare.chaos.hazard.errors import TOSS, ErrorCurve, ErrorModel, model_of
-from truebreak.compare.chaos.horizon import EventTime, Forecaster, Horizon
-from truebreak.compare.chaos.levels import LEVELS
+from truebreak.compare.chaos.horizon import LEVELS, EventTime, Forecaster, Horizon
+from truebreak.compare.chaos.spectrum import rate, spectrum
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine
 from truebreak.compare.files.documents import chaos_json
 from truebreak.compare.files.schema import schema
 from truebreak.compare.report.chaos_page import horizon_rows, sentences
+from truebreak.compare.tangent.hazard import TOSS, ErrorCurve, ErrorModel, model_of
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine

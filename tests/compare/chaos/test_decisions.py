@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from truebreak.compare.chaos.chaos import chaos
-from truebreak.compare.chaos.hazard.margins import Course, margins
-from truebreak.compare.chaos.hazard.overturning import shares
+from truebreak.compare.tangent.hazard import Course, margins, shares
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue

@@ -14,7 +14,7 @@ import jsonschema
 import pytest
 
 from truebreak.compare import compare, engine
-from truebreak.compare.chaos.growth.accuracy import end_error
+from truebreak.compare.chaos.accuracy import end_error
 from truebreak.compare.cli.entry import main
 from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.goals import Digits, Goal, HistoryGoal, OutcomeGoal, difference

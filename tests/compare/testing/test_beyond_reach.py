@@ -13,7 +13,7 @@ from bugs import BUGS, Planted
 from truebreak.compare import engine
 from truebreak.compare.foreign import Recording
 from truebreak.compare.testing.check import CheckFailed, check
-from truebreak.compare.testing.errors_grown import UNSEEN, local_error
+from truebreak.compare.tolerances.errors_grown import UNSEEN, local_error
 from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Declared, Scene, Trajectory, Wall, catalogue
 

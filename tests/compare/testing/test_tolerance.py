@@ -14,8 +14,8 @@ from truebreak.compare import engine
 from truebreak.compare.foreign import Recording
 from truebreak.compare.tangent.growth import error_growth
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
-from truebreak.compare.testing.errors_grown import ROUNDINGS, GrownErrors, LocalError, local_error
-from truebreak.compare.testing.reach import reach_of
+from truebreak.compare.tolerances.errors_grown import ROUNDINGS, GrownErrors, LocalError, local_error
+from truebreak.compare.tolerances.reach import reach_of
 from truebreak.exact import ExactEngine
 from truebreak.exact.laws import formulas
 from truebreak.floating import DoubleEngine, PymunkEngine

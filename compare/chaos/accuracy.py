@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from flint import arb
 
-from ....exact.numbers import ball
-from ....scenarios.numbers.quantity import Quantity
+from ...exact.numbers import ball
+from ...scenarios.numbers.quantity import Quantity
 
 if TYPE_CHECKING:
-    from ....scenarios.numbers.quantity import Real
-    from ....scenarios.trajectory import State, Trajectory
+    from ...scenarios.numbers.quantity import Real
+    from ...scenarios.trajectory import State, Trajectory
 
 LEAST_BITS, MOST_BITS = 512, 1 << 14
 """Bits with which places are enclosed: twice as many as long as the bound of the error still falls, for then it is not

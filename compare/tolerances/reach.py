@@ -18,7 +18,7 @@ from ...scenarios.numbers.quantity import real
 from ...scenarios.settings import positive_count
 from ...scenarios.trajectory import StopReason
 from ..causes.decision import DecidingNumber, Pairing, RunReader
-from ..report.output import counted
+from ..files.amounts import counted
 from ..tangent.impacts import NoTangentMap
 from .errors_grown import GrownErrors
 

@@ -1,1 +1,0 @@
-"""How errors grow along one run: exponents with intervals, and how many digits are right at its end."""

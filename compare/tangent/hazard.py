@@ -1,0 +1,468 @@
+"""By how much each meeting of a run was decided: how far a circle may be displaced before another comes of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from enum import Enum
+from math import hypot, inf, log2
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from flint import arb
+from numpy.typing import NDArray
+
+from ...exact.exact_motion import motion_of, steps_through
+from ...exact.laws.formulas import (
+    pair_approach,
+    pair_discriminant,
+    pair_gap,
+    pair_hit_time,
+    pair_impulse,
+    wall_approach,
+    wall_bounce,
+    wall_gap,
+    wall_hit_time,
+)
+from ...exact.numbers import ball
+from ...exact.replay.state import ReplayState
+from .growth import Displacements
+from .impacts import LEAST_BITS, Impact, moving
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from ...scenarios.engine import Engine
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Trajectory
+
+WALL = -1
+"""In place of the index of a circle."""
+
+
+class Others(NamedTuple):
+    """What a circle would meet next.
+
+    Attributes:
+        places: circles by index, or `WALL`.
+        waits: how long until then.
+        rates: how fast they then approach.
+        normals: shape (others, 2): unit vectors from the circle to each, as they then meet.
+    """
+
+    places: NDArray[np.intp]
+    waits: NDArray[np.float64]
+    rates: NDArray[np.float64]
+    normals: NDArray[np.float64]
+
+
+class Course:
+    """The states of all circles along a run's impacts, in doubles.
+
+    Attributes:
+        places, speeds: shape (circles, 2), at `time`.
+        time: where they stand.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        circles = scene.circles
+        self.places: NDArray[np.float64] = np.array([[float(c.x), float(c.y)] for c in circles])
+        self.speeds: NDArray[np.float64] = np.array([[float(c.vx), float(c.vy)] for c in circles])
+        self.time = 0.0
+        self._radii = np.array([float(c.r) for c in circles])
+        self._walls: NDArray[np.float64] = np.zeros((len(scene.walls), 4))
+        for k, wall in enumerate(scene.walls):
+            normal = np.array([float(part) for part in wall.normal])
+            self._walls[k] = [float(wall.x0), float(wall.y0), *(normal / np.hypot(*normal))]
+
+    def fly(self, time: float) -> None:
+        """Goes on to a time, in straight flight."""
+        self.places += (time - self.time) * self.speeds
+        self.time = time
+
+    def push(self, impact: Impact) -> list[tuple[int, NDArray[np.float64]]]:
+        """Carries an impact out: each circle that takes part, and the change of its velocity."""
+        a, b, dx, dy, vx, vy, reach, wa, wb = as_doubles(impact)
+        if b is None:
+            ux, uy = self.speeds[a]
+            after = np.array(wall_bounce(ux, uy, dx, dy, reach * reach))
+            changes = [(a, after - self.speeds[a])]
+        else:
+            impulse = np.array(pair_impulse(dx, dy, vx, vy, reach, wa, wb))
+            changes = [(a, -wa * impulse), (b, wb * impulse)]
+        for i, change in changes:
+            self.speeds[i] += change
+        return changes
+
+    def margins(self, event: Sequence[Impact], impact: Impact, i: int) -> NDArray[np.float64]:
+        """How far circle i, which takes part in an impact, may be displaced before its next meeting is another one.
+
+        One number for each that it would meet next, were it not for the impact: an error changes the times of both
+        meetings, each by the error's part along the approach over the speed of approach; taken as if both parts were as
+        long as the margin, and of opposite effect. And one, for two circles, for how far they are from missing each
+        other.
+        """
+        _, b, dx, dy, vx, vy, reach, *_ = as_doubles(impact)
+        closing = abs(pair_approach(dx, dy, vx, vy)) / reach
+        others = self.instead(event, i)
+        orders = others.waits * (closing * others.rates / (closing + others.rates))
+        if b is None:
+            return orders
+        return np.append(orders, max(reach - abs(dx * vy - dy * vx) / np.hypot(vx, vy), 0.0))
+
+    def instead(self, event: Sequence[Impact], i: int) -> Others:
+        """What circle i, which takes part in an event, would meet were it not for that.
+
+        Where several contacts of one circle at one instant have a tangent map, their order decides nothing.
+        """
+        met = [impact for impact in event if i in (impact.a, impact.b)]
+        partners = [impact.b if i == impact.a else impact.a for impact in met if impact.b is not None]
+        circles, walls = self._circles(i, partners), self._walls_of(i, len(met) - len(partners))
+        return Others(
+            np.concatenate([circles.places, walls.places]),
+            np.concatenate([circles.waits, walls.waits]),
+            np.concatenate([circles.rates, walls.rates]),
+            np.concatenate([circles.normals, walls.normals]),
+        )
+
+    def _circles(self, i: int, partners: Sequence[int]) -> Others:
+        """The circles in its way, but for its partners."""
+        (dx, dy), (vx, vy) = (self.places - self.places[i]).T, (self.speeds - self.speeds[i]).T
+        reach = self._radii + self._radii[i]
+        approach, room = pair_approach(dx, dy, vx, vy), pair_discriminant(dx, dy, vx, vy, reach)
+        meets = (approach < 0) & (room > 0)
+        meets[[i, *partners]] = False
+        dx, dy, reach, root = dx[meets], dy[meets], reach[meets], np.sqrt(room[meets])
+        waits = pair_hit_time(np.maximum(pair_gap(dx, dy, reach), 0.0), approach[meets], root)
+        normals = np.column_stack([dx + waits * vx[meets], dy + waits * vy[meets]]) / reach[:, None]
+        return Others(np.flatnonzero(meets), waits, root / reach, normals)
+
+    def _walls_of(self, i: int, at_walls: int) -> Others:
+        """The walls in its way, but for those that it is at."""
+        (x0, y0, nx, ny), (x, y), (ux, uy) = self._walls.T, self.places[i], self.speeds[i]
+        gap = wall_gap(x, y, x0, y0, nx, ny, 0.0)
+        side = np.where(gap < 0, -1.0, 1.0)
+        gap, approach = side * gap - self._radii[i], side * wall_approach(ux, uy, nx, ny)
+        meets = approach < 0
+        meets[np.abs(gap).argsort()[:at_walls]] = False
+        waits = wall_hit_time(np.maximum(gap[meets], 0.0), approach[meets])
+        normals = -side[meets, None] * np.column_stack([nx[meets], ny[meets]])
+        return Others(np.full(len(waits), WALL), waits, -approach[meets], normals)
+
+
+def as_doubles(impact: Impact) -> tuple[int, int | None, float, float, float, float, float, float, float]:
+    """All of an impact but its time."""
+    dx, dy, vx, vy, reach, wa, wb = (float(number) for number in impact[3:])
+    return impact.a, impact.b, dx, dy, vx, vy, reach, wa, wb
+
+
+def margins(
+    scene: Scene, struck: Sequence[Sequence[Impact]], free: Sequence[int]
+) -> list[list[tuple[int, NDArray[np.float64]]]]:
+    """Event by event, the margins of each of the circles `free` that takes part.
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.compare.tangent.impacts import impacts
+    >>> from truebreak.scenarios import Circle, Scene, Wall
+    >>> scene = Scene([Circle(0, 0, vx=1, vy=1)], [Wall(10, 0, 10, 1), Wall(0, "101/10", 1, "101/10")])
+    >>> [[(circle, told)]] = margins(scene, impacts(ExactEngine().run(scene), 1), [0])
+    >>> circle, [round(float(value), 3) for value in told]  # 0.05 back and 0.05 up, and it meets the other wall first
+    (0, [0.05])
+    """
+    course, told = Course(scene), []
+    for event in struck:
+        course.fly(float(event[0].time))
+        met = [(impact, i) for impact in event for i in (impact.a, impact.b) if i is not None and i in free]
+        told.append([(i, course.margins(event, impact, i)) for impact, i in met])
+        for impact in event:
+            course.push(impact)
+    return told
+
+
+# ----------------------------------------
+# What errors do to the decisions of an impact: each in its own direction, as a share of what turns them over.
+
+Errors = NDArray[np.float64]
+
+
+def shares(
+    course: Course,
+    event: Sequence[Impact],
+    impact: Impact,
+    errors: Errors,
+    movable: Callable[[int], bool],
+    off: Callable[[int], Errors],
+) -> list[float]:
+    """Root mean squares, over a number of errors, of what they change in each decision as a share of its margin.
+
+    To the first order. The decisions are
+
+    - for each circle that can move, and each thing that it would meet next were it not for the impact: which of the two
+      meetings is the earlier. The margin is the time between them;
+    - for two circles: whether they pass each other by. The margin is how far they are from that;
+    - whether they come together at all. The margin is the speed at which they do.
+
+    So an error along the motion of two balls on a line lets none of them miss the other, however large it is.
+
+    Args:
+        course: the states at the event.
+        event: all of its impacts.
+        impact: the one in question.
+        errors: shape (circles, 4, k): k errors of x, y, vx, vy of every circle.
+        off: draws by how much an engine errs in the times of so many meetings themselves, shape (so many, k).
+
+    >>> from truebreak.exact import ExactEngine
+    >>> from truebreak.compare.tangent.impacts import impacts
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> scene = Scene([Circle(0, 0, vx=1), Circle(6, "6/5")])
+    >>> [[impact]] = impacts(ExactEngine().run(scene), 1)
+    >>> course = Course(scene)
+    >>> course.fly(float(impact.time))
+    >>> errors = np.zeros((2, 4, 1))
+    >>> def told(place, coordinate):
+    ...     errors[:] = 0
+    ...     errors[place, coordinate] = 0.1
+    ...     found = shares(course, [impact], impact, errors, lambda i: True, lambda count: np.zeros((count, 1)))
+    ...     return [round(share, 9) for share in found]
+    >>> told(0, 0), told(0, 1), told(0, 2)  # forward; up, of the 0.8 to a miss; and in the speed
+    ([0.0, 0.0], [0.125, 0.0], [0.0, 0.1])
+    """
+    a, b, dx, dy, vx, vy, reach, *_ = as_doubles(impact)
+    normal, velocity = np.array([dx, dy]) / reach, np.array([vx, vy])
+    apart = errors[a] if b is None else errors[b] - errors[a]
+    rate = normal @ velocity
+    shift = -(normal @ apart[:2]) / rate
+    told: list[float] = []
+    for i in (i for i in (a, b) if i is not None and movable(i)):
+        others = course.instead(event, i)
+        theirs = np.where((others.places == WALL)[:, None, None], 0.0, errors[others.places, :2])
+        gaps = np.einsum("oc,ock->ok", others.normals, theirs - errors[i, :2])
+        shifts = gaps / others.rates[:, None] - shift + off(len(gaps)) - off(len(gaps))
+        told += [_share(one, wait) for one, wait in zip(shifts, others.waits.tolist(), strict=True)]
+    if b is None:
+        return [*told, _share(normal @ apart[2:], abs(float(rate)))]
+    speed = float(np.hypot(vx, vy))
+    along = velocity / speed
+    across = np.array([-along[1], along[0]])
+    nearest = apart[:2] - (dx * vx + dy * vy) / speed**2 * apart[2:]
+    room = reach - abs(dx * vy - dy * vx) / speed
+    return [*told, _share(across @ nearest, room), _share(along @ apart[2:], speed)]
+
+
+def _share(changes: Errors, margin: float) -> float:
+    """The root mean square of changes over a margin; infinite where there is none."""
+    return float(np.sqrt(np.mean(changes * changes))) / margin if margin > 0 else np.inf
+
+
+# ----------------------------------------
+# How large an engine's error is expected to be at each event of a certified run, before the engine is run.
+#
+# Each model says what error an engine commits, and the tangent map says what becomes of it. What comes out is the error
+# that decisions meet: its size beside the margin of each decision, event by event, for an engine of unit error.
+
+
+class ErrorModel(Enum):
+    """What an engine's declarations say of its error."""
+
+    ROUNDING = "every number is rounded to so many bits"
+    STEPPED = "contacts are found late, by up to a time step"
+    ENCLOSED = "numbers are enclosed with so many bits, and a decision that the enclosure leaves open ends the run"
+
+
+def model_of(engine: Engine) -> tuple[ErrorModel, float] | None:
+    """The model of an engine, and log2 of its unit of error; None for one that has none: its numbers are exact.
+
+    By what it declares: a time step; bits and rounded input; bits alone.
+
+    >>> from truebreak.floating import DoubleEngine
+    >>> model_of(DoubleEngine())
+    (<ErrorModel.ROUNDING: 'every number is rounded to so many bits'>, -53.0)
+    """
+    if engine.step is not None:
+        return ErrorModel.STEPPED, log2(engine.step)
+    if engine.bits is None:
+        return None
+    return (ErrorModel.ROUNDING if engine.rounds_input else ErrorModel.ENCLOSED), -float(engine.bits)
+
+
+SAMPLES = 16
+"""Errors drawn at random and carried along side by side; their mean square is what is expected."""
+
+SEED = 1967
+
+PROBE_STEP = 2.0**-20
+"""Share of the shortest time between events by which the stepped model's impacts are late: small, so that its error is
+proportional to the step."""
+
+
+TOSS = 8.0
+"""What a decision adds to the hazard at most: one whose margin is far below the error is a coin toss, and half of the
+engines get it right. By this hazard half of them have left (the median levels in `levels.py` are its logarithm, but for
+a fraction of a bit)."""
+
+FARTHEST = 1000.0
+"""Powers of two beyond which a share is nothing, or more than any level: a double ends at 2**1024."""
+
+HALVINGS = 60
+"""Steps of bisection to an engine's unit: beyond the last bit of a double."""
+
+
+class ErrorCurve:
+    """The expected error of an engine along a run, beside the margins of the run's decisions.
+
+    Args:
+        model: what commits the error.
+        events: how many there are.
+        decisions: for each decision its event, and log2 of the error that an engine of unit error brings to it as a
+            share of its margin.
+    """
+
+    def __init__(self, model: ErrorModel, events: int, decisions: Sequence[tuple[int, float]]) -> None:
+        self.model = model
+        self._events = events
+        self._at = np.array([event for event, _ in decisions], dtype=int)
+        self._shares: NDArray[np.float64] = np.array([share for _, share in decisions], dtype=float)
+
+    def hazard(self, unit: float) -> NDArray[np.float64]:
+        """Shape (events,): log2 of the sum, over the decisions so far, of an engine's errors as shares of the margins.
+
+        A decision is overturned with a probability proportional to the error that it meets, but never more often than
+        a coin toss; so this says how likely the history is left by then. Where an enclosure leaves a decision open the
+        run ends for sure: no toss.
+
+        Args:
+            unit: log2 of the engine's unit of error.
+
+        >>> ErrorCurve(ErrorModel.ROUNDING, 3, [(0, 0.0), (1, 0.0), (1, 1.0), (2, 99.0)]).hazard(0.0).tolist()
+        [0.0, 2.0, 3.584962500721156]
+        """
+        most = inf if self.model is ErrorModel.ENCLOSED else TOSS
+        shares = np.minimum(most, np.exp2(np.clip(self._shares + unit, -FARTHEST, FARTHEST)))
+        sums = np.bincount(self._at, shares, minlength=self._events).cumsum()
+        return np.log2(np.maximum(sums, 2.0**-FARTHEST))
+
+    def reaches(self, level: float, unit: float) -> int | None:
+        """The first event at which the hazard of an engine with that log2 unit reaches a level; None if none does."""
+        above = np.nonzero(self.hazard(unit) >= level)[0]
+        return int(above[0]) if len(above) else None
+
+    def unit_at(self, level: float) -> float:
+        """log2 of the unit of error with which the hazard at the last event is at a level.
+
+        Infinite if no error is large enough for that, minus infinity if none is small enough.
+        """
+        finite = self._shares[np.isfinite(self._shares)]
+        low, high = -float(finite.max(initial=0.0)) - FARTHEST, FARTHEST
+        if self.hazard(high)[-1] < level:
+            return inf
+        if self.hazard(low)[-1] >= level:
+            return -inf
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            low, high = (low, middle) if self.hazard(middle)[-1] >= level else (middle, high)
+        return high
+
+
+def error_curve(trajectory: Trajectory, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> ErrorCurve:
+    """The curve of one model along the first events of a certified run, those of `struck`."""
+    scene = trajectory.scene
+    if model is not ErrorModel.ENCLOSED:
+        return ErrorCurve(model, len(struck), list(_carried(scene, struck, model)))
+    decisions: list[tuple[int, float]] = []
+    widths = _widths(trajectory, struck)
+    for event, (told, margin_of) in enumerate(zip(widths, margins(scene, struck, moving(scene)), strict=True)):
+        for i, found in margin_of:
+            decisions += [(event, told[i] - log2(margin) if margin else inf) for margin in found.tolist()]
+    return ErrorCurve(model, len(struck), decisions)
+
+
+def _carried(scene: Scene, struck: Sequence[Sequence[Impact]], model: ErrorModel) -> Iterator[tuple[int, float]]:
+    """Each decision's event, and log2 of what the errors carried there are of its margin, for a unit of 1."""
+    draw = np.random.default_rng(SEED)
+    free = moving(scene)
+    row = {i: k for k, i in enumerate(free)}
+    course = Course(scene)
+    start = np.zeros((len(free), 4, SAMPLES))
+    if model is ErrorModel.ROUNDING:
+        state = np.hstack([course.places, course.speeds])[free]
+        start = state[:, :, None] * draw.uniform(-1, 1, start.shape)
+    carried, errors = Displacements(scene, start), np.zeros((len(scene.circles), 4, SAMPLES))
+    for event, impacts in enumerate(struck):
+        time = float(impacts[0].time)
+        course.fly(time)
+        carried.fly(time)
+        errors[free] = carried.columns
+        ends = (0.0, 1.0) if model is ErrorModel.STEPPED else (-time, time)  # found late; or the clock is rounded
+
+        def off(count: int, ends: tuple[float, float] = ends, shrink: float = 2.0**-carried.scale) -> Errors:
+            return shrink * draw.uniform(*ends, (count, SAMPLES))
+
+        for impact in impacts:
+            found = shares(course, impacts, impact, errors, row.__contains__, off)
+            yield from ((event, carried.scale + log2(share) if share else -inf) for share in found)
+        for impact in impacts:
+            _strike(carried, course, row, impact, model, draw)
+
+
+def _strike(
+    carried: Displacements,
+    course: Course,
+    row: dict[int, int],
+    impact: Impact,
+    model: ErrorModel,
+    draw: np.random.Generator,
+) -> None:
+    """One impact: what was carried goes through it, and what the engine gets wrong at it is added."""
+    carried.through([impact])
+    time, dx, dy, vx, vy, reach, wa, wb = (float(v) for v in (impact.time, *impact[3:]))
+    shrink = 2.0**-carried.scale
+    late = draw.uniform(0, 1, SAMPLES) if model is ErrorModel.STEPPED else np.zeros(SAMPLES)
+    for (i, change), weight in zip(course.push(impact), (-wa, wb), strict=False):
+        if i not in row:
+            continue
+        k = row[i]
+        if model is ErrorModel.STEPPED:
+            carried.columns[k, :2] -= shrink * change[:, None] * late
+            if impact.b is not None:
+                lag = PROBE_STEP * reach / (abs(vx) + abs(vy))
+                px, py = dx + vx * lag, dy + vy * lag
+                there = pair_impulse(px, py, vx, vy, hypot(px, py), wa, wb)
+                turned = (weight * np.array(there) - change)[:, None] / lag * late
+                carried.columns[k, 2:] += shrink * turned
+            continue
+        (x, y), (ux, uy), speed = course.places[i], course.speeds[i], float(np.abs(change).max())
+        room = np.abs([x, y, ux, uy]) + np.array([abs(change[0]) * time, abs(change[1]) * time, speed, speed])
+        room[2:][(course.speeds[i] == 0) & (change == 0)] = 0.0  # a zero to which a zero is added is exact
+        carried.columns[k] += shrink * room[:, None] * draw.uniform(-1, 1, (4, SAMPLES))
+
+
+def _widths(trajectory: Trajectory, struck: Sequence[Sequence[Impact]]) -> list[dict[int, float]]:
+    """log2 of the width of the places of those who meet, for one unit in the last of the bits.
+
+    Interval arithmetic forgets how errors depend on each other, so its widths grow faster than any displacement. They
+    are measured: the run's log is replayed by the plain formulas in balls, with bits to spare.
+    """
+    motion = motion_of(trajectory)
+    assert motion is not None, "foreseen of an exact run only"
+    log, circles = motion.log, trajectory.scene.circles
+    bits = 2 * (log.lost + LEAST_BITS)
+    while True:
+        with ball.precision(bits):
+            state = ReplayState(trajectory.scene, ball.BALLS)
+            told: list[dict[int, float]] = []
+            done = 0
+            for event, impacts in zip(trajectory.events, struck, strict=False):
+                upto = steps_through(event)
+                for step in log.steps[done:upto]:
+                    state.do(step)
+                done = upto
+                met = {i: state.bodies[i].flight for impact in impacts for i in (impact.a, impact.b) if i is not None}
+                widths = [_log2(flight.x.rad() + flight.y.rad()) for i, flight in met.items() if not circles[i].fixed]
+                told.append(dict.fromkeys(met, bits + max(widths)))
+        if all(width < bits / 2 for errors in told for width in errors.values()):
+            return told
+        bits *= 2
+
+
+def _log2(value: arb) -> float:
+    """log2 of a radius, however small."""
+    return float((value + arb(2) ** -100_000).log() / arb(2).log())
