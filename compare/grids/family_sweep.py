@@ -15,9 +15,6 @@ from typing import TYPE_CHECKING, Any
 from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
-from ..alignment.align import separation
-from ..candidate import Candidate
-from ..comparison import explained
 from ..deadline import uninterrupted
 from ..documents.values.amounts import no_formula, plain
 from ..engines import engine as engine_named
@@ -26,7 +23,7 @@ from ..outcomes.outcome import OUTCOMES
 from ..scene_argument import scene_from
 from ..validation import check_engine
 from .grid import OnDone, carry_out
-from .row import Row, divergence_of, followed, laws_of, outcomes_changed, reference_of, versions
+from .row import Row, diagnosed, divergence_of, followed, laws_of, outcomes_changed, reference_of, versions
 from .scene_family import Perturbed, SceneFamily, family, shard_of
 from .store import Store
 
@@ -170,9 +167,7 @@ class Forecast:
 
 def _why(found: Followed, label: str, engine: Engine) -> dict[str, Any]:
     """The cause, the margin and the engine's error, by the experiments of `compare`."""
-    apart = separation(found.study.reference, found.run, float(found.study.reference.final_time))
-    candidate = Candidate(label, found.run, found.alignment, apart, {}, (), stepped=engine.step is not None)
-    candidate = explained(found.study, candidate, engine, None)
+    candidate = diagnosed(found, label, engine)
     margin = candidate.margin
     return {
         "cause": None if candidate.diagnosis is None else candidate.diagnosis.name.value,

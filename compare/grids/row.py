@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_h
 
 from ...scenarios.disk import fits
 from ...scenarios.errors import SceneError, cut
-from ..alignment.align import UNKNOWING
+from ..alignment.align import UNKNOWING, not_measured
 from ..audit.audit import audit_run
+from ..candidate import Candidate
 from ..chaos.following import Followed, follow
+from ..comparison import explained
 from ..documents.laws import laws_brief
 from ..documents.values.amounts import plain
 from ..outcomes.matched import held
@@ -25,7 +27,6 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.trajectory import Trajectory
     from ..alignment.align import Alignment
-    from ..candidate import Candidate
     from ..study import Study
 
 VerdictWord = Literal["agree", "diverged", "unsettled", "undecided", "refused", "failed"]
@@ -240,6 +241,13 @@ def followed(run: Trajectory, engine: Engine, foreseen: int | None = None) -> Fo
     that costs less than to begin anew."""
     whole = foreseen is None and engine.step is None and engine.bits is not None
     return follow(run, engine, len(run.events) if whole else foreseen)
+
+
+def diagnosed(found: Followed, label: str, engine: Engine) -> Candidate:
+    """An engine that was followed, with the cause and the margin of its divergence, by the experiments of `compare`."""
+    apart, stepped = not_measured(found.study.reference), engine.step is not None
+    candidate = Candidate(label, found.run, found.alignment, apart, {}, (), stepped=stepped)
+    return explained(found.study, candidate, engine, None)
 
 
 def outcomes_changed(found: Followed, run: Trajectory, step: float | None, names: Sequence[str] | None) -> Any:

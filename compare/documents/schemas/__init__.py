@@ -16,7 +16,7 @@ NAMES = (
     "sweep-2",
     "shadow-1",
     "stress-2",
-    "advice-1",
+    "advice-2",
     "bench-2",
     "suite-2",
     "run-1",
