@@ -228,6 +228,7 @@ def reference_of(run: Trajectory) -> dict[str, Any]:
             "stop": run.stop.reason.name.lower()}  # fmt: skip
 
 
+@cache
 def versions() -> str:
     """What computes rows."""
     return ", ".join(f"{name} {version(name)}" for name in ("truebreak", "python-flint", "pymunk"))
@@ -250,15 +251,21 @@ def diagnosed(found: Followed, label: str, engine: Engine) -> Candidate:
     return explained(found.study, candidate, engine, None)
 
 
-def outcomes_changed(found: Followed, run: Trajectory, step: float | None, names: Sequence[str] | None) -> Any:
-    """The outcomes that differ, of those named (None: of all), and whether they are those of the whole span."""
+def outcomes_changed(
+    found: Followed, run: Trajectory, step: float | None, names: Sequence[str] | None, expected: Any = None
+) -> Any:
+    """The outcomes that differ, of those named (None: of all), and whether they are those of the whole span.
+
+    Args:
+        expected: the outcomes of the reference, if they are known.
+    """
     chosen = None if names is None else {name: outcome(name) for name in names}
 
     def tell(mine: Trajectory) -> Mapping[str, Any]:
         return outcomes_of(mine) if chosen is None else {name: value(mine) for name, value in chosen.items()}
 
     study, mine = found.study, found.study.longest or run
-    return held(found.run, mine, found.alignment, study.span, study.patience(step), tell, tell(run))
+    return held(found.run, mine, found.alignment, study.span, study.patience(step), tell, expected or tell(run))
 
 
 def laws_of(run: Trajectory, engine: Engine) -> dict[str, Any] | None:
