@@ -34,7 +34,7 @@ format: .venv/ready
 
 bench: .venv/ready
 	$(BIN)/pip install -q -e '.[bench]'
-	$(BIN)/truebreak bench --full
+	$(BIN)/python docs/studies/speed_ratios.py --full
 
 # Runs every example of the README, of docs/ and of the docstrings, and builds the site: build/site/html/index.html.
 docs: .venv/ready

@@ -103,7 +103,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """One row an engine, and a picture of where the first of them parts, or of the scene, for a notebook."""
-        from .report.pictures.picture import notebook_picture
+        from .report.picture import notebook_picture
 
         rows: list[tuple[object, ...]] = [(self.reference.engine, "reference", len(self.reference.events), "", "")]
         for candidate in self.candidates:
@@ -299,9 +299,8 @@ def _audited(study: Study, engine: Engine, candidate: Candidate) -> Audit | None
 
 def _timed(study: Study, engine: Engine, candidate: Candidate, found: Audit) -> Audit:
     """The audit of a record without states: its times and partners, up to the certified horizon of its bits."""
-    from .testing.tolerances.local_error import local_error
-    from .testing.tolerances.numbers import Demand, number_off
-    from .testing.tolerances.reach import MOST_CIRCLES, reach_of
+    from .testing.errors_grown import local_error
+    from .testing.reach import MOST_CIRCLES, Demand, number_off, reach_of
 
     reference = study.reference
     if len(reference.scene.circles) > MOST_CIRCLES or study.truth.rounds_input:

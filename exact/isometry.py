@@ -34,6 +34,7 @@ class SceneData:
         self.circle_of = {(*self.places[i], *self.speeds[i], *self.kinds[i]): i for i in range(self.n)}
         self.wall_of = {line_key(point, normal): k for k, (point, normal) in enumerate(self.walls)}
         self.pocket_of = {(*place, r): k for k, (place, r) in enumerate(self.pockets)}
+        self.alone = len(self.wall_of) == len(self.walls) and len(self.pocket_of) == len(self.pockets)
 
     def kind_of(self, link: Link) -> tuple[object, ...]:
         """What of a contact an isometry leaves as it is."""
@@ -49,6 +50,15 @@ class SceneData:
         if isinstance(link, Entry):
             return [first, minus(self.pockets[link.pocket][0], self.places[link.circle])]
         return [first, minus(self.places[link.b], self.places[link.a]), self.speeds[link.b]]
+
+    def one_of(self, link: Link) -> Link:
+        """The contact with the wall that stands for all on one line, or the pocket for all at one place."""
+        if self.alone or isinstance(link, Pair):
+            return link
+        if isinstance(link, AtWall):
+            return AtWall(link.circle, self.wall_of[line_key(*self.walls[link.wall])])
+        place, r = self.pockets[link.pocket]
+        return Entry(link.circle, self.pocket_of[*place, r])
 
     def foot(self, i: int, wall: int) -> Vector:
         """The vector from a wall to a circle's centre, at right angles to the wall; never zero."""
@@ -117,7 +127,7 @@ class Isometry:
         return self._circles[i]
 
     def wall(self, k: int) -> int | None:
-        """The wall on the image of wall k's line."""
+        """The wall on the image of wall k's line, which stands for all that are on it."""
         if k not in self._walls:
             point, normal = self._data.walls[k]
             self._walls[k] = self._data.wall_of.get(line_key(self.move(point), self.turn(normal)))
@@ -129,7 +139,7 @@ class Isometry:
         return self._data.pocket_of.get((*self.move(place), r))
 
     def link(self, link: Link) -> Link | None:
-        """The image of a contact, or of an entry; None if there is none."""
+        """The image of a contact, or of an entry, as `SceneData.one_of` names it; None if there is none."""
         a = self.circle(link[0])
         if a is None:
             return None

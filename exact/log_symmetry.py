@@ -337,12 +337,20 @@ class LogSymmetry:
 
     def together(self, first: Link, second: Link) -> bool:
         """See `Form`."""
-        known = list(self._known.values())
-        if any(g.link(first) == second and self._all_follow(g, first) for g in known):
+        assert self._data is not None
+        if self.same(first, second):
+            return True
+        known, image = list(self._known.values()), self._data.one_of(second)
+        if any(g.link(first) == image and self._all_follow(g, first) for g in known):
             return True
         if (first, second) not in self._candidates:
             self._candidates[first, second] = self._between(first, second)
-        return any(g.link(first) == second and self._all_follow(g, first) for g in self._candidates[first, second])
+        return any(g.link(first) == image and self._all_follow(g, first) for g in self._candidates[first, second])
+
+    def same(self, first: Link, second: Link) -> bool:
+        """See `Form`."""
+        assert self._data is not None
+        return self._data.one_of(first) == self._data.one_of(second)
 
     def _all_follow(self, g: Isometry, link: Link) -> bool:
         return all(self.follows(g, i) for i in link.circles)
@@ -410,8 +418,9 @@ class LogSymmetry:
         """The blocks just before two blocks, in pairs; None if g does not map the one block to the other."""
         if a.kind != b.kind or a.kind == TAKE or len(a.places) != len(b.places):
             return None
+        assert self._data is not None
         images: set[Link | None] = {g.link(link) for link in a.among}
-        if images != {*b.among}:
+        if len(a.among) != len(b.among) or images != set(map(self._data.one_of, b.among)):
             return None
         rows = self.past.rows
         found: list[tuple[Block, Block]] = []

@@ -44,6 +44,10 @@ class Form(Protocol):
         """Whether some isometry maps one meeting and its past to the other: they fall on one instant."""
         ...
 
+    def same(self, first: Link, second: Link) -> bool:
+        """Whether two contacts are one: of a circle with walls along one line, or pockets at one place."""
+        ...
+
     def alike(self, link: Link) -> bool:
         """Whether the two of a contact fly alike.
 
@@ -302,6 +306,9 @@ class Slack(Strength):
 
     words = "whether {} separate fast enough"
 
+    def is_zero_by(self, form: Form) -> bool:
+        return any(form.same(link, self.link) for link in self.basis)
+
     def value(self, state: ReplayState[N]) -> N:
         matrix, speeds = state.contact_system((*self.basis, self.link))
         inner = [row[:-1] for row in matrix[:-1]]
@@ -316,6 +323,9 @@ class Pivot(Strength):
     """Is a contact's push independent of those in `basis` (positive) or already made of them (zero)?"""
 
     words = "whether the contact of {} depends on its neighbours"
+
+    def is_zero_by(self, form: Form) -> bool:
+        return any(form.same(link, self.link) for link in self.basis)
 
     def value(self, state: ReplayState[N]) -> N:
         matrix, _ = state.contact_system((*self.basis, self.link))

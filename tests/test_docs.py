@@ -21,6 +21,7 @@ MODULES = ["truebreak", "truebreak.testing", "truebreak.pymunk"] + [
     for folder in FOLDERS
     for path in sorted((ROOT / folder).rglob("*.py"))
 ]
+STUDIES = [path.stem for path in sorted((ROOT / "docs" / "studies").glob("*.py"))]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 BLOCK = re.compile(r"^```(?P<language>[\w-]*)(?P<info>[^\n]*)\n(?P<text>.*?)^```\s*$", re.MULTILINE | re.DOTALL)
 SHELLS = ("sh", "bash", "shell", "console")
@@ -74,7 +75,7 @@ def write_files(page: str, folder: Path) -> None:
             (folder / match["name"]).write_text(example.text, "utf-8")
 
 
-@pytest.mark.parametrize("module", MODULES)
+@pytest.mark.parametrize("module", [*MODULES, *STUDIES])
 def test_docstring_examples_give_what_they_show(module: str) -> None:
     failed, _ = doctest.testmod(importlib.import_module(module))
     assert failed == 0

@@ -112,7 +112,7 @@ def test_no_two_files_import_each_other() -> None:
 MOST_LINES = 700
 MOST_METHODS = 20
 KNOWN_LONG_FILES: dict[str, int] = {}
-KNOWN_LARGE_CLASSES: dict[str, int] = {"compare.logdiff.log_format.Log": 23, "compare.logdiff.pairing._ByBodies": 24}
+KNOWN_LARGE_CLASSES: dict[str, int] = {}
 """Not mended yet, with their lines and methods: these lists and their numbers may only shrink."""
 GENERATED = ("exact.laws.formulas", "tests/fuzz/mutants_fresh.py")
 """And a list of planted faults: data."""
@@ -120,7 +120,8 @@ GENERATED = ("exact.laws.formulas", "tests/fuzz/mutants_fresh.py")
 
 def test_no_file_is_long() -> None:
     lines = {module: len(path.read_text("utf-8").splitlines()) for module, path in FILES.items()}
-    lines |= {str(p.relative_to(ROOT)): len(p.read_text("utf-8").splitlines()) for p in sorted(TESTS.rglob("*.py"))}
+    others = [*sorted(TESTS.rglob("*.py")), *sorted((ROOT / "docs").rglob("*.py"))]
+    lines |= {str(p.relative_to(ROOT)): len(p.read_text("utf-8").splitlines()) for p in others}
     long = {module: n for module, n in lines.items() if n > MOST_LINES and module not in GENERATED}
     assert long.keys() == KNOWN_LONG_FILES.keys()
     assert all(n <= KNOWN_LONG_FILES[module] for module, n in long.items())
@@ -330,7 +331,9 @@ def test_the_page_on_architecture_names_every_room() -> None:
 
 def test_files_that_the_docs_name_are_there() -> None:
     """Each `room/file.py`, as it ends some path of the project."""
-    there = {str(path.relative_to(ROOT)) for layer in (*LAYERS, "tests") for path in (ROOT / layer).rglob("*.py")}
+    there = {
+        str(path.relative_to(ROOT)) for layer in (*LAYERS, "tests", "docs") for path in (ROOT / layer).rglob("*.py")
+    }
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
     named = {(page.name, name) for page in pages for name in re.findall(r"`([\w/]+\.py)`", page.read_text("utf-8"))}
     assert named

@@ -289,6 +289,16 @@ def strictly(site: Path, folder: Path, *files: str) -> list[tuple[str, int, str]
     return [(Path(d["file"]).name, d["range"]["start"]["line"] + 1, d["message"]) for d in told]
 
 
+def test_the_studies_are_typed(site: Path, tmp_path: Path) -> None:
+    """They are no part of the packages, and import them as a user does."""
+    shutil.copytree(ROOT / "docs" / "studies", tmp_path / "studies")
+    settings = {"include": ["studies"], "extraPaths": [str(site)], "reportMissingTypeStubs": False}
+    (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings), "utf-8")
+    command = [sys.executable, "-m", "pyright", "--pythonpath", sys.executable]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+
+
 def python(
     where: str, arguments: list[str], folder: Path, request: pytest.FixtureRequest
 ) -> subprocess.CompletedProcess[str]:

@@ -10,10 +10,8 @@ from pathlib import Path
 import pytest
 
 SHORT_RUN = {
-    "compare": "deadline engines scene_argument validation cli.commands.run cli.arguments.completion "
-    "cli.arguments.examples cli.arguments.numbers cli.arguments.options cli.entry cli.exit_codes "
-    "cli.group cli.progress documents.values.amounts foreign.guard report.counting report.text.listing "
-    "report.text.output saved.cache",
+    "compare": "deadline engines scene_argument validation cli.commands.run cli.completion cli.entry cli.options "
+    "cli.progress documents.values.amounts foreign.guard report.listing report.output saved.cache",
     "scenarios": "engine errors lazy neighbours numbers.nested_roots numbers.parsing numbers.precision "
     "numbers.quantity numbers.tower_element numbers.tower_ring scene settings things trajectory work "
     "catalogue.article catalogue.gas catalogue.scene_entry catalogue.scene_table",

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from .compare.saved.runs import save_run
     from .compare.scene_argument import scene_from as scene
     from .compare.testing.check import check
-    from .compare.testing.same import same
+    from .compare.testing.golden import same
     from .scenarios.files import load_scene as load
     from .scenarios.scene import Scene
     from .scenarios.things import Circle, Pocket, Wall
@@ -74,7 +74,7 @@ _HOMES = {
     "load_run": ("compare.saved.run_file", "load_run"),
     "resume": ("compare.saved.going_on", "resume"),
     "run": ("compare.run", "run"),
-    "same": ("compare.testing.same", "same"),
+    "same": ("compare.testing.golden", "same"),
     "save_comparison": ("compare.saved.comparisons", "save_comparison"),
     "save_run": ("compare.saved.runs", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),

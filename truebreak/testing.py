@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .compare.testing.check import Checked, CheckFailed, NotDecided, check
-    from .compare.testing.families import truebreak_scenes
     from .compare.testing.plugin import Truebreak
-    from .compare.testing.strategies import scenes
+    from .compare.testing.strategies import scenes, truebreak_scenes
 
 __all__ = ["CheckFailed", "Checked", "NotDecided", "Truebreak", "check", "scenes", "truebreak_scenes"]
 

@@ -1,4 +1,4 @@
-"""Measures speed: runs the figures and the table of run time against error, and prints what they gave."""
+"""`truebreak bench`: run time against error, scene by scene and engine by engine, on this computer."""
 
 from __future__ import annotations
 
@@ -6,51 +6,26 @@ import json
 import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from textwrap import fill
 from typing import Any
 
 import click
 
 from ...scenarios.errors import SceneError
-from ..adapters.adapter import NotInstalled
-from ..cli.arguments import completion
-from ..cli.arguments.numbers import Whole
-from ..cli.arguments.options import a_file
-from ..cli.exit_codes import DONE, ExitCode
-from ..cli.progress import duration, showing
-from ..cli.writing import check_writable, write_whole
-from ..engines import split_engines, suggestion
-from .computer import Took, calibration, computer, idleness
-from .ratios.figures import FULL, SHORT, Figure, Workload
-from .ratios.table import BENCHMARKS
-from .reported.against import Against, against
-from .reported.report import Report, check_scenes, idleness_of, load, rows_of, worst
+from ..cli import completion
+from ..cli.options import Whole, a_file
+from ..cli.progress import DONE, ExitCode, duration, showing
+from ..engines import split_engines
+from ..writing import check_writable, write_whole
+from .computer import calibration, computer, idleness
+from .speed_report import Against, Report, against, check_scenes, idleness_of, load, rows_of, tables, worst
 from .subjects import SUBJECTS, digest_of, subjects
-from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, Tradeoff, tradeoffs
+from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, tradeoffs
 
 TRADEOFFS = "tradeoffs"
-"""The name of the table of run time against error, beside the figures."""
-
-
-def chosen(only: Sequence[str]) -> tuple[str, ...]:
-    """The names to measure: all, or those asked for.
-
-    Raises:
-        SceneError: for an unknown name.
-
-    >>> chosen(["tradeoffs", "gas-long"])
-    ('gas-long', 'tradeoffs')
-    """
-    known = (*BENCHMARKS, TRADEOFFS)
-    for name in only:
-        if name not in known:
-            raise SceneError(f"benchmark {name!r} is not known; {suggestion(name, list(known))}")
-    return tuple(name for name in known if name in only) if only else known
+"""What is measured, by name: it may be left out."""
 
 
 def measure(
-    size: Workload = SHORT,
-    only: Sequence[str] = (),
     *,
     scenes: Sequence[str] = (),
     engines: Sequence[str] = (),
@@ -58,59 +33,32 @@ def measure(
     kept: dict[str, Any] | None = None,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Report:
-    """Measures all figures, or those named, one after the other.
+    """Measures the table of run time against error.
 
     Args:
-        size: how much work each figure does.
-        only: names of figures; none means all.
-        scenes, engines: of the table of run time against error; none means all.
-        processes: the fewest and the most for each of its rows.
+        scenes, engines: some of the table's; none means all.
+        processes: the fewest and the most for each row.
         kept: an earlier report, whose scenes are taken over instead of measured.
-        progress: called with the name of each, how many are done, and how many there are, before it starts.
+        progress: called with the name of each row, how many are done, and how many there are, before it starts.
 
     Raises:
         SceneError: for an unknown name.
     """
-    figures: list[Figure] = []
-    rows: list[Tradeoff] = []
-    skipped: dict[str, str] = {}
-    took: list[Took] = []
-    loops: list[Took] = []
-    names, table = chosen(only), subjects(scenes)
-    for place, name in enumerate(names):
-        if progress is not None and name != TRADEOFFS:
-            progress(name, place, len(names))
-        loops += calibration()
-        try:
-            if name == TRADEOFFS:
-                old = () if kept is None else rows_of(kept)
-                there = {row.scene for row in old}
-                fresh = tradeoffs(
-                    [subject for subject in table if subject.name not in there],
-                    engines,
-                    processes=processes,
-                    progress=progress,
-                )
-                order = [subject.name for subject in SUBJECTS]
-                rows = sorted([*old, *fresh], key=lambda row: order.index(row.scene))
-                took, loops = [t for row in fresh for t in row.took], [*loops, *(t for row in fresh for t in row.loop)]
-            else:
-                figures.append(BENCHMARKS[name](size))
-        except NotInstalled as missing:
-            skipped[name] = str(missing)
-        loops += calibration()
-    unsteady = [row.name for row in rows if row.took and not row.steady]
-    now = idleness(took, loops, unsteady)
-    told = now if kept is None else worst([now, idleness_of(kept)])
-    return Report(tuple(figures), tuple(rows), skipped, told)
+    old = () if kept is None else rows_of(kept)
+    there = {row.scene for row in old}
+    asked = [subject for subject in subjects(scenes) if subject.name not in there]
+    loops = calibration()
+    fresh = tradeoffs(asked, engines, processes=processes, progress=progress)
+    loops += [*(t for row in fresh for t in row.loop), *calibration()]
+    order = [subject.name for subject in SUBJECTS]
+    rows = sorted([*old, *fresh], key=lambda row: order.index(row.scene))
+    now = idleness([t for row in fresh for t in row.took], loops, [r.name for r in fresh if r.took and not r.steady])
+    return Report(tuple(rows), now if kept is None else worst([now, idleness_of(kept)]))
 
 
 def run(
     *,
-    full: bool = False,
     as_json: bool = False,
-    only: Sequence[str] = (),
-    size: Workload | None = None,
     scenes: Sequence[str] = (),
     engines: Sequence[str] = (),
     processes: int = LEAST_PROCESSES,
@@ -120,34 +68,26 @@ def run(
 ) -> tuple[Report, Against | None]:
     """Measures, and prints the report on stdout: tables, or one JSON object. Progress goes to stderr.
 
-    With `full`, perfect-physics gets the scene of 314 collisions, which takes it about a minute.
-
     Raises:
         SceneError: for an unknown name, a file that cannot be used, and one of other scenes or another version.
     """
     then = None if compared is None else load(compared, "--against")
     kept = None if keep is None else load(keep, "--keep")
-    asked = {s.name: digest_of(s) for s in subjects(scenes)} if TRADEOFFS in chosen(only) else {}
-    _check_files(asked, then, compared, kept, keep)
+    _check_files({s.name: digest_of(s) for s in subjects(scenes)}, then, compared, kept, keep)
     if svg is not None:
-        from ..report.pictures.picture import svg_path
+        from ..report.picture import svg_path
 
-        if not asked:
-            raise SceneError(f"--svg {svg!r}: the plot is that of {TRADEOFFS!r}; name it too")
         check_writable(svg_path(svg))
     with _showing() as show:
-        report = measure(size or (FULL if full else SHORT), only, scenes=scenes, engines=engines,
-                         processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1),
-                         kept=kept, progress=show)  # fmt: skip
+        report = measure(scenes=scenes, engines=engines, kept=kept, progress=show,
+                         processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1))  # fmt: skip
     if svg is not None:
-        from ..report.pictures.picture import svg_path
+        from ..report.picture import svg_path
         from ..report.pictures.tradeoff_plot import tradeoff_plot
 
         write_whole(svg_path(svg), tradeoff_plot(report.tradeoffs))
     held = None if then is None else against(report, then)
     _print(report, held, as_json)
-    for name, reason in report.skipped.items():
-        click.echo(f"{name}: not measured: {reason}", err=True)
     return report, held
 
 
@@ -175,8 +115,7 @@ def _check_files(
 
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
-    from ..report.text.output import console, say
-    from .reported.tables import tables
+    from ..report.output import console, say
 
     out = console()
     if as_json:
@@ -201,12 +140,6 @@ def main(arguments: list[str]) -> int:
         return command.invoke(context)
 
 
-NAMES = {
-    **{name: " ".join(str(measured.__doc__).split()) for name, measured in BENCHMARKS.items()},
-    TRADEOFFS: "Run time against error, scene by scene and engine by engine.",
-}
-
-
 def _words(context: click.Context, parameter: click.Parameter, value: str | None) -> list[str]:
     return [] if value is None else [word.strip() for word in value.split(",") if word.strip()]
 
@@ -215,32 +148,32 @@ def _engines(context: click.Context, parameter: click.Parameter, value: str | No
     return [] if value is None else split_engines(value)
 
 
+def _name(context: click.Context, parameter: click.Parameter, value: str) -> str:
+    if value != TRADEOFFS:
+        raise SceneError(f"benchmark {value!r} is not known; there is {TRADEOFFS!r} (the README's ratios are measured "
+                         "in the repository: python docs/studies/speed_ratios.py)")  # fmt: skip
+    return value
+
+
 @click.command(
     context_settings={"help_option_names": ["-h", "--help"]},
-    epilog="\b\nNAME is one of these, or all without one:\n"
-    + "\n".join(fill(f"{n}: {NAMES[n]}", 78, initial_indent="  ", subsequent_indent="    ") for n in NAMES)
-    + "\n\n\b\nExamples:\n"
-    "  truebreak bench gas-double\n"
-    "  truebreak bench tradeoffs --scenes gas,cradle --svg tradeoffs.svg\n"
-    "  truebreak bench tradeoffs --json > before.json\n"
-    "  truebreak bench tradeoffs --against before.json\n\n"
+    epilog="\b\nExamples:\n"
+    "  truebreak bench --scenes gas,cradle --svg tradeoffs.svg\n"
+    "  truebreak bench --json > before.json\n"
+    "  truebreak bench --against before.json\n\n"
     "With --against: 0 all ratios agree within 15 %, 1 one does not, 4 one does not and the machine was not idle.",
 )
-@click.argument("names", nargs=-1, metavar="[NAME]...", shell_complete=completion.among(NAMES))
-@click.option("--full", is_flag=True, help="Give perfect-physics 314 collisions: about a minute.")
+@click.argument("name", default=TRADEOFFS, metavar="[tradeoffs]", callback=_name, expose_value=False,
+                shell_complete=completion.among([TRADEOFFS]))  # fmt: skip
 @click.option(
     "--scenes",
     callback=_words,
     metavar="A,B,...",
     shell_complete=completion.among([subject.name for subject in SUBJECTS]),
-    help="Of tradeoffs: these scenes alone.",
+    help="These scenes alone.",
 )
 @click.option(
-    "--engines",
-    callback=_engines,
-    metavar="A,B,...",
-    shell_complete=completion.engines,
-    help="Of tradeoffs: these beside exact.",
+    "--engines", callback=_engines, metavar="A,B,...", shell_complete=completion.engines, help="These beside exact."
 )
 @click.option(
     "--processes",
@@ -248,15 +181,13 @@ def _engines(context: click.Context, parameter: click.Parameter, value: str | No
     default=LEAST_PROCESSES,
     show_default=True,
     metavar="N",
-    help="Of tradeoffs: fresh processes for each row, more while they differ; 1 for a quick look.",
+    help="Fresh processes for each row, more while they differ; 1 for a quick look.",
 )
-@a_file("--svg", help="Of tradeoffs: also write the plot of time against digits.")
+@a_file("--svg", help="Also write the plot of time against digits.")
 @a_file("--against", "compared", help="Compare the ratios with those of an earlier --json.")
-@a_file("--keep", help="Of tradeoffs: take the scenes of an earlier --json over.")
+@a_file("--keep", help="Take the scenes of an earlier --json over.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def command(
-    names: tuple[str, ...],
-    full: bool,
     scenes: list[str],
     engines: list[str],
     processes: int,
@@ -265,14 +196,14 @@ def command(
     keep: str | None,
     as_json: bool,
 ) -> int:
-    """Measure speed and print the figures, each a ratio of two things timed in one run.
+    """Measure run time against error: ten scenes, every engine, several settings.
 
-    `tradeoffs` sets run time against error: ten scenes, every engine, several settings, each answer held against the
-    certified run. Each row runs in processes of its own, in turns with a loop of Python that tells whether the machine
-    was idle; memory is the peak of that process while it ran, above what it held before.
+    Each answer is compared with the certified run. Each row runs in processes of its own, in turns with a loop of
+    Python that shows whether the machine was idle; memory is the peak of that process while it ran, above what it held
+    before.
     """
-    _, held = run(full=full, as_json=as_json, only=names, scenes=scenes, engines=engines, processes=processes,
-                  compared=compared, keep=keep, svg=svg)  # fmt: skip
+    _, held = run(as_json=as_json, scenes=scenes, engines=engines, processes=processes, compared=compared, keep=keep,
+                  svg=svg)  # fmt: skip
     if held is not None and not held.changes:
         return ExitCode.UNDECIDED
     if held is None or not held.beyond:

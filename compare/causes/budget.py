@@ -31,6 +31,7 @@ from .continuation import (
     MERGED,
     OVERLAP,
     SEVERAL,
+    SOLVER,
     Continuation,
     NoContinuation,
 )
@@ -44,6 +45,9 @@ TENTH = 0.1
 
 SMALL = 0.1
 """Groups that contribute less than this share of the displacement are not cut."""
+
+FAINT = 0.01
+"""Contributions below this share of the displacement act on each other by a hundredth of themselves."""
 
 MOST_RUNS = 24
 """Continuations after which no group is cut any more."""
@@ -85,6 +89,7 @@ OF_STEPS: tuple[Group, ...] = (
     (CauseName["LATENESS"], (LATENESS,)),
     (CauseName["OVERLAP"], (OVERLAP,)),
     (CauseName["IMPACTS"], (IMPACTS,)),
+    (CauseName["SOLVER"], (SOLVER,)),
     (CauseName["SEVERAL"], (SEVERAL,)),
     (CauseName["MERGED"], (MERGED,)),
     (CauseName["CORRECTION"], (CORRECTION,)),
@@ -151,14 +156,20 @@ class _Sum:
             self.add(present[0][0] if present else self.kinds[0][0], last - first)
             return
         found = self._both_ways(present, begin, end, self.run.state_before(begin), first, last)
-        large = max(_size(last - first), SMALL * _size(self.whole))
-        if (found is None or found[1] > TENTH * large) and end - begin > 1 and self.run.runs < MOST_RUNS:
+        large, ends = max(_size(last - first), SMALL * _size(self.whole)), end
+        while (found is None or found[1] > TENTH * large) and end - begin > 1 and self.run.runs < MOST_RUNS:
             middle = (begin + end) // 2
             value = self.run.value(middle, self.run.state_before(middle))
-            if value is not None:
+            if value is None:
+                break
+            if _size(last - value) > FAINT * _size(self.whole):
                 self.split(begin, middle, first, value)
                 self.split(middle, end, value, last)
                 return
+            self.split(middle, end, value, last)  # so little that the first half is as the whole
+            end, last = middle, value
+        if found is not None and end != ends:
+            found = self._both_ways(present, begin, end, self.run.state_before(begin), first, last)
         if found is None:
             raise NoContinuation("with some of its errors alone, the contacts that lead to the decision do not exist")
         self.loose += found[1]
@@ -195,11 +206,12 @@ class _Sum:
         tiny = arb(2) ** -TINY
         for node, weight in nodes:
             at = arb(node)
-            shares = {kind: at for _, kinds in present for kind in kinds}
+            every = tuple(kind for _, kinds in present for kind in kinds)
+            shares = {every: at}
             here = self.run.value_at(at, shares)
             beside = {CauseName["INPUT"]: self.run.value_at(at + tiny, shares)}
             for cause, kinds in present:
-                beside[cause] = self.run.value_at(at, {**shares, **dict.fromkeys(kinds, at + tiny)})
+                beside[cause] = self.run.value_at(at, {tuple(k for k in every if k not in kinds): at, kinds: at + tiny})
             for cause, value in beside.items():
                 if here is None or value is None:
                     raise NoContinuation("with a part of its errors, contacts that lead to the decision do not exist")
@@ -209,8 +221,14 @@ class _Sum:
     def _both_ways(
         self, present: Sequence[Group], begin: int, end: int, rows: Rows | None, first: arb, last: arb
     ) -> tuple[dict[CauseName, arb], float] | None:
-        """Contributions, the mean of two orders in which kinds are added, and how far the two are apart."""
+        """Contributions, the mean of two orders in which kinds are added, and how far the two are apart.
+
+        Where all are faint one order is enough: the other differs by their product, as a share of the whole.
+        """
         there = self._in_turn(present, begin, end, rows, first, last)
+        if there is not None and all(_size(value) <= FAINT * _size(self.whole) for value in there.values()):
+            sizes = sorted(map(_size, there.values()))
+            return there, sizes[-1] * sizes[-2] / _size(self.whole)
         back = None if there is None else self._in_turn(present[::-1], begin, end, rows, first, last)
         if there is None or back is None:
             return None
@@ -219,13 +237,7 @@ class _Sum:
 
     def _has(self, group: Group, begin: int, end: int) -> bool:
         """Whether any step has a defect of a kind."""
-        return any(
-            not number.is_zero()
-            for stretch in self.run.stretches[begin:end]
-            for kind in group[1]
-            for row in stretch.defects.get(kind, {}).values()
-            for number in row
-        )
+        return any(stretch.of(group[1]) for stretch in self.run.stretches[begin:end])
 
     def _in_turn(
         self, groups: Sequence[Group], begin: int, end: int, rows: Rows | None, first: arb, last: arb

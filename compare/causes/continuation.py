@@ -9,6 +9,7 @@ the contacts, it is what these alone come to.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
@@ -16,7 +17,19 @@ from typing import TYPE_CHECKING, TypeAlias
 from flint import arb
 
 from ...exact.exact_motion import motion_of, steps_through
-from ...exact.laws.formulas import advance, pair_impulse
+from ...exact.laws.formulas import (
+    advance,
+    pair_approach,
+    pair_discriminant,
+    pair_gap,
+    pair_hit_time,
+    pair_impulse,
+    pair_strength,
+    wall_approach,
+    wall_bounce,
+    wall_gap,
+    wall_hit_time,
+)
 from ...exact.numbers import ball
 from ...exact.replay.contact import AtWall, Entry, Flight, Pair
 from ...exact.replay.state import Flip, Go, Kick, ReplayState, SeenWall, Step, step_units
@@ -58,14 +71,14 @@ class Link:
         bodies: the circles that can move, by place.
         pushed: those that get an impulse; at the reversal, all.
         steps: of the log.
-        single: whether it is one impulse through one contact.
+        single: the contact, where it is one impulse through one.
     """
 
     event: int
     bodies: tuple[int, ...]
     pushed: tuple[int, ...]
     steps: tuple[Step, ...]
-    single: bool
+    single: Pair | AtWall | None
 
     @property
     def turns(self) -> bool:
@@ -95,17 +108,31 @@ class Stretch:
     after: Rows
     at_once: bool = True
     defects: dict[str, Rows] = field(default_factory=dict[str, Rows])
+    _sums: dict[tuple[str, ...], Rows] = field(default_factory=dict[tuple[str, ...], Rows])
+
+    def of(self, kinds: tuple[str, ...]) -> Rows:
+        """The defects of some kinds together, of the circles that have any."""
+        if kinds not in self._sums:
+            found = self._sums[kinds] = Rows()
+            for kind in kinds:
+                for k, row in self.defects.get(kind, {}).items():
+                    if not all(number.is_zero() for number in row):
+                        found[k] = _plus(found[k], row, None) if k in found else row
+        return self._sums[kinds]
 
 
 FLIGHTS, LATENESS, OVERLAP, IMPACTS = "flights", "lateness", "overlap", "impacts"
 """Kinds of defects: a place that is not where the flight leads; a time at which the gap is not zero; a line of centres
 that overlap has turned; an impulse."""
 
-SEVERAL, MERGED, CORRECTION = "several", "merged", "correction"
-"""More of them: the impulses of several contacts of one instant; an instant taken apart, or several taken as one; a
-flight that changes without a contact."""
+SOLVER, SEVERAL, MERGED, CORRECTION = "solver", "several", "merged", "correction"
+"""More: of an engine of steps, an impulse that is off by more than rounding; the impulses of several contacts of
+one instant; an instant taken apart, or several taken as one; a flight that changes without a contact."""
 
-KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SEVERAL, MERGED, CORRECTION)
+KINDS = (FLIGHTS, LATENESS, OVERLAP, IMPACTS, SOLVER, SEVERAL, MERGED, CORRECTION)
+
+ROUNDED = 2.0**10
+"""Units in the last place of its speeds by which an impulse may be off by rounding, times the places over the radii."""
 
 
 class RoundedState(ReplayState[arb]):
@@ -113,12 +140,11 @@ class RoundedState(ReplayState[arb]):
 
     Args:
         bits: None: nothing is rounded.
-        share: of the way to the rounded numbers that each is moved.
     """
 
-    def __init__(self, scene: Scene, bits: int | None, share: arb | None = None) -> None:
+    def __init__(self, scene: Scene, bits: int | None) -> None:
         super().__init__(scene, ball.BALLS)
-        self._bits, self._share = bits, share
+        self._bits = bits
         if bits is None:
             return
         for circle, body in zip(scene.circles, self.bodies.values(), strict=True):
@@ -129,22 +155,35 @@ class RoundedState(ReplayState[arb]):
                 body.w = 1 / self._near(circle.m)
 
     def _near(self, value: Quantity) -> arb:
-        exact = ball.constant(value)
-        if self._bits is None:
-            return exact
-        near = ball.constant(nearest(value, self._bits))
-        return near if self._share is None else exact + self._share * (near - exact)
+        return ball.constant(value if self._bits is None else nearest(value, self._bits))
 
     def line(self, circle: int, wall: int) -> SeenWall[arb]:
         """As `Flights.line`, of the rounded wall."""
         if self._bits is not None and wall not in self._lines:
             exact = self.scene.walls[wall]
             x0, y0, x1, y1 = map(self._near, (exact.x0, exact.y0, exact.x1, exact.y1))
-            nx, ny = y0 - y1, x1 - x0  # as `Wall.normal`
-            nn = nx * nx + ny * ny
-            length = nn.sqrt()
-            self._lines[wall] = SeenWall(x0, y0, nx, ny, nn, length), SeenWall(x0, y0, -nx, -ny, nn, length)
+            self._see(wall, x0, y0, y0 - y1, x1 - x0)  # as `Wall.normal`
         return super().line(circle, wall)
+
+    def _see(self, wall: int, x0: arb, y0: arb, nx: arb, ny: arb) -> None:
+        nn = nx * nx + ny * ny
+        length = nn.sqrt()
+        self._lines[wall] = SeenWall(x0, y0, nx, ny, nn, length), SeenWall(x0, y0, -nx, -ny, nn, length)
+
+    def towards(self, other: RoundedState, share: arb) -> RoundedState:
+        """The state a share of the way to another one of the same scene: places, speeds, radii, 1/m and walls."""
+        made = RoundedState(self.scene, None)
+        for k, body in made.bodies.items():
+            one, two = self.bodies[k], other.bodies[k]
+            x, y, vx, vy = (a + share * (b - a) for a, b in zip(one.flight[:4], two.flight[:4], strict=True))
+            body.flight = Flight(x, y, vx, vy, self.zero, self.zero, rest=one.flight.rest)
+            body.r, body.w = one.r + share * (two.r - one.r), one.w + share * (two.w - one.w)
+        for wall in range(len(self.scene.walls)):
+            one, two = self.line(0, wall)[:4], other.line(0, wall)[:4]
+            made._see(wall, *(a + share * (b - a) for a, b in zip(one, two, strict=True)))
+            if self.sides.negative(0, wall):
+                made._lines[wall] = made._lines[wall][1], made._lines[wall][0]
+        return made
 
 
 class Continuation:
@@ -157,6 +196,7 @@ class Continuation:
         decision: what is asked.
         turned: number of the reference's events before its reversal, if that lies before the decision.
         bits: to which the engine rounds its scene; None: it does not.
+        unit: of its numbers, where it takes steps, so that its impulses may be off by more than rounding.
 
     Attributes:
         stretches: what leads to the decision, in order.
@@ -174,13 +214,14 @@ class Continuation:
         decision: DecidingNumber,
         turned: int | None,
         bits: int | None,
+        unit: float | None = None,
     ) -> None:
         motion = motion_of(reference)
         if motion is None:
             raise NoContinuation(f"{reference.engine} keeps no log")
         self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
         self.scene: Scene = reference.scene
-        self._turned, self._rounds_to = turned, bits
+        self._turned, self._unit = turned, unit
         self._log = motion.log.steps
         self._places = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
@@ -244,7 +285,7 @@ class Continuation:
             return None
         place = next(k for k, step in enumerate(self._log) if isinstance(step, Flip))
         bodies = tuple(k for k, moves in enumerate(self._moving) if moves)
-        return Link(reversal.after - 1, bodies, bodies, tuple(self._log[place - 1 : place + 1]), False)
+        return Link(reversal.after - 1, bodies, bodies, tuple(self._log[place - 1 : place + 1]), None)
 
     def _links(self, event: int) -> list[Link]:
         """The components of an event: each a set of contacts that hang together."""
@@ -270,7 +311,7 @@ class Continuation:
                 pushed = {k for step in kicks for at in step.links for k in at.circles if self._moving[k]}
                 asked = set(source.circles) if isinstance(source, Pair | AtWall) else set[int]()
                 bodies = tuple(k for k in sorted(pushed | asked) if self._moving[k])
-                single = len(kicks) == 1 and len(kicks[0].links) == 1
+                single = kicks[0].links[0] if len(kicks) == 1 and len(kicks[0].links) == 1 else None
                 mine = tuple(
                     Go(step.source, tuple(k for k in step.bodies if k in bodies)) if isinstance(step, Go) else step
                     for step in steps
@@ -354,15 +395,15 @@ class Continuation:
         """What the exact law makes of some flights; `here`: at the places where they are, whatever the gap."""
         mine = {k: rows[k] for k in (*stretch.bodies, *stretch.beside)}
         for link in stretch.links:
+            first = link.steps[0]
+            if link.single is not None and (here or (isinstance(first, Go) and first.source == link.single)):
+                mine.update(bounce(state, link.single, mine, here))
+                continue
             self._load(state, mine)
             for step in link.steps:
                 state.steps_done += 1
-                if isinstance(step, Go) and here:
-                    continue
-                if isinstance(step, Go):
+                if isinstance(step, Go) and not here:
                     state.go(step.source, step.bodies)
-                elif isinstance(step, Kick) and here and link.single and isinstance(step.links[0], Pair):
-                    _bounce_here(state, step.links[0])
                 elif isinstance(step, Kick):
                     state.kick(step.links)
                 elif isinstance(step, Flip):
@@ -393,8 +434,19 @@ class Continuation:
         stretch.defects[FLIGHTS] = _less(flown, exact)
         stretch.defects[LATENESS] = _less(late, flown)
         stretch.defects[OVERLAP] = _less(pushed, late)
-        kind = IMPACTS if link.single else SEVERAL
-        stretch.defects[kind] = _less({k: after[k] for k in stretch.bodies}, pushed)
+        left = _less({k: after[k] for k in stretch.bodies}, pushed)
+        stretch.defects[SEVERAL if not link.single else IMPACTS if self._is_rounding(stretch, left) else SOLVER] = left
+
+    def _is_rounding(self, stretch: Stretch, left: Rows) -> bool:
+        """Whether what a single impulse misses is rounding; of engines of events the audit tells that."""
+        if self._unit is None:
+            return True
+        rows = [row for k in stretch.bodies for row in (stretch.before[k], stretch.after[k])]
+        speed = max(math.hypot(float(row[3]), float(row[4])) for row in rows)
+        far = max(math.hypot(float(row[1]), float(row[2])) for row in rows)
+        reach = min(float(self._given.bodies[k].r) for k in stretch.bodies)
+        room = ROUNDED * self._unit * speed * (1 + (far / reach if reach else 0.0))
+        return all(math.hypot(float(row[3].mid()), float(row[4].mid())) <= room for row in left.values())
 
     # -- values
 
@@ -423,16 +475,16 @@ class Continuation:
         with ball.precision(self.bits):
             state = self._exact if exact else self._given
             first = (self.start if exact else self.entered) if rows is None else rows
-            return self._carried(state, first, begin, upto, dict.fromkeys(kinds, None))
+            return self._carried(state, first, begin, upto, {tuple(kinds): None})
 
-    def value_at(self, input_share: arb, shares: Mapping[str, arb]) -> arb | None:
+    def value_at(self, input_share: arb, shares: Mapping[tuple[str, ...], arb]) -> arb | None:
         """The number that decides, where the input is rounded by a share of what it is, and defects are scaled.
 
         Args:
-            shares: of each kind of defect.
+            shares: of each group of kinds of defects.
         """
         with ball.precision(self.bits):
-            state = RoundedState(self.scene, self._rounds_to, input_share)
+            state = self._exact.towards(self._given, input_share)
             first = {k: _row(body.flight) for k, body in state.bodies.items()}
             return self._carried(state, first, 0, None, shares)
 
@@ -442,9 +494,9 @@ class Continuation:
         first: Mapping[int, Row],
         begin: int,
         upto: int | None,
-        added: Mapping[str, arb | None],
+        added: Mapping[tuple[str, ...], arb | None],
     ) -> arb | None:
-        """The number that decides; see `value`. `added`: kinds of defects, each with its scale; None: as they are."""
+        """The number that decides; see `value`. `added`: groups of defects, each with its scale; None: as they are."""
         self.runs += 1
         flying, seen, turned = dict(first), dict[tuple[int, int], Row](), Rows()
         last = len(self.stretches) if upto is None else upto
@@ -453,8 +505,8 @@ class Continuation:
             if stretch.links:
                 flying.update(self._law(state, stretch, flying))
             if place < last:
-                for kind, scale in added.items():
-                    for k, defect in stretch.defects.get(kind, {}).items():
+                for kinds, scale in added.items():
+                    for k, defect in stretch.of(kinds).items():
                         own = flying[k] if stretch.links else _flown(flying[k], stretch.after[k][0])
                         flying[k] = _plus(own, defect, scale)
             if not all(flying[k][1].is_finite() for k in stretch.bodies):
@@ -462,7 +514,8 @@ class Continuation:
             if not place:
                 first = dict(flying)
             for link in stretch.links:
-                seen.update({(k, link.event): flying[k] for k in link.pushed})
+                for k in link.pushed:
+                    seen[k, link.event] = flying[k]
                 if link.turns:
                     turned.update({k: flying[k] for k in link.pushed})
         reader = _Carried(self.reference, state, first, seen, turned, self._turned)
@@ -520,7 +573,10 @@ def _row(flight: Flight[arb]) -> Row:
 
 def _flown(row: Row, time: arb) -> Row:
     t, x, y, vx, vy = row
-    return time, advance(x, vx, time - t), advance(y, vy, time - t), vx, vy
+    if t is time:
+        return row
+    late = time - t
+    return time, advance(x, vx, late), advance(y, vy, late), vx, vy
 
 
 def _less(rows: Mapping[int, Row], others: Mapping[int, Row]) -> Rows:
@@ -528,17 +584,46 @@ def _less(rows: Mapping[int, Row], others: Mapping[int, Row]) -> Rows:
 
 
 def _plus(row: Row, other: Row, scale: arb | None) -> Row:
+    t, x, y, vx, vy = row
+    dt, dx, dy, ux, uy = other
     if scale is not None:
-        other = tuple(scale * b for b in other)  # pyright: ignore[reportAssignmentType]
-    return tuple(a + b for a, b in zip(row, other, strict=True))  # pyright: ignore[reportReturnType]
+        return t + scale * dt, x + scale * dx, y + scale * dy, vx + scale * ux, vy + scale * uy
+    return t + dt, x + dx, y + dy, vx + ux, vy + uy
 
 
-def _bounce_here(state: ReplayState[arb], link: Pair) -> None:
-    """The elastic bounce of two circles where they are, along their line of centres, however long it is."""
+def bounce(state: ReplayState[arb], link: Pair | AtWall, rows: Mapping[int, Row], here: bool = False) -> Rows:
+    """The elastic bounce of two circles, or of a circle and a wall, where they touch first in free flight.
+
+    Args:
+        state: has the radii, the masses and the walls, and where fixed circles are.
+        rows: the flights of those that can move.
+        here: where they are now, along their line of centres, however long it is.
+    """
+    if isinstance(link, AtWall):
+        t, x, y, vx, vy = rows[link.circle]
+        line, r = state.line(link.circle, link.wall), state.bodies[link.circle].r
+        wait = t - t
+        if not here:
+            gap = wall_gap(x, y, line.x0, line.y0, line.nx, line.ny, r * line.length)
+            wait = wall_hit_time(gap, wall_approach(vx, vy, line.nx, line.ny))
+        left = wall_bounce(vx, vy, line.nx, line.ny, line.nn)
+        return {link.circle: (t + wait, advance(x, vx, wait), advance(y, vy, wait), *left)}
     a, b = link.ends(state)
-    f, g = a.flight, b.flight
-    dx, dy = g.x - f.x, g.y - f.y
-    square = dx * dx + dy * dy
-    jx, jy = pair_impulse(dx, dy, g.vx - f.vx, g.vy - f.vy, square.sqrt(), a.w, b.w)
-    state.push(a, -jx, -jy)
-    state.push(b, jx, jy)
+    one, other = (rows[k] if k in rows else _row(state.bodies[k].flight) for k in link)
+    later = one[0] if link.b not in rows else other[0]
+    (_, ax, ay, avx, avy), (_, bx, by, bvx, bvy) = _flown(one, later), _flown(other, later)
+    dx, dy, vx, vy, reach = bx - ax, by - ay, bvx - avx, bvy - avy, a.r + b.r
+    if here:
+        jx, jy = pair_impulse(dx, dy, vx, vy, (dx * dx + dy * dy).sqrt(), a.w, b.w)
+    else:
+        root = pair_discriminant(dx, dy, vx, vy, reach).sqrt()
+        wait = pair_hit_time(pair_gap(dx, dy, reach), pair_approach(dx, dy, vx, vy), root)
+        later = later + wait
+        strength = pair_strength(root, reach, a.w, b.w)
+        jx, jy = strength * advance(dx, vx, wait), strength * advance(dy, vy, wait)
+    found: Rows = {}
+    for k, row, body, sign in ((link.a, one, a, -1), (link.b, other, b, 1)):
+        if k in rows:
+            t, x, y, ux, uy = _flown(row, later)
+            found[k] = t, x, y, ux + sign * body.w * jx, uy + sign * body.w * jy
+    return found

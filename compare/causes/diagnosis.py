@@ -58,6 +58,7 @@ CAUSES: dict[str, Cause] = {
     "OWN": Cause("errors of its own steps, not audited", rank=SHARE_RANK, rounding=None),
     "LATENESS": Cause("lateness", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
     "OVERLAP": Cause("overlap", rank=SHARE_RANK, head=STEP_HEAD, family="STEPS"),
+    "SOLVER": Cause("inexact impulses", rank=SHARE_RANK, head="Inexact impulses changed what happened", family="STEPS"),
     "SEVERAL": Cause(
         "impulses of several contacts",
         rank=SHARE_RANK,

@@ -335,15 +335,15 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     if lab.decision is None or lab.margin is None:
         return [Experiment(CauseName["ARITHMETIC"], "not determined: no contact can be named")]
     late = [Experiment(CauseName["ARITHMETIC"], NO_TIME)]
-    return lab.tried(lambda: _shares(lab), late)
+    return lab.tried(lambda: _shares(lab, rows), late)
 
 
-def _shares(lab: Laboratory) -> list[Experiment]:
+def _shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     assert lab.decision is not None and lab.margin is not None
     try:
         run = Continuation(
             lab.reference, lab.candidate.trajectory, lab.candidate.alignment.walks, lab.decision, lab.turned,
-            lab.bits if lab.engine.rounds_input else None,
+            lab.bits if lab.engine.rounds_input else None, None if lab.engine.step is None else 2.0**-lab.bits,
         )  # fmt: skip
         rounded = lab.engine.rounds_input and (lab.given is None or lab.given.digest != lab.study.scene.digest)
         account = account_of(run, lab.margin, lab.got, lab.engine.step is not None, rounded)
@@ -353,6 +353,10 @@ def _shares(lab: Laboratory) -> list[Experiment]:
             CauseName["ARITHMETIC"], f"its share is not determined: {why}{chose}", None, lab.chosen_before or None
         )
         return [*_input_by_run(lab), own]
+    if any(row.suffices and row.cause is CauseName["ITERATIONS"] for row in rows):
+        named = {CauseName["SOLVER"]: CauseName["ITERATIONS"]}
+        parts = tuple(replace(part, cause=named.get(part.cause, part.cause)) for part in account.contributions)
+        account = replace(account, contributions=parts)
     lab.account = account
     return _rows(lab, account, rounded)
 
@@ -379,7 +383,8 @@ def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
         parts.append(account.own)
     for part in parts:
         flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
-        earlier = _left_before(lab) if part.cause is CauseName["INPUT"] and lab.engine.step is None else None
+        asked = part.cause is CauseName["INPUT"] and lab.engine.step is None and flips is not True
+        earlier = _left_before(lab) if asked else None
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
@@ -446,6 +451,8 @@ def _what(lab: Laboratory, cause: CauseName) -> str:
         "LATENESS": "an impulse after the contact, at the end of a step,",
         "OVERLAP": "a line of centres that overlap has turned",
         "STEPS": f"what {lab.name}'s steps miss",
+        "SOLVER": f"what {lab.name}'s impulses are off the law by, more than rounding,",
+        "ITERATIONS": f"what the iterations of {lab.name}'s solver leave of its impulses",
         "SEVERAL": "what it leaves of the impulses at several contacts",
         "MERGED": "an instant taken in several steps, or several in one,",
         "CORRECTION": "a change of flight without a contact",

@@ -46,11 +46,11 @@ def _second_gap(lab: Laboratory) -> Bounds | None:
         return 0.0, 0.0
     one, other = lab.decision.first, lab.decision.second
     with ball.precision(4096):
-        times = lab.truth.hit_time(one, 1024), lab.truth.hit_time(other, 1024)
+        times = lab.truth.hit_time(one), lab.truth.hit_time(other)
         if times[0] is None or times[1] is None:
             return None
         later, time = (other, times[0]) if ball.sign_of(times[1] - times[0]) != -1 else (one, times[1])
-        found = lab.truth.gap_at(later, time, 1024)
+        found = lab.truth.gap_at(later, time)
     return None if found is None else ball.double_bounds(found)
 
 

@@ -52,6 +52,7 @@ class RunReader:
         self.turned_after = turned_after
         self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
         self._states: dict[int, State] = {}
+        self._numbers: dict[tuple[str, int | None, bool, int], FlightBalls] = {}
 
     def follows(self, pairing: Pairing) -> bool:
         """Whether the run has every meeting that leads to a pairing."""
@@ -102,11 +103,14 @@ class RunReader:
 
     def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls | None:
         """t, x, y, vx, vy of one of the two as its flight has them; None if the run does not have that flight."""
-        flight = self.flight(name, pairing.anchors.get(name), turned=self._turned(pairing))
-        if flight is None:
-            return None
-        t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
-        return t, x, y, vx, vy
+        key = name, pairing.anchors.get(name), self._turned(pairing), bits
+        if key not in self._numbers:
+            flight = self.flight(*key[:2], turned=key[2])
+            if flight is None:
+                return None
+            t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
+            self._numbers[key] = t, x, y, vx, vy
+        return self._numbers[key]
 
     def _relative(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb, arb, arb] | None:
         """t, d, v and R of two circles at the later of their flights' times."""

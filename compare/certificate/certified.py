@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
-from ..cli.writing import check_writable, write_whole
+from ..writing import check_writable, write_whole
 
 if TYPE_CHECKING:
     from ...scenarios.trajectory import Trajectory

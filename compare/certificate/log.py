@@ -47,8 +47,10 @@ def instants(trajectory: Trajectory) -> tuple[list[dict[str, Any]], list[frozens
         if turn and number - 1 not in ends and scene.reverse_at is not None:
             found.append({"exact": text_of(exact_number(scene.reverse_at)), "rounds": [], "enter": [], "time": "0"})
             met.append(frozenset())
-        found.append({**turn, "rounds": rounds, "enter": entries.get(number, []), "time": "0"})
-        met.append(frozenset(contacts.get(number, ())))
+        enter, pushed = entries.get(number, []), contacts.get(number, set())
+        clocks = {} if turn or not number else {"met": [list(c) for c in sorted(pushed)] or list(enter)}
+        found.append({**turn, **clocks, "rounds": rounds, "enter": enter, "time": "0"})
+        met.append(frozenset(pushed))
         done = max(done, ends[number])
     return found, met
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Set
 from operator import add, mul, neg, sub, truediv
 from typing import Any, cast
 
-from ...tools.verify import Ball, Checker, Undecided, World, enclosed
+from ...tools.verify import Ball, Checker, Meeting, Undecided, World, enclosed
 from .isometries import Contact, Isometries
 from .scene_text import text_of
 from .tower import Exact
@@ -65,11 +65,22 @@ class Lazy:
 
 
 class Remembering(World):
-    """A world that keeps the time of the last hit, which is asked for twice: to gather an instant, and to check it."""
+    """A world that keeps the last hit and the last meetings, which are asked for to gather an instant and to check it."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
         self.last: tuple[Any, Any] = (None, None)
+        self.age = 0
+        self.met: dict[Contact, tuple[Any, Any, int, Meeting]] = {}
+
+    def meeting(self, c: Contact, age: int) -> Meeting:
+        """As in any world; asked again, with the same flights and bits, it is the same one."""
+        if age != self.age:
+            self.age, self.met = age, {}
+        asked = self.flights[c[0]], self.flights[c[1]], self.bits
+        if (kept := self.met.get(c)) is None or any(x is not y for x, y in zip(asked, kept, strict=False)):
+            self.met[c] = kept = (*asked, super().meeting(c, age))
+        return kept[3]
 
     def hit(self, c: Contact) -> Any:
         """As in any world; asked again, it is the same number."""
@@ -107,7 +118,7 @@ class Prover(Checker):
         self.contacts, self.digits = contacts, digits
         self.known_isometries: dict[str, int] = {}
         self.history: list[dict[int, Any]] = []
-        self._apart: dict[tuple[Contact, int, int | None], bool] = {}
+        self.cleared: set[Contact] = set()
         self.things_exact = {k: [Exact.of(x) for x in row] for k, row in self.things.items()}
         self.likely = Isometries(self.things_exact, self.n)
         told = self.form
@@ -156,8 +167,8 @@ class Prover(Checker):
 
     def take(self, entry: dict[str, Any], where: str) -> None:
         """Starts the list of an entry's witnesses."""
+        entry.setdefault("zeros", [])
         super().take(entry, where)
-        self.zeros: list[list[Any]] = entry.setdefault("zeros", [])
 
     def said(self, value: Ball, text: str) -> None:
         """Nothing: numbers are written, not read."""
@@ -183,7 +194,7 @@ class Prover(Checker):
 
     def instant(self, entry: dict[str, Any]) -> None:
         """Gathers what falls on an instant, then checks it."""
-        self._apart.clear()
+        self.cleared.clear()
         if "turn" not in entry:
             self._gather(entry, self.contacts[self.age + 1])
         super().instant(entry)
@@ -211,9 +222,9 @@ class Prover(Checker):
             for w in self.worlds:
                 del w.times[-1]
             return
-        wanted = contacts or {(i, j) for i, j in map(tuple, entry["enter"])}
-        near = (c for c in sorted(wanted - self.lasting.keys()) if c not in self.parted and self._hits(c))
-        hits = [(self.ball.hit(c), c) for c in near]
+        wanted = sorted(contacts or {(i, j) for i, j in map(tuple, entry["enter"])})
+        near = [c for c in wanted if c not in self.lasting and c not in self.parted]
+        hits = [(self.ball.hit(c), c) for c in near if len(near) == 1 or self._hits(c)]
         if not hits:
             raise Undecided("whether the contacts of an event meet")
         time, clock = min(hits, key=lambda hit: hit[0].m)
@@ -223,7 +234,7 @@ class Prover(Checker):
         bodies = {i for c in contacts for i in c if i < self.n}
         tried = {clock}
         rims = [c for c in self.meets if c[1] < 0] if min(self.things) < 0 else []
-        for c in sorted(wanted) + rims:
+        for c in wanted + rims:
             if c not in tried:
                 tried.add(c)
                 self._try(entry, c, leaving=c[1] < 0 and c[0] in bodies)
@@ -231,12 +242,13 @@ class Prover(Checker):
         while todo:
             for c in self.of[todo.pop()]:
                 linked = c in self.lasting or c in self.met
-                if c not in tried and not linked:
+                if not linked and c not in tried and c not in self.parted:
                     tried.add(c)
                     linked = self._try(entry, c)
-                more = {i for i in c if linked and 0 <= i < self.n} - bodies
-                bodies |= more
-                todo += sorted(more)
+                if linked:
+                    more = {i for i in c if 0 <= i < self.n} - bodies
+                    bodies |= more
+                    todo += sorted(more)
         if any("turn" in later for later in self.told["instants"][self.age + 1 : self.age + 2]):
             self._try_all(entry)
         self.age -= 1
@@ -253,7 +265,6 @@ class Prover(Checker):
 
     def _list(self, entry: dict[str, Any], c: Contact) -> None:
         entry["met"].append(list(c))
-        self.clock = self.clock or c
         self.met[c] = self.sign("closing", c)
 
     def _try_all(self, entry: dict[str, Any]) -> None:
@@ -265,7 +276,7 @@ class Prover(Checker):
         """Lists a contact whose gap is proved to be zero at the instant; whether it is."""
         if c in self.lasting or c in self.met or c not in self.meets or (c in self.parted and not leaving):
             return False
-        if self.apart(c, self.ball.start(c), self.age):
+        if self._apart(c):
             return False
         for world in (self.few, self.ball):
             m = world.meeting(c, self.age)
@@ -276,31 +287,36 @@ class Prover(Checker):
         self._list(entry, c)
         return True
 
-    def apart(self, c: Contact, start: int, age: int | None) -> bool:
-        """As the checker's, whose answer is kept: it is asked for to gather an instant, and to end the flights."""
-        if start == age:  # the flights since an instant may change once more at it
-            return super().apart(c, start, age)
-        if (c, start, age) not in self._apart:
-            self._apart[c, start, age] = super().apart(c, start, age)
-        return self._apart[c, start, age]
+    def _apart(self, c: Contact) -> bool:
+        """Whether few bits tell that two kept apart up to this instant; if so, it is not asked once more."""
+        span = [self.few.start(c), self.age]
+        for turn, at in zip((1, -1), span, strict=True):
+            sign, safe, _ = self.look(self.few, c, at, turn, span)
+            if sign != 1:
+                return False
+            if safe:
+                self.cleared.add(c)
+                return True
+        return False
+
+    def settle(self, circles: Set[int]) -> None:
+        """As the checker's, of what has not been seen to keep apart while the instant was gathered."""
+        found = {c for i in circles for c in self.of[i]} - self.known.keys() - self.cleared
+        for c in sorted(found & self.meets):
+            self.clear(c, self.age)
 
     # -- witnesses
 
     def zero(self, question: str, c: Contact, age: int) -> bool:
         """Whether a number is shown to be zero; a witness that shows it is kept."""
-        if any(
-            self.proves(question, c, how, *map(tuple, o))
-            for q, k, how, *o in self.zeros
-            if (q, tuple(k)) == (question, c)
-        ):
-            return True
+        for asked, d, how, *other in self.zeros:
+            if (asked, tuple(d)) == (question, c) and self.proves(question, c, how, *map(tuple, other)):
+                return True
         for witness in self._witnesses(question, c, age):
             if witness is None:
                 return True
             if self.proves(question, c, *witness):
-                told = [question, list(c), witness[0], *map(list, witness[1:])]
-                self.zeros.append(told)
-                self.witnesses[question, c].append(told[2:])
+                self.zeros.append([question, list(c), witness[0], *map(list, witness[1:])])
                 return True
         return False
 

@@ -203,7 +203,7 @@ def _left_out(advice: Advice) -> list[str]:
 
 def print_advice(advice: Advice) -> None:
     """The sentences, and one row for each of the last settings."""
-    from ..report.text.output import console, grid, say
+    from ..report.output import console, grid, say
 
     out = console()
     first, *others = sentences(advice)

@@ -58,7 +58,7 @@ def _outcome_json(outcome: Leaf) -> dict[str, Any]:
 
 def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> None:
     """The outcomes, one a row, with the choices that lead to each and the velocities at the end."""
-    from ..report.text.output import console, grid, say
+    from ..report.output import console, grid, say
 
     out = console()
     say(out, orders_sentence(scene, tree, stop), "bold")
@@ -72,7 +72,7 @@ def print_orders(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> Non
 
 def orders_sentence(scene: Scene, tree: OrderTree, stop: Stop | None = None) -> str:
     """How many outcomes there are, and whether these are all."""
-    from ..report.counting import counted
+    from ..report.output import counted
 
     found = counted(len(tree.outcomes), "outcome")
     if tree.complete and tree.unproved:

@@ -78,7 +78,7 @@ def print_stress(rows: Store, told: Sequence[Ladder]) -> None:
     """One table a family, a row for each engine and lane, a letter for each k, in tens."""
     from ..grids.stress_families import stress_family
     from ..grids.stress_map import MapMark, place_of
-    from ..report.text.output import console, grid, say
+    from ..report.output import console, grid, say
 
     out = console()
     for name, group in groupby(told, key=lambda ladder: ladder.family):

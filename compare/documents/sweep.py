@@ -63,8 +63,7 @@ def print_sweep(
     settings: Mapping[str, Any], scenes: int, told: Sequence[Summary], unsure: Mapping[str, Uncertainty]
 ) -> None:
     """One row an engine, and a line for each outcome that displacements of several sizes change."""
-    from ..report.counting import counted
-    from ..report.text.output import console, grid, say
+    from ..report.output import console, counted, grid, say
 
     out = console()
     asked = " ".join([settings["scene"], *settings["vary"]])

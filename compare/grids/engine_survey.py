@@ -258,10 +258,10 @@ def scene_digest(label: str) -> str:
 
 
 @lru_cache
-def warmed(name: str) -> None:
+def warmed(name: str, max_seconds: float | None) -> None:
     """Lets an engine play a scene of two discs: it is then loaded, and what it compiles is compiled."""
     try:
-        hold(FIRST, name, None)
+        hold(FIRST, name, max_seconds)
     except (EngineError, OutOfTime):
         return
 
@@ -284,7 +284,7 @@ class SurveyJob:
 
     def rows(self) -> list[Row]:
         """A row for each setting tried."""
-        warmed(self.one.name)
+        warmed(self.one.name, self.max_seconds)
         task, tried, runs = SCENES[self.scene], dict[str, Row](), dict[str, Held]()
         for text in settings_tried(self.one, self.scene):
             if any(row.agrees for row in tried.values()):
@@ -413,11 +413,17 @@ def survey(
     return Survey(versions, entries_of(row for row in rows if row.index in wanted), missing, plan.max_seconds)
 
 
+def name_of(row: Row) -> str:
+    """The engine of a row, without the settings."""
+    text = row.engine
+    return next((one.name for one in SURVEYED if text == one.name or text.startswith(f"{one.name}:")), text)
+
+
 def entries_of(rows: Iterable[Row]) -> tuple[SurveyEntry, ...]:
     """The entries of rows, in the order of the scenes and the engines; of rows that come twice the later ones."""
     found: dict[tuple[str, str], dict[str, Row]] = {}
     for row in rows:
-        found.setdefault((row.scene, row.engine.partition(":")[0]), {})[row.engine] = row
+        found.setdefault((row.scene, name_of(row)), {})[row.engine] = row
     return tuple(
         SurveyEntry(label, one.name, tuple(found[task.scene, one.name].values()))
         for label, task in SCENES.items()
@@ -451,7 +457,7 @@ def read_survey(paths: Sequence[str]) -> Survey:
         seconds = data["max_seconds"]
         mine: dict[tuple[str, str], list[Row]] = {}
         for row in rows:
-            mine.setdefault((row.scene, row.engine.partition(":")[0]), []).append(row)
+            mine.setdefault((row.scene, name_of(row)), []).append(row)
         found |= mine
     return Survey(versions, entries_of(_all(found.values())), tuple(sorted(missing)), seconds)
 

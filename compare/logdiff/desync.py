@@ -31,6 +31,15 @@ GRAVITY = (Named.START, Named.CHANGED, Named.OPEN, Named.GREW, Named.HARMLESS, N
 """Of several verdicts the first of these is the one of the whole."""
 
 
+NEXT = {
+    Named.GREW: "there may be no bug: make both compute alike (one build, no fused multiply-add or fast-math, bodies "
+    "in one order), or send states now and then",
+    Named.CHANGED: "look at what acts there at this step: inputs, contacts, caches, values that nobody sets",
+    Named.START: "compare what both begin with: first states, time step, gravity and other settings",
+}
+"""What helps where two runs differ."""
+
+
 @dataclass(frozen=True)
 class Desync:
     """What two logs have in common and not, and what is said of it.
@@ -73,7 +82,7 @@ class Desync:
         shown = list(self.around())
         if shown:
             yield ""
-            yield "  around the first difference"
+            yield f"  around the first difference{self.numbers()}"
             for place, what, one, other in shown:
                 mark = " " if one == other else "|"
                 yield f"  {mark} {place}: {what}: {one}" + ("" if one == other else f"  <>  {other}")
@@ -83,6 +92,8 @@ class Desync:
     def facts(self) -> Iterator[tuple[str, str]]:
         """What is known, by label."""
         found, verdict = self.found, self.verdict
+        if verdict.name in NEXT:
+            yield "what to do", NEXT[verdict.name]
         kinds = ("states", "contacts", "hashes", "times", "inputs", "fields")
         told = ", ".join(f"{found.compared[kind]:,} {kind}" for kind in kinds if found.compared[kind])
         yield "compared", told or "nothing"
@@ -93,7 +104,8 @@ class Desync:
             yield "first other bits", f"{_at(first)}: {first.name} of {first.body}: {first.a!r} and {first.b!r}"
             yield "where", str(verdict.spread)
         if found.input is not None:
-            yield "first other input", f"{found.input[0].place()}: {found.input[0].input} and {found.input[1].input}"
+            one, other = ("nothing" if record.input is None else record.input for record in found.input)
+            yield "first other input", f"{found.input[0].place()}: {one} and {other}"
         if found.meeting is not None:
             m = found.meeting
             place = f"step {m.step}" if m.step is not None else f"event {m.number}"
@@ -107,7 +119,9 @@ class Desync:
                     "" if rate.bits_per_time is None
                     else f"; {_with_error(rate.bits_per_time, rate.time_error or 0.0)} a unit of time"
                 )  # fmt: skip
-                yield "growth", f"{_with_error(rate.bits_per_record, rate.record_error)} bits a record{by_time}"
+                bits = rate.bits_per_record
+                double = f" (it doubles every {1 / bits:.2g} records)" if bits > 2 * rate.record_error else ""
+                yield "growth", f"{_with_error(bits, rate.record_error)} bits a record{double}{by_time}"
             yield "largest difference", f"{_power(found.growing.largest)} ulps"
             bodies = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
             yield "bodies that differ", f"{len(found.growing.bodies)} of {bodies}"
@@ -146,6 +160,11 @@ class Desync:
             (math.dist([one[i][j] for j in places], [other[i][j] for j in places]) for i in differ), default=0.0
         )
         return f"differ in {len(differ)} of {len(common)} bodies, by up to {apart:.3g} in place"
+
+    def numbers(self) -> str:
+        """What the numbers of a state are, where the logs name them."""
+        names = self.found.growing.names
+        return "" if not names else f" (states are {', '.join(names[:6])}{', ...' if len(names) > 6 else ''})"
 
     def curves(self) -> list[tuple[str, Curve]]:
         """The growth of bodies, those first that differ first."""
@@ -335,7 +354,7 @@ def _at(d: Difference) -> str:
 
 
 def _power(bits: float) -> str:
-    return "no" if bits == NEVER else "endless" if bits == math.inf else f"2**{bits:.0f}"
+    return "no" if bits == NEVER else "endless" if bits == math.inf else f"2**{max(bits, 0.0):.0f}"
 
 
 def _with_error(value: float, error: float) -> str:

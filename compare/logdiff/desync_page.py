@@ -9,11 +9,10 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ..report.page.provenance import day, download, versions
-from ..report.page.rendering import rendered
-from ..report.pictures.curves import Curve as Line
-from ..report.pictures.curves import plot
-from ..report.text.listing import laid_out
+from ..report.curves import Curve as Line
+from ..report.curves import plot
+from ..report.listing import laid_out
+from ..report.page import day, download, rendered, versions
 from .desync import Desync, gravest, report_json
 from .log_format import Log, Record
 
@@ -53,6 +52,7 @@ def desync_html(compared: Sequence[Desync], *, command: str = "") -> str:
             "bodies": [
                 (row["body"], row["told"]) for row in one.bodies()
             ],
+            "numbers": one.numbers(),
             "around": [(*row, row[2] != row[3]) for row in one.around()],
         }
         for one in compared

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -107,30 +107,37 @@ class Rate:
 
 
 @dataclass(frozen=True)
-class Fewer:
-    """The log of two whose numbers have fewer digits: `digits`, or `decimals` after the point, or are of 24 bits."""
+class Digits:
+    """How many digits the numbers of a log have, where that is fewer than their type has.
 
-    side: int
+    Attributes:
+        digits, decimals: significant, or after the point; neither for numbers of 24 bits.
+        side: whose numbers have fewer than the other's; None where those of both have no more.
+    """
+
     digits: int | None
     decimals: int | None
+    side: int | None = None
 
     @property
     def words(self) -> str:
-        """What its numbers are."""
+        """What the numbers are."""
         if self.decimals is not None:
             return f"numbers of {self.decimals} digits after the point"
         return "numbers of 24 bits" if self.digits is None else f"numbers of {self.digits} digits"
 
-    def explains(self, a: float, b: float) -> bool:
-        """Whether two numbers, one of each log, are the same but for what was left out: by one of its last digit."""
-        short, long = (a, b) if self.side == 0 else (b, a)
+    def last(self, value: float) -> float:
+        """The size of the last digit of a number of such a size."""
         if self.decimals is not None:
-            return abs(short - long) <= 1.01 * 10.0**-self.decimals
-        if self.digits is not None:
-            return short == long or abs(short - long) <= 1.01 * 10.0 ** (
-                math.floor(math.log10(max(abs(short), abs(long)))) + 1 - self.digits
-            )
-        return abs(short - long) <= 2.0**-23 * max(abs(short), abs(long))
+            return 10.0**-self.decimals
+        if self.digits is None:
+            return 2.0**-23 * value
+        return 10.0 ** (math.floor(math.log10(value)) + 1 - self.digits) if value else 0.0
+
+    def explains(self, a: float, b: float) -> bool:
+        """Whether two numbers are the same but for what was left out: by one of the last digit."""
+        largest = max(abs(a), abs(b))
+        return a == b or (largest < math.inf and abs(a - b) <= 1.01 * self.last(largest))
 
 
 class Unit:
@@ -138,22 +145,16 @@ class Unit:
 
     Attributes:
         bits: 24 or 53, as declared or as the numbers show.
-        fewer: which log has numbers of fewer digits than the other; None where they are alike.
-        digits: decimal digits of the numbers, where the log has fewer than their type; else None.
+        coarse: the digits of the logs, or of one of them, where they are fewer than the type has: a difference that is
+            seen first is then one of the log's.
     """
 
-    def __init__(self, bits: int, digits: int | None, decimals: int | None) -> None:
-        self.bits, self.digits, self.decimals = bits, digits, decimals
-        self.fewer: Fewer | None = None
+    def __init__(self, bits: int, coarse: Digits | None = None) -> None:
+        self.bits, self.coarse = bits, coarse
         self.ulp = 2.0 ** (1 - bits)
         self._ulp_bits = 1.0 - bits
         self.scales: dict[Any, list[float]] = {}
         self.largest = 0.0
-
-    @property
-    def coarse(self) -> bool:
-        """Whether the log has fewer digits than the engine: a difference that is seen first is one of the log's."""
-        return self.digits is not None or self.decimals is not None
 
     def widen(self, row: Sequence[float], key: Any = None) -> None:
         """Takes a state into the largest numbers."""
@@ -222,45 +223,63 @@ class Unit:
 
 
 def unit_of(logs: Sequence[Log], heads: Sequence[Sequence[Record]]) -> Unit:
-    """The unit of two logs, from what they declare, or from the digits of their first numbers."""
+    """The unit of two logs, by what they declare, by the digits of their first numbers, or by those of their times."""
     declared = {bits for log in logs if isinstance(bits := log.header.get("bits"), int)}
     strange = declared - {11, 24, 53, 64, 113}
     if strange:
         raise EngineError(f"file {logs[0].name!r}: bits = {min(strange)}; must be 24 for floats, 53 for doubles")
-    values = list(_numbers(heads))
-    digits, decimals = _written(values)
-    singles = len(values) >= 8 and all(_single(v) for v in values)
-    bits = min(declared) if declared else 24 if singles else 53
-    if bits <= 24 and (digits is None or digits >= 7):
-        digits = decimals = None
-    unit = Unit(min(bits, 53), digits, decimals)
-    each = [list(_numbers([head])) for head in heads]
-    written = [_written(numbers) for numbers in each]
-    if written[0] != written[1] and not (singles or declared == {24}):
-        ranks = [(d is not None, d or 0, n is not None, n or 0) for n, d in written]
+    each = [list(_numbers(head)) for head in heads]
+    return _unit(each, declared) if any(each) else unit_of_times(heads, declared)
+
+
+def unit_of_times(heads: Sequence[Sequence[Record]], declared: Iterable[int] = ()) -> Unit:
+    """The unit of the times of two logs."""
+    return _unit([[t for r in head if (t := r.time) is not None and t != int(t)] for head in heads], set(declared))
+
+
+def _unit(each: Sequence[Sequence[float]], declared: set[int]) -> Unit:
+    """The unit of the numbers of two logs."""
+    values = [*chain.from_iterable(each)]
+    single = [len(numbers) >= 8 and all(map(_single, numbers)) for numbers in (*each, values)]
+    written = [_written(numbers) for numbers in (*each, values)]
+    bits = min(min(declared) if declared else 24 if single[2] else 53, 53)
+    if single[2] or declared == {24}:
+        few = [(d or SINGLE_DIGITS) < SINGLE_DIGITS or (n or SINGLE_DIGITS) < SINGLE_DIGITS for d, n in written[:2]]
+        if few[0] != few[1]:
+            side = few.index(True)
+            return Unit(bits, Digits(*written[side], side))
+    elif written[0] != written[1]:
+        ranks = [(d is not None, d or 0, n is not None, n or 0) for n, d in written[:2]]
         short = [side for side in (0, 1) if written[side] != (None, None)]
         side = short[0] if len(short) == 1 else ranks.index(min(ranks))
-        unit.fewer = Fewer(side, *written[side])
-    elif not declared and not singles:
-        single = [len(numbers) >= 8 and all(map(_single, numbers)) for numbers in each]
-        if single[0] != single[1]:
-            unit.fewer = Fewer(single.index(True), None, None)
-    return unit
+        return Unit(bits, Digits(*written[side], side))
+    if not declared and single[0] != single[1]:
+        return Unit(bits, Digits(None, None, single.index(True)))
+    few = written[2]
+    if (bits <= 24 and (few[0] is None or few[0] >= 7)) or few == (None, None) or (few[0] or 0) > DOUBLE_DIGITS:
+        return Unit(bits)
+    return Unit(bits, Digits(*few))
 
 
-def _numbers(heads: Sequence[Sequence[Record]]) -> Iterable[float]:
-    """The first numbers of logs that have a fraction: whole ones do not tell their type."""
-    for head in heads:
-        count = 0
-        for record in head:
-            free = [v for v in record.fields.values() if isinstance(v, float)]
-            for row in [*record.states.values(), free]:
-                for value in row:
-                    if value != int(value) if math.isfinite(value) else False:
-                        yield float(value)
-                        count += 1
-            if count > 1000:
-                break
+SINGLE_DIGITS = 8
+"""Digits of floats, as short as they can be, of which some in a log have as many: of floats one has 9."""
+
+DOUBLE_DIGITS = 14
+"""Digits of a log beyond which a difference that is seen first is one of the engine's; of doubles one has 17."""
+
+
+def _numbers(head: Sequence[Record]) -> Iterator[float]:
+    """The first numbers of a log that have a fraction: whole ones do not tell their type."""
+    count = 0
+    for record in head:
+        free = [v for v in record.fields.values() if isinstance(v, float)]
+        for row in [*record.states.values(), free]:
+            for value in row:
+                if value != int(value) if math.isfinite(value) else False:
+                    yield float(value)
+                    count += 1
+        if count > 1000:
+            return
 
 
 def _single(value: float) -> bool:
@@ -287,9 +306,9 @@ def _written(values: Sequence[float]) -> tuple[int | None, int | None]:
             for mine, most, count in zip((own, -exponent), (digits, decimals), reached, strict=True)
         ]
         digits, decimals = max(digits, own), max(decimals, -exponent)
-        if digits > 14 and decimals > 12:
+        if digits > 16 and decimals > 12:
             return None, None
-    if digits <= 14 and (decimals > 12 or reached[0] > reached[1]):
+    if digits <= 16 and (decimals > 12 or reached[0] > reached[1]):
         return digits, None
     return (None, decimals) if decimals <= 12 else (digits, None)
 
@@ -304,6 +323,7 @@ class Growing:
         leaps: differences that came from much less in one record, with no more than rounding before them.
         largest: bits by which any body was ever off.
         bodies: those that differed at any time.
+        same_again: how many bodies were the same in both at their second record.
     """
 
     def __init__(self, unit: Unit, names: list[str] | None) -> None:
@@ -320,7 +340,7 @@ class Growing:
         self.same_at: dict[str, int] = {}
         self.onsets = 0
         self.sated = False
-        self.second: Counter[str] = Counter()
+        self.same_again = 0
         self._twice: set[str] = set()
         self.counted: list[tuple[int, int]] = []
 
@@ -334,7 +354,7 @@ class Growing:
         """A body is the same in both at a record."""
         if body not in self._twice and body in self.same_at:
             self._twice.add(body)
-            self.second["same"] += 1
+            self.same_again += 1
         self.same_at[body] = number
         if self.off:
             self.off.pop(body, None)
@@ -383,7 +403,6 @@ class Growing:
         early = len(self.early) < EARLY
         if body not in self._twice and (body in self.same_at or body in self.bodies):
             self._twice.add(body)
-            self.second["differs"] += 1
         leap = bits - (before if before > 0.0 else 0.0) > self._least and self.leap_from(bits, before)
         if early or leap:
             if len(self.counted) < EARLY and (not self.counted or self.counted[-1][0] != a.number):
@@ -438,7 +457,7 @@ def rate_of(curve: Curve, unit: Unit) -> Rate | None:
     >>> curve = Curve()
     >>> for k in range(20):
     ...     curve.add(k, k / 2, 1.5 * k)
-    >>> rate = rate_of(curve, Unit(53, None, None))
+    >>> rate = rate_of(curve, Unit(53))
     >>> rate.bits_per_record, rate.bits_per_time
     (1.5, 3.0)
     """

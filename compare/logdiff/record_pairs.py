@@ -1,8 +1,10 @@
-"""Two records that belong together compared: states, contacts, hashes, inputs and free fields."""
+"""Two records that belong together compared, and records of both logs paired by their step."""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
+from collections.abc import Iterable, Mapping
 from itertools import chain
 from typing import Any
 
@@ -16,22 +18,23 @@ MOST_FIELDS = 100
 MOST_BODIES = 100_000
 """Bodies of which the last state is kept."""
 
-MOST_REPEATED = 20
-"""Lines that are there twice of which it is kept which they are."""
+MOST_KEPT = 20
+"""Lines that are missing, or there twice, of which it is kept which they are."""
+
+WIDENED = 8
+"""Of so many records one is looked at for the largest numbers."""
 
 
 class RecordPairs:
     """What both ways of pairing share."""
 
     def __init__(self, a: Side, b: Side, found: Found, ignore: frozenset[str]) -> None:
-        self.a, self.b, self.found, self.ignore = a, b, found, ignore
+        self.sides, self.found, self.ignore = (a, b), found, ignore
         self.growing = found.growing
         self.settled = 0
-        perm = None
-        if a.log.names and b.log.names and a.log.names != b.log.names:
-            perm = [b.log.names.index(name) for name in a.log.names]
-        self.perm = perm
-        self.plain = perm is None and not b.rename
+        coarse = self.growing.unit.coarse
+        self.fewer = coarse if coarse is not None and coarse.side is not None else None
+        self.plain = not (b.rename or a.columns or b.columns)
         self.only_fields = not ({"contacts", "states", "hashes"} & kinds(a) & kinds(b))
 
     def after(self) -> None:
@@ -44,50 +47,43 @@ class RecordPairs:
             return
         self.settled += 1
         if self.settled >= 2:
-            found.context[0].extend(self.a.ring)
-            found.context[1].extend(self.b.ring)
+            for context, side in zip(found.context, self.sides, strict=True):
+                context.extend(side.ring)
 
-    def take(self, side: int, record: Record) -> None:
-        """Notes what a record has, for the end."""
-        found = self.found
-        found.contacts[side] += len(record.contacts)
+    def next(self, which: int) -> Record | None:
+        """The next record of one log; what it has is noted for the end."""
+        record = self.sides[which].next()
+        if record is None:
+            return None
+        found, count = self.found, len(record.contacts)
+        found.contacts[which] += count
+        if which == 0:
+            self.growing.onsets += count
         if record.states:
-            self.end(found.final[side], record.states)
-            if found.first_states is None and side == 0:
-                found.first_states = record.number
-
-    @staticmethod
-    def end(final: dict[str, list[float]], states: dict[str, list[float]]) -> None:
-        """Keeps the last states of bodies, of the first that there are."""
-        if len(final) < MOST_BODIES:
-            final.update(states)
-        else:
-            final.update((body, row) for body, row in states.items() if body in final)
+            final = found.final[which]
+            if len(final) < MOST_BODIES:
+                final.update(record.states)
+            else:
+                final.update((body, row) for body, row in record.states.items() if body in final)
+        return record
 
     def alike(self, a: Record, b: Record) -> None:
         """Two records that are the same to the letter, and mean the same."""
         found, growing, states = self.found, self.growing, a.states
-        compared, count = found.compared, len(a.contacts)
+        compared = found.compared
         found.pairs += 1
         found.last_common = a
-        found.contacts[0] += count
-        found.contacts[1] += count
-        growing.onsets += count
-        compared["contacts"] += count
+        compared["contacts"] += len(a.contacts)
         if states:
-            self.end(found.final[0], states)
-            self.end(found.final[1], states)
-            if found.first_states is None:
-                found.first_states = a.number
+            self.first(a)
             compared["states"] += len(states)
             for body in states:
                 growing.same(body, a.number)
-            if found.pairs % 8 == 1:
+            looked_at = found.pairs % WIDENED == 1
+            if looked_at:
                 for row in states.values():
                     growing.unit.widen(row)
-                    if found.nans is None and any(map(math.isnan, row)):
-                        found.nans = a.place()
-            elif found.nans is None and any("NaN" in text for text in a.texts) and _nan(states):
+            if found.nans is None and (looked_at or any("NaN" in text for text in a.texts)) and _nan(states):
                 found.nans = a.place()
         if a.hash is not None:
             compared["hashes"] += 1
@@ -101,12 +97,59 @@ class RecordPairs:
                     growing.same(f"({name})", a.number)
                     growing.unit.widen((float(value),), name)
 
+    def first(self, a: Record) -> None:
+        """Keeps the first record of which states are compared."""
+        if self.found.first_states is None or a.number < self.found.first_states:
+            self.found.first_states = a.number
+
+    def states(self, a: Record, b: Record, body: str, touching: bool, before: float) -> float:
+        """Compares one body's states, if both have one; by how many bits they are off."""
+        found, growing = self.found, self.growing
+        one, other = a.states.get(body), b.states.get(body)
+        if one is None or other is None:
+            if one is not other:
+                self.uneven(a, b)
+            return NEVER
+        found.compared["states"] += 1
+        if one == other:
+            growing.same(body, a.number)
+            if 0.0 in one:
+                self.zeros(a, one, other)
+            if found.pairs % WIDENED == 1:
+                growing.unit.widen(one)
+            if found.nans is None and any(map(math.isnan, one)):
+                found.nans = a.place()
+            return NEVER
+        if self.fewer is not None and len(one) == len(other) and all(map(self.fewer.explains, one, other)):
+            found.explained += 1
+            growing.same(body, a.number)
+            return NEVER
+        if found.pairs % WIDENED == 1 or not growing.early:
+            growing.unit.widen(one)
+        off = growing.differs(a, b, body, (one, other), touching, before)
+        if off == NEVER and found.nans is None:
+            found.nans = a.place()
+        return off
+
+    def all_states(self, a: Record, b: Record, partners: Mapping[str, Iterable[str]]) -> None:
+        """Compares the states of all bodies of two records."""
+        growing = self.growing
+        if a.states and b.states:
+            self.first(a)
+        if a.states.keys() != b.states.keys():
+            self.uneven(a, b)
+        befores = {body: growing.before(body, partners.get(body, ())) for body in a.states} if growing.off else {}
+        for body in a.states:
+            if body in b.states:
+                self.states(a, b, body, body in partners, befores.get(body, NEVER))
+
     def uneven(self, a: Record, b: Record) -> None:
         """Keeps the first record of which one log has the state of a body and the other only those of others."""
         if self.found.uneven is None and a.states and b.states:
             for side, more in enumerate((a.states.keys() - b.states.keys(), b.states.keys() - a.states.keys())):
                 if more:
-                    self.found.uneven = side, a, min(more), self.found.pairs
+                    body = min(more)
+                    self.found.uneven = side, a, body, self.found.pairs, (a, b)[side].states[body]
                     break
 
     def zeros(self, a: Record, one: list[float], other: list[float]) -> None:
@@ -130,63 +173,143 @@ class RecordPairs:
             found.compared["inputs"] += 1
             if found.input is None:
                 found.input = a, b
-        if a.fields or b.fields:
-            for name in a.fields.keys() ^ b.fields.keys():
-                if name not in self.ignore and name not in found.fields_alone and len(found.fields_alone) < MOST_FIELDS:
-                    found.fields_alone[name] = (0, a) if name in a.fields else (1, b)
-            for name in a.fields.keys() & b.fields.keys():
-                if name in self.ignore:
-                    continue
-                x, y = a.fields[name], b.fields[name]
-                found.compared["fields"] += 1
-                number = isinstance(x, int | float) and isinstance(y, int | float) and not isinstance(x, bool)
-                if self.only_fields and number:
-                    if _alike(x, y):
-                        self.growing.same(f"({name})", a.number)
-                        self.growing.unit.widen((float(x),), name)
-                    else:
-                        before = self.growing.before(f"({name})", ())
-                        self.growing.differs(
-                            a, b, f"({name})", ((float(x),), (float(y),)), False, before, key=name, name=name
-                        )
-                elif not _alike(x, y) and name not in found.fields and len(found.fields) < MOST_FIELDS:
-                    found.fields[name] = a, x, y
-
-    def states(self, a: Record, b: Record, body: str, partners: Any, before: float | None = None) -> float:
-        """Compares one body's states, if both have one; by how many bits they are off."""
-        one, other = a.states.get(body), b.states.get(body)
-        if one is None or other is None:
-            if one is not other:
-                self.uneven(a, b)
-            return NEVER
-        self.found.compared["states"] += 1
-        if self.perm is not None and len(other) == len(self.perm):
-            other = [other[j] for j in self.perm]
-        if one == other:
-            if self.found.nans is None and any(map(math.isnan, one)):
-                self.found.nans = a.place()
-            self.growing.same(body, a.number)
-            if 0.0 in one:
-                self.zeros(a, one, other)
-            if self.found.compared["states"] % 8 == 1:
-                self.growing.unit.widen(one)
-            return NEVER
-        if before is None:
-            before = self.growing.before(body, partners)
-        return self.growing.differs(a, b, body, (one, other), bool(partners), before)
+        if not a.fields and not b.fields:
+            return
+        for name in a.fields.keys() ^ b.fields.keys():
+            if name not in self.ignore and name not in found.fields_alone and len(found.fields_alone) < MOST_FIELDS:
+                found.fields_alone[name] = (0, a) if name in a.fields else (1, b)
+        for name in a.fields.keys() & b.fields.keys():
+            if name in self.ignore:
+                continue
+            x, y = a.fields[name], b.fields[name]
+            found.compared["fields"] += 1
+            number = isinstance(x, int | float) and isinstance(y, int | float) and not isinstance(x, bool)
+            if self.only_fields and number:
+                own, rows = f"({name})", ((float(x),), (float(y),))
+                if _alike(x, y):
+                    self.growing.same(own, a.number)
+                    self.growing.unit.widen(rows[0], name)
+                else:
+                    before = self.growing.before(own, ())
+                    self.growing.differs(a, b, own, rows, False, before, key=name, name=name)
+            elif not _alike(x, y) and name not in found.fields and len(found.fields) < MOST_FIELDS:
+                found.fields[name] = a, x, y
 
     def repeated(self, side: int, line: int) -> None:
         """Keeps a line that is there twice."""
         lines = self.found.repeated
-        if len(lines) < MOST_REPEATED and ("ab"[side], line) not in lines:
+        if len(lines) < MOST_KEPT and ("ab"[side], line) not in lines:
             lines.append(("ab"[side], line))
 
-    def meet(self, meeting: Meeting) -> None:
-        """Keeps the earliest difference of partners."""
-        if self.found.meeting is None:
-            self.found.meeting_off, self.found.onsets_then = self.growing.largest, self.growing.onsets
-        if self.found.meeting is None or meeting.number < self.found.meeting.number:
-            self.found.meeting = meeting
+    def missing(self, side: int, record: Record) -> None:
+        """Keeps a record of one log that the other has not, though it goes on as if it had."""
+        reported = ("ba"[side], record.place())
+        if len(self.found.missing) < MOST_KEPT and reported not in self.found.missing:
+            self.found.missing.append(reported)
+        self.found.missing_count += 1
+
+    def alone(self, side: int, record: Record) -> None:
+        """Counts a record that one log has alone."""
+        self.found.alone[side] += 1
+        if self.found.alone_first[side] is None:
+            self.found.alone_first[side] = record
+
+    def meet(
+        self, records: tuple[Record | None, Record | None], body: str, partners: tuple[str | None, str | None]
+    ) -> None:
+        """Keeps the earliest difference of partners: the records in which a body has them, and who they are."""
+        found, record = self.found, records[0] or records[1]
+        assert record is not None
+        if found.meeting is None:
+            found.meeting_off, found.onsets_then = self.growing.largest, self.growing.onsets
+        elif record.number >= found.meeting.number:
+            return
+        times, lines = ([r and getattr(r, what) for r in records] for what in ("time", "line"))
+        found.meeting = Meeting(
+            record.number, record.step, record.time, body, *partners, (times[0], times[1]), (lines[0], lines[1])
+        )
+
+
+class BySteps(RecordPairs):
+    """Records of both logs by their step, continued over restarts."""
+
+    def run(self) -> None:
+        """Reads both logs to their ends."""
+        a, b = self.next(0), self.next(1)
+        while a is not None and b is not None:
+            x, y = (-1 if r.step is None else r.step for r in (a, b))
+            if x == y:
+                self.both(a, b)
+            elif x < y:
+                self.one(0, a)
+            else:
+                self.one(1, b)
+            a, b = a if y < x else self.next(0), b if x < y else self.next(1)
+            self.after()
+        if a is not None or b is not None:
+            self.found.longer = "b" if a is None else "a"
+        self.settled += 2
+        self.after()
+        for which in (0, 1):
+            while self.next(which) is not None:
+                pass
+
+    def one(self, side: int, record: Record) -> None:
+        """A step that one log has alone."""
+        self.alone(side, record)
+        if record.contacts:
+            self.missing(side, record)
+
+    def both(self, a: Record, b: Record) -> None:
+        """One step of both."""
+        if a.repeats != b.repeats:
+            self.repeated(*((0, a.line) if a.repeats > b.repeats else (1, b.line)))
+        if self.plain and a.texts == b.texts:
+            self.alike(a, b)
+            return
+        self.found.pairs += 1
+        self.found.last_common = a
+        self.times(a, b)
+        self.contacts(a, b)
+        partners: dict[str, list[str]] = {}
+        for p, q in a.contacts if a.contacts == b.contacts else chain(a.contacts, b.contacts):
+            partners.setdefault(p, []).append(q)
+            partners.setdefault(q, []).append(p)
+        self.all_states(a, b, partners)
+        self.others(a, b)
+
+    def times(self, a: Record, b: Record) -> None:
+        """Compares the clocks of a step, but for how much later one was started."""
+        found = self.found
+        if a.clock is None or b.clock is None or "time" in self.ignore:
+            return
+        found.compared["times"] += 1
+        late = b.clock - a.clock
+        if found.clock is None:
+            found.clock = late if abs(late) > 1e-9 * max(abs(a.clock), abs(b.clock)) else 0.0
+        elif abs(late - found.clock) > 1e-6 * max(abs(a.clock), abs(b.clock), 1e-300) and found.times_differ is None:
+            found.times_differ = a, b
+
+    def contacts(self, a: Record, b: Record) -> None:
+        """Compares the contacts of a step, in whatever order."""
+        found = self.found
+        if not a.contacts and not b.contacts:
+            return
+        found.compared["contacts"] += max(len(a.contacts), len(b.contacts))
+        if a.contacts == b.contacts:
+            return
+        counts = [Counter(tuple(sorted(p)) for p in r.contacts) for r in (a, b)]
+        if counts[0] == counts[1]:
+            if found.reordered is None:
+                found.reordered = a.number, b.number
+            return
+        if found.meeting is not None:
+            return
+        more = sorted((counts[0] - counts[1]).keys()) or sorted((counts[1] - counts[0]).keys())
+        body = min(more[0], key=lambda i: sum(i in p for r in (a, b) for p in r.contacts))  # a ground has many
+        own = [[q if p == body else p for p, q in r.contacts if body in (p, q)] for r in (a, b)]
+        partners = [" + ".join(sorted(names)) or None for names in own]
+        self.meet((a, b), body, (partners[0], partners[1]))
 
 
 def _nan(states: dict[str, list[float]]) -> bool:

@@ -13,10 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from ..foreign.log_engine import text_lines
 from ..validation import EngineError
-from .growing import NEVER, Growing
-from .log_format import MOST_LINE, Log, Record
+from .growing import NEVER, Growing, Unit
+from .log_format import Log, Record
 
 HEAD = 400
 """Records that are read ahead, to learn what a log has."""
@@ -70,16 +69,18 @@ class Found:
         missing: (log, place) of lines that one log has and the other has not, though it goes on as if it had.
         repeated: (log, line) of lines that are there twice.
         uneven: the first record at which one log has the state of a body and the other only those of others: whose log
-            has it (0 or 1), the record, the body, and how many pairs of records there were up to it.
+            has it (0 or 1), the record, the body, how many pairs of records there were up to it, and its state.
         all_told: whether each record with states, of one log at least, has those of all bodies.
         zeros: the first record at which a zero has another sign.
+        explained: how many states differ by no more than the digits that one log leaves out.
         fields_alone: free fields that one log has at a record and the other has not: whose, and the record.
-        alone: how many records of each log had none to be compared with.
+        alone: how many records of each log had none to be compared with; `alone_first`: the first of them.
         clock: how much later the clock of the second is, where it is otherwise the same.
         names: bodies of the first by what they are called in the second, where that differs.
+        time_unit: what one rounding of a time is.
         tie: whether the first difference of partners is one of order, at one instant.
         meeting_off, onsets_then: by how many bits anything was off before it, and how many contacts there had been.
-        first_states: the first record that has states.
+        first_states: the first record of which states were compared.
         contacts_each: whether contacts are logged; `touched_told`, with the states of those in contact.
         nans: first record with a number that is none, in both logs alike.
         context: records around the first difference, by log.
@@ -98,17 +99,19 @@ class Found:
     input: tuple[Record, Record] | None = None
     fields: dict[str, tuple[Record, Any, Any]] = field(default_factory=dict)
     reordered: tuple[int, int] | None = None
-    uneven: tuple[int, Record, str, int] | None = None
+    uneven: tuple[int, Record, str, int, list[float]] | None = None
     all_told: bool = False
     zeros: Record | None = None
+    explained: int = 0
     fields_alone: dict[str, tuple[int, Record]] = field(default_factory=dict)
     missing: list[tuple[str, str]] = field(default_factory=list)
     missing_count: int = 0
     repeated: list[tuple[str, int]] = field(default_factory=list)
     alone: list[int] = field(default_factory=lambda: [0, 0])
-    alone_first: list[str | None] = field(default_factory=lambda: [None, None])
+    alone_first: list[Record | None] = field(default_factory=lambda: [None, None])
     clock: float | None = None
     names: dict[str, str] = field(default_factory=dict)
+    time_unit: Unit = field(default_factory=lambda: Unit(53))
     tie: bool = False
     meeting_off: float = NEVER
     onsets_then: int = 0
@@ -126,90 +129,79 @@ class Found:
 
 
 class Side:
-    """One of two logs as it is read: its head, the rest, the last records, and whether it is at its end."""
+    """One of two logs as it is read: its head, the rest, the last records, and whether it is at its end.
 
-    def __init__(self, log: Log, records: Iterator[Record]) -> None:
+    Attributes:
+        rename: ids by what the other log calls them.
+        columns: which numbers of a state the other log has, too, in its order; None for all.
+        events: how many records with contacts there have been.
+    """
+
+    def __init__(self, log: Log) -> None:
         letters, self.log = 0, log
+        records = iter(log)
         self.head: list[Record] = []
         for record in islice(records, HEAD):
             self.head.append(record)
             letters += sum(map(len, record.texts))
             if letters > MOST_HEAD:
                 break
-        self._records = chain(self.head, records)
+        self._records: Iterator[Record] = chain(self.head, records)
         self.ring: deque[Record] = deque(maxlen=AROUND + 1)
         self.rename: dict[str, str] = {}
+        self.columns: list[int] | None = None
         self.ended = False
         self.last: Record | None = None
         self.events = 0
 
+    def translate(self) -> None:
+        """Has records that are yet to come named as the other log names them."""
+        if self.rename or self.columns is not None:
+            self._records = map(self.translated, self._records)
+
     def next(self) -> Record | None:
-        """The next record, with its bodies renamed."""
+        """The next record."""
         record = next(self._records, None)
         if record is None:
             self.ended = True
             return None
-        if self.rename:
-            names = self.rename
-            record = copy.copy(record)
-            record.contacts = [(names.get(a, a), names.get(b, b)) for a, b in record.contacts]
-            record.states = {names.get(body, body): row for body, row in record.states.items()}
         self.ring.append(record)
         self.last = record
         return record
 
+    def translated(self, record: Record) -> Record:
+        """A record in the words of the other log."""
+        names, columns = self.rename, self.columns
+        record = copy.copy(record)
+        record.contacts = [(names.get(a, a), names.get(b, b)) for a, b in record.contacts]
+        record.states = {
+            names.get(body, body): row if columns is None else [row[j] for j in columns if j < len(row)]
+            for body, row in record.states.items()
+        }
+        return record
 
-class TwoLogs:
-    """Two logs that are read side by side: what both begin with, to the letter, is parsed once.
 
-    Records of that beginning are the same objects in both.
+def two_sides(one: str | Path, other: str | Path) -> tuple[Side, Side]:
+    """Two logs that are read side by side, with their heads read: lines that are the same are parsed once.
+
+    Raises:
+        EngineError: for a log that cannot be read, and for two that have nothing to be compared.
     """
-
-    def __init__(self, one: str | Path, other: str | Path) -> None:
-        self.logs = Log(one), Log(other)
-        self.logs[1].parsed = self.logs[0].parsed
-        self._as_one = len({log.name.lower().endswith(".csv") for log in self.logs}) == 1
-        self._waiting: tuple[deque[Record], deque[Record]] = (deque(), deque())
-        self._lines: list[Iterator[tuple[int, str]]] = [
-            text_lines(Path(log.name), log.name, MOST_LINE) for log in self.logs
-        ]
-
-    def sides(self) -> tuple[Side, Side]:
-        """Both, with their heads read."""
-        found = Side(self.logs[0], self._records(0)), Side(self.logs[1], self._records(1))
-        if self._as_one:
-            self.logs[1].follow(self.logs[0])
-        return found
-
-    def _records(self, which: int) -> Iterator[Record]:
-        """The records of one log, those first that were read with the other."""
-        waiting, log = self._waiting[which], self.logs[which]
-        while True:
-            while waiting:
-                yield waiting.popleft()
-            if not self._as_one:
-                break
-            self._read_both()
-        for number, text in self._lines[which]:
-            record = log.take(number, text)
-            if record is not None:
-                yield record
-        yield from log.finish()
-
-    def _read_both(self) -> None:
-        """Reads one more line of each: the same, or where they part."""
-        lines = self._lines
-        x, y = next(lines[0], None), next(lines[1], None)
-        if x == y and x is not None:
-            record = self.logs[0].take(*x)
-            if record is not None:
-                self._waiting[0].append(record)
-                self._waiting[1].append(record)
-            return
-        self._as_one = False
-        self.logs[1].follow(self.logs[0])
-        for side, line in enumerate((x, y)):
-            lines[side] = chain([line], lines[side]) if line is not None else iter(())
+    logs = Log(one), Log(other)
+    logs[1].parsed = logs[0].parsed
+    a, b = map(Side, logs)
+    check(a, b)
+    if a.log.names and b.log.names and a.log.names != b.log.names:
+        common = [name for name in a.log.names if name in b.log.names]
+        for side in (a, b):
+            own = side.log.names or []
+            side.columns = None if own == common else [own.index(name) for name in common]
+            if side.columns is not None:
+                side.head = [*map(side.translated, side.head)]
+    b.rename = names(a, b)
+    for side in (a, b):
+        side.translate()
+    return a, b
 
 
 def check(a: Side, b: Side) -> None:
@@ -227,10 +219,10 @@ def check(a: Side, b: Side) -> None:
         raise EngineError(
             f"files {a.log.name!r} and {b.log.name!r}: one has steps, the other has not; log steps, or times, in both"
         )
-    if a.log.names and b.log.names and sorted(a.log.names) != sorted(b.log.names):
+    if a.log.names and b.log.names and not set(a.log.names) & set(b.log.names):
         raise EngineError(
             f"files {a.log.name!r} and {b.log.name!r}: states have {', '.join(a.log.names)[:80]} in the one and "
-            f"{', '.join(b.log.names)[:80]} in the other; log the same numbers"
+            f"{', '.join(b.log.names)[:80]} in the other; name the same numbers alike"
         )
 
 

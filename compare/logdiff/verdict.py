@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
 
-from .growing import NEVER, Difference, Rate, rate_of
+from .growing import NEVER, Difference, Digits, Rate, Unit, rate_of
 
 if TYPE_CHECKING:
     from .log_format import Record
@@ -33,7 +33,7 @@ class Thresholds:
     They lie on both sides of what the trials show (docs/desync.md).
 
     Attributes:
-        start: in the first record of all, which no solver has touched.
+        start: in the first record that both have, which no solver has touched.
         free: of a body that is in contact with nothing.
         touching: of a body in contact, which a solver has passed on from others, or where contacts are not logged.
     """
@@ -125,22 +125,28 @@ def _gone(found: Found, number: int | None) -> Answer | None:
     """
     if found.uneven is None or found.by != "step":
         return None
-    side, record, body, pairs = found.uneven
+    side, record, body, pairs, row = found.uneven
+    lies = found.final[side].get(body) == row  # and never moves again: it may be asleep, and not logged
     begun = [] if number is None else [number]
     begun += [found.meeting.number] if found.meeting is not None else []
     begun += [found.hash[0].number] if found.hash is not None else []
-    again = found.growing.same_at.get(body, -1) >= record.number or any(
-        d.body == body and d.number >= record.number for d in found.growing.early
+    again = found.growing.same_at.get(body, -1) >= record.number or (
+        not found.all_told and any(d.body == body and d.number >= record.number for d in found.growing.early)
     )
     touching = any(body in p for p in record.contacts)
-    if (begun and min(begun) < record.number) or again or pairs < 4 or (touching and not found.all_told):
+    if lies or (begun and min(begun) < record.number) or again or pairs < 4 or (touching and not found.all_told):
         return None
     fed = found.input[0] if found.input is not None else record
     first = fed if fed.number < record.number else record
     return Named.CHANGED, _event(first), (
-        f"{body} is in {(found.a, found.b)[side].name} alone, from {record.place()} on; up to then everything is the "
-        "same to the last bit"
+        f"{body} is in {(found.a, found.b)[side].name} alone, from {record.place()} on; up to then everything is "
+        f"{_as_before(found)}"
     )  # fmt: skip
+
+
+def _as_before(found: Found) -> str:
+    """What two runs were before they parted."""
+    return "the same but for the digits that one log leaves out" if found.explained else "the same to the last bit"
 
 
 def _event(record: Record) -> int:
@@ -167,7 +173,7 @@ def _without_states(found: Found) -> Answer:
             f"hashes differ from {found.hash[0].place()} on{since}. A hash does not tell how much differs: log states "
             "from a few steps before it to a few after it"
         )  # fmt: skip
-    if meeting is not None:
+    if meeting is not None and not (states and 0 in found.contacts):
         return _partners_alone(found)
     if found.input is not None:
         return Named.OPEN, _event(found.input[0]), (
@@ -176,10 +182,13 @@ def _without_states(found: Found) -> Answer:
     gone = _incomplete(found)
     if gone:
         return Named.OPEN, None, f"all that both logs have is the same, but {gone}"
+    if found.explained:
+        return Named.OPEN, None, f"{_fewer(found)}, and no difference but what that makes: log both alike"
     if found.times_differ is not None:
         a, b = found.times_differ
         return Named.OPEN, _event(a), (
-            f"all states and contacts are the same, but clocks are not: {a.time!r} and {b.time!r} at {a.place()}"
+            f"all states and contacts are the same, but clocks are not: {a.time!r} and {b.time!r} at {a.place()} "
+            "(--ignore time, if that is a clock on the wall)"
         )  # fmt: skip
     if found.fields:
         name, (record, one, other) = next(iter(found.fields.items()))
@@ -224,12 +233,22 @@ def _partners_alone(found: Found) -> Answer:
             return Named.OPEN, k, f"{told}, and all states that are logged are the same, then and after"
         return Named.OPEN, k, f"{told}; contacts alone do not tell how far apart the runs were by then: log states"
     if found.tie:
-        return Named.OPEN, k, f"{told}, at one instant but for rounding: a tie that each resolves in its own order"
+        return Named.OPEN, k, (
+            f"{told}, at one instant but for rounding: a tie that each resolves in its own order, or two names for one"
+        )  # fmt: skip
     if not found.compared["states"] and found.grid:
         return Named.OPEN, k, f"{told}; times of steps do not tell how far apart the runs were by then: log states"
     if meeting.number < 2 or found.pairs < 4:
         return Named.OPEN, k, f"{told}, and there is nothing before it to tell whether the start was the same"
+    if found.explained:
+        return Named.OPEN, k, f"{told}; {_fewer(found)}, so that a difference before is not seen: log both alike"
     return Named.CHANGED, k, f"{told}, and up to then everything is the same to the last bit"
+
+
+def _fewer(found: Found) -> str:
+    """Which log has fewer digits than the other."""
+    coarse = next(c for u in (found.growing.unit, found.time_unit) if (c := u.coarse) and c.side is not None)
+    return f"{(found.a, found.b)[coarse.side or 0].name} has {coarse.words}, the other has more"
 
 
 def _incomplete(found: Found) -> str | None:
@@ -241,7 +260,11 @@ def _incomplete(found: Found) -> str | None:
         repeats = [line for which, line in found.repeated if which == side]
         if repeats:
             return f"line {repeats[0]} of {log.name} repeats the one before it"
-    if found.missing:
+    thinned = found.by == "step" and _thinned(found) is not None
+    for side, first in enumerate(found.alone_first):
+        if first is not None and first.number == 0 and not thinned:
+            return f"{logs['ba'[side]].name} begins later, and has nothing for {first.place()} of the other"
+    if found.missing and not thinned:
         side, place = found.missing[0]
         return f"{logs[side].name} has nothing for {place} of the other: was a line lost, or a contact without effect?"
     if found.longer is not None:
@@ -249,51 +272,69 @@ def _incomplete(found: Found) -> str | None:
         last = f", after {found.last_common.place()}" if found.last_common else ""
         return f"{ended.name} ends before the other{last}: the rest cannot be compared"
     if found.uneven is not None:
-        side, record, body, _ = found.uneven
+        side, record, body, *_ = found.uneven
         return (
             f"{(found.b, found.a)[side].name} has no state of {body} at {record.place()} of the other: was it not "
             "logged, or not there?"
         )
-    few = [side for side in (0, 1) if 0 < found.alone[side] <= max(1, found.pairs // 20)]
-    if few and found.pairs:
-        log = (found.b, found.a)[few[0]]
-        return f"{log.name} has nothing for {found.alone_first[few[0]]} of the other: were lines lost?"
-    if all(found.alone) and found.pairs:
-        return f"each has records that the other has not, first {found.alone_first[0]}"
+    alone = found.alone_first
+    for side, first in enumerate(alone):
+        if first is not None and found.pairs and not thinned and found.alone[side] <= max(1, found.pairs // 20):
+            return f"{(found.b, found.a)[side].name} has nothing for {first.place()} of the other: were lines lost?"
+    if alone[0] is not None and alone[1] is not None and found.pairs and not thinned:
+        return f"each has records that the other has not, first {alone[0].place()}"
     ends = found.a.end, found.b.end
     if ends[0] is not None and ends[1] is not None and ends[0] != ends[1] and not found.clock:
         return f"the one says that it ends at {ends[0]!r} and the other at {ends[1]!r}"
     return None
 
 
+def _thinned(found: Found) -> tuple[int, int] | None:
+    """Which log has every so many steps of the other's alone, and how many; None if neither has."""
+    strides = [log.counted.stride for log in (found.a, found.b)]
+    for side in (0, 1):
+        own, other = strides[side], strides[1 - side]
+        if other and own > other and own % other == 0 and found.alone[1 - side] >= found.pairs - 1:
+            return None if found.alone[side] else (side, own)
+    return None
+
+
 def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None) -> Answer:
     """Where numbers differ."""
-    growing = found.growing
     top = first[0]
     if found.names and found.uneven is not None and found.uneven[1].number == found.first_states:
         return Named.OPEN, _k(top), (
             f"{_size(top)}; but ids differ, and {found.uneven[2]} starts like none in the other log; name bodies alike"
         )  # fmt: skip
-    fewer = growing.unit.fewer
-    if fewer is not None and all(fewer.explains(d.a, d.b) for d in first):
-        return Named.OPEN, _k(top), (
-            f"{(found.a, found.b)[fewer.side].name} has {fewer.words}, the other has more, and no difference but what "
-            "that makes: log both alike"
-        )  # fmt: skip
-    if growing.unit.coarse:
-        return _coarse(found, top)
-    single = growing.unit.bits <= 24
-    limits = FLOATS if single else DOUBLES
+    unit = _unit_of(found, top)
+    if unit.coarse is not None:
+        return _coarse(found, first, unit.coarse)
+    limits = FLOATS if unit.bits <= 24 else DOUBLES
     size = _size(top)
+    if top.name == TIME and found.grid:
+        return (
+            Named.OPEN,
+            _k(top),
+            f"{size}; times of steps do not tell how far apart the runs were by then: log states",
+        )
     start = _start(found, first, limits, size)
     if start is not None:
         return start
     onset, gap = _onset(found, top)
+    others = [record for record in found.alone_first if record is not None]
+    since_start = gap > 1 and top.number - top.gap == found.first_states
+    if since_start and others and min(record.number for record in others) < top.number and top.bits >= limits.free[0]:
+        return Named.OPEN, onset, (
+            f"{size}, and since the start no records are of the same step or time, first {others[0].place()}: another "
+            "step or setting, or a change since? Log both alike, and every step"
+        )  # fmt: skip
     allowance = _allowance(found, gap, rate)
     if allowance is None:
+        what = "records are far apart; log states of every step"
+        if found.by == "body":
+            what = "how many steps lie between records is not logged; log the step, or states with each contact"
         return Named.OPEN, onset, (
-            f"{size}, but that may be of any age: it is as large as it can be in the first record that has it, and "
-            "records are far apart; log states of every step"
+            f"{size}, but it may be of any age: it is as large as it can be in the first record that has it, and {what}"
         )  # fmt: skip
     free = not top.touching and found.contacts_each and found.by == "step" and gap <= 1
     low, high = limits.free if free else limits.touching
@@ -319,10 +360,14 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
     known = len(growing.same_at | dict.fromkeys(growing.bodies))
     if top.number == found.first_states and all(d.fresh for d in first) and not top.touching:
         if top.bits >= limits.start[1]:
-            return Named.START, _k(top), f"{size}, in the first record of all ({_many(first, known)})"
+            return Named.START, _k(top), f"{size}, in the first record that both have ({_many(first, known)})"
         if top.bits > limits.start[0]:
-            return Named.OPEN, _k(top), f"{size}, in the first record of all: another start, or one computed otherwise?"
-        return _small(found, first, _k(top), f"{size}, in the first record of all")
+            return (
+                Named.OPEN,
+                _k(top),
+                f"{size}, in the first record that both have: another start, or one computed otherwise?",
+            )
+        return _small(found, first, _k(top), f"{size}, in the first record that both have")
     begun = min([top.number, *(pair[0].number for pair in (found.hash, found.input) if pair is not None)])
     early = found.first_states is not None and begun <= found.first_states + 1
     stride = _stride(found) or 1
@@ -339,11 +384,11 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
             _k(top),
             f"{size}, in the first step ({_many(first, known)}): another setting, step or build",
         )
-    if early and top.bits >= limits.touching[1] and not growing.second["same"]:
+    if early and top.bits >= limits.touching[1] and not growing.same_again:
         return Named.START, _k(top), f"{size}, and no body is the same in any record after the first"
     since_start = top.gap > 1 and top.number - top.gap == found.first_states and begun == top.number
     if since_start and not top.placed and found.touched_told and top.bits >= limits.touching[1]:
-        if not growing.second["same"]:
+        if not growing.same_again:
             return Named.START, _k(top), f"{size}, and no body is the same in any record after the first"
         return Named.OPEN, _k(top), (
             f"{size}, and nothing is logged of {top.body} between the start and there, so that it may have been "
@@ -395,14 +440,14 @@ def _stride(found: Found) -> int | None:
     """Steps from record to record; None where there are no steps."""
     if found.by != "step":
         return None
-    return max(found.a.stride, found.b.stride, 1)
+    return max(found.a.counted.stride, found.b.counted.stride, 1)
 
 
 def _large(found: Found, first: tuple[Difference, ...], onset: int, size: str) -> Answer:
     """A first difference that is no rounding."""
     if found.tie and found.meeting is not None and found.meeting.number <= first[0].number:
         return Named.OPEN, onset, "simultaneous contacts were resolved in another order, and rounding may decide that"
-    since = "; up to then everything is the same to the last bit"
+    since = f"; up to then everything is {_as_before(found)}"
     if found.input is not None and _event(found.input[0]) <= onset:
         return Named.CHANGED, onset, f"{size}; the inputs differ, first at {found.input[0].place()}"
     return Named.CHANGED, onset, size + since
@@ -421,7 +466,8 @@ def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -
             f"{leap.body} leaps from {_bits(leap.before)} to {_bits(leap.bits)} at {_place(leap)}, "
             f"where rounding had brought nothing"
         )
-        if leap in free and leap.bits >= _limits(found).free[1] + 4:
+        limits = FLOATS if growing.unit.bits <= 24 else DOUBLES
+        if leap in free and leap.bits >= limits.free[1] + 4:
             return (
                 Named.CHANGED,
                 _k(leap),
@@ -446,30 +492,38 @@ def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -
     return Named.GREW, onset, size
 
 
-def _limits(found: Found) -> Thresholds:
-    return FLOATS if found.growing.unit.bits <= 24 else DOUBLES
+TIME = "time"
+"""What a difference is of that is one of times, not of a state."""
 
 
-def _coarse(found: Found, top: Difference) -> Answer:
-    """Where the logs have fewer digits than the engines."""
-    unit = found.growing.unit
-    digits = f"{unit.decimals} digits after the point" if unit.decimals is not None else f"{unit.digits} digits"
-    scale = next(iter(unit.scales.get(None, ())), 0.0) or 1.0
-    last = (
-        10.0**-unit.decimals
-        if unit.decimals is not None
-        else 10.0 ** (math.ceil(math.log10(scale)) - (unit.digits or 0))
-    )
+def _unit_of(found: Found, d: Difference) -> Unit:
+    """What a difference is measured in."""
+    return found.time_unit if d.name == TIME and found.by == "body" else found.growing.unit
+
+
+def _coarse(found: Found, first: tuple[Difference, ...], coarse: Digits) -> Answer:
+    """Where the logs, or one of them, have fewer digits than the engines."""
+    top, unit = first[0], _unit_of(found, first[0])
+    scale = next(iter(unit.scales.get(TIME if unit is not found.growing.unit else None, ())), 0.0) or 1.0
+    last = coarse.last(scale)
     onset, gap = _onset(found, top)
     if not abs(top.a - top.b) < COARSE * last and gap <= 1 and (_stride(found) or 1) == 1 and last < 1e-5 * scale:
         if found.first_states == top.number:
-            return Named.START, onset, f"{_size(top)}, in the first record of all"
+            return Named.START, onset, f"{_size(top)}, in the first record that both have"
+        known = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
+        if found.first_states == top.number - 1 and len(first) * 2 > known:
+            return (
+                Named.START,
+                onset,
+                f"{_size(top)}, in the first step ({_many(first, known)}): another setting or step",
+            )
         return Named.CHANGED, onset, (
             f"{top.name} of {top.body} is {top.a!r} and {top.b!r}, {abs(top.a - top.b) / last:.3g} of the last digit "
             "that is logged, and was the same to all digits before"
         )  # fmt: skip
+    log = "the logs have" if coarse.side is None else f"{(found.a, found.b)[coarse.side].name} has"
     return Named.OPEN, onset, (
-        f"the logs have {digits}, so that nothing is seen of a difference before it is {last:.0e}: log 17"
+        f"{log} {coarse.words}, so that nothing is seen of a difference before it is {last:.0e}: log 17 digits"
     )  # fmt: skip
 
 
@@ -494,7 +548,7 @@ def _many(first: tuple[Difference, ...], known: int) -> str:
 
 
 def _bits(bits: float) -> str:
-    return "nothing" if bits == NEVER else "no number" if bits == math.inf else f"2**{bits:.0f} ulps"
+    return "nothing" if bits == NEVER else "no number" if bits == math.inf else f"2**{max(bits, 0.0):.0f} ulps"
 
 
 def _place(d: Difference) -> str:
@@ -521,15 +575,22 @@ def _notes(found: Found) -> list[str]:
         told.append(f"Ids differ: {shown}{f', and {len(pairs) - 3} more' if len(pairs) > 3 else ''} in {found.b.name}.")
     if found.clock:
         told.append(f"The clock of {found.b.name} is {found.clock:.9g} later throughout; that is not counted.")
-    for log in (found.a, found.b):
-        for line, before, after in log.restarts[:2]:
+    thinned = _thinned(found)
+    if thinned is not None:
+        side, stride = thinned
+        log = (found.a, found.b)[side]
+        told.append(f"{log.name} has a record every {stride} steps; those of the other between are not compared.")
+    for side, log in enumerate((found.a, found.b)):
+        if not found.contacts[side] and found.contacts[1 - side] and found.compared["states"]:
+            told.append(f"{log.name} has no contacts; those of the other are not compared.")
+        for line, before, after in log.counted.restarts[:2]:
             told.append(
                 f"In line {line} of {log.name} the count goes from {before:.9g} back to {after:.9g}; it is counted on."
             )
     if found.zeros is not None and found.growing.early:
         told.append(f"Signs of zeros differ, too, first at {found.zeros.place()}.")
     if found.uneven is not None and found.growing.early:
-        side, record, body, _ = found.uneven
+        side, record, body, *_ = found.uneven
         told.append(f"{(found.a, found.b)[side].name} alone has the state of {body}, first at {record.place()}.")
     if found.nans is not None:
         told.append(f"Both have numbers that are none (NaN), first at {found.nans}.")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .text.output import console, grid, say
+from .output import console, grid, say
 
 if TYPE_CHECKING:
     from ..grids.engine_survey import Survey, SurveyEntry

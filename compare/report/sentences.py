@@ -11,7 +11,7 @@ from ..alignment.instants import Kind
 from ..causes.diagnosis import NO_CAUSE
 from ..foreign.recording import RECORD_ENDS
 from ..outcomes.permitted import Relation
-from .counting import counted
+from .output import counted
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -6,10 +6,10 @@ import json
 import os
 
 from ...scenarios.disk import Seal, text_of
-from ..cli.writing import write_whole
 from ..comparison import Comparison
 from ..documents.comparison import comparison_json
 from ..documents.values.objects import Reader, Writer
+from ..writing import write_whole
 
 SEAL = Seal("truebreak/saved-comparison-1", "comparison", "truebreak compare SCENE --save FILE")
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json
-from ..cli.writing import check_writable, write_whole
+from ..writing import check_writable, write_whole
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

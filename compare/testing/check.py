@@ -1,9 +1,14 @@
-"""Checks one engine, or log, against one scene; a failure tells the divergence first."""
+"""What a check is asked for: which engine or log, and whose errors are granted."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import dataclasses
+import shlex
+import sys
+import sysconfig
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,27 +21,251 @@ from ..alignment.align import UNKNOWING
 from ..audit.audit import Audit, audit_run
 from ..comparison import Comparison, compare
 from ..deadline import OutOfTime, time_limit
+from ..engines import ENGINES
+from ..engines import engine as engine_named
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..outcomes.permitted import Relation, permitted_patterns
-from ..report.sentences import verdict_sentence
+from ..report.sentences import divergence_phrase, listed, margin_phrase, middle, short, until_phrase, verdict_sentence
+from ..report.sentences import off as off_by
 from ..saved.cache import cached
 from ..scene_argument import scene_from
 from ..study import Study
-from ..validation import check_trajectory, unsupported
-from .asked import bits_asked, engine_asked
-from .message import failure
-from .reproduction import check_again, reproduction, reproduction_of
-from .tolerances.local_error import LocalError, local_error
-from .tolerances.numbers import Demand, number_off, tie_off
-from .tolerances.own_order import permission
-from .tolerances.reach import MOST_CIRCLES, OutOfReach, Reach, reach_of
+from ..validation import check_engine, check_trajectory, unsupported
+from .errors_grown import LocalError, local_error
+from .own_order import permission
+from .reach import MOST_CIRCLES, Demand, OutOfReach, Reach, number_off, reach_of, tie_off
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.trajectory import Trajectory
     from ..candidate import Candidate
+
+LOGS = (".jsonl", ".csv", ".log", ".ndjson")
+"""Suffixes by which a text is known for the path of a log."""
+
+WIDTHS = {"float16": 11, "float32": 24, "single": 24, "float64": 53, "double": 53, "quad": 106, "float128": 113}
+"""Horizons by name: bits of the numbers whose errors are granted."""
+
+
+def engine_asked(engine: Any, scene: Scene, declared: dict[str, Any]) -> tuple[Engine, str]:
+    """The engine to check, and what messages call it."""
+    if isinstance(engine, Path) or (isinstance(engine, str) and engine.lower().endswith(LOGS)):
+        log = LogEngine.of(engine, scene, **declared)
+        return log, log.name
+    if isinstance(engine, Iterable) and not isinstance(engine, str):
+        return LogEngine.of(engine, scene, **declared), "log"
+    if declared:
+        raise SceneError(f"{next(iter(declared))}: is declared of a log only; an engine declares it itself")
+    chosen = engine_named(engine) if isinstance(engine, str) else check_engine(engine)
+    return chosen, engine if isinstance(engine, str) else chosen.name
+
+
+def bits_asked(engine: Engine, horizon: str | int | None) -> int | None:
+    """The width whose errors are granted."""
+    if horizon is None:
+        return engine.bits
+    if isinstance(horizon, str) and horizon in WIDTHS:
+        return WIDTHS[horizon]
+    bits = int(horizon) if isinstance(horizon, str) and horizon.isascii() and horizon.isdigit() else horizon
+    if isinstance(bits, bool) or not isinstance(bits, int) or bits < 1:
+        raise SceneError(f"horizon = {horizon!r}: must be a number of bits, or one of {', '.join(WIDTHS)}")
+    return bits
+
+
+# ----------------------------------------
+# What a failed check says: the divergence first, then why, then how to see it again.
+
+DIGITS = 15
+"""Certified digits of a time that a message shows."""
+
+
+def failure(
+    comparison: Comparison,
+    reproduce: str,
+    reach: Reach | None,
+    off: str | None = None,
+    bits: int | None = None,
+    violations: Sequence[str] = (),
+) -> str:
+    """The message of a check that failed.
+
+    Args:
+        reproduce: the command that shows the same.
+        reach: how far the history was required; None where the span was given.
+        off: which number is off, where the history is the same.
+        bits: of the engine's numbers; None where they are not known.
+        violations: what else is wrong, such as a number before the divergence, or a law.
+    """
+    (candidate,) = comparison.candidates
+    lines = [off if off is not None else divergence_phrase(comparison, candidate)]
+    divergence = candidate.alignment.divergence
+    if divergence is not None and off is None:
+        events = comparison.reference.events
+        if divergence.expected is not None and divergence.expected_time is not None:
+            own = divergence.expected_event
+            told = events[own].time.digits(DIGITS) if own < len(events) else "later"
+            lines.append(f"  expected: {divergence.body} meets {divergence.expected} at t = {told}")
+        if divergence.got is not None:
+            lines.append(f"  got:      {divergence.body} meets {divergence.got} at t = {divergence.got_time!r}")
+    lines += [f"  violation: {told}" for told in violations]
+    if candidate.margin is not None:
+        exact = candidate.margin.gap or candidate.margin.distance
+        margin = [] if exact is None else [f"margin {short(abs(middle(exact)))}"]
+        by = candidate.margin.error
+        beside = [] if by is None else [f"{'beside ' if margin else ''}an error of {off_by(by)}"]
+        told = filter(None, (" ".join([*margin, *beside]), margin_phrase(candidate)))
+        lines.append(f"  decision: {'; '.join(told)}")
+    error = None if candidate.margin is None else candidate.margin.error
+    if error is not None and bits is not None:
+        expected = int(bits * log10(2))
+        left = digits_left(error, _size(comparison), expected)
+        lines.append(f"  digits:   {expected} expected of {bits} bits, {left} left of places by then")
+    if candidate.diagnosis is not None:
+        lines.append(f"  cause:    {candidate.diagnosis}: {candidate.diagnosis.finding}")
+        also = [cause.value for cause in candidate.diagnosis.sufficient if cause is not candidate.diagnosis.name]
+        lines += [f"            suffices by itself too: {listed(also)}"] if also else []
+    total = len(comparison.reference.events)
+    required = (
+        f"{total} events" if reach is None or reach.limit is None else f"{reach.events} events, up to {reach.limit}"
+    )
+    lines.append(f"  required: {required}; {candidate.alignment.agreed} agree")
+    until = until_phrase(candidate)
+    lines += [] if until is None else [f"  known:    {until}; what lies beyond is not settled"]
+    lines.append(f"  reproduce: {reproduce}")
+    return "\n".join(lines)
+
+
+def digits_left(error: float, size: float, expected: int) -> int:
+    """How many of the expected digits an error leaves of numbers of a size.
+
+    >>> digits_left(1e-12, 10.0, 15), digits_left(0.0, 10.0, 15), digits_left(30.0, 10.0, 15)
+    (13, 15, 0)
+    """
+    if error == 0.0:
+        return expected
+    return int(min(expected, max(0.0, log10(size / error)))) if isfinite(error) and size > 0.0 else 0
+
+
+def _size(comparison: Comparison) -> float:
+    """The largest coordinate at the divergence."""
+    (candidate,) = comparison.candidates
+    divergence, reference = candidate.alignment.divergence, comparison.reference
+    known = divergence is not None and divergence.expected_event < len(reference.events)
+    event = reference.events[divergence.expected_event] if divergence is not None and known else None
+    state = reference.final if event is None else reference.at(event.time)
+    return max(abs(float(place)) for circle in state.circles for place in (circle.x, circle.y))
+
+
+# ----------------------------------------
+# The command that shows a failed check again, or the Python, where no command has the same scene and engine.
+
+
+def reproduction(comparison: Comparison, engine: Engine, text: str | None, where: str) -> str:
+    """What shows a comparison of one engine again.
+
+    Args:
+        text: how the engine was asked for; None: as an object.
+        where: what the scene is called; a command is told only where that is enough to have it again.
+    """
+    reference = comparison.reference
+    limits: dict[str, Any] = {
+        StopReason.EVENTS: {"events": len(reference.events)},
+        StopReason.HORIZON: {"until": float(reference.final_time)},
+    }.get(reference.stop.reason, {})
+    return reproduction_of(comparison.scene, engine, text, where, limits)
+
+
+def reproduction_of(scene: Scene, engine: Engine, text: str | None, where: str, limits: Mapping[str, Any]) -> str:
+    """The command that runs an engine on a scene to some limits, or the Python.
+
+    Args:
+        text, where: as in `reproduction`.
+        limits: `until` or `events`.
+    """
+    words = [word for key, value in limits.items() for word in (f"--{key}", repr(value))]
+    named = _is_scene(where, scene)
+    if named and isinstance(engine, LogEngine) and "log" in engine.recording.parameters:
+        return " ".join(["truebreak judge", shlex.quote(where), shlex.quote(engine.name), *_declared(engine), *words])
+    text = engine_text(engine) if text is None else text
+    if named and text is not None:
+        return " ".join(["truebreak compare", shlex.quote(where), "--engines", shlex.quote(text), *words])
+    told = [f"truebreak.scene({where!r})" if named else "scene", f"[{'engine' if text is None else repr(text)}]"]
+    return f"truebreak.comparison({', '.join([*told, *(f'{key}={value!r}' for key, value in limits.items())])})"
+
+
+def check_again(engine: Engine, text: str | None, where: str, scene: Scene, demands: Mapping[str, Any]) -> str:
+    """The check itself, in Python: what shows again that a number is off in a history that is right."""
+    named = "log" if isinstance(engine, LogEngine) else "engine"
+    text = engine_text(engine) if text is None and not isinstance(engine, LogEngine) else text
+    if isinstance(engine, LogEngine) and "log" in engine.recording.parameters:
+        text = engine.name
+    told = [named if text is None else repr(text), repr(where) if _is_scene(where, scene) else "scene"]
+    told += [f"{key}={value!r}" for key, value in demands.items() if value not in (None, False)]
+    return f"truebreak.check({', '.join(told)})"
+
+
+def _declared(engine: LogEngine) -> list[str]:
+    """What was declared of a log, as options of `judge`."""
+    words = [] if engine.bits in (None, 53) else ["--bits", str(engine.bits)]
+    words += [] if engine.step is None else ["--step", repr(engine.step)]
+    return words if engine.rounds_input else [*words, "--exact-input"]
+
+
+def _is_scene(where: str, scene: Scene) -> bool:
+    """Whether a scene is what the command line makes of a text."""
+    try:
+        return scene_from(where).digest == scene.digest
+    except SceneError:
+        return False
+
+
+def engine_text(engine: Engine) -> str | None:
+    """How the command line names an engine, in the folder where the user is; None where it cannot.
+
+    >>> from truebreak.floating import PymunkEngine
+    >>> engine_text(PymunkEngine()), engine_text(PymunkEngine(dt=1 / 64))
+    ('pymunk', 'pymunk:dt=0.015625')
+    """
+    kind = type(engine)
+    entry = ENGINES.get(engine.name)
+    home = engine.name if entry is not None and entry.load() is kind else _class_text(kind)
+    if home is None:
+        return None
+    for text in (home, f"{home}:{_settings(engine)}"):
+        try:
+            same = engine_named(text)
+        except SceneError:
+            continue
+        if type(same) is kind and (same == engine or getattr(same, "__dict__", 0) == getattr(engine, "__dict__", 1)):
+            return text
+    return None
+
+
+def _class_text(kind: type) -> str | None:
+    """The class of a module that lies in the user's folder, or is installed."""
+    top = sys.modules.get(kind.__module__.partition(".")[0])
+    file = getattr(top, "__file__", None)
+    if file is None or not kind.__qualname__.isidentifier() or kind.__module__ == "__main__":
+        return None
+    place = Path(file).parent.parent if Path(file).name == "__init__.py" else Path(file).parent
+    known = {Path.cwd(), *map(Path, (sysconfig.get_path("purelib"), sysconfig.get_path("platlib")))}
+    return f"{kind.__module__}:{kind.__qualname__}" if place in known else None
+
+
+def _settings(engine: Engine) -> str:
+    """The fields that are numbers and not at their default."""
+    if not dataclasses.is_dataclass(engine):
+        return ""
+    values = {field.name: (getattr(engine, field.name), field.default) for field in dataclasses.fields(engine)}
+    return ",".join(
+        f"{key}={value!r}" for key, (value, usual) in values.items() if value != usual and type(value) in (int, float)
+    )
+
+
+# ----------------------------------------
+# Checks one engine, or log, against one scene; a failure tells the divergence first.
 
 FIRST, THEN = 64, 256
 """Events of the true run that are looked at first: most engines come no farther."""

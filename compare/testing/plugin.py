@@ -113,8 +113,8 @@ class Truebreak:
         if folder is None or comparison is None:
             return
         from ...scenarios.errors import SceneError
-        from ..cli.writing import write_whole
         from ..report.html import html_report
+        from ..writing import write_whole
 
         plain = re.sub(r"[^\w.=,-]+", "-", self._request.node.nodeid)
         number = sum(name == REPORT for name, _ in self._request.node.user_properties)

@@ -7,7 +7,7 @@ from html import escape
 from pathlib import Path
 
 from truebreak.compare import compare, html_report
-from truebreak.compare.report.page.provenance import whole_name
+from truebreak.compare.report.page import whole_name
 from truebreak.compare.report.sentences import proof_phrase, verdict_sentence
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.errors import SceneError

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 from sympy import Add, Eq, Pow, Rational, Symbol, count_ops, fraction
 from sympy.printing.mathml import mathml
 
-from truebreak.exact.laws import derivation, tangent
+from truebreak.exact.laws import derivation
 from truebreak.exact.laws.derivation import Statement
-from truebreak.exact.laws.stable_forms import FORMS, StableForm
+
+sys.path.append(str(Path(__file__).resolve().parents[1] / "studies"))
+
+from law_forms import FORMS, TANGENT_FORMS, StableForm
+from law_proofs import pair_displacement
 
 INTRODUCTION = """\
 # The physics, derived
 
 Equations and forms on this page are those of the program: `exact/laws/derivation.py` states them as SymPy's own
-equations, this page prints the same objects, and `python -m truebreak.exact.laws` solves them afresh and proves that
+equations, this page prints the same objects, and `python docs/studies/law_proofs.py` solves them afresh and proves that
 each formula which an engine runs is equal to what follows from them. Nothing here is typed in by hand. The statements
 are those of Carl M. Kadie, *Perfect, Infinite-Precision, Game Physics in Python*; a prime is a position at time t, a
 hat a velocity after the collision.
@@ -63,9 +69,9 @@ def laws_page(*, solved: bool) -> str:
     parts.append(TANGENT)
     if solved:
         names = ("x", "y", "vx", "vy")
-        found = tangent.pair_displacement()
+        found = pair_displacement()
         parts += ["What b gains, per inverse mass, in position and velocity:", *_named(names, found)]
-    for form in tangent.FORMS:
+    for form in TANGENT_FORMS:
         parts += _form(form)
     return "\n\n".join(parts) + "\n"
 

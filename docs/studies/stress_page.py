@@ -11,12 +11,12 @@ from itertools import groupby
 from pathlib import Path
 
 from truebreak.compare.cli.commands.sweep import how_far
-from truebreak.compare.cli.writing import check_writable, write_whole
 from truebreak.compare.grids.grid import carry_out
 from truebreak.compare.grids.store import Store
 from truebreak.compare.grids.stress_families import StressFamily
 from truebreak.compare.grids.stress_map import Ladder, MapMark, StressMap, ladders, stress_plan
 from truebreak.compare.report.pictures.heat_map import heat_map
+from truebreak.compare.writing import check_writable, write_whole
 from truebreak.scenarios.errors import SceneError
 
 TITLE = "Where each engine's answer turns wrong"

@@ -90,6 +90,10 @@ class Precision:
         """
         self._rise(why, 0)
 
+    def units(self) -> int:
+        """The work of computing the whole log again with twice the bits."""
+        return len(self._state.steps) * step_units(2 * self._state.bits)
+
     def where(self) -> str:
         """How far the run is, as a person reads it."""
         return f"after {len(self._history.records)} instants"
@@ -104,11 +108,17 @@ class Precision:
                 f"{self.where()}; allow more bits to go on"
             )
         self._history.plan["precision raised"] += 1
-        centred = self._state.centred or bits >= LONG_BITS
-        if centred and not self._state.centred:
+        given_up = any(many >= LONG_BITS and not in_set for many, in_set in self._history.rises)
+        centred = self._state.centred or (bits >= LONG_BITS and not given_up)
+        begun = centred and not self._state.centred
+        if begun:
             bits = max(2 * self._state.bits, int(CENTRED_SHARE * bits) // PILOTS)
-        self._history.rises.append((bits, centred))
+        lost = self._state.bits - self._state.lowest
         self._state.rise(bits, centred)
+        if begun and self._state.bits - self._state.lowest > max(lost, ONCE):
+            centred, bits = False, max(bits, LONG_BITS)  # a set that loses more than balls is given up
+            self._state.rise(bits, centred)
+        self._history.rises.append((bits, centred))
 
     def _foreseen(self) -> int:
         """The bits that the whole run will need if it goes on losing them as it has."""
@@ -161,6 +171,7 @@ class CertifiedMeetings:
         balls: signs at the precision at hand.
         judge: decides what that leaves open.
         grazes: told of a pair proved to graze.
+        work: what the time of one meeting may cost before it is undecided.
     """
 
     def __init__(
@@ -173,6 +184,7 @@ class CertifiedMeetings:
         balls: InBalls,
         judge: Judge,
         grazes: Callable[[Link], None],
+        work: int,
     ) -> None:
         self.predictor = FilteredPredictor(scene, state, queue, plan, self._unsure)
         self._state = state
@@ -181,6 +193,7 @@ class CertifiedMeetings:
         self._balls = balls
         self._judge = judge
         self._grazes = grazes
+        self._work = work
 
     def predict(self, moved: Sequence[Body[arb]], standing: Collection[Link], gone: Collection[int]) -> None:
         """Queues the next meetings of some circles."""
@@ -222,7 +235,12 @@ class CertifiedMeetings:
         return arrival._replace(low=low, high=high, certain=True, time=time, graze=disc == 0)
 
     def time(self, moment: Moment) -> arb:
-        """The time of a meeting that is certain, as a ball of full precision that excludes the past."""
+        """The time of a meeting that is certain, as a ball of full precision that excludes the past.
+
+        Raises:
+            Undecided: where more bits than there are, or more work than is allowed, would be needed.
+        """
+        spent = 0
         while True:
             ball.use_bits(self._state.bits)
             self._state.sync(moment.link.circles)
@@ -232,7 +250,13 @@ class CertifiedMeetings:
                     return t + wait
             except ZeroDivisionError:
                 pass
-            self._precision.rise(f"the time of {self._judge.name(moment.link)} is unsharp")
+            why = f"the time of {self._judge.name(moment.link)} is unsharp"
+            units = self._precision.units()
+            if spent and spent + units > self._work:  # once is as when accuracy runs low
+                where = f"{self._precision.where()}, with {self._state.bits} bits"
+                raise Undecided(f"{why}, {where}; more than {self._work} units of work (--work)")
+            spent += units
+            self._precision.rise(why)
 
     def _meeting(self, link: Link, disc: int) -> arb:
         """The time of a hit or, where the discriminant is zero, of a graze, which is noted."""
@@ -508,7 +532,7 @@ class CertifiedDecider:
         plan = self.history.plan
         self._cascade = Cascade(grounds, plan)
         self.meetings = CertifiedMeetings(
-            scene, self.state, self.queue, plan, self._precision, InBalls(grounds), self, self._note_graze
+            scene, self.state, self.queue, plan, self._precision, InBalls(grounds), self, self._note_graze, work
         )
         self.reading = CertifiedReading(self.state, self.meetings)
         self.stride: Stride | None = None

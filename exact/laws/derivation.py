@@ -179,7 +179,7 @@ def _linear_pivot(residuals: Sequence[Expr], unknowns: Sequence[Symbol]) -> tupl
 # (package perfect-physics on PyPI), in his symbols: circles a and b, a wall through (x_0, y_0) and (x_1, y_1), a
 # prime for a position at time t, a hat for a velocity after a collision.
 #
-# `python -m truebreak.exact.laws` derives them all afresh, proves that the stable forms of `stable_forms.py` are
+# `python docs/studies/law_proofs.py` derives them all afresh, proves that the stable forms of `law_forms.py` are
 # equal to them, and writes `formulas.py`.
 
 t, p = symbols("t, p")

@@ -174,7 +174,7 @@ def pair_derivative(
 
     With tau the time from the clock to the hit, the derivative is (b - tau a, -tau^2 a; a, b + tau a). The instant
     moves by -d.(dd + tau dv) / d.v, and d at the hit by as much times v and what d itself does: both from
-    |d + tau v| = R (see `laws/tangent.py`).
+    |d + tau v| = R (see `docs/studies/law_proofs.py`).
     """
     square, reach = vx * vx + vy * vy, sqrt(dx * dx + dy * dy)
     if not (strength < 0.0 and LEAST < speed < inf and LEAST < square < inf and reach > 0.0):

@@ -14,7 +14,7 @@ from truebreak.compare import compare, engine
 from truebreak.compare.alignment.instants import Kind
 from truebreak.compare.candidate import Candidate
 from truebreak.compare.causes.diagnosis import CauseName
-from truebreak.compare.cli.exit_codes import of_comparison
+from truebreak.compare.cli.progress import of_comparison
 from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Scene, StopReason, catalogue

@@ -12,7 +12,7 @@ from touch import assert_all_touch, proofs
 from truebreak.exact import ExactEngine
 from truebreak.exact.log_symmetry import symmetries
 from truebreak.floating import IntervalEngine
-from truebreak.scenarios import Circle, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Trajectory, Wall, catalogue
 from truebreak.scenarios.trajectory import TieProof
 
 pytestmark = pytest.mark.usefixtures("long_balls")
@@ -314,3 +314,48 @@ def test_one_more_collision_in_one_copy_is_noticed(name: str) -> None:
     tied = [event.index for event in trajectory.events if len(event.contacts) > 1]
     assert extra.index < max(tied)
     assert not any(("c5", "c6") in event.contacts for event in trajectory.events if len(event.contacts) > 1)
+
+
+# -- walls along one line, pockets at one place
+
+
+def walled(*names: str) -> Scene:
+    """Two circles in a box, whose left wall is given in as many parts as there are names."""
+    lines = {"low": (-3, -4, -3, 0), "high": (-3, 0, -3, 4), "turned": (-3, 9, -3, 5)}
+    walls = [Wall(*lines[name], id=name) for name in names]
+    walls += [Wall(8, -4, 8, 4, id="e"), Wall(-3, -4, 8, -4, id="s"), Wall(-3, 4, 8, 4, id="n")]
+    circles = [Circle(0, 0, 1, "3/7", "5/11", id="a"), Circle(4, 1, 1, "-2/7", "1/3", id="b")]
+    return Scene(circles, walls)
+
+
+def test_a_wall_in_parts_is_one_wall() -> None:
+    """Whoever comes to one part comes to all at that instant, which is proved by form: no bits, no roots."""
+    one = ExactEngine().run(walled("low"), events=60)
+    for names in (("low", "high"), ("low", "turned", "high")):
+        run = ExactEngine().run(walled(*names), events=60)
+        assert [e.time.digits(40) for e in run.events] == [e.time.digits(40) for e in one.events]
+        for mine, other in zip(run.events, one.events, strict=True):
+            parts = {c for c in mine.contacts if c.second in names}
+            assert {c.second for c in parts} in (set(), set(names))
+            assert set(mine.contacts) - parts == {c for c in other.contacts if c.second != "low"}
+        assert run.plan["bits"] == one.plan["bits"]
+        assert run.plan.get("tower", 0) == 0
+        assert all(tie.proof is not TieProof.TOWER for e in run.events for tie in e.ties)
+
+
+def test_pockets_at_one_place_are_entered_at_one_instant() -> None:
+    circles = [Circle(0, 0, 1, 1, "1/7"), Circle(5, "1/3"), Circle(9, "-1/2")]
+    first = ExactEngine().run(Scene(circles), events=3)
+    last = first.final[first.events[-1].contacts[0].first]
+    place = Quantity.of(float(last.x) + 40 * float(last.vx)), Quantity.of(float(last.y) + 40 * float(last.vy))
+    run = ExactEngine().run(Scene(circles, pockets=[Pocket(*place, 2), Pocket(*place, 2)]))
+    assert len(run.pocketings) == 2
+    assert run.pocketings[0].time.digits(40) == run.pocketings[1].time.digits(40)
+
+
+def test_parallel_walls_are_not_one() -> None:
+    """A circle between them meets one, then the other; a part that is 10**-40 further back is never met."""
+    near = Wall("-3 - 10**-40", 0, "-3 - 10**-40", 1, id="near")
+    scene = walled("low")
+    run = ExactEngine().run(scene.with_changes(walls=[*scene.walls, near]), events=30)
+    assert {c.second for e in run.events for c in e.contacts} & {"low", "near"} == {"low"}

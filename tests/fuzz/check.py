@@ -62,7 +62,7 @@ def compare(run: Trajectory, told: Told, asked: int = STATES_ASKED) -> None:
     if stop not in GAVE_UP:
         expect(stop == told.stop, f"stops with {stop} ({run.stop.message}), not {told.stop}")
     else:
-        told = cut(told, run.final_time)
+        told = cut(told, run)
     compare_events(run, told)
     compare_entries(run, told)
     compare_reversal(run, told)
@@ -73,15 +73,25 @@ def compare(run: Trajectory, told: Told, asked: int = STATES_ASKED) -> None:
     expect(run.certified, "is not certified")
 
 
-def cut(told: Told, time: Any) -> Told:
-    """The history up to the instant at which a run gave up, which must be a whole one."""
-    end = near(time, told)
+def cut(told: Told, run: Trajectory) -> Told:
+    """The history up to the instant at which a run gave up, which must be a whole one.
+
+    Instants may be closer than what is agreed: of those, the one with as many events and entries as the run has.
+    """
+    end = near(run.final_time, told)
     tolerance = allowed(told, end)
-    knots = tuple(knot for knot in told.knots if knot[0] <= end + tolerance)
-    expect(abs(knots[-1][0] - end) <= tolerance, f"gave up at {float(time)}, which is no instant of its history")
-    reversal = told.reversal if told.reversal and told.reversal[1] <= end + tolerance else None
-    events = tuple(event for event in told.events if event.time <= end + tolerance)
-    entries = tuple(entry for entry in told.entries if entry.time <= end + tolerance)
+    last = [when for when, _ in told.knots if abs(when - end) <= tolerance]
+    expect(bool(last), f"gave up at {float(run.final_time)}, which is no instant of its history")
+
+    def counted(when: fmpz) -> tuple[int, int]:
+        return sum(event.time <= when for event in told.events), sum(entry.time <= when for entry in told.entries)
+
+    mine = len(run.events), len(run.pocketings)
+    end = next((when for when in last if counted(when) == mine), last[-1])
+    knots = tuple(knot for knot in told.knots if knot[0] <= end)
+    reversal = told.reversal if told.reversal and told.reversal[1] <= end else None
+    events = tuple(event for event in told.events if event.time <= end)
+    entries = tuple(entry for entry in told.entries if entry.time <= end)
     left, entered = told.left[: len(events)], told.entered[: len(entries)]
     return Told(told.bits, events, entries, reversal, told.stop, knots[-1][0], knots, left, entered)
 

@@ -38,6 +38,7 @@ from fuzz.draft import (
     size,
     span,
     speed,
+    velocity,
 )
 from fuzz.kinds.symmetry import spoil
 from fuzz.referee import Told
@@ -188,12 +189,12 @@ class _Stage:
             x, y = nx * (self.middle.r + r), ny * (self.middle.r + r)
             if ahead is not None and float(nx) * float(ahead[0]) + float(ny) * float(ahead[1]) < 1e-9:
                 continue
-            if has_room(self.bodies, x, y, r) and all(self._clear(wall, x, y, r) for wall in self.draft.walls):
+            if has_room(self.bodies, x, y, r) and all(self.clear(wall, x, y, r) for wall in self.draft.walls):
                 return (nx, ny), x, y
         return None
 
     @staticmethod
-    def _clear(wall: tuple[Number, ...], x: Number, y: Number, r: Number) -> bool:
+    def clear(wall: tuple[Number, ...], x: Number, y: Number, r: Number) -> bool:
         x0, y0, x1, y1 = (float(value) for value in wall)
         nx, ny = y0 - y1, x1 - x0
         length = (nx * nx + ny * ny) ** 0.5
@@ -253,11 +254,15 @@ def _instant(row: frozenset[str], draw: Random) -> tuple[Draft, Number]:
             r = size(draw)
             if (found := stage.free(r)) is not None:
                 stage.beside((middle.vx, middle.vy), r, mass(draw), *found)
+    if {"raft", "graze", "tie"} & row and draw.random() < 0.5:
+        _chain(stage)
+    if middle.point and draw.random() < 0.4:  # two points pass through each other
+        draft.bodies.append(Body(0, 0, 0, *velocity(draw), point=True))
     _pockets(stage)
     if "mass" in row:
         heavy = [b for b in stage.bodies if b.m != "oo"]
         draw.choice(heavy[:2]).m = F(10) ** (draw.choice([1, -1]) * draw.choice([7, 12, 30]))
-    if "tie" in row and draw.random() < 0.3:  # one elsewhere, at the very same time
+    if "tie" in row and draw.random() < 0.45:  # one elsewhere, at the very same time
         nx, ny = draw.choice(AXES)
         draft.bodies += [Body(60, 9, 1), Body(60 + 2 * nx, 9 + 2 * ny, 1, -nx, -ny)]
     if "gap" in row:
@@ -297,6 +302,20 @@ def _statics(stage: _Stage, way: Vector) -> None:
             stage.beside((0, 0), r, "oo", (nx, ny), x, y)
 
 
+def _chain(stage: _Stage) -> None:
+    """What touches a neighbour of the middle, not the middle: flies with it, grazes it, or comes to it."""
+    draw = stage.draw
+    for _ in range(draw.choice([1, 1, 2])):
+        host, r = draw.choice(stage.bodies[1:] or stage.bodies), size(draw)
+        for nx, ny in draw.sample(PYTHAGOREAN + HEX, 12):
+            x, y = host.x + nx * (host.r + r), host.y + ny * (host.r + r)
+            if has_room(stage.bodies, x, y, r) and all(stage.clear(wall, x, y, r) for wall in stage.draft.walls):
+                s, along = draw.choice([(0, 0), (0, 1), (0, -1), (1, 0), (1, 1)])
+                vx, vy = host.vx - nx * s - ny * along, host.vy - ny * s + nx * along
+                stage.bodies.append(Body(x, y, r, vx, vy, mass(draw)))
+                break
+
+
 def _pockets(stage: _Stage) -> None:
     """Pockets whose rims pass a centre at the instant, just before it, or later."""
     row, draw = stage.row, stage.draw
@@ -304,11 +323,17 @@ def _pockets(stage: _Stage) -> None:
         return
     stage.draft.capture = "capture" in row
     movers = [b for b in stage.bodies if b.m != "oo" and (b.vx or b.vy)] or stage.bodies
-    for _ in range(draw.choice([1, 1, 2])):
+    first, together = draw.choice([0, 0, flaw(draw), F(-1, 2), F(-1, 3), F(1, 4), 1]), draw.random() < 0.6
+    for _ in range(draw.choice([1, 1, 2, 2, 3])):
         b, r = draw.choice(movers), draw.choice([1, 2, F(1, 2), 3])
-        ahead = [w for w in PYTHAGOREAN if float(w[0]) * float(b.vx) + float(w[1]) * float(b.vy) > 0] or PYTHAGOREAN
-        nx, ny = draw.choice(ahead)
-        late = draw.choice([0, 0, flaw(draw), F(-1, 2), F(-1, 3), F(1, 4), 1])
+        ways = [(float(w[0]) * float(b.vx) + float(w[1]) * float(b.vy), w) for w in PYTHAGOREAN]
+        late = first + draw.choice([0, 0, 0, flaw(draw)]) if together else draw.choice([0, flaw(draw), F(-1, 3), 1])
+        which = draw.random()
+        if which < 0.12 and (along := [w for dot, w in ways if abs(dot) < 1e-9]):  # it only touches the rim
+            ways, late = [(1.0, w) for w in along], draw.choice([0, 0, F(1, 4)])
+        elif which < 0.2 and (still := [one for one in stage.bodies if not (one.vx or one.vy)]):  # it stands on the rim
+            b = draw.choice(still)
+        nx, ny = draw.choice([w for dot, w in ways if dot > 1e-9] or PYTHAGOREAN)
         stage.draft.pockets.append((b.x + b.vx * late + nx * r, b.y + b.vy * late + ny * r, r))
 
 
@@ -316,6 +341,14 @@ def _gap(stage: _Stage) -> None:
     """A flaw: in one place or one speed, between two that fly together, at a wall, or in a pocket."""
     draw, tiny = stage.draw, flaw(stage.draw)
     choice = draw.random()
+    if choice < 0.15:  # it comes to the middle so slowly that it was never far
+        r = size(draw)
+        if (found := stage.free(r)) is not None:
+            way, x, y = found
+            nx, ny = way
+            slow = abs(tiny), mass(draw)
+            stage.beside((stage.middle.vx - nx * slow[0], stage.middle.vy - ny * slow[0]), r, slow[1], way, x, y)
+            return
     if choice < 0.3:
         r = size(draw)
         if (found := stage.free(r)) is not None:
@@ -350,7 +383,7 @@ def _led_back(draft: Draft, time: Number, row: frozenset[str], draw: Random) -> 
                 draft.reverse_at = instant + draw.choice([0, 0, abs(flaw(draw)), F(1, 2), 1])
             draft.endless = draw.random() < 0.3 and "limit" not in row
     draft.events = draw.choice([2, 3, 4, 5])
-    if draft.reverse_after is not None and draw.random() < 0.3:
+    if draft.reverse_after is not None and draw.random() < (0.5 if "tie" in row else 0.2):
         draft.events = draft.reverse_after
     if draft.endless:
         draft.events = None
@@ -374,6 +407,10 @@ def _loosen(draft: Draft, row: frozenset[str], draw: Random) -> None:
         draft.walls += [(0, far, 1, far), (0, -far, 1, -far)]
     if draft.events is not None:
         draft.events = draw.randrange(5, 12)
+    if "reversal" in row and "limit" not in row and draw.random() < 0.7:  # home, or as far as it gets
+        if draft.reverse_at is None:
+            draft.reverse_after = draw.randrange(3, 8)
+        draft.events, draft.until, draft.endless = draw.choice([None, None, 16]), None, True
 
 
 def _finished(draft: Draft, row: frozenset[str], draw: Random) -> Draft:
@@ -384,7 +421,8 @@ def _finished(draft: Draft, row: frozenset[str], draw: Random) -> Draft:
         start = len(draft.bodies)
         draft.bodies = [replace(b, half=1) for b in draft.bodies] + [replace(b, half=2) for b in other.bodies]
         walls = other.walls if draw.random() < 0.7 else []
-        draft.walls, draft.pockets = draft.walls + walls, draft.pockets + other.pockets
+        pockets = other.pockets if draw.random() < 0.7 else []
+        draft.walls, draft.pockets = draft.walls + walls, draft.pockets + pockets
         if draw.random() < (0.6 if "gap" in row else 0.2):
             draft = spoil(draft, draw, start)
     if "crowd" in row:

@@ -25,6 +25,8 @@ FEW_CELLS = 3
 """Circles from which on there are cells in a scene with a crowd."""
 DEEP_BITS = BITS + 3000
 """Bits of a number that is 10**-700 times as large as the one that it is compared with."""
+MOST_BACK = 200
+"""Events of a run there and back: a point in a wedge may have thousands more just after the last one asked for."""
 LITTLE_WORK = (3_000, 30_000)
 """Work for a question in the relation of little work."""
 
@@ -192,8 +194,8 @@ def there_and_back(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
     half = Quantity.of(float(run.events[-1].time) + 0.125)
     if half <= 0 or (len(run.events) > 1 and float(half) > 1e9):
         return False
-    back = engine.run(scene.with_changes(reverse_at=half), until=2 * half)
-    if back.stop.reason.name in GAVE_UP or any(len(event.contacts) > 1 for event in back.events):
+    back = engine.run(scene.with_changes(reverse_at=half), until=2 * half, events=MOST_BACK)
+    if back.stop.reason.name in (*GAVE_UP, "EVENTS") or any(len(event.contacts) > 1 for event in back.events):
         return False
     with _precision(BITS):
         for one, start in zip(back.final.circles, scene.circles, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 from random import Random
@@ -17,8 +18,9 @@ from fuzz.maps import MAPS
 from fuzz.referee import referee
 from fuzz.relations import FEW_CELLS, RELATIONS, cells_from
 from truebreak.exact import ExactEngine
-from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Wall
+from truebreak.scenarios import Circle, Pocket, Quantity, Scene, StopReason, Wall
 from truebreak.scenarios.files import load_scene
+from truebreak.scenarios.trajectory import Stop
 
 FOUND = sorted((Path(__file__).parent / "found").glob("*.toml"))
 HIT = Scene(
@@ -147,11 +149,29 @@ def test_there_and_back_sees_another_time() -> None:
     assert RELATIONS["back"](run, mix, Random(1), ExactEngine())
 
     class Late:
-        def run(self, scene: Scene, *, until: Any) -> Any:
-            return ExactEngine().run(scene, until=until + Quantity.of("1/10**30"))
+        def run(self, scene: Scene, *, until: Any, events: int) -> Any:
+            return ExactEngine().run(scene, until=until + Quantity.of("1/10**30"), events=events)
 
     with pytest.raises(Difference, match="there and back"):
         RELATIONS["back"](run, mix, Random(1), Late())
+
+
+def test_a_run_may_give_up_between_events_that_are_closer_than_what_is_agreed() -> None:
+    """10**-180 apart, where numbers are agreed on to 460 bits; but not within an instant."""
+    two = [Circle(0, 0, vx=1), Circle(5, 0), Circle(0, 99, vx=1), Circle("5 + 10**-180", 99)]
+    for late, whole in ((two, True), ([*two[:3], Circle(5, 99)], False)):
+        scene = Scene(late)
+        told = referee(scene, None, 2)
+        run = replace(ExactEngine().run(scene, events=1), stop=Stop(StopReason.UNDECIDED, "here"))
+        assert len(told.events) == (2 if whole else 1)
+        if whole:
+            compare(run, told)
+            with pytest.raises(Difference, match=r"is missing|0 events"):
+                compare(replace(run, events=()), told)
+        else:
+            half = replace(run.events[0], ties=(), contacts=run.events[0].contacts[:1])
+            with pytest.raises(Difference, match="contacts"):
+                compare(replace(run, events=(half,)), told)
 
 
 # -- what was found

@@ -34,9 +34,9 @@ export class WayBack {
     if (!same) this.retraced = false;
   }
 
-  /** Were both known at the last instant that is not undone? (Which is time 0, if that is asked for.) */
-  knew(a, b, timeZero = false) {
+  /** Were both known at the last instant that is not undone? */
+  knew(a, b) {
     const last = this.kept.at(-1);
-    return Boolean(this.retraced && last && last.known.has(a) && last.known.has(b)) && (!timeZero || this.kept.length === 1);
+    return Boolean(this.retraced && last && last.known.has(a) && last.known.has(b));
   }
 }

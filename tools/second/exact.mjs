@@ -3,7 +3,7 @@ import { malformed, undecided } from './base.mjs';
 
 const MOST_TERMS = 4096, MOST_DIGITS = 100000;
 /** Parts of a product that are kept before they are summed; and units of work that a term costs which is copied. */
-const MOST_REST = 8, COPIED = 64;
+const MOST_REST = 8, COPIED = 150;
 
 /**
  * (sum of terms.get(m) * product of the roots whose bits are set in m) / den; no term is 0, den is positive.

@@ -1,5 +1,5 @@
 // The world of intervals [lo, hi] / 2**bits, rounded outward.
-import { words } from './base.mjs';
+import { times, words } from './base.mjs';
 
 /** @typedef {{lo: bigint, hi: bigint}} Interval */
 
@@ -14,7 +14,8 @@ export class IntervalWorld {
     this.work = work;
     this.zero = { lo: 0n, hi: 0n };
     this.usual = 1n << BigInt(bits + 64); // numbers up to here are charged alike, without being measured
-    this.price = ((bits >> 6) + 2) ** 2;
+    this.price = 2 * times((bits >> 6) + 1, (bits >> 6) + 1);
+    this.least = bits >> 2; // of a sum
     /** @type {Interval[]} the square roots r1, r2, ... */ this.roots = [];
     /** @type {Map<bigint, Interval>} their products */ this.products = new Map();
   }
@@ -22,14 +23,14 @@ export class IntervalWorld {
   charge(a, b) {
     const { usual, work } = this;
     if (a.lo > -usual && a.hi < usual && b.lo > -usual && b.hi < usual) work.charge(this.price);
-    else work.charge((words(a.lo) + words(a.hi)) * (words(b.lo) + words(b.hi)));
+    else work.charge(times(words(a.lo) + words(a.hi), words(b.lo) + words(b.hi)));
   }
 
   /** +1, 0, -1, or undefined if not known */
   sign(a) { return a === null ? undefined : a.lo > 0n ? 1 : a.hi < 0n ? -1 : a.lo === 0n && a.hi === 0n ? 0 : undefined; }
 
-  add(a, b) { return { lo: a.lo + b.lo, hi: a.hi + b.hi }; }
-  sub(a, b) { return { lo: a.lo - b.hi, hi: a.hi - b.lo }; }
+  add(a, b) { this.work.charge(this.least); return { lo: a.lo + b.lo, hi: a.hi + b.hi }; }
+  sub(a, b) { this.work.charge(this.least); return { lo: a.lo - b.hi, hi: a.hi - b.lo }; }
   neg(a) { return { lo: -a.hi, hi: -a.lo }; }
   twice(a) { return { lo: a.lo * 2n, hi: a.hi * 2n }; }
 
@@ -61,7 +62,7 @@ export class IntervalWorld {
   div(a, b) {
     if (b.hi < 0n) return this.div(this.neg(a), this.neg(b));
     if (b.lo <= 0n) return null;
-    this.charge(a, b); this.charge(a, b);
+    for (let k = 0; k < 3; k++) this.charge(a, b);
     return {
       lo: floorDiv(a.lo << this.bits, a.lo >= 0n ? b.hi : b.lo),
       hi: ceilDiv(a.hi << this.bits, a.hi >= 0n ? b.lo : b.hi),
@@ -74,12 +75,13 @@ export class IntervalWorld {
     return { lo: this.isqrt(a.lo << this.bits), hi: hi * hi === a.hi << this.bits ? hi : hi + 1n };
   }
 
-  /** The whole square root, rounded down, of a whole number (Newton's method from above falls until it is there). */
+  /** The whole square root, rounded down, of a whole number: Newton's method from above, where half the digits of n lead to. */
   isqrt(n) {
     if (n < 2n) return n;
-    let x = 1n << BigInt(2 * n.toString(16).length);
+    const half = BigInt(n.toString(16).length); // of its bits, by four
+    let x = half < 4n ? n : (this.isqrt(n >> 2n * half) + 1n) << half; // over the root; it falls until it is there
     for (;;) {
-      this.work.product(x, x);
+      for (let k = 0; k < 3; k++) this.work.product(x, x);
       const y = (x + n / x) >> 1n;
       if (y >= x) return x;
       x = y;

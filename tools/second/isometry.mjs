@@ -81,13 +81,11 @@ export class Isometry {
   /**
    * The circles struck out after these rounds of an instant, besides those struck out before.
    * @param {Map<number, import('./scene.mjs').Contact[][]>} rows of circles, of this instant
-   * @param {Iterable<number>} captured at this instant
    */
-  struckBy(rows, captured = []) {
+  struckBy(rows) {
     const out = new Set(this.struck), concerned = new Set();
-    for (const i of captured) for (const k of [i, this.inverse.get(i)]) if (this.map.has(k)) out.add(k);
     for (const i of rows.keys()) for (const k of [i, this.inverse.get(i)]) if (this.map.has(k) && !out.has(k)) concerned.add(k);
-    this.work.charge(rows.size + concerned.size);
+    this.work.charge(200 * (rows.size + concerned.size));
     for (const i of concerned) if (!this.rowMapped(rows.get(i) ?? [], rows.get(this.map.get(i)) ?? [])) out.add(i);
     for (let before = -1; before < out.size;) { // until none follows from another
       before = out.size;
@@ -101,7 +99,7 @@ export class Isometry {
 
   rowMapped(row, image) {
     return row.length === image.length && row.every((round, k) => {
-      this.work.charge(round.length * 4);
+      this.work.charge(round.length * 200);
       const keys = new Set(image[k].map(c => c.key));
       return round.length === image[k].length && round.every(c => keys.has(this.contact(c)?.key));
     });

@@ -234,7 +234,7 @@ export class Run {
     this.left = known;
 
     // the pasts
-    if (rounds.rows.size || caught.size) for (const g of this.isometries) g.struck = g.struckBy(rounds.rows, caught);
+    if (rounds.rows.size) for (const g of this.isometries) g.struck = g.struckBy(rounds.rows);
     if (e.rounds?.length || k === 0) { // time 0 is never on the way back
       const pushes = WayBack.pushes(rounds.pushes, this.fixed);
       this.work.keep(this.turnTime ? 0 : 200 * (rounds.pushes.length + rounds.keys.size + pushes.size));

@@ -7,17 +7,17 @@ import { undecided } from './base.mjs';
  * @param {boolean} first whether the question is asked in step 3, before the first round
  */
 export function witness(run, question, c, what, first = false) {
-  run.work.charge(run.witnesses.length);
+  run.work.charge(50 * run.witnesses.length);
   const answers = run.witnesses.filter(z => z.question === question
     && (c === null || (z.contact[0] === c.i && z.contact[1] === c.j)));
   if (!answers.length) undecided(what);
   for (const z of answers) {
-    run.work.charge(run.met.length);
+    run.work.charge(20 * run.met.length);
     const other = z.other === null ? run.met[0] : run.met.find(x => x.c.i === z.other[0] && x.c.j === z.other[1]);
     if (z.how === 'back') {
       const asked = c ?? run.scene.contact(...z.contact);
       if (question !== 'gap' && (question !== 'until' || run.certificate.end.reason !== 'return')) continue;
-      if (asked && other?.sign < 0 && run.turnTime && run.back.knew(asked.key, other.c.key, question === 'until')) return;
+      if (asked && other && run.back.knew(asked.key, other.c.key)) return;
       continue;
     }
     const g = run.isometries[z.how];

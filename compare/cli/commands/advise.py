@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..arguments import completion
-from ..arguments.numbers import Whole
-from ..arguments.options import JSON, SCENE, SCENE_HELP, UNTIL, WithDefault, isolating, one_engine
-from ..exit_codes import DONE, ExitCode
+from .. import completion
+from ..options import JSON, SCENE, SCENE_HELP, UNTIL, Whole, WithDefault, isolating, one_engine
+from ..progress import DONE, ExitCode
 
 if TYPE_CHECKING:
     from ...grids.goals import Goal
@@ -114,10 +113,10 @@ def advise(
     from ...documents.advice import advice_json, print_advice
     from ...grids.setting_search import End
     from ...grids.setting_search import advise as search
-    from ...report.text.listing import print_json
+    from ...report.listing import print_json
     from ...scene_argument import scene_from
+    from ...writing import check_folder, write_whole
     from ..progress import showing_search
-    from ..writing import check_folder, write_whole
 
     if sum(given is not None for given in (outcome, digits, events)) > 1:
         raise click.UsageError("--outcome, --digits and --events are three different questions; ask one")

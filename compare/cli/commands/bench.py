@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..exit_codes import DONE
+from ..progress import DONE
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

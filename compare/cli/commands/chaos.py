@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..arguments.numbers import Whole
-from ..arguments.options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, a_file, isolating, some_engines
-from ..exit_codes import of_stop
+from ..options import EVENTS, JSON, REVERSE, SCENE, SCENE_HELP, Whole, a_file, isolating, some_engines
+from ..progress import of_stop
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -61,11 +60,11 @@ def chaos(
     from ...chaos.chaos import chaos as measured
     from ...documents.chaos import chaos_json
     from ...engines import split_engines
-    from ...report.text.chaos import print_chaos
-    from ...report.text.listing import print_json
+    from ...report.chaos_page import print_chaos
+    from ...report.listing import print_json
     from ...scene_argument import changed
+    from ...writing import check_writable, write_whole
     from ..progress import showing_progress
-    from ..writing import check_writable, write_whole
 
     loaded = changed(scene, reverse_after, None, limited=bool(events))
     if html is not None:
@@ -74,8 +73,8 @@ def chaos(
     with showing_progress(f"{loaded.name}: chaos") as progress:
         told = measured(loaded, named, events=events, exponents=exponents, run=not no_run, progress=progress)
     if html is not None:
-        from ...report.chaos_html import chaos_html
-        from ..retold import command_of
+        from ...report.chaos_page import chaos_html
+        from ..options import command_of
 
         write_whole(html, chaos_html(told, command=command_of(click.get_current_context())))
     if as_json:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..arguments.examples import examples
-from ..arguments.options import SCENE, HeldAgainst, a_file, held_against, some_engines
-from ..exit_codes import DONE, of_comparison
+from ..options import SCENE, HeldAgainst, a_file, examples, held_against, some_engines
+from ..progress import DONE, of_comparison
 
 
 @click.command(epilog=examples("compare"))
@@ -29,10 +28,10 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
     from ...comparison import compare as compare_engines
     from ...documents.comparison import comparison_json
     from ...engines import split_engines
-    from ...report.text.listing import print_json
-    from ...report.text.terminal import print_comparison
+    from ...report.listing import print_json
+    from ...report.terminal import print_comparison
+    from ...writing import check_writable, write_whole
     from ..progress import goal_of, showing_progress
-    from ..writing import check_writable, write_whole
 
     loaded = held.scene(scene)
     for file in (held.html, save):
@@ -54,7 +53,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
         comparison = with_certificates(comparison)
     if held.html is not None:
         from ...report.html import html_report
-        from ..retold import command_of
+        from ..options import command_of
 
         write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
     if save is not None:

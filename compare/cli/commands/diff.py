@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import click
 
-from ..arguments import completion
-from ..arguments.options import JSON, a_file
-from ..exit_codes import ExitCode
+from .. import completion
+from ..options import JSON, a_file
+from ..progress import ExitCode
 
 EPILOG = """
 \b
@@ -51,10 +51,10 @@ def diff(
     """
     from ...logdiff.desync import diff as compared
     from ...logdiff.desync import report, report_json
-    from ...report.text.listing import print_json
-    from ...report.text.output import console, say
+    from ...report.listing import print_json
+    from ...report.output import console, say
     from ...scene_argument import scene_from
-    from ..writing import check_writable, write_whole
+    from ...writing import check_writable, write_whole
 
     if len(logs) < 2:
         raise click.UsageError("name two logs, or more", click.get_current_context())
@@ -65,7 +65,7 @@ def diff(
     found = [compared(logs[0], other, ignore=ignored, scene=known) for other in logs[1:]]
     if html is not None:
         from ...logdiff.desync_page import desync_html
-        from ..retold import command_of
+        from ..options import command_of
 
         write_whole(html, desync_html(found, command=command_of(click.get_current_context())))
     if as_json:

@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..arguments import completion
-from ..arguments.examples import examples
-from ..arguments.numbers import Whole
-from ..arguments.options import SCENE, SCENE_HELP, HeldAgainst, a_file, held_against
-from ..exit_codes import DONE, of_comparison
+from .. import completion
+from ..options import SCENE, SCENE_HELP, HeldAgainst, Whole, a_file, examples, held_against
+from ..progress import DONE, of_comparison
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
@@ -83,11 +81,11 @@ def judge(
     from ...comparison import compare
     from ...documents.comparison import comparison_json
     from ...foreign.change import changes_of
-    from ...report.text.listing import print_json
-    from ...report.text.output import console, say
-    from ...report.text.terminal import print_comparison
+    from ...report.listing import print_json
+    from ...report.output import console, say
+    from ...report.terminal import print_comparison
+    from ...writing import check_writable, write_whole
     from ..progress import showing_progress
-    from ..writing import check_writable, write_whole
 
     loaded = held.scene(scene)
     if held.html is not None:
@@ -112,7 +110,7 @@ def judge(
     changes = changes_of(comparison)
     if held.html is not None:
         from ...report.html import html_report
-        from ..retold import command_of
+        from ..options import command_of
 
         write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
     if held.as_json:
@@ -177,9 +175,9 @@ def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
     from ....scenarios.errors import SceneError
     from ....scenarios.files import dump_json
     from ...foreign.floats import floats_csv, floats_json
-    from ...report.text.listing import laid_out
+    from ...report.listing import laid_out
     from ...scene_argument import scene_from
-    from ..writing import write_whole
+    from ...writing import write_whole
 
     if as_csv and not floats:
         raise SceneError("--csv: rows hold doubles; add --floats")

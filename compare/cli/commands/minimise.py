@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..arguments.numbers import Seconds, Whole
-from ..arguments.options import EVENTS, SCENE, SCENE_HELP, UNTIL, WithDefault, a_file, isolating, one_engine
-from ..exit_codes import DONE, ExitCode
+from ..options import EVENTS, SCENE, SCENE_HELP, UNTIL, Seconds, Whole, WithDefault, a_file, isolating, one_engine
+from ..progress import DONE, ExitCode
 
 if TYPE_CHECKING:
     from ...reduction.minimise import Reducing
@@ -81,10 +80,10 @@ def minimise(
     from ...reduction.minimise import DEFAULT_RUNS
     from ...reduction.minimise import minimise as search
     from ...reduction.smallest import End
-    from ...report.text.smallest import print_smallest
+    from ...report.smallest_text import print_smallest
     from ...scene_argument import scene_from
+    from ...writing import check_writable, write_whole
     from ..progress import showing_search
-    from ..writing import check_writable, write_whole
 
     loaded = scene_from(scene)
     if out is not None:
@@ -118,7 +117,7 @@ def searched(state: Reducing, seconds: float) -> str:
     >>> searched(Reducing(30, 1000, SceneSize(2, 4, 0, 75, 39)), 3.0)
     '30 of at most 1,000 comparisons, 10 a second; left: 2 circles, 4 walls, 75 events, 39 characters'
     """
-    from ...report.text.smallest import size_phrase
+    from ...report.smallest_text import size_phrase
 
     rate = f", {state.runs / seconds:.3g} a second" if state.runs and seconds else ""
     return f"{state.runs:,} of at most {state.limit:,} comparisons{rate}; left: {size_phrase(state.size)}"

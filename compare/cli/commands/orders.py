@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..arguments.examples import examples
-from ..arguments.numbers import Whole
-from ..arguments.options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK, a_file, one_engine
-from ..exit_codes import DONE, of_stop
+from ..options import EVENTS, JSON, SCENE, SECONDS, UNTIL, WORK, Whole, a_file, examples, one_engine
+from ..progress import DONE, of_stop
 
 
 @click.command(epilog=examples("orders"))
@@ -45,11 +43,11 @@ def orders(
     from ...documents.orders import orders_json, print_orders
     from ...engines import engine
     from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner, search_orders
-    from ...report.text.listing import print_json
+    from ...report.listing import print_json
     from ...scene_argument import scene_from, with_settings
     from ...validation import check_until
+    from ...writing import check_writable, write_whole
     from ..progress import showing_progress
-    from ..writing import check_writable, write_whole
 
     loaded, chosen = scene_from(scene), engine(with_settings(engine_text, work=work))
     if html is not None:
@@ -70,8 +68,8 @@ def orders(
             progress=progress,
         )
     if html is not None:
-        from ...report.orders_html import orders_html
-        from ..retold import command_of
+        from ...report.orders_page import orders_html
+        from ..options import command_of
 
         command = command_of(click.get_current_context())
         write_whole(html, orders_html(loaded, search.tree, search.stop, command=command))

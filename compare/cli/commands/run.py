@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ..arguments.examples import examples
-from ..arguments.options import (
+from ..options import (
     EVENTS,
     JSON,
     NO_CACHE,
@@ -18,12 +17,13 @@ from ..arguments.options import (
     UNTIL,
     WORK,
     a_file,
+    examples,
     isolating,
     one_engine,
     refuse_beside,
     required,
 )
-from ..exit_codes import of_stop
+from ..progress import of_stop
 
 
 @click.command(epilog=examples("run"))
@@ -112,11 +112,11 @@ def run(
         write_certificate(trajectory, certificate)
     if as_json:
         from ...documents.trajectory import trajectory_json
-        from ...report.text.listing import print_json
+        from ...report.listing import print_json
 
         print_json(trajectory_json(trajectory, exact=exact, watch=watch))
     else:
-        from ...report.text.listing import print_trajectory
+        from ...report.listing import print_trajectory
 
         print_trajectory(trajectory, exact=exact, watch=watch)
     return of_stop(trajectory.stop)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..arguments.options import EVENTS, JSON, SCENE, SCENE_HELP, a_file, isolating, one_engine
-from ..exit_codes import DONE, ExitCode
+from ..options import EVENTS, JSON, SCENE, SCENE_HELP, a_file, isolating, one_engine
+from ..progress import DONE, ExitCode
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -40,13 +40,13 @@ def shadow(scene: str, engine_text: str, events: int | None, longest: bool, out:
     """
     from ....scenarios.files import dump_toml
     from ...documents.shadow import shadow_json
-    from ...report.text.listing import print_json
-    from ...report.text.shadow import print_shadow
+    from ...report.listing import print_json
+    from ...report.shadow_text import print_shadow
     from ...scene_argument import scene_from
     from ...shadowing.shadow import longest as sought
     from ...shadowing.shadow import shadow as whole
+    from ...writing import check_writable, write_whole
     from ..progress import showing_progress
-    from ..writing import check_writable, write_whole
 
     loaded = scene_from(scene)
     if out is not None:

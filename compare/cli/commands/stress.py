@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..arguments.numbers import Whole
-from ..arguments.options import JSON, WithDefault, a_file, isolating, some_engines
-from ..exit_codes import DONE, ExitCode
+from ..options import JSON, Whole, WithDefault, a_file, isolating, some_engines
+from ..progress import DONE, ExitCode
 from .sweep import came_to_nothing, showing_done
 
 if TYPE_CHECKING:
@@ -81,8 +80,8 @@ def stress(
     from ...grids.grid import carry_out
     from ...grids.store import Store
     from ...grids.stress_map import DEFAULT_ENGINES, ladders, stress_plan
-    from ...report.text.listing import print_json
-    from ..writing import check_writable, write_whole
+    from ...report.listing import print_json
+    from ...writing import check_writable, write_whole
 
     if listed:
         _list()
@@ -126,7 +125,7 @@ def code_of(rows: Iterable[Row]) -> ExitCode:
 def _list() -> None:
     """The families, what happens in each, and what k is."""
     from ...grids.stress_families import FAMILIES
-    from ...report.text.output import console, grid
+    from ...report.output import console, grid
 
     table = grid("family", "what happens", "k", "scenes", whole=("family",))
     for name, one in FAMILIES.items():

@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import click
 
-from ..arguments import completion
-from ..arguments.numbers import Seconds, Whole
-from ..arguments.options import JSON, a_file, isolating, some_engines
-from ..exit_codes import DONE, ExitCode
+from .. import completion
+from ..options import JSON, Seconds, Whole, a_file, isolating, some_engines
+from ..progress import DONE, ExitCode
 from .sweep import came_to_nothing, showing_done
 
 JOBS = click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
@@ -85,7 +84,7 @@ def suite(
     from ...grids.store import Store
     from ...grids.suite_file import read_report, read_suite, run_suite, since, suite_json
     from ...report.grid_tables import print_suite
-    from ...report.text.listing import print_json
+    from ...report.listing import print_json
 
     if only_changes and against is None:
         raise SceneError("--only-changes: changed since what? add --against EARLIER.json")
@@ -142,9 +141,9 @@ def survey(
     from ...grids.engine_survey import read_survey, survey_json
     from ...grids.engine_survey import survey as run_survey
     from ...report.grid_tables import print_survey
+    from ...report.listing import print_json
     from ...report.survey_page import page_text
-    from ...report.text.listing import print_json
-    from ..writing import check_writable, write_whole
+    from ...writing import check_writable, write_whole
 
     if page is not None:
         check_writable(page)

@@ -9,11 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..arguments import completion
-from ..arguments.numbers import Whole
-from ..arguments.options import EVENTS, JSON, SCENE_HELP, WORK, a_file, isolating, some_engines
-from ..exit_codes import DONE, ExitCode
-from ..progress import duration, showing
+from .. import completion
+from ..options import EVENTS, JSON, SCENE_HELP, WORK, Whole, a_file, isolating, some_engines
+from ..progress import DONE, ExitCode, duration, showing
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -113,9 +111,9 @@ def sweep(
     from ...grids.grid import carry_out
     from ...grids.store import Store, merged
     from ...grids.survival import summaries, uncertainty
+    from ...report.listing import print_json
     from ...report.pictures.sweep_plots import survival_svg
-    from ...report.text.listing import print_json
-    from ..writing import check_writable, write_whole
+    from ...writing import check_writable, write_whole
 
     for file in (csv_file, svg):
         if file not in (None, "-"):

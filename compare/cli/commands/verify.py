@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import click
 
-from ..arguments import completion
-from ..arguments.examples import examples
-from ..arguments.numbers import Whole
-from ..exit_codes import ExitCode
+from .. import completion
+from ..options import Whole, examples
+from ..progress import ExitCode
 
 
 @click.command(epilog=examples("verify"))

@@ -25,9 +25,7 @@ from truebreak.compare.cli.entry import main
 from truebreak.compare.foreign import Recording
 from truebreak.compare.foreign.log_engine import LogEngine
 from truebreak.compare.scene_argument import scene_from
-from truebreak.compare.stress.families.mass_ratios import kick
-from truebreak.compare.stress.families.scaled import scaled
-from truebreak.compare.stress.families.slow_fast import drift
+from truebreak.compare.grids.stress_families import drift, kick, scaled
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.exact.numbers import ball
 from truebreak.floating import DoubleEngine

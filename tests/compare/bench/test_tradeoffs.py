@@ -11,15 +11,23 @@ from typing import Any
 
 import jsonschema
 import pytest
+from tradeoff_page import main as page_main
 
 from truebreak.compare import compare
-from truebreak.compare.bench.command import _words, chosen
+from truebreak.compare.bench.command import _words
 from truebreak.compare.bench.command import measure as measure_all
 from truebreak.compare.bench.computer import SHARED, UNEVEN, Idleness, Took, idleness, memory, reset_peak
 from truebreak.compare.bench.measured import measure
-from truebreak.compare.bench.page import main as page_main
-from truebreak.compare.bench.reported.against import WITHIN, Against, RatioChange, against
-from truebreak.compare.bench.reported.report import Report, check_scenes, load, rows_of
+from truebreak.compare.bench.speed_report import (
+    WITHIN,
+    Against,
+    RatioChange,
+    Report,
+    against,
+    check_scenes,
+    load,
+    rows_of,
+)
 from truebreak.compare.bench.subjects import SETTINGS, SUBJECTS, digest_of, settings_of, subjects
 from truebreak.compare.bench.tradeoff import Subject, Tradeoff, in_exact, study_of, tradeoffs, with_front
 from truebreak.compare.cli.entry import main
@@ -41,7 +49,7 @@ def row(scene: str, engine: str, loops: float, digits: float | None = 10.0) -> T
 
 
 def report(*rows: Tradeoff, idle: Idleness = IDLE) -> Report:
-    return Report((), tuple(in_exact(rows)), {}, idle)
+    return Report(tuple(in_exact(rows)), idle)
 
 
 def written(path: Path, told: Report) -> str:
@@ -209,7 +217,7 @@ def test_files_that_do_not_fit_are_refused_before_anything_runs(
     assert "another set of scenes: 'gas' it has not" in refused(
         capsys, "tradeoffs", "--scenes", "gas,near-tie", *ask[3:], str(path)
     )
-    assert "it has besides" in refused(capsys, "gas-double", "--against", str(path))
+    assert "it has besides" in refused(capsys, "--scenes", "pinball", "--against", str(path))
     assert "'truebreak/bench-1'" in refused(capsys, *ask, with_changes(schema="truebreak/bench-1"))
     assert "version 0.0.1" in refused(capsys, *ask, with_changes(version="0.0.1"))
     strange = [{**one, "digest": "0" * 64} for one in good["tradeoffs"]]
@@ -226,7 +234,7 @@ def test_files_that_do_not_fit_are_refused_before_anything_runs(
         assert "is not JSON" in refused(capsys, *ask, str(path))
     assert "No such file" in refused(capsys, *ask, str(tmp_path / "none.json"))
     assert "did you mean 'near-tie'" in refused(capsys, "tradeoffs", "--scenes", "neartie")
-    assert "name it too" in refused(capsys, "gas-double", "--svg", str(tmp_path / "a.svg"))
+    assert "python docs/studies/speed_ratios.py" in refused(capsys, "gas-double")
     assert "too small" in refused(capsys, "tradeoffs", "--processes", "0")
     machine = {**good["machine"], "cores": 10**6}
     assert "another machine" in refused(capsys, *ask[:3], "--keep", with_changes(machine=machine))
@@ -269,14 +277,14 @@ def test_nothing_in_common_is_no_agreement(
 def test_scenes_of_an_earlier_file_are_kept_as_they_are(tmp_path: Path) -> None:
     told = report(row("near-tie", "exact", 2.0), row("near-tie", "double", 1.0), idle=Idleness(1.5, 1.0))
     kept = load(written(tmp_path / "a.json", told), "--keep")
-    again = measure_all(only=["tradeoffs"], scenes=["near-tie"], kept=kept)
+    again = measure_all(scenes=["near-tie"], kept=kept)
     assert [(r.engine, r.loops, r.ratio) for r in again.tradeoffs] == [("exact", 2.0, 1.0), ("double", 1.0, 0.5)]
     assert again.idleness.wall >= 1.5
 
 
 def test_rows_survive_json(tmp_path: Path, rows: list[Tradeoff]) -> None:
-    told = Report((), tuple(rows), {}, IDLE)
-    jsonschema.Draft202012Validator(schema("bench-2")).validate(told.data())
+    told = Report(tuple(rows), IDLE)
+    jsonschema.Draft202012Validator(schema("bench-3")).validate(told.data())
     back = rows_of(load(written(tmp_path / "a.json", told), "--against"))
     assert [r.data() for r in back] == [r.data() for r in rows]
     check_scenes({"near-tie": digest_of(subjects(["near-tie"])[0])}, told.data(), "a.json")
@@ -306,7 +314,7 @@ def test_engines_of_like_colours_have_other_marks() -> None:
 
 def test_page_and_plot_of_the_docs_are_those_of_its_figures(tmp_path: Path) -> None:
     file = DOCS / "tradeoffs.json"
-    assert page_main(["--check", str(file)]) == 0, f"run: python -m truebreak.compare.bench.page docs/{file.name}"
+    assert page_main(["--check", str(file)]) == 0, f"run: python docs/studies/tradeoff_page.py docs/{file.name}"
     copy = tmp_path / file.name
     copy.write_text(file.read_text("utf-8"), "utf-8")
     assert page_main(["--check", str(copy)]) == 1
@@ -318,7 +326,7 @@ def test_page_and_plot_of_the_docs_are_those_of_its_figures(tmp_path: Path) -> N
 
 def test_the_figures_of_the_docs_are_of_the_table_as_it_is() -> None:
     data = load(str(DOCS / "tradeoffs.json"), "report")
-    jsonschema.Draft202012Validator(schema("bench-2")).validate(data)
+    jsonschema.Draft202012Validator(schema("bench-3")).validate(data)
     told = rows_of(data)
     check_scenes({s.name: digest_of(s) for s in SUBJECTS}, data, "docs/tradeoffs.json")
     for subject in SUBJECTS:
@@ -329,5 +337,4 @@ def test_the_figures_of_the_docs_are_of_the_table_as_it_is() -> None:
 
 def test_words_of_the_command() -> None:
     assert _words(None, None, " gas, cradle ,") == ["gas", "cradle"]  # type: ignore[arg-type]
-    assert chosen(["tradeoffs"]) == ("tradeoffs",)
     assert isinstance(against(report(row("gas", "exact", 1.0)), report(row("gas", "exact", 1.0)).data()), Against)

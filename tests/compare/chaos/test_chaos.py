@@ -8,11 +8,11 @@ import random
 import re
 from pathlib import Path
 
+import horizon_levels
 import jsonschema
 import numpy as np
 import pytest
 
-from truebreak.compare.chaos import calibration
 from truebreak.compare.chaos.chaos import Chaos, chaos, mapped
 from truebreak.compare.chaos.growth.blocks import rate
 from truebreak.compare.chaos.growth.spectrum import spectrum
@@ -23,7 +23,7 @@ from truebreak.compare.cli import main
 from truebreak.compare.documents.chaos import chaos_json
 from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import engine
-from truebreak.compare.report.text.chaos import horizon_rows, sentences
+from truebreak.compare.report.chaos_page import horizon_rows, sentences
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine
@@ -194,8 +194,8 @@ def test_an_engine_s_horizon_is_the_same_before_it_is_run() -> None:
 
 
 def test_the_band_holds_in_other_scenes_than_those_that_it_comes_from() -> None:
-    assert not set(range(16)) & set(calibration.CALIBRATED)
-    told = calibration.held(map(calibration.spec, range(16)))
+    assert not set(range(16)) & set(horizon_levels.CALIBRATED)
+    told = horizon_levels.held(map(horizon_levels.spec, range(16)))
     inside, left = (sum(pair[k] for pair in told.values()) for k in (0, 1))
     assert left > 80
     assert 0.80 <= inside / left <= 0.97
@@ -203,7 +203,7 @@ def test_the_band_holds_in_other_scenes_than_those_that_it_comes_from() -> None:
 
 @pytest.mark.slow
 def test_the_band_holds_in_200_other_scenes() -> None:
-    told = calibration.held(map(calibration.spec, range(200)))
+    told = horizon_levels.held(map(horizon_levels.spec, range(200)))
     inside, left = (sum(pair[k] for pair in told.values()) for k in (0, 1))
     assert left > 1000
     assert 0.80 <= inside / left <= 0.97
@@ -213,26 +213,26 @@ def test_the_band_holds_in_200_other_scenes() -> None:
 
 def test_the_band_holds_in_racks_for_engines_of_large_errors() -> None:
     """Where decisions are a hundred times finer than the balls, and the very first ones may be lost."""
-    racks = [text for text in map(calibration.foreign_spec, range(100)) if text.startswith("rack")][:8]
-    told = calibration.held(racks, ["rounded:bits=16", "pymunk:dt=1/256"])
+    racks = [text for text in map(horizon_levels.foreign_spec, range(100)) if text.startswith("rack")][:8]
+    told = horizon_levels.held(racks, ["rounded:bits=16", "pymunk:dt=1/256"])
     inside, left = (sum(pair[k] for pair in told.values()) for k in (0, 1))
     assert left == 16 and inside >= 13
 
 
 @pytest.mark.slow
 def test_the_band_holds_in_200_scenes_of_other_kinds_for_other_engines() -> None:
-    told = calibration.held(map(calibration.foreign_spec, range(5000, 5200)), calibration.FOREIGN)
+    told = horizon_levels.held(map(horizon_levels.foreign_spec, range(5000, 5200)), horizon_levels.FOREIGN)
     for name, (within, left) in told.items():
         assert left > 100 and 0.80 <= within / left <= 0.97, name
 
 
 @pytest.mark.slow
 def test_the_levels_are_those_that_are_measured() -> None:
-    assert calibration.measured(calibration.CALIBRATED) == LEVELS
+    assert horizon_levels.measured(horizon_levels.CALIBRATED) == LEVELS
 
 
 def test_the_levels_file_has_the_form_that_is_generated() -> None:
-    assert calibration.FILE.read_text("utf-8") == calibration.text(LEVELS)
+    assert horizon_levels.FILE.read_text("utf-8") == horizon_levels.text(LEVELS)
 
 
 # -- what is refused, and the command

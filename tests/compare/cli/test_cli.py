@@ -321,7 +321,7 @@ def test_the_code_of_what_is_not_settled() -> None:
     from dataclasses import replace
 
     from truebreak.compare import compare
-    from truebreak.compare.cli.exit_codes import ExitCode, of_comparison
+    from truebreak.compare.cli.progress import ExitCode, of_comparison
     from truebreak.scenarios import catalogue
 
     comparison = compare(catalogue.build("lee"), ["double"])

@@ -17,10 +17,9 @@ from click.shell_completion import ShellComplete
 
 from truebreak.compare.bench.command import command as bench_command
 from truebreak.compare.cli import main, progress
-from truebreak.compare.cli.arguments.examples import LINES
-from truebreak.compare.cli.group import cli
+from truebreak.compare.cli.entry import cli
+from truebreak.compare.cli.options import LINES, command_of
 from truebreak.compare.cli.progress import Pace, ProgressLine, RunEnd, goal_of, showing
-from truebreak.compare.cli.retold import command_of
 from truebreak.scenarios import catalogue
 from truebreak.scenarios.trajectory import Progress
 
@@ -127,7 +126,7 @@ def test_every_command_completes_its_scene_and_its_engines() -> None:
 @pytest.mark.parametrize(
     ("words", "typed", "expected"),
     [
-        ((), "gas-", "gas-billiards"),
+        ((), "trade", "tradeoffs"),
         ((), "--s", "--scenes"),
         (("tradeoffs", "--engines"), "double,py", "double,pymunk"),
         (("tradeoffs", "--scenes"), "gas,cra", "gas,cradle"),

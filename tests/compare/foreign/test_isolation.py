@@ -18,7 +18,7 @@ import pytest
 from command_line import done
 
 import truebreak as tb
-from truebreak.compare.cli.group import PLACES, Commands
+from truebreak.compare.cli.entry import PLACES, Commands
 from truebreak.compare.deadline import Clock, OutOfTime, time_limit
 from truebreak.compare.foreign import RecordedEngine, isolation
 from truebreak.compare.foreign.guard import run_guarded

@@ -12,7 +12,7 @@ import pytest
 from truebreak.compare.certificate import certificate_json, certificate_of
 from truebreak.compare.cli import main
 from truebreak.compare.cli.commands.stress import code_of
-from truebreak.compare.cli.exit_codes import ExitCode
+from truebreak.compare.cli.progress import ExitCode
 from truebreak.compare.grids import stress_map as witnessing
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.stress_families import MapPlace, stress_family

@@ -23,8 +23,14 @@ from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, SweepWarning
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.store import Store
 from truebreak.compare.grids.survival import ChangedShare, proportion, slope, summaries, uncertainty
-from truebreak.compare.grids.sweep_figures import plot_changed, plot_law, plot_survival, to_pandas, write_parquet
-from truebreak.compare.report.pictures.engine_style import engine_style
+from truebreak.compare.report.picture import engine_style
+from truebreak.compare.report.pictures.sweep_figures import (
+    plot_changed,
+    plot_law,
+    plot_survival,
+    to_pandas,
+    write_parquet,
+)
 from truebreak.compare.report.pictures.sweep_plots import law_svg, survival_svg
 from truebreak.scenarios import SceneError
 

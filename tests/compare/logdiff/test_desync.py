@@ -14,13 +14,7 @@ from typing import Any
 import jsonschema
 import pytest
 from command_line import done as truebreak
-
-from truebreak.compare.documents.schemas import schema
-from truebreak.compare.logdiff import pairing
-from truebreak.compare.logdiff.desync import diff, report_json
-from truebreak.compare.logdiff.desync_page import desync_html
-from truebreak.compare.logdiff.trial_worlds import NONE, Fault, PymunkWorld, run
-from truebreak.compare.logdiff.trials import (
+from desync_trials import (
     contacts_only,
     every,
     full,
@@ -29,6 +23,12 @@ from truebreak.compare.logdiff.trials import (
     states_only,
     touching,
 )
+from desync_worlds import NONE, Fault, PymunkWorld, run
+
+from truebreak.compare.documents.schemas import schema
+from truebreak.compare.logdiff import pairing
+from truebreak.compare.logdiff.desync import diff, report_json
+from truebreak.compare.logdiff.desync_page import desync_html
 from truebreak.compare.logdiff.verdict import Named
 from truebreak.compare.validation import EngineError
 
@@ -363,15 +363,14 @@ def test_what_waits_for_its_like_is_bounded(compared: Any, monkeypatch: pytest.M
     for name, most in (("WAITING", 400), ("MOST_LETTERS", 40_000), ("MOST_FRAMES", 50)):
         monkeypatch.setattr(pairing, name, most)
     most = [0, 0, 0]
-    plain = pairing._ByBodies.feed
+    plain = pairing.ByBodies.feed
 
-    def feed(self: Any, side: int, record: Any) -> None:
-        plain(self, side, record)
-        most[:] = [
-            max(pair) for pair in zip(most, (self.waiting, self.letters, *[max(map(len, self.frames))]), strict=True)
-        ]
+    def feed(self: Any, *words: Any) -> None:
+        plain(self, *words)
+        now = self.waiting.count, self.waiting.letters, max(map(len, self.frames))
+        most[:] = [max(pair) for pair in zip(most, now, strict=True)]
 
-    monkeypatch.setattr(pairing._ByBodies, "feed", feed)
+    monkeypatch.setattr(pairing.ByBodies, "feed", feed)
     bullets = [{"time": k / 8, "contact": [f"bullet{k}", "tank"]} for k in range(2_000)]
     other = [{**line, "contact": [f"shot{line['contact'][0]}", "tank"]} for line in bullets]
     compared(

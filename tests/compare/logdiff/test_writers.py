@@ -11,19 +11,19 @@ import struct
 import subprocess
 from pathlib import Path
 
+import desync_worlds as worlds
 import pymunk
 import pytest
+from desync_trials import full
 
-from truebreak.compare.logdiff import trial_worlds as worlds
 from truebreak.compare.logdiff.desync import diff
 from truebreak.compare.logdiff.log_format import Log
 from truebreak.compare.logdiff.log_writer import LogWriter
-from truebreak.compare.logdiff.trials import full
 from truebreak.compare.logdiff.verdict import Named
 from truebreak.compare.validation import EngineError
 from truebreak.pymunk import record
 
-ROOM = Path(worlds.__file__).parent
+ROOM = worlds.HEADER.parent
 needs_c = pytest.mark.skipif(worlds.compiler() is None, reason="no C compiler")
 
 

@@ -24,10 +24,9 @@ from truebreak.compare.grids.goals import OutcomeGoal
 from truebreak.compare.grids.row import compared
 from truebreak.compare.grids.scene_family import Perturbed
 from truebreak.compare.report.grid_tables import outcome_words
-from truebreak.compare.report.html import html_report
-from truebreak.compare.report.page.outcome_tables import changed, kept
+from truebreak.compare.report.html import changed, html_report, kept
 from truebreak.compare.report.sentences import consequence_phrase
-from truebreak.compare.report.text.terminal import changed_text
+from truebreak.compare.report.terminal import changed_text
 from truebreak.compare.testing.check import CheckFailed, check
 from truebreak.exact import ExactEngine
 from truebreak.floating import DoubleEngine

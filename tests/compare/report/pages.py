@@ -10,8 +10,8 @@ from truebreak.compare import compare, html_report
 from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.comparison import Comparison
 from truebreak.compare.orders.all_orders import all_orders
-from truebreak.compare.report.chaos_html import chaos_html
-from truebreak.compare.report.orders_html import orders_html
+from truebreak.compare.report.chaos_page import chaos_html
+from truebreak.compare.report.orders_page import orders_html
 from truebreak.exact.exact_engine import ExactEngine
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.console import Console
 
-from truebreak.compare.report.text.output import PLAIN_WIDTH, TextTable, Tinted, console, grid, say
+from truebreak.compare.report.output import PLAIN_WIDTH, TextTable, Tinted, console, grid, say
 
 TEXT = st.text("ab 1-:[]/\\.", max_size=9).map(str.strip)
 

@@ -21,11 +21,11 @@ from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.chaos.foreseen import foreseen
 from truebreak.compare.documents.comparison import comparison_json
 from truebreak.compare.documents.schemas import schema
-from truebreak.compare.report.chaos_html import chaos_html
-from truebreak.compare.report.page import provenance as page_provenance
-from truebreak.compare.report.page.outcome_tables import SAME, UNTOLD, changed, kept, settled, value_text
-from truebreak.compare.report.page.provenance import events_csv, provenance, whole_name
-from truebreak.compare.report.page.recording import JUMP, MOST_EVENTS, recording
+from truebreak.compare.report import page as page_provenance
+from truebreak.compare.report.chaos_page import chaos_html
+from truebreak.compare.report.html import SAME, UNTOLD, changed, kept, settled, value_text
+from truebreak.compare.report.page import events_csv, provenance, whole_name
+from truebreak.compare.report.player import JUMP, MOST_EVENTS, recording
 from truebreak.scenarios import Circle, Scene, SceneError, catalogue
 from truebreak.scenarios.files import loads_toml
 

@@ -11,9 +11,9 @@ from tags import tags
 from truebreak.compare import compare
 from truebreak.compare.comparison import Comparison
 from truebreak.compare.report.html import html_report
-from truebreak.compare.report.pictures.plot import separation_plot, ticks
+from truebreak.compare.report.plot import separation_plot, ticks
 from truebreak.compare.report.sentences import verdict_sentence
-from truebreak.compare.report.text.side_by_side import side_by_side
+from truebreak.compare.report.terminal import side_by_side
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 from truebreak.scenarios.pictures import scene_picture
 

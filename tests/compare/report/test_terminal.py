@@ -10,9 +10,9 @@ from pages import comparison, page
 
 from truebreak.compare import compare
 from truebreak.compare.cli import main
+from truebreak.compare.report.output import PLAIN_WIDTH, columns, console
 from truebreak.compare.report.sentences import about, margin_phrase, short
-from truebreak.compare.report.text.output import PLAIN_WIDTH, columns, console
-from truebreak.compare.report.text.terminal import print_comparison
+from truebreak.compare.report.terminal import print_comparison
 from truebreak.scenarios import Circle, Scene, Wall, catalogue
 from truebreak.scenarios.errors import SceneError
 from truebreak.scenarios.files import loads_json, loads_toml

@@ -7,10 +7,10 @@ from xml.etree import ElementTree
 
 from pages import comparison, page
 
-from truebreak.compare.report.page.patterns import gallery, met
-from truebreak.compare.report.page.provenance import minimise_command
-from truebreak.compare.report.page.recording import recording
-from truebreak.compare.report.page.why import amounts, enough, foreseen_bits
+from truebreak.compare.report.html import amounts, enough, foreseen_bits
+from truebreak.compare.report.orders_page import gallery, met
+from truebreak.compare.report.page import minimise_command
+from truebreak.compare.report.player import recording
 from truebreak.compare.report.sentences import headline, verdict_sentence
 
 

@@ -11,8 +11,8 @@ from browser import Browser, found
 from pages import comparison
 
 from truebreak.compare import compare
-from truebreak.compare.report import widget
-from truebreak.compare.report.widget import player, player_page
+from truebreak.compare.report import player as widget
+from truebreak.compare.report.player import player, player_page
 from truebreak.scenarios import Circle, Scene
 from truebreak.scenarios.errors import SceneError
 
@@ -63,7 +63,7 @@ def test_without_anywidget_the_remedy_is_told(monkeypatch: pytest.MonkeyPatch) -
 
 @pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
 def test_the_player_s_clock_and_the_widget_s_time_are_one(tmp_path: Path) -> None:
-    code = Path(widget.__file__).with_name("page").joinpath("widget.js").read_text("utf-8")
+    code = Path(widget.__file__).with_name("templates").joinpath("widget.js").read_text("utf-8")
     values = {"page": player_page(comparison("gas")), "time": 0.0, "height": 500}
     text = HOST % tuple(json.dumps(part).replace("<", "\\u003c") for part in (code, values))
     (tmp_path / "host.html").write_text(text, "utf-8")

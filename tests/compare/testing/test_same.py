@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import truebreak as tb
-from truebreak.compare.testing.same import NotTheSame, log_of, same
+from truebreak.compare.testing.golden import NotTheSame, log_of, same
 
 
 def test_a_golden_run_that_is_missing_is_written_and_fails(tmp_path: Path) -> None:

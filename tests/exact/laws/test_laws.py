@@ -5,19 +5,19 @@ from __future__ import annotations
 import subprocess
 import sys
 from fractions import Fraction
-from importlib import import_module
 from io import StringIO
 
+import law_forms
+import law_proofs as proofs
 import pytest
 from sympy import Eq, I, Rational, nonlinsolve, sqrt, symbols
 
 from truebreak.exact.laws import derivation as laws
-from truebreak.exact.laws import formulas, stable_forms
-from truebreak.exact.laws import verification as proofs
+from truebreak.exact.laws import formulas
 from truebreak.exact.laws.derivation import NotEliminable, eliminate, is_zero, quadratic_roots
 
 F = Fraction
-TEXT = stable_forms.render()
+TEXT = law_forms.render()
 """What `formulas.py` should hold."""
 
 
@@ -177,7 +177,7 @@ def test_elimination_refuses_what_is_nowhere_linear():
 
 @pytest.mark.parametrize("proof", proofs.PROOFS, ids=lambda proof: proof.name)
 def test_stable_form_equals_the_derived_law(proof):
-    proofs.prove(proof, {form.name: getattr(formulas, form.name) for form in stable_forms.FORMS})
+    proofs.prove(proof, {form.name: getattr(formulas, form.name) for form in law_forms.FORMS})
 
 
 def test_every_form_is_used_in_a_proof():
@@ -191,7 +191,7 @@ def test_every_form_is_used_in_a_proof():
     watched = Watched(proofs.functions(TEXT))
     for proof in proofs.PROOFS:
         proof.difference(watched)
-    assert used == {form.name for form in stable_forms.FORMS}
+    assert used == {form.name for form in law_forms.FORMS}
 
 
 MUTATIONS = [
@@ -224,7 +224,7 @@ def test_no_wrong_form_passes_the_proofs(right, wrong):
 
 
 def test_file_is_what_the_forms_render_to():
-    assert proofs.is_current(TEXT, proofs.FORMULAS), "run: python -m truebreak.exact.laws"
+    assert proofs.is_current(TEXT, proofs.FORMULAS), "run: python docs/studies/law_proofs.py"
 
 
 def test_check_tells_a_stale_file_from_a_current_one(tmp_path):
@@ -247,7 +247,7 @@ def test_derivation_shows_every_law_and_every_proof():
 
 def test_command_reports_a_wrong_form_and_writes_nothing(monkeypatch, capsys):
     wrong = TEXT.replace("return x + v * dt", "return x - v * dt")
-    command = import_module("truebreak.exact.laws.__main__")
+    command = proofs
     monkeypatch.setattr(proofs, "render", lambda: wrong)
     assert command.main([]) == 1
     assert "straight flight" in capsys.readouterr().err
@@ -255,14 +255,14 @@ def test_command_reports_a_wrong_form_and_writes_nothing(monkeypatch, capsys):
 
 
 def test_help_teaches_how_to_change_a_formula():
-    command = [sys.executable, "-P", "-m", "truebreak.exact.laws", "--help"]
+    command = [sys.executable, proofs.__file__, "--help"]
     text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     assert "--check" in text
-    assert "stable_forms.py" in text
+    assert "law_forms.py" in text
 
 
 def test_check_exits_with_zero_on_the_current_file():
-    command = [sys.executable, "-P", "-m", "truebreak.exact.laws", "--check"]
+    command = [sys.executable, proofs.__file__, "--check"]
     done = subprocess.run(command, check=False, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "current" in done.stderr

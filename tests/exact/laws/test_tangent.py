@@ -4,32 +4,33 @@ from __future__ import annotations
 
 from fractions import Fraction as Q
 
+import law_forms
+import law_proofs
 import numpy as np
 import pytest
+from law_proofs import functions
 
 from truebreak.compare.tangent import growth
 from truebreak.compare.tangent.growth import Displacements, certified_growth, error_growth, unit_displacements
 from truebreak.compare.tangent.impacts import NoTangentMap, impacts, moving
 from truebreak.exact import ExactEngine
 from truebreak.exact.exact_motion import ExactMotion
-from truebreak.exact.laws import tangent as tangent_laws
 from truebreak.exact.laws.derivation import LawError
 from truebreak.exact.laws.formulas import wall_bounce
 from truebreak.exact.laws.tangent_formulas import pair_tangent
-from truebreak.exact.laws.verification import functions
 from truebreak.exact.replay.contact import Pair
 from truebreak.floating import DoubleEngine
 from truebreak.scenarios import Circle, Pocket, Quantity, Scene, Trajectory, Wall, catalogue
 
-TEXT = tangent_laws.text()
+TEXT = law_forms.tangent_text()
 
 
 def test_the_file_is_current() -> None:
-    assert tangent_laws.FORMULAS.read_text("utf-8") == TEXT, "run: python -m truebreak.exact.laws"
+    assert law_proofs.TANGENT_FORMULAS.read_text("utf-8") == TEXT, "run: python docs/studies/law_proofs.py"
 
 
 def test_what_is_written_is_what_the_laws_lead_to() -> None:
-    tangent_laws.prove(functions(TEXT, tangent_laws.FORMS), wall_bounce)
+    law_proofs.prove_tangent(functions(TEXT, law_forms.TANGENT_FORMS), wall_bounce)
 
 
 @pytest.mark.parametrize(
@@ -44,12 +45,12 @@ def test_what_is_written_is_what_the_laws_lead_to() -> None:
 def test_a_wrong_form_is_not_proved(right: str, wrong: str) -> None:
     assert right in TEXT
     with pytest.raises(LawError):
-        tangent_laws.prove(functions(TEXT.replace(right, wrong), tangent_laws.FORMS), wall_bounce)
+        law_proofs.prove_tangent(functions(TEXT.replace(right, wrong), law_forms.TANGENT_FORMS), wall_bounce)
 
 
 def test_a_displacement_that_is_not_mirrored_is_not_proved() -> None:
     with pytest.raises(LawError, match="mirrored"):
-        tangent_laws.prove(functions(TEXT, tangent_laws.FORMS), lambda vx, vy, nx, ny, nn: (vx, vy))
+        law_proofs.prove_tangent(functions(TEXT, law_forms.TANGENT_FORMS), lambda vx, vy, nx, ny, nn: (vx, vy))
 
 
 def test_it_is_the_map_of_dellago_posch_and_hoover() -> None:

@@ -15,7 +15,8 @@ from truebreak.exact.replay.ball_state import BallState
 from truebreak.exact.replay.centred_state import CentredState
 from truebreak.exact.replay.error_bounds import Collision, Mirror, Spent
 from truebreak.exact.replay.error_set import ErrorSet
-from truebreak.scenarios import catalogue
+from truebreak.scenarios import StopReason, catalogue
+from truebreak.scenarios.files import loads_toml
 
 FEW, MANY = 500, 4096
 
@@ -163,3 +164,70 @@ def test_a_set_that_doubles_cannot_carry_says_so():
         errors.close()
     with pytest.raises(Spent):
         errors.power_of(errors.bounds.pace[0])
+
+
+WEDGE = """\
+reverse_at = "25/8"
+until = "25/4"
+
+[[circle]]
+id = "heavy"
+x = "-21/20 + (24/25)*3*sqrt(3)"
+y = "-18/5 - (7/25)*3*sqrt(3)"
+r = 1
+vx = "7/20 - (24/25)*sqrt(3)"
+vy = "6/5 + (7/25)*sqrt(3)"
+m = 10000000
+
+[[circle]]
+id = "point"
+x = "-63/100 + (24/25)*(3*sqrt(3)/2)"
+y = "-54/25 - (7/25)*(3*sqrt(3)/2)"
+r = 0
+vx = "77/300 - (24/25)*(2*sqrt(3)/3)"
+vy = "22/25 + (7/25)*(2*sqrt(3)/3)"
+m = "1/2"
+point = true
+
+[[circle]]
+id = "light"
+x = "-21/50 - (24/25)*(1/10**100 - 21*sqrt(3)/4)"
+y = "-36/25 + (7/25)*(1/10**100 - 21*sqrt(3)/4)"
+r = "1/2"
+vx = "21/100 - (24/25)*(3*sqrt(3)/2)"
+vy = "18/25 + (7/25)*(3*sqrt(3)/2)"
+
+[[wall]]
+id = "w1"
+x0 = "-7/50 - (12/25)*sqrt(3)"
+y0 = "-12/25 + (7/50)*sqrt(3)"
+x1 = "(7/25)*(-1/2 + sqrt(3)/2) - (24/25)*(sqrt(3)/2 + 1/2)"
+y1 = "(24/25)*(-1/2 + sqrt(3)/2) + (7/25)*(sqrt(3)/2 + 1/2)"
+
+[[wall]]
+id = "w2"
+x0 = "7/50 - (12/25)*sqrt(3)"
+y0 = "12/25 + (7/50)*sqrt(3)"
+x1 = "(7/25)*(1/2 + sqrt(3)/2) - (24/25)*(sqrt(3)/2 - 1/2)"
+y1 = "(24/25)*(1/2 + sqrt(3)/2) + (7/25)*(sqrt(3)/2 - 1/2)"
+"""
+"""A point in a wedge behind a circle of 10**7 times its mass: thousands of events, 10**-100 from the origin."""
+
+
+def test_a_set_that_loses_more_than_balls_is_given_up():
+    """Deviations are rounded to the smallest number's accuracy, which is bad where one is 10**-100 and others are 1."""
+    run = ExactEngine(work=300_000).run(loads_toml(WEDGE), events=2200)
+    assert len(run.events) == 2200
+    assert precision.LONG_BITS <= run.plan["bits"] < 2 * precision.LONG_BITS
+
+
+def test_a_time_that_no_bits_sharpen_ends_within_counted_work(monkeypatch):
+    """As a question does: named, with the work; long before there are no more bits."""
+    begun = precision.CertifiedMeetings._begun
+    late = lambda self, link: arb("nan") if len(self._state.steps) > 60 else begun(self, link)  # noqa: E731
+    monkeypatch.setattr(precision.CertifiedMeetings, "_begun", late)
+    run = ExactEngine().run(catalogue.build("rack:rows=4,pockets=no,speed=8"), events=60)
+    assert run.stop.reason is StopReason.UNDECIDED
+    assert "is unsharp" in run.stop.message
+    assert "more than 3000000 units of work (--work)" in run.stop.message
+    assert run.plan["bits"] < 1 << 20

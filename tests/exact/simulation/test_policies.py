@@ -7,9 +7,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import impulse_policies
 import pytest
 
-from truebreak.compare.bench import convergence
 from truebreak.exact import ExactEngine
 from truebreak.exact.simulation.policies import policy_for
 from truebreak.floating import DoubleEngine, IntervalEngine
@@ -180,7 +180,7 @@ def test_contacts_at_right_angles_are_not_coupled(policy: str, engine: str) -> N
 
 # -- pymunk
 
-SUBJECTS = {subject.scene.name: subject for subject in convergence.subjects()}
+SUBJECTS = {subject.scene.name: subject for subject in impulse_policies.subjects()}
 OVERLAPPING = ("one onto three that touch", "cradle:r=3/10,gap=0")
 """Scenes in which rounding to doubles makes circles that touch overlap."""
 
@@ -188,7 +188,7 @@ OVERLAPPING = ("one onto three that touch", "cradle:r=3/10,gap=0")
 @pytest.mark.parametrize("name", [name for name in SUBJECTS if name not in OVERLAPPING])
 def test_pymunk_tends_to_simultaneous_as_its_step_shrinks(name: str) -> None:
     steps = (Fraction(1, 64), Fraction(1, 512), Fraction(1, 4096))
-    together, ordered = zip(*(convergence.distances(SUBJECTS[name], step) for step in steps), strict=True)
+    together, ordered = zip(*(impulse_policies.distances(SUBJECTS[name], step) for step in steps), strict=True)
     assert [d.policy for d in (together[0], ordered[0])] == ["simultaneous", SCENE_ORDER]
     assert together[0].position > 4 * together[1].position > 16 * together[2].position
     assert together[2].velocity < 1e-4
@@ -198,16 +198,16 @@ def test_pymunk_tends_to_simultaneous_as_its_step_shrinks(name: str) -> None:
 @pytest.mark.parametrize("name", OVERLAPPING)
 def test_pymunk_tends_to_no_policy_where_rounding_makes_an_overlap(name: str) -> None:
     for step in (Fraction(1, 256), Fraction(1, 4096)):
-        assert all(d.velocity > 0.5 for d in convergence.distances(SUBJECTS[name], step))
+        assert all(d.velocity > 0.5 for d in impulse_policies.distances(SUBJECTS[name], step))
 
 
 def test_the_table_in_the_docs_is_what_the_command_prints(root: Path) -> None:
     """But for the last digits, which may differ from machine to machine."""
     lines = (root / "docs" / "policies.md").read_text("utf-8").splitlines()
-    shown = [line for line in lines if any(f" | {step} | " in line for step in convergence.STEPS)]
-    assert len(shown) == len(SUBJECTS) * len(convergence.STEPS)
-    steps = convergence.STEPS[:2]
-    for line in list(convergence.rows(list(SUBJECTS.values()), steps))[2:]:
+    shown = [line for line in lines if any(f" | {step} | " in line for step in impulse_policies.STEPS)]
+    assert len(shown) == len(SUBJECTS) * len(impulse_policies.STEPS)
+    steps = impulse_policies.STEPS[:2]
+    for line in list(impulse_policies.rows(list(SUBJECTS.values()), steps))[2:]:
         cells = line.strip("| ").split(" | ")
         (row,) = [other for other in shown if other.startswith(f"| {cells[0]} | {cells[1]} |")]
         for mine, theirs in zip(cells[2:], row.strip("| ").split(" | ")[2:], strict=True):

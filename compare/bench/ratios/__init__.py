@@ -1,1 +1,0 @@
-"""The figures: each is a ratio of two things timed in one run."""

@@ -1,1 +1,0 @@
-"""What a benchmark measured: as JSON and back, for people, and against another run."""

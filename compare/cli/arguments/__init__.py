@@ -1,1 +1,0 @@
-"""What is written on the command line: options, numbers, examples, and how a shell completes them."""

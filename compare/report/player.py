@@ -1,0 +1,315 @@
+"""What the player needs: motion is straight between events, so that the knots at events are all of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+from ...scenarios.errors import SceneError
+from ...scenarios.pictures import DrawnDisc, view_of, wall_line
+from ...scenarios.trajectory import StopReason
+from .page import COMPARED, provenance, rendered
+from .sentences import headline
+from .terminal import later
+
+if TYPE_CHECKING:
+    from ...scenarios.scene import Scene
+    from ...scenarios.trajectory import Event, Trajectory
+    from ..alignment.instants import Divergence
+    from ..candidate import Candidate
+    from ..comparison import Comparison
+
+MOST_EVENTS = 2_400
+"""Events of all runs together that a page carries: at some 180 bytes each they leave it well under 1 MB."""
+
+MOST_STATES = 100_000
+"""States, of circles times events, that are computed for one run: a second or two of the exact engine's time."""
+
+COASTING = 0.25
+"""How much longer than its events a run is shown in which nothing is left to happen, as a share."""
+
+BEFORE = 0.75
+"""Share of the events shown that lies before the first divergence, where not all can be shown."""
+
+VIEW_REACH = 1.5
+"""How far the view follows circles that leave, in sizes of the scene at the start, on each side."""
+
+JUMP = 1e-6
+"""Share of the scene's size by which a place must differ from straight flight to be told anew: below what one sees."""
+
+
+ONE_INSTANT = 1e-9
+"""Share of the time by which two meetings may lie apart and still be shown as one instant."""
+
+
+@dataclass(frozen=True)
+class Played:
+    """A run that is shown beside the first.
+
+    Attributes:
+        number: its style's place among the engines.
+        name: what it is called.
+        run: its trajectory.
+        told: what else the player tells of it, as far as there is such: `verdict`, `errors`, `scale`, `growth`,
+            `divergence`, and `stopped`, when it ended without an answer.
+        parted: when it leaves the first run; None if it does not.
+    """
+
+    number: int
+    name: str
+    run: Trajectory
+    told: Mapping[str, Any]
+    parted: float | None = None
+
+
+def recording(comparison: Comparison) -> dict[str, Any] | None:
+    """The runs of a comparison as plain data for the player; None where there is nothing to play."""
+    shown = [(k, c) for k, c in enumerate(comparison.candidates) if not c.unable and c.trajectory.scene.circles]
+    if not shown:
+        return None
+    others = [
+        Played(number, c.engine, c.trajectory, _told(comparison.scene, c), _parted(c.alignment.divergence))
+        for number, c in shown
+    ]
+    lead = next((k for k, (_, c) in enumerate(shown, 1) if c is headline(comparison)), 1)
+    name = comparison.reference.engine
+    return played(comparison.scene, comparison.reference, others, name=name, title=f"{name} (reference)", lead=lead)
+
+
+def played(
+    scene: Scene, first: Trajectory, others: Sequence[Played], *, name: str, title: str, lead: int = 1
+) -> dict[str, Any] | None:
+    """Runs of one scene as plain data for the player; None where there is nothing to play.
+
+    Args:
+        first: the run in the left pane, with its name, and the title of its pane.
+        others: those that can be shown in the right pane, if any; `lead` is the place of the one shown at the start.
+
+    Returns:
+        `bodies` (id, radius, whether fixed), `walls`, `pockets`, `view`, `begin` and `end` of the clock, `total` events
+        of the first run, `lead`, and `runs`, the first one first. A run has `times`, the instants at which anything
+        changes; `knots`, [place in `times`, body, x, y, vx, vy], from the start on; `events`, [index, time, pairs], and
+        how much later than the one before, where a double does not tell.
+    """
+    if not float(first.final_time) > 0 or not scene.circles:
+        return None
+    count = max(1, min(MOST_EVENTS // (len(others) + 1), MOST_STATES // len(scene.circles)))
+    begin, end = _window(first, [other.parted for other in others if other.parted is not None], count)
+    truth = _run(first, begin, end, count)
+    runs = [{**truth, "name": name, "title": title, "number": None}]
+    for other in others:
+        run = _run(other.run, begin, end, count)
+        runs.append({**run, "name": other.name, "title": other.name, "number": other.number, **other.told})
+    return {
+        "bodies": [[str(c.id), float(c.r), c.fixed] for c in scene.circles],
+        "walls": [[*wall_line(w), str(w.id)] for w in scene.walls],
+        "pockets": [[float(p.x), float(p.y), float(p.r)] for p in scene.pockets],
+        "view": _view(scene, truth["knots"]),
+        "begin": begin,
+        "end": end,
+        "total": len(first.events),
+        "lead": lead,
+        "runs": runs,
+    }
+
+
+def _parted(divergence: Divergence | None) -> float | None:
+    return None if divergence is None else divergence.time
+
+
+def _window(reference: Trajectory, parted: list[float], count: int) -> tuple[float, float]:
+    """The times shown: all, or as many events as fit, most of them before the first divergence."""
+    times = [float(event.time) for event in reference.events]
+    end = float(reference.final_time)
+    if reference.stop.reason is StopReason.QUIET:
+        end *= 1 + COASTING
+    if len(times) <= count:
+        return 0.0, end
+    first = min(parted, default=0.0)
+    place = next((k for k, time in enumerate(times) if time >= first), len(times))
+    start = min(max(0, place - int(BEFORE * count)), len(times) - count)
+    return (times[start - 1] if start else 0.0), times[start + count] if start + count < len(times) else end
+
+
+def _run(run: Trajectory, begin: float, end: float, count: int) -> dict[str, Any]:
+    """One run between two times."""
+    last = end if run.stop.reason is StopReason.QUIET else min(end, float(run.final_time))
+    inside = [event for event in run.events if begin <= float(event.time) <= last]
+    events = inside[:count]
+    if len(inside) > count:
+        last = float(inside[count].time)
+    others = [entry.time for entry in run.pocketings] + ([run.reversal.time] if run.reversal else [])
+    marks = {float(event.time) for event in events} | {t for t in map(float, others) if begin <= t <= last}
+    times = sorted({begin, *marks})
+    return {
+        "times": times,
+        "knots": _knots(run, times, last),
+        "events": [_event(e, before) for e, before in zip(events, [None, *events], strict=False)],
+        "end": last,
+        "stop": run.stop.message,
+    }
+
+
+def _event(event: Event, before: Event | None) -> list[Any]:
+    """Its index, time and pairs; and, where its time is the same double as that of the one before, how much later."""
+    row: list[Any] = [event.index, float(event.time), [list(pair) for pair in event.impulses]]
+    if before is not None and float(before.time) == row[1]:
+        row.append(later(before, event))
+    return row
+
+
+def _knots(run: Trajectory, times: list[float], last: float) -> list[list[float]]:
+    """Place and velocity of each circle from each time on, where they change; taken from the middle of each flight."""
+    final = float(run.final_time)
+    middles = [min(a + (b - a) / 2, final) for a, b in zip(times, [*times[1:], last], strict=True)]
+    flights = [(k, a, m) for k, (a, m) in enumerate(zip(times, middles, strict=True)) if m > a]
+    knots: list[list[float]] = []
+    known: dict[int, tuple[float, ...]] = {}
+    rows = run.sample([middle for _, _, middle in flights]).tolist() if flights else []
+    if last > final or not flights:  # what follows the last event: the state that it leaves
+        flights.append((len(times) - 1, times[-1], max(final, times[-1])))
+        rows.append(run.final.array().tolist())
+    room = JUMP * max(1e-300, *(abs(value) for row in rows for state in row for value in state[:2]))
+    for (k, begin, middle), row in zip(flights, rows, strict=True):
+        for i, (x, y, vx, vy) in enumerate(row):
+            if i in known and _follows(known[i], middle, (x, y, vx, vy), room):
+                continue
+            back = middle - begin
+            known[i] = (begin, x - vx * back, y - vy * back, vx, vy)
+            knots.append([k, i, *known[i][1:]])
+    return knots
+
+
+def _follows(knot: tuple[float, ...], time: float, state: tuple[float, ...], room: float) -> bool:
+    """Whether a state is the straight flight from a knot."""
+    begin, x, y, vx, vy = knot
+    flown = time - begin
+    same = (vx, vy) == state[2:]
+    return same and math.hypot(x + vx * flown - state[0], y + vy * flown - state[1]) <= room
+
+
+def _told(scene: Scene, candidate: Candidate) -> dict[str, Any]:
+    """What else is told of an engine: its error, and where it leaves the reference."""
+    places = {str(c.id): k for k, c in enumerate(scene.circles)}
+    separation, divergence = candidate.separation, candidate.alignment.divergence
+    told: dict[str, Any] = {
+        "errors": [
+            [float(f"{t:.9g}"), float(f"{e:.4g}") if math.isfinite(e) else None]
+            for t, e in zip(separation.times, separation.largest, strict=True)
+        ],
+        "scale": separation.scale or 1.0,
+        "growth": candidate.margin.growth if candidate.margin else None,
+        "divergence": None,
+        "verdict": candidate.verdict,
+    }
+    if candidate.verdict in ("undecided", "unsettled"):
+        told["stopped"] = float(candidate.trajectory.final_time)
+    if divergence is not None:
+        names = _names((divergence.body, divergence.expected, divergence.got))
+        told["divergence"] = {
+            "time": _instant(divergence),
+            "expected": divergence.expected_event if divergence.expected is not None else None,
+            "got": divergence.candidate_event,
+            "bodies": [places[name] for name in names if name in places],
+            "walls": [k for k, wall in enumerate(scene.walls) if wall.id in names],
+        }
+    return told
+
+
+def _instant(divergence: Divergence) -> float:
+    """The time to show it at: the earlier meeting; where the two are one instant but for rounding, the later."""
+    ends = [t for t in (divergence.expected_time, divergence.got_time) if t is not None]
+    later = max(ends, default=divergence.time)
+    return later if later - divergence.time <= ONE_INSTANT * later else divergence.time
+
+
+def _names(partners: Iterable[str | None]) -> list[str]:
+    """The ids among the partners of a divergence; those of a tie are joined by + or then."""
+    return [name for text in partners if text for name in text.replace(" then ", " + ").split(" + ")]
+
+
+def _view(scene: Scene, knots: list[list[float]]) -> list[float]:
+    """Left, bottom, width and height of what is shown: where circles go, as far as they stay near."""
+
+    def disc(i: int, x: float, y: float) -> DrawnDisc:
+        return DrawnDisc("", x, y, float(scene.circles[i].r), 0.0, 0.0, "")
+
+    start = view_of([disc(i, float(c.x), float(c.y)) for i, c in enumerate(scene.circles)], scene)
+    reach = VIEW_REACH * max(start.width, start.height)
+    left, right = start.left - reach, start.left + start.width + reach
+    bottom, top = start.bottom - reach, start.bottom + start.height + reach
+    went = [disc(int(i), min(max(x, left), right), min(max(y, bottom), top)) for _, i, x, y, _, _ in knots]
+    view = view_of([*went, *(disc(i, float(c.x), float(c.y)) for i, c in enumerate(scene.circles))], scene)
+    return [view.left, view.bottom, view.width, view.height]
+
+
+# ----------------------------------------
+# The player of a report as a widget for notebooks (`anywidget`; the extra `notebook`).
+
+HEIGHT = 860
+"""Pixels: the player with its lists, at the width of a notebook's cell."""
+
+
+def player(comparison: Comparison, *, height: int = HEIGHT) -> Any:
+    """A widget that plays a comparison: reference and engine side by side on one clock.
+
+    Its `time`, in the scene's units, can be read and set, and follows the player; `height` is in pixels.
+
+    Raises:
+        ImportError: without anywidget, with the remedy.
+        SceneError: for a comparison in which there is nothing to play, and for a height below 1.
+
+    >>> from truebreak.compare import compare
+    >>> from truebreak.scenarios import catalogue
+    >>> shown = player(compare(catalogue.build("lee"), ["double"]))
+    >>> shown.time, shown.height
+    (0.0, 860)
+    """
+    if height < 1:
+        raise SceneError(f"height = {height}: must be a whole number from 1")
+    return _widget_class()(page=player_page(comparison), height=height)
+
+
+def player_page(comparison: Comparison) -> str:
+    """The page of the player alone, which tells the page around it its time, and takes one from there.
+
+    Raises:
+        SceneError: for a comparison in which there is nothing to play.
+    """
+    data = recording(comparison)
+    if data is None:
+        raise SceneError(f"{comparison.scene.name!r}: there is nothing to play; compare over a longer span")
+    return rendered(
+        "widget.html.jinja",
+        recording={**data, "embedded": True},
+        engines=len(comparison.candidates),
+        title=f"{comparison.scene.name}: player",
+        provenance=provenance(comparison),
+        player=COMPARED,
+        footnote="Solid and blue: the reference.",
+    )
+
+
+@cache
+def _widget_class() -> Any:
+    try:
+        import anywidget
+        import traitlets
+    except ImportError:
+        raise ImportError(
+            "the player in a notebook needs anywidget, which is not installed: pip install '.[notebook]'"
+        ) from None
+
+    class Player(anywidget.AnyWidget):
+        """The player; `page` is its document."""
+
+        _esm = resources.files(__package__ or "").joinpath("templates", "widget.js").read_text("utf-8")
+        page = traitlets.Unicode().tag(sync=True)
+        time = traitlets.Float(0.0).tag(sync=True)
+        height = traitlets.Int(HEIGHT).tag(sync=True)
+
+    return Player

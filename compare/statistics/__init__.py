@@ -1,1 +1,0 @@
-"""Does floating point change statistics? Ensembles in few bits against certified ones."""

@@ -1,0 +1,649 @@
+"""Two circles, or a circle and a wall, near an event of the true run: when they meet, and how errors move that."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import accumulate
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...exact.numbers import ball
+from ...exact.numbers.ball import double_bounds
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import real
+from ...scenarios.settings import positive_count
+from ...scenarios.trajectory import StopReason
+from ..causes.decision import DecidingNumber, Pairing
+from ..causes.reader import RunReader
+from ..report.output import counted
+from ..tangent.impacts import NoTangentMap
+from .errors_grown import GrownErrors
+
+if TYPE_CHECKING:
+    from ...scenarios.numbers.quantity import Real
+    from ...scenarios.trajectory import Event, Trajectory
+    from ..candidate import Candidate
+    from .errors_grown import LocalError
+
+
+class Nearby:
+    """Pairs, at the event at which the positions of `grown` are, and their displacements, to the first order.
+
+    Everything is named by its place in `scene.ids`; of a pair with a wall, the wall is second.
+
+    Attributes:
+        scale: the scene's largest coordinate or radius.
+        rounding: what one decision is off by itself.
+    """
+
+    def __init__(self, grown: GrownErrors) -> None:
+        self.grown = grown
+        self.scale = max(float(np.abs(grown.position).max()), float(grown.radii.max()))
+        self.rounding = grown.local.unit * self.scale
+
+    def gap(self, i: int, j: int) -> float:
+        """The distance of the two surfaces."""
+        if j >= self.grown.count:
+            return self.wall(i, j)[0]
+        d, _ = self.relative(i, j)
+        return float(np.hypot(*d)) - float(self.grown.radii[i] + self.grown.radii[j])
+
+    def speed(self, i: int, j: int) -> float:
+        """How fast the two move against each other."""
+        v = self.grown.velocity[i] if j >= self.grown.count else self.relative(i, j)[1]
+        return float(np.hypot(*v))
+
+    def apart(self, columns: NDArray[np.float64], i: int, j: int) -> float:
+        """By how much all errors can move the one against the other at the event."""
+        return float(np.hypot(*self.between(columns, i, j, 0.0)).sum()) + self.rounding
+
+    def relative(self, i: int, j: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """d and v of two circles, at the time of the event that positions are at."""
+        grown = self.grown
+        return grown.position[j] - grown.position[i], grown.velocity[j] - grown.velocity[i]
+
+    def between(self, columns: NDArray[np.float64], i: int, j: int, lag: float) -> NDArray[np.float64]:
+        """Shape (2, errors): the displacement of j against i, so much later than the columns."""
+        other = columns[j] if j < self.grown.count else np.zeros_like(columns[i])
+        between = other - columns[i]
+        return between[:2] + lag * between[2:]
+
+    def across(self, columns: NDArray[np.float64], i: int, j: int, near: float, time: float) -> float:
+        """By how much all errors can move the least distance of two circles."""
+        _, v = self.relative(i, j)
+        across = np.array([-v[1], v[0]]) / math.sqrt(float(v @ v))
+        return float(np.abs(across @ self.between(columns, i, j, near - time)).sum()) + self.rounding
+
+    def wait(self, i: int, j: int) -> float | None:
+        """How long after an event two would meet in free flight; None if they do not."""
+        grown = self.grown
+        if j >= grown.count:
+            gap, closing = self.wall(i, j)
+            return max(gap, 0.0) / closing if closing > 0 else None
+        d, v = self.relative(i, j)
+        reach = float(grown.radii[i] + grown.radii[j])
+        b, square = float(d @ v), float(v @ v)
+        root = square * reach * reach - float(d[0] * v[1] - d[1] * v[0]) ** 2
+        if b >= 0 or root < 0:
+            return None
+        return max(float(d @ d) - reach * reach, 0.0) / (-b + math.sqrt(root))
+
+    def wall(self, i: int, j: int) -> tuple[float, float]:
+        """The gap between a circle and a wall, and the speed at which it closes."""
+        nx, ny, side, height = self.side(i, j)
+        vx, vy = self.grown.velocity[i]
+        return side * height - float(self.grown.radii[i]), -side * float(nx * vx + ny * vy)
+
+    def side(self, i: int, j: int) -> tuple[float, float, float, float]:
+        """The unit normal of a wall, the side on which a circle is, and its height above it."""
+        x0, y0, x1, y1 = self.grown.walls[j - self.grown.count]
+        nx, ny = y0 - y1, x1 - x0
+        length = math.hypot(nx, ny)
+        x, y = self.grown.position[i]
+        height = float(nx * (x - x0) + ny * (y - y0)) / length
+        return nx / length, ny / length, (1.0 if height >= 0 else -1.0), height
+
+    def shift(self, columns: NDArray[np.float64], i: int, j: int, meeting: float, time: float) -> NDArray[np.float64]:
+        """By how much each error delays the meeting of two, at a time of the flights under way; a graze by any time."""
+        grown = self.grown
+        if j >= grown.count:
+            nx, ny, side, _ = self.side(i, j)
+            closing = self.wall(i, j)[1]
+            normal = np.array([side * nx, side * ny])
+            return -(normal @ self.between(columns, i, j, meeting - time)) / closing
+        d, v = self.relative(i, j)
+        there = d + (meeting - time) * v
+        if not float(there @ v):
+            return np.full(columns.shape[2], math.inf)
+        return -(there @ self.between(columns, i, j, meeting - time)) / float(there @ v)
+
+    def bent(self, columns: NDArray[np.float64], i: int, j: int) -> float:
+        """What the curvature of two circles adds to the delay of their meeting: all errors across it, to second order.
+
+        Where the two fly head on, errors across their way delay it by nothing to the first order.
+        """
+        if j >= self.grown.count:
+            return 0.0
+        d, v = self.relative(i, j)
+        reach = float(self.grown.radii[i] + self.grown.radii[j])
+        closing = abs(float(d @ v)) / math.sqrt(float(d @ d))
+        return self.apart(columns, i, j) ** 2 / (reach * closing) if reach and closing else 0.0
+
+
+# ----------------------------------------
+# How far an honest engine must tell the true history: while the exact margin of every decision exceeds its errors.
+
+TIGHT = 2.0**-36
+"""A margin in doubles is off by some 2**-50 of the scene's measures; one of less than this share of them is taken from
+the exact run instead."""
+
+LINEAR = 16.0
+"""Errors this many times smaller than what they decide bend no flight by much: beyond that the first order tells
+whether a decision may be another, but no longer how far off a circle is."""
+
+
+MOST_CIRCLES = 256
+"""Circles up to which local errors are carried along: four columns a circle, and eight an event."""
+
+
+@dataclass(frozen=True)
+class OutOfReach:
+    """The first decision that errors of the engine's size may change.
+
+    Attributes:
+        event: the reference's event by which it is made; the number of events, if after the last.
+        time: when.
+        told: the decision in words.
+        margin: exact, in units of time or length; None where the instant has no tangent map.
+        tolerance: what honest errors can move it by.
+        tie: whether it is an exact tie of one circle's contacts, whose order is a choice.
+        late: by how much the first meeting of each of a tie's clusters may be off; None where this is not known.
+    """
+
+    event: int
+    time: float
+    told: str
+    margin: float | None = None
+    tolerance: float | None = None
+    tie: bool = False
+    late: float | None = None
+
+    def __str__(self) -> str:
+        if self.margin is None:
+            return f"event {self.event} (t = {self.time:.9g}): {self.told}"
+        where = f"event {self.event} (t = {self.time:.9g}): {self.told}"
+        return (
+            f"{where}; its margin is {self.margin:.3g}, and honest errors may have grown to {self.tolerance:.3g} there"
+        )
+
+
+@dataclass(frozen=True)
+class Reach:
+    """How far the history is required, and how far off an honest engine may be on the way.
+
+    Attributes:
+        events: events of the reference that are required.
+        limit: the first decision out of reach; None if there is none in the reference's run.
+        linear: events up to which errors are small beside every margin, so that the first order tells their size: as
+            far as that, times and places are required.
+        position, velocity: for each required event, by circle, how far off it may be as the event leaves it.
+        time: for each required event, how far off its time may be.
+    """
+
+    events: int
+    limit: OutOfReach | None
+    linear: int
+    position: list[dict[str, float]] = field(repr=False)
+    velocity: list[dict[str, float]] = field(repr=False)
+    time: list[float] = field(repr=False)
+
+    @property
+    def whole(self) -> bool:
+        """Whether all of the reference's run is required."""
+        return self.limit is None
+
+
+def reach_of(run: Trajectory, local: LocalError, in_rounds: bool = False) -> Reach:
+    """Walks along a certified run, decision by decision, until one is out of reach.
+
+    At each event, for each circle that takes part: its hit (how deep, if it is with a circle), every other thing that
+    it would have met next (how much later), and everything that it has passed since (how far away). Each margin is
+    held against what all local errors so far can move it by, to the first order.
+
+    Args:
+        in_rounds: whether the engine takes the contacts of each instant in the rounds in which the run has them, so
+            that no tie is a decision, and errors are carried through it.
+    """
+    return _Walk(run, local, in_rounds).walked()
+
+
+class _Walk:
+    def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool) -> None:
+        self.run, self.local = run, local
+        self.grown = GrownErrors(run, local, in_rounds)
+        self.names = run.scene.ids
+        self.last: dict[str, int] = {}
+        self.reader = RunReader(run)
+        self.near = Nearby(self.grown)
+        self.found = Reach(0, None, 0, [], [], [])
+        self.linear: int | None = None
+
+    def walked(self) -> Reach:
+        run = self.run
+        for index, event in enumerate(run.events):
+            limit = self._hindrance(index) or self._decided(index)
+            if limit is None:
+                late = self._lateness(index)
+                try:
+                    self.grown.go_through(index)
+                except NoTangentMap as none:
+                    return self._ended(index, OutOfReach(index, float(event.time), f"{none}"))
+                if self.local.order is not None and self._tied(index) and self.linear is None:
+                    self.linear = index  # an engine of steps solves a tie by iterations, of which the last is not told
+                self.found.time.append(late)
+                self._note_states(index)
+            else:
+                return self._ended(index, limit)
+            self.last |= dict.fromkeys((name for pair in event.contacts for name in pair), index)
+        return self._ended(len(run.events), self._after_the_last())
+
+    def _ended(self, events: int, limit: OutOfReach | None) -> Reach:
+        linear = events if self.linear is None else min(self.linear, events)
+        return Reach(events, limit, linear, self.found.position, self.found.velocity, self.found.time)
+
+    def _hindrance(self, index: int) -> OutOfReach | None:
+        """What errors are not carried through: a tie, a reversal, a circle out of play."""
+        run, time = self.run, float(self.run.events[index].time)
+        if self._tied(index) and not self.grown.in_rounds:
+            told = "several contacts of one circle fall on exactly one instant, and nearby runs part there"
+            known = self._decided(index) is None and self.linear is None
+            return OutOfReach(index, time, told, tie=True, late=self._lateness(index) if known else None)
+        if run.reversal is not None and run.reversal.after <= index:
+            return OutOfReach(index, time, "the velocities are reversed before it, and errors are carried no farther")
+        if run.scene.capture and any(float(entry.time) <= time for entry in run.pocketings):
+            return OutOfReach(index, time, "a circle has left play before it, and errors are carried no farther")
+        return None
+
+    def _tied(self, index: int) -> bool:
+        """Whether a circle has several contacts at the instant of an event."""
+        movers = [k for contact in self.run.events[index].contacts for k in self.grown.movers(contact)]
+        return len(movers) != len(set(movers))
+
+    def _lateness(self, index: int) -> float:
+        """How far off an event's time may be."""
+        time, worst = float(self.run.events[index].time), 0.0
+        columns = self.grown.at(time)
+        for i, j in self._flown_together(index):
+            bent = self.near.bent(columns, i, j)
+            worst = max(worst, float(np.abs(self.near.shift(columns, i, j, time, time)).sum()) + bent)
+        return worst + self.local.unit * time + self.local.lateness
+
+    def _flown_together(self, index: int) -> list[tuple[int, int]]:
+        """The contacts of an event, without those that others' impulses at the same instant lead to."""
+        contacts = self.run.events[index].contacts
+        found = [(self.grown.places[first], self.grown.places[second]) for first, second in contacts]
+        if len(found) == 1 or not self._tied(index):
+            return found
+        return [(i, j) for i, j in found if self.reader.hit_time(self._pairing(i, j)) is not None]
+
+    def _note_states(self, index: int) -> None:
+        event = self.run.events[index]
+        time, tolerances = float(event.time), {}
+        for contact in event.contacts:
+            for k in self.grown.movers(contact):
+                tolerances[self.names[k]] = self.grown.tolerance(k, time)
+        self.found.position.append({name: position for name, (position, _) in tolerances.items()})
+        self.found.velocity.append({name: velocity for name, (_, velocity) in tolerances.items()})
+
+    # -- decisions
+
+    def _decided(self, index: int) -> OutOfReach | None:
+        """The first of the decisions by an event that is out of reach."""
+        event = self.run.events[index]
+        self.grown.come_to(index)
+        time, columns = float(event.time), self.grown.at(float(event.time))
+        tied = {frozenset(contact) for contact in event.contacts}
+        for i, j in self._flown_together(index):
+            own = self.near.shift(columns, i, j, time, time)
+            for body, partner in ((i, j), (j, i)):
+                if body >= self.grown.count or not self.grown.weights[body]:
+                    continue
+                for other in range(len(self.names)):
+                    if other == body or (other != partner and {self.names[body], self.names[other]} in tied):
+                        continue
+                    found = self._one(index, columns, body, other, time, own if other != partner else None)
+                    if found is not None:
+                        return found
+        return None
+
+    def _one(
+        self,
+        index: int,
+        columns: NDArray[np.float64],
+        body: int,
+        other: int,
+        time: float,
+        own: NDArray[np.float64] | None,
+    ) -> OutOfReach | None:
+        """One decision by an event: on the pair that meets (`own` None), or on another thing near the body."""
+        if other >= self.grown.count:
+            return None if own is None else self._order(index, columns, body, other, time, own)
+        d, v = self.near.relative(body, other)
+        square, reach = float(v @ v), float(self.grown.radii[body] + self.grown.radii[other])
+        if not square:
+            return None
+        near = time - float(d @ v) / square
+        gap = abs(float(d[0] * v[1] - d[1] * v[0])) / math.sqrt(square) - reach
+        if own is None:
+            return self._hit(index, columns, body, other, near, -gap, time)
+        if gap < 0:
+            return self._order(index, columns, body, other, time, own) if near > time else None
+        room = self.near.across(columns, body, other, near, time)
+        sooner = math.sqrt(2 * reach * 2 * room / square) if reach else 0.0
+        since = max(float(self.grown.since[body]), float(self.grown.since[other]))
+        if since < near and near - sooner < time:
+            return self._told(index, time, body, other, "whether {} passes {}", gap, room)
+        return None
+
+    def _hit(
+        self, index: int, columns: NDArray[np.float64], i: int, j: int, near: float, depth: float, time: float
+    ) -> OutOfReach | None:
+        """That the two hit at all; and, of an engine with a time step, for long enough to be seen."""
+        room = self.near.across(columns, i, j, near, time)
+        found = self._told(index, time, i, j, "whether {} hits {}", depth, room)
+        if found is None and self.local.lateness:
+            stay, least = 2 * (near - time), 2 * self.local.lateness
+            if stay <= least:
+                return OutOfReach(
+                    index, time, f"whether a step ends while {self.names[i]} is in {self.names[j]}", stay, least
+                )
+        return found
+
+    def _order(
+        self, index: int, columns: NDArray[np.float64], i: int, j: int, time: float, own: NDArray[np.float64]
+    ) -> OutOfReach | None:
+        """That a pair which would meet later does not meet first."""
+        wait = self.near.wait(i, j)
+        if wait is None:
+            return None
+        spare = float(np.abs(own).sum()) + 2 * self.local.lateness
+        room = self.near.apart(columns, i, j) + spare * self.near.speed(i, j)
+        if self.near.gap(i, j) > room:  # nowhere near each other yet, whenever they meet
+            return None
+        apart = self.near.shift(columns, i, j, time + wait, time) - own
+        room = float(np.abs(apart).sum()) + self.local.unit * (time + wait) + 2 * self.local.lateness
+        return self._told(index, time, i, j, "whether {} would meet {} first", wait, room, self._meeting(index, i))
+
+    def _meeting(self, index: int, body: int) -> Pairing:
+        """Whom a circle meets at an event."""
+        name = self.names[body]
+        contact = next(pair for pair in self.run.events[index].contacts if name in pair)
+        return self._pairing(*(self.grown.places[n] for n in contact))
+
+    def _told(
+        self,
+        index: int,
+        time: float,
+        i: int,
+        j: int,
+        words: str,
+        margin: float,
+        room: float,
+        first: Pairing | None = None,
+    ) -> OutOfReach | None:
+        """The decision, if its margin does not exceed what errors can move it by; `first` is what comes before."""
+        if abs(margin) < TIGHT * self.near.scale:
+            own = self._pairing(i, j)
+            value = self.reader.value(
+                DecidingNumber("hit", own) if first is None else DecidingNumber("order", first, own)
+            )
+            if value is not None:
+                margin = min(map(abs, double_bounds(value)))
+        if self.linear is None and abs(margin) < LINEAR * room:
+            self.linear = index
+        if abs(margin) > room:
+            return None
+        return OutOfReach(index, time, words.format(self.names[i], self.names[j]), abs(margin), room)
+
+    def _pairing(self, i: int, j: int) -> Pairing:
+        body, partner = self.names[i], self.names[j]
+        anchors = {n: self.last.get(n) for n in (body, partner) if self.grown.places[n] < self.grown.count}
+        return Pairing(body, partner, anchors)
+
+    def _after_the_last(self) -> OutOfReach | None:
+        """What is decided between the last event and the end: all that pass each other; for ever, in a quiet run."""
+        run, grown = self.run, self.grown
+        end = float(run.final_time)
+        quiet = run.stop.reason is StopReason.QUIET
+        if run.stop.reason is StopReason.EVENTS or (run.reversal is not None and not quiet):
+            return None
+        columns = grown.at(end)
+        grown.position = run.at(run.final_time).array()[:, :2]
+        for i in range(grown.count):
+            for j in range(i + 1, len(self.names)):
+                if j >= grown.count:
+                    moved, turned = self.near.wall(i, j)[1], float(np.hypot(*columns[i][2:]).sum())
+                    if quiet and grown.weights[i] and abs(moved) <= turned:
+                        return self._drift(end, i, j, abs(moved), turned)
+                    continue
+                if not (grown.weights[i] or grown.weights[j]):
+                    continue
+                found = self._passing(columns, i, j, end, quiet)
+                if found is not None:
+                    return found
+        return None
+
+    def _passing(self, columns: NDArray[np.float64], i: int, j: int, end: float, quiet: bool) -> OutOfReach | None:
+        d, v = self.near.relative(i, j)
+        speed, turned = math.sqrt(float(v @ v)), float(np.hypot(*(columns[j] - columns[i])[2:]).sum())
+        if quiet and speed <= turned:
+            return self._drift(end, i, j, speed, turned)
+        if not speed:
+            return None
+        near = end - float(d @ v) / speed**2
+        since = max(float(self.grown.since[i]), float(self.grown.since[j]))
+        if near <= since or (near > end and not quiet):
+            return None
+        gap = abs(float(d[0] * v[1] - d[1] * v[0])) / speed - float(self.grown.radii[i] + self.grown.radii[j])
+        room = self.near.across(columns, i, j, near, end)
+        return self._told(len(self.run.events), end, i, j, "whether {} passes {}", gap, room)
+
+    def _drift(self, end: float, i: int, j: int, speed: float, room: float) -> OutOfReach:
+        what = f"whether {self.names[i]} and {self.names[j]} never meet, by their relative speed"
+        return OutOfReach(len(self.run.events), end, what, speed, room)
+
+
+# ----------------------------------------
+# Whether times and places of matched events, and the time of a tie, are near enough to the true ones.
+
+BITS = 512
+"""Precision at which a difference of times is taken."""
+
+
+@dataclass(frozen=True)
+class Demand:
+    """What is asked of numbers beside the tolerance that honest errors give.
+
+    Attributes:
+        digits: of every event's time: off by no more than half a unit in the last of them.
+        atol, rtol: of times and places.
+
+    Raises:
+        SceneError: for what asks for nothing, or cannot be asked for.
+    """
+
+    digits: int | None = None
+    atol: float | None = None
+    rtol: float | None = None
+
+    def __post_init__(self) -> None:
+        positive_count("digits", self.digits)
+        for key, value in (("atol", self.atol), ("rtol", self.rtol)):
+            number = isinstance(value, int | float) and not isinstance(value, bool)
+            if value is not None and not (number and 0 <= value < math.inf):
+                raise SceneError(f"{key} = {value!r}: must be a finite number from 0")
+
+    @property
+    def told(self) -> list[str]:
+        """In words."""
+        words = [] if self.digits is None else [f"{self.digits} digits of every event's time"]
+        if self.atol is not None or self.rtol is not None:
+            words.append(f"times and places within {self.atol or 0:g} + {self.rtol or 0:g} times the true value")
+        return words
+
+    def room(self, value: float) -> float:
+        """What `atol` and `rtol` grant a value."""
+        if self.atol is None and self.rtol is None:
+            return math.inf
+        return (self.atol or 0.0) + (self.rtol or 0.0) * abs(value)
+
+
+@dataclass(frozen=True)
+class Matched:
+    """One circle's meeting in both runs: the reference's event, and the candidate's last that was matched with it."""
+
+    body: str
+    mine: int
+    theirs: int
+
+
+def number_off(
+    reference: Trajectory, candidate: Candidate, demand: Demand, reach: Reach | None, places: bool
+) -> str | None:
+    """The first number that is too far off, in words; None if there is none.
+
+    Args:
+        reference: the exact run with which the candidate is aligned.
+        reach: whose tolerances are required too.
+        places: whether the engine tells where circles are.
+    """
+    name, run = candidate.engine, candidate.trajectory
+    latest = latest_so_far(run.events)
+    for pair in _pairs(reference, candidate):
+        event = reference.events[pair.mine]
+        got = run.events[pair.theirs].time
+        off, time = difference(event.time, got), float(event.time)
+        where = f"{name}: event {pair.mine} ({' - '.join(event.contacts[0])}): time"
+        known = reach is not None and pair.mine < reach.linear
+        for room, why in _time_rooms(demand, reach if known else None, pair.mine, time):
+            if off > room:
+                shown, right = max(DIGITS, demand.digits or 0), digits_left(off, time)
+                return (
+                    f"{where} = {float(got)!r} where it should be {event.time.digits(shown)}: off by {off:.3g}, "
+                    f"{room:.3g} is {why}; {counted(right, 'digit')} {'is' if right == 1 else 'are'} right"
+                )
+        if not places:
+            continue
+        then = latest[pair.theirs].time
+        true, told = reference.at(event.time)[pair.body], run.at(then)[pair.body]
+        lag = float(then) - time
+        apart = math.hypot(
+            float(told.x) - lag * float(told.vx) - float(true.x), float(told.y) - lag * float(told.vy) - float(true.y)
+        )
+        turned = math.hypot(float(told.vx) - float(true.vx), float(told.vy) - float(true.vy))
+        size, speed = math.hypot(float(true.x), float(true.y)), math.hypot(float(true.vx), float(true.vy))
+        rooms = [("place", apart, demand.room(size), "asked for")]
+        if reference.scene.reverse_after == pair.mine + 1:
+            turned = 0.0  # the velocities are negated at that very instant: a time tells before or after
+        if reach is not None and known:
+            near = reach.position[pair.mine].get(pair.body, math.inf) + TOLD * (size + speed * time)
+            slow = reach.velocity[pair.mine].get(pair.body, math.inf) + TOLD * speed
+            rooms = [("place", apart, near, HONEST), ("velocity", turned, slow, HONEST), *rooms]
+        for what, value, room, why in rooms:
+            if value > room:
+                return (
+                    f"{name}: event {pair.mine} (t = {time:.9g}): the {what} of {pair.body} after it is off by "
+                    f"{value:.3g}, {room:.3g} is {why}"
+                )
+    return None
+
+
+def tie_off(reference: Trajectory, candidate: Candidate, tie: OutOfReach) -> str | None:
+    """The first meeting of a tie that is too far off in time, in words; None if there is none, or nothing is known.
+
+    Whatever order its impulses are taken in, circles fly freely up to the first of them: it is at the tie's time.
+    """
+    if tie.late is None:
+        return None
+    run, time, room = candidate.trajectory, float(reference.events[tie.event].time), tie.late + TOLD * tie.time
+    for cluster in _clusters(reference, tie.event):
+        walks = candidate.alignment.walks
+        last = {body: max((c for r, c in walks[body].pairs if r < tie.event), default=-1) for body in cluster}
+        later = (e for e in run.events if any(e.index > last.get(n, e.index) for pair in e.impulses for n in pair))
+        first = next(later, None)
+        told = f"{candidate.engine}: event {tie.event} ({', '.join(cluster)}): the first meeting of its tie"
+        should = f"where it should be {reference.events[tie.event].time.digits(DIGITS)}"
+        if first is None:
+            if run.stop.reason is StopReason.QUIET or float(run.final_time) > time + room:
+                return f"{told} is missing {should}"
+        elif (off := difference(reference.events[tie.event].time, first.time)) > room:
+            return f"{told} is at {float(first.time)!r} {should}: off by {off:.3g}, {room:.3g} is {HONEST}"
+    return None
+
+
+def _clusters(reference: Trajectory, event: int) -> list[tuple[str, ...]]:
+    """The movable circles of an event, those that contacts join together, in scene order."""
+    movable = [str(c.id) for c in reference.scene.circles if not c.fixed]
+    clusters = [{body} for body in movable if any(body in pair for pair in reference.events[event].contacts)]
+    for pair in reference.events[event].contacts:
+        joined = [each for each in clusters if each.intersection(pair)]
+        clusters = [each for each in clusters if each not in joined] + [set[str]().union(*joined)]
+    return [tuple(body for body in movable if body in each) for each in clusters]
+
+
+HONEST = "what honest errors can grow to"
+
+DIGITS = 17
+
+TOLD = 2.0**-50
+"""Times and states are told in doubles, whatever an engine counts in: a few roundings of each."""
+
+
+def latest_so_far(events: Sequence[Event]) -> list[Event]:
+    """For each event, the latest of all up to it: times may go back by rounding, and a state is left by all of them."""
+    return [*accumulate(events, lambda one, other: other if float(other.time) >= float(one.time) else one)]
+
+
+def _pairs(reference: Trajectory, candidate: Candidate) -> Iterator[Matched]:
+    """Each circle's meetings that are matched within the span, by event."""
+    total, found = len(reference.events), {}
+    for body, walked in candidate.alignment.walks.items():
+        for mine, theirs in walked.pairs:
+            if mine < total:
+                found[mine, body] = theirs
+    for (mine, body), theirs in sorted(found.items()):
+        yield Matched(body, mine, theirs)
+
+
+def _time_rooms(demand: Demand, reach: Reach | None, event: int, time: float) -> Iterator[tuple[float, str]]:
+    if demand.digits is not None and time:
+        yield 0.5 * 10.0 ** (math.floor(math.log10(time)) - demand.digits + 1), f"{demand.digits} digits"
+    yield demand.room(time), "asked for"
+    if reach is not None:
+        yield reach.time[event] + TOLD * time, HONEST
+
+
+def difference(one: Real, other: Real) -> float:
+    """How far two times are apart; doubles of their difference, not the difference of their doubles.
+
+    >>> from truebreak.scenarios import Quantity
+    >>> difference(Quantity.of("1 + 10**-40"), Quantity.of(1))
+    1e-40
+    """
+    with ball.precision(BITS):
+        return float(abs(real(one).ball(BITS) - real(other).ball(BITS)).mid())
+
+
+def digits_left(off: float, value: float) -> int:
+    """How many digits of a number are right that is off by so much.
+
+    >>> digits_left(1e-6, 12.5), digits_left(3.0, 2.0)
+    (7, 0)
+    """
+    if not off:
+        return DIGITS
+    return max(0, math.floor(math.log10(abs(value) / off / 2)) + 1) if value else 0

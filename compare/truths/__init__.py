@@ -1,1 +1,0 @@
-"""Published numbers, reproduced: `python -m truebreak.compare.truths` writes docs/truths.md."""
