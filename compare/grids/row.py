@@ -58,7 +58,7 @@ class Row:
         kind: first divergence: `different`, `missing` or `extra`.
         cause: why it diverged or stopped, by experiment; null: it agrees, or causes were not asked for.
         margin: how close the decision was in the reference: bounds of the distance.
-        error: error of the engine's places by then.
+        error: error of the engine's places by then; in a table of run time against error, its largest.
         changed: outcomes that differ from the reference's; null: not asked for, or not settled.
         until: where the engine's run ends before the span does; null: it covers all of it.
         drift: energy gained by the end of the run, as a share of that at its start.
@@ -75,8 +75,15 @@ class Row:
         right: whether what was asked for is right, and known to be.
         units: counted work of the run, in units of about a microsecond.
         steps: time steps of the run.
-        seconds: seconds of the run on the wall.
+        seconds: seconds of the run on the wall; in a table of run time against error, of the processor.
         times: processor time of the run alone over that of the reference made beside it.
+        digits: decimal digits that are right at the end; 1000 for all of them; null: it did not get there.
+        loops: processor time of the fastest run in the time of a fixed loop of Python's.
+        ratio: that over the exact engine's.
+        spread: how far the two fastest processes are apart, as a ratio; null of a single one.
+        memory: bytes of the peak while it ran, above what its process held before.
+        front: whether no other row of the scene is at once as fast and as right (Pareto's front).
+        samples: what each run, and each loop in turns with them, took on the wall and of the processor.
         work: what the reference counted, its plan.
         versions: what computed the row.
         note: a remark, such as why it was refused.
@@ -121,6 +128,13 @@ class Row:
     steps: int | None = None
     seconds: float | None = None
     times: float | None = None
+    digits: float | None = None
+    loops: float | None = None
+    ratio: float | None = None
+    spread: float | None = None
+    memory: int | None = None
+    front: bool | None = None
+    samples: dict[str, Any] | None = None
     work: dict[str, Any] | None = None
     versions: str | None = None
     note: str | None = None
@@ -134,6 +148,16 @@ class Row:
     def agrees(self) -> bool:
         """Whether it agrees, and is not known to break a law."""
         return self.verdict == "agree" and not self.lawless
+
+    @property
+    def refused(self) -> str | None:
+        """Why it was not run; None if it was."""
+        return self.note if self.verdict == "refused" else None
+
+    @property
+    def name(self) -> str:
+        """Scene and engine, in words."""
+        return f"{self.scene}, {self.engine}"
 
     @property
     def pair(self) -> tuple[str, str]:

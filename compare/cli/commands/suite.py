@@ -76,7 +76,7 @@ def suite(
     as_json: bool,
     exit_zero: bool,
 ) -> int:
-    """Compare engines with the certified runs of many scenes, in one report.
+    """Compare engines with certified runs of many scenes.
 
     With --against, it says too what changed since an earlier one.
     """

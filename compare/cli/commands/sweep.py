@@ -100,7 +100,7 @@ def sweep(
     yes: bool,
     as_json: bool,
 ) -> int:
-    """Compare engines with the certified runs of a whole family of scenes.
+    """Compare engines on a whole family of scenes.
 
     Each scene runs in a worker process; each engine only until it diverges. Rows go into the store as soon
     as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.

@@ -17,7 +17,7 @@ NAMES = (
     "shadow-1",
     "stress-2",
     "advice-2",
-    "bench-3",
+    "bench-4",
     "suite-2",
     "run-1",
     "saved-comparison-1",

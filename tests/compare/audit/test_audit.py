@@ -24,8 +24,8 @@ from truebreak.compare.audit.transcript import Transcript
 from truebreak.compare.cli.entry import main
 from truebreak.compare.foreign import Recording
 from truebreak.compare.foreign.log_engine import LogEngine
-from truebreak.compare.scene_argument import scene_from
 from truebreak.compare.grids.stress_families import drift, kick, scaled
+from truebreak.compare.scene_argument import scene_from
 from truebreak.compare.testing.check import CheckFailed, NotDecided, check
 from truebreak.exact.numbers import ball
 from truebreak.floating import DoubleEngine

@@ -19,10 +19,9 @@ import numpy as np
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.grids.family_sweep import plan, sweep
+from truebreak.compare.grids.family_sweep import csv_parts, plan, sweep
 from truebreak.compare.grids.grid import Done
 from truebreak.compare.grids.grid import carry_out as run
-from truebreak.compare.grids.grid_tables import csv_parts
 from truebreak.compare.grids.store import Store, merged
 from truebreak.scenarios import SceneError
 
