@@ -257,6 +257,11 @@ def scene_digest(label: str) -> str:
     return scene_from(SCENES[label].scene).digest
 
 
+def limit_of(scene: str) -> int | None:
+    """How many events of a scene of the survey are followed."""
+    return next((task.events for task in SCENES.values() if task.scene == scene), None)
+
+
 @lru_cache
 def warmed(name: str, max_seconds: float | None) -> None:
     """Lets an engine play a scene of two discs: it is then loaded, and what it compiles is compiled."""
