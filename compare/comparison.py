@@ -132,6 +132,8 @@ def compare(
     reference: str | Engine = "exact",
     outcomes: Mapping[str, Outcome] | None = None,
     causes: bool = True,
+    bits: bool = False,
+    sampled: bool = True,
     max_seconds: float | None = None,
     progress: OnProgress | None = None,
 ) -> Comparison:
@@ -146,6 +148,8 @@ def compare(
         reference: the engine taken as the truth.
         outcomes: further outcomes by name.
         causes: whether to find out, by further runs, why an engine diverged.
+        bits: whether to find out how many bits lead an engine to the end that cannot decide with those that it has.
+        sampled: whether to measure how far apart the runs are over the time.
         max_seconds: ends the whole comparison after about so many seconds; half of them at most are the
             reference's. What each run has by then is compared.
         progress: called now and then with how far a run is.
@@ -175,12 +179,12 @@ def compare(
     results = []
     for label, engine in chosen:
         study.share = 1 / (len(chosen) - len(results))
-        result = candidate_of(study, label, engine, found, outcomes, _noted(progress, label))
-        if math.isnan(result.separation.final):
+        result = candidate_of(study, label, engine, found, outcomes, _noted(progress, label), sampled=sampled)
+        if sampled and math.isnan(result.separation.final):
             cut.append(f"the position error of {label}")
         if causes and not watch.over:
             try:
-                result = explained(study, result, engine, _noted(progress, f"why {label}"))
+                result = explained(study, result, engine, _noted(progress, f"why {label}"), bits=bits)
                 if _in_part(result):
                     cut.append(f"part of why {label}")
             except OutOfTime:
@@ -251,8 +255,10 @@ def candidate_of(
     expected: Mapping[str, Any],
     outcomes: Mapping[str, Outcome] | None,
     progress: OnProgress | None,
+    *,
+    sampled: bool = True,
 ) -> Candidate:
-    """One engine held against the reference, without causes."""
+    """One engine compared with the reference, without causes."""
     began = clock.perf_counter()
     run, alignment, unable = run_or_unable(study, engine, progress)
     seconds = clock.perf_counter() - began
@@ -264,7 +270,8 @@ def candidate_of(
     end = min(study.span.time, float(study.reference.final_time)) or float(run.final_time)
     try:
         with time_to_read(study.watch):
-            apart = separation(study.reference, run, end, at=_measured_at(study.reference, alignment))
+            measured = _measured_at(study.reference, alignment) if sampled else []
+            apart = separation(study.reference, run, end, at=measured) if sampled else not_measured(study.reference)
     except OutOfTime:
         apart = not_measured(study.reference)
     candidate = Candidate(
@@ -339,7 +346,9 @@ def _only_error(engine: Engine, run: Trajectory, alignment: Alignment, study: St
     return all(follows_the_law(run, c, engine.bits) for c in last if c is not None)
 
 
-def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None) -> Candidate:
+def explained(
+    study: Study, candidate: Candidate, engine: Engine, progress: OnProgress | None, *, bits: bool = False
+) -> Candidate:
     """The same with causes and margin.
 
     Raises:
@@ -356,7 +365,8 @@ def explained(study: Study, candidate: Candidate, engine: Engine, progress: OnPr
         return replace(candidate, diagnosis=found, margin=margin_of(lab, found))
     if candidate.alignment.undecided:
         with time_to_read(study.watch):
-            return replace(candidate, diagnosis=diagnosis_of_stop(Stopped(study, candidate, engine, progress)))
+            found = diagnosis_of_stop(Stopped(study, candidate, engine, progress, bits))
+            return replace(candidate, diagnosis=found)
     return candidate
 
 

@@ -43,6 +43,10 @@ TEXT_WORK = 1_000_000
 """Units of work that writing out one value may take: about a second."""
 
 
+STATES_KEPT = 3
+"""Of how many numbers of bits a log keeps how far it was replayed."""
+
+
 class Formula(Protocol):
     """Computes a number from a state, in its numbers."""
 
@@ -64,23 +68,29 @@ class RunLog:
         self.steps = steps
         self.lost = lost
         self.centred = centred
-        self._key: tuple[int, int] | None = None
-        self._state: CentredState | None = None
+        self._reached: dict[int, tuple[int, CentredState]] = {}
         self._too_deep: list[frozenset[int]] = []
 
     def __getstate__(self) -> dict[str, Any]:
         """All but what is computed again at need."""
-        return {**self.__dict__, "_key": None, "_state": None, "_too_deep": []}
+        return {**self.__dict__, "_reached": {}, "_too_deep": []}
 
     def in_balls(self, bits: int, upto: int) -> CentredState:
-        """The state after the first `upto` steps, in balls computed with `bits` bits."""
-        if self._key != (bits, upto):
+        """The state after the first `upto` steps, in balls computed with `bits` bits.
+
+        A state that came less far with these bits goes on from there, so that numbers asked for in the order of the
+        run cost one replay together.
+        """
+        done, state = self._reached.pop(bits, (0, None))  # what is ended half-way is not kept
+        if state is None or done > upto:
+            done, state = 0, CentredState(self.scene, self.centred)
+        if done < upto or not done:
             ball.use_bits(bits)
-            state = CentredState(self.scene, self.centred)
-            replay(state, self.steps, range(upto))
-            self._key, self._state = (bits, upto), state
-        assert self._state is not None
-        return self._state
+            replay(state, self.steps, range(done, upto))
+        while len(self._reached) >= STATES_KEPT:
+            del self._reached[next(iter(self._reached))]
+        self._reached[bits] = upto, state
+        return state
 
     def units(self, bits: int, upto: int) -> int:
         """The work of that."""
@@ -508,12 +518,29 @@ class ExactMotion:
             return [
                 (_known(log, c.x), _known(log, c.y), _known(log, -c.vx), _known(log, -c.vy)) for c in log.scene.circles
             ]
+        at = self._within(time)
+        return [self._of_circle(i, at) for i in range(len(self.knots))]
+
+    def circle(self, i: int, time: ExactValue | QuantityLike) -> ExactRow:
+        """(x, y, vx, vy) of one circle, by its place; see `state`.
+
+        Raises:
+            ValueError: before 0 or after the end.
+        """
+        return self.state(time)[i] if self.returned and time is self.end else self._of_circle(i, self._within(time))
+
+    def _within(self, time: ExactValue | QuantityLike) -> RunTime:
+        """A time that may be asked for.
+
+        Raises:
+            ValueError: before 0 or after the end.
+        """
         at = time if isinstance(time, ExactValue) else Quantity.of(time)
         if isinstance(at, Quantity) and at.sign() < 0:
             raise ValueError(f"time {at} is before the start; ask for 0 or later")
         if at is not self.end and self._own(at) is None and self._after(at, self.end):
             raise ValueError(f"time {_shown(at)} is after the end of the run; run it for longer")
-        return [self._of_circle(i, at) for i in range(len(self.knots))]
+        return at
 
     def _own(self, time: RunTime) -> int | None:
         """The number of the instant of this run that a time is; None for any other time."""

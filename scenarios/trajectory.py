@@ -258,6 +258,20 @@ class Trajectory:
             time = Quantity.of(time)
         return self._state(time, self.motion.state(time))
 
+    def circle(self, name: str, time: str | SupportsFloat) -> CircleState:
+        """One circle of `at`, of which a motion with a method `circle(place, time)` tells without the others.
+
+        Raises:
+            ValueError: outside of that range.
+            KeyError: for an unknown name.
+        """
+        told = getattr(self.motion, "circle", None)
+        if told is None:
+            return self.at(time)[name]
+        place = {str(c.id): k for k, c in enumerate(self.scene.circles)}[name]
+        row = told(place, Quantity.of(time) if isinstance(time, str) else time)
+        return CircleState(name, *map(real, row))
+
     def after(self, event: int) -> State:
         """The state as an event leaves it, by its index; without what follows at the same time, if the motion tells."""
         time, told = self.events[event].time, getattr(self.motion, "after", None)

@@ -24,7 +24,7 @@ _HOMES = {
     "Truebreak": "plugin",
     "check": "check",
     "scenes": "strategies",
-    "truebreak_scenes": "families",
+    "truebreak_scenes": "strategies",
 }
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
 from ..foreign.guard import wider_of
 from .diagnosis import CauseName, Diagnosis, Experiment
@@ -28,6 +30,8 @@ class Stopped:
     candidate: Candidate
     engine: Engine
     progress: OnProgress | None = None
+    bits: bool = False
+    """Whether to find how many bits lead to the end."""
 
     @property
     def message(self) -> str:
@@ -58,7 +62,7 @@ class Stopped:
 def diagnosis_of_stop(stopped: Stopped) -> Diagnosis:
     """Why a candidate stopped: what it refuses, its budget, its width, or a zero that no width decides."""
     rows: list[Experiment] = []
-    for tried in (unable, budget, width, tied, zero):
+    for tried in (unable, budget, tied, width, zero):
         rows += tried(stopped)
         if rows and rows[-1].suffices:
             return Diagnosis((rows[-1].cause,), tuple(rows), rows[-1].result)
@@ -82,11 +86,11 @@ def budget(stopped: Stopped) -> list[Experiment]:
 
 
 def tied(stopped: Stopped) -> list[Experiment]:
-    """Whether several contacts fall on the exact instant at which it stopped, which no enclosure separates."""
+    """Whether several contacts fall on the exact instant at which it stopped: no width is tried at a proved tie."""
     events, event = stopped.reference.events, stopped.event
     if not stopped.widens or event >= len(events) or len(events[event].contacts) < 2:
         return []
-    told = f"several contacts fall on exactly one instant, event {event}: no enclosure can tell"
+    told = f"several contacts fall on exactly one instant, event {event}: no enclosure of any width tells them apart"
     return [Experiment(CauseName["TIE"], told, None, True)]
 
 
@@ -98,106 +102,98 @@ def zero(stopped: Stopped) -> list[Experiment]:
     return [Experiment(CauseName["ZERO"], f"exactly zero: {found}; no enclosure can tell", None, True)]
 
 
-# -- the width of enclosures: how many bits would have been enough, found by running
+# -- the width of enclosures: what wider numbers decide, found by running
 
-MOST_WORK = 1 << 20
-"""Bits times events that one try may take: at 1,000 events, numbers of 1,000 bits, some seconds of intervals."""
+WORK = 8
+"""Runs as long as the engine's own that the bits may be doubled for, counted in events times the length of numbers."""
+LEAST_WORK = 64
+"""The same in events, where its own run is short."""
+SHORT_BITS = 512
+"""Bits up to which an operation costs about the same, whatever their number."""
+SPARE_BITS = 48
+"""Bits more than those that were lost by the end: the last decisions need some, and one more run confirms them."""
 
 
 def width(stopped: Stopped) -> list[Experiment]:
-    """Whether more bits go on past the stop, and how many."""
+    """Whether more bits go on past the stop, at which no two contacts fall on one instant; how many, where asked."""
     if not stopped.widens:
         return []
-    study, progress = stopped.study, stopped.progress
-    found = bits_past(study, stopped.engine, stopped.event, progress)
-    if found.engine is None:
-        return [Experiment(CauseName["WIDTH"], f"with {found.short} bits it stops there too", None, False)]
-    past = f"with {found.bits} bits it goes on past event {stopped.event}, with {found.short} it does not"
-    told = f"{past}; {_through(study, found.engine, progress)}"
+    own, event = stopped.engine, stopped.event
+    allowed = max(WORK * (event + 1), LEAST_WORK)
+    past = _doubled(stopped, stopped.study.until_event(event), lambda run: len(run.events) > event, allowed)
+    if past.enough is None:
+        return [Experiment(CauseName["WIDTH"], f"with {past.short} bits it stops there too", None, False)]
+    told = f"with {past.enough.bits} bits it goes on past event {event}, with {past.short} it does not"
+    if stopped.bits:
+        told = f"{told}; {_to_the_end(stopped)}"
+    elif own.bits is not None:
+        told = f"{told}; --bits finds how many lead to the end"
     return [Experiment(CauseName["WIDTH"], told, None, True)]
 
 
 @dataclass(frozen=True)
-class Fewest:
-    """What the runs of one engine with more and fewer bits showed.
+class Widened:
+    """What the runs of one engine with ever more bits showed.
 
     Attributes:
-        bits: the fewest that were seen to do; None if none was.
-        short: the most that were seen not to do: one bit less, where the engine can be built with any number; None if
-            the engine as it is does.
-        engine: the engine with `bits`.
+        enough: the first that does what is asked, with its run; None if none of those that were tried does.
+        short: the most bits that were seen not to do.
     """
 
-    bits: int | None
     short: int | None
-    engine: Engine | None = None
+    enough: Engine | None = None
+    run: Trajectory | None = None
 
 
-def bits_past(study: Study, engine: Engine, event: int, progress: OnProgress | None = None) -> Fewest:
-    """The fewest bits with which an engine goes on past so many events."""
-    until = study.until_event(event)
-
-    def does(chosen: Engine) -> bool:
-        run = study.whole_run(chosen, study.scene, until, progress)
-        return len(run.events) > event or run.stop.reason is not StopReason.UNDECIDED
-
-    return _fewest(engine, does, event + 1)
-
-
-def bits_through(study: Study, engine: Engine, progress: OnProgress | None = None) -> Fewest:
-    """The fewest bits, from its own on, with which an engine decides all that the reference has inside the span."""
-
-    def does(chosen: Engine) -> bool:
-        run = study.whole_run(chosen, study.scene, study.span.time, progress)
-        return run.stop.reason is not StopReason.UNDECIDED
-
-    return _fewest(engine, does, len(study.reference.events) + 1)
-
-
-def _fewest(engine: Engine, does: Callable[[Engine], bool], work: int) -> Fewest:
-    """Found by doubling and halving, so that both bounds are runs.
+def _doubled(stopped: Stopped, until: float, does: Callable[[Trajectory], bool], allowed: float) -> Widened:
+    """Doubles the bits until a run does what is asked, or the work is done that is allowed.
 
     Args:
-        does: whether an engine's run decides what is asked.
-        work: what one run takes, times bits.
+        does: whether a run that is undecided does what is asked; one that is not does.
+        allowed: events, of numbers of up to `SHORT_BITS` bits.
     """
-    if engine.bits is None or does(engine):
-        return Fewest(engine.bits, None, engine)
-    low, chosen = engine.bits, wider_of(engine)
-    while True:
-        if chosen is None or chosen.bits is None or chosen.bits * work > MOST_WORK:
-            return Fewest(None, low)
-        if does(chosen):
+    short, chosen = stopped.engine.bits, wider_of(stopped.engine)
+    while chosen is not None and chosen.bits is not None:
+        run = stopped.study.whole_run(chosen, stopped.study.scene, until, stopped.progress)
+        if run.stop.reason is not StopReason.UNDECIDED or does(run):
+            return Widened(short, chosen, run)
+        allowed -= (len(run.events) + 1) * (1 + chosen.bits / SHORT_BITS)
+        short = chosen.bits
+        if allowed <= 0:
             break
-        low, chosen = chosen.bits, wider_of(chosen)
-    high, enough = chosen.bits, chosen
-    while high - low > 1:
-        middle = (low + high) // 2
+        chosen = wider_of(chosen)
+    return Widened(short)
+
+
+def _to_the_end(stopped: Stopped) -> str:
+    """How many bits decide all that the reference has inside the span, in words.
+
+    One run that is wide enough says how many of its bits are lost by the end; one more, with those that are not, and
+    some to spare, confirms it.
+    """
+    end = stopped.study.span.time
+    wide = _doubled(stopped, end, lambda run: False, math.inf)
+    if wide.enough is None or wide.run is None or wide.enough.bits is None:
+        return f"with {wide.short} it does not come to the end"
+    bits = _bits_lost(wide.run, wide.enough.bits) + SPARE_BITS
+    if (wide.short or 0) < bits < wide.enough.bits:
         try:
-            between = _with_bits(engine, middle)
-        except (TypeError, SceneError):
-            break
-        if does(between):
-            high, enough = middle, between
-        else:
-            low = middle
-    return Fewest(high, low, enough)
+            fewer = dataclasses.replace(cast("Any", wide.enough), bits=bits)
+        except (TypeError, SceneError):  # it is made with other numbers of bits only
+            fewer = wide.enough
+        run = stopped.study.whole_run(fewer, stopped.study.scene, end, stopped.progress)
+        if run.stop.reason is not StopReason.UNDECIDED:
+            return f"with {bits} it comes to the end, of which {bits - SPARE_BITS} are lost by then"
+    return f"with {wide.enough.bits} it comes to the end, with {wide.short} it does not"
 
 
-def _through(study: Study, engine: Engine, progress: OnProgress | None) -> str:
-    """With how many bits an engine that goes on past its stop comes to the end, in words."""
-    found = bits_through(study, engine, progress)
-    if found.bits is None:
-        return f"with {found.short} it does not come to the end"
-    if found.short is None:
-        return f"with {found.bits} it comes to the end too"
-    return f"with {found.bits} it comes to the end, with {found.short} it does not"
-
-
-def _with_bits(engine: Any, bits: int) -> Engine:
-    """The same engine with so many bits.
-
-    Raises:
-        TypeError, SceneError: if it cannot be built so.
-    """
-    return dataclasses.replace(engine, bits=bits)
+def _bits_lost(run: Trajectory, bits: int) -> int:
+    """How many of its bits the places and velocities of a run's end have lost, beside the largest of each."""
+    circles, lost = run.final.circles, 0.0
+    for pair in ("x", "y"), ("vx", "vy"):
+        balls = [real(getattr(circle, name)).ball(bits) for circle in circles for name in pair]
+        size = max((abs(float(ball.mid())) for ball in balls), default=0.0)
+        radius = max((float(ball.rad()) for ball in balls), default=0.0)
+        if size and radius:
+            lost = max(lost, bits + math.log2(radius) - math.log2(size))
+    return math.ceil(lost)

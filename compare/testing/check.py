@@ -34,7 +34,7 @@ from ..study import Study
 from ..validation import check_engine, check_trajectory, unsupported
 from .errors_grown import LocalError, local_error
 from .own_order import permission
-from .reach import MOST_CIRCLES, Demand, OutOfReach, Reach, number_off, reach_of, tie_off
+from .reach import MOST_CIRCLES, Demand, ErrorWalk, OutOfReach, Reach, number_off, tie_off
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -474,19 +474,24 @@ class _Case:
         most = self.scene.events or (DEFAULT_EVENTS if self.scene.until is None else None)
         until = min(filter(None, (self._log_end, self.scene.until and float(self.scene.until))), default=None)
         until = self.scene.until if until is None or until != self._log_end else until
+        walk: ErrorWalk | None = None
         for size in (FIRST, THEN, None):
             count = most if size is None else min(size, most or size)
             run = self.truth.run(self.scene, until=until, events=count)
             if run.stop.reason in UNKNOWING:
                 raise NotDecided(f"{self.where}: the true run itself stopped: {run.stop.message}")
             local = local_error(self.engine, run, bits)
-            reach = reach_of(run, local)
+            if walk is None or not walk.goes_on(run, local):
+                walk = ErrorWalk(run, local)
+            reach = walk.walked()
             if reach.limit is not None or run.stop.reason is not StopReason.EVENTS or count == most:
                 return run, local, reach
         raise AssertionError("unreachable")
 
     def _compared(self, **limits: Any) -> Comparison:
-        return compare(self.scene, [self.name if self.asked else self.engine], reference=self.truth, **limits)
+        return compare(
+            self.scene, [self.name if self.asked else self.engine], reference=self.truth, sampled=False, **limits
+        )
 
     def _same_history(self, comparison: Comparison, reach: Reach | None, local: LocalError | None = None) -> None:
         (candidate,) = comparison.candidates

@@ -251,6 +251,7 @@ class GrownErrors:
         self.count = len(scene.circles)
         start = np.array([[float(c.x), float(c.y), float(c.vx), float(c.vy)] for c in scene.circles])
         self.position, self.velocity = start[:, :2].copy(), start[:, 2:].copy()
+        self._left, self._after, self._read = start[:, :2].copy(), start.copy(), -1
         self.radii = np.array([float(c.r) for c in scene.circles])
         self.weights = np.array([float(c.inverse_mass) for c in scene.circles])
         self.since = np.zeros(self.count)
@@ -261,11 +262,29 @@ class GrownErrors:
         self._carried = Displacements(scene, np.diag(movable).reshape(len(self._row), 4, -1))
         self._rounds = _rounds(run)
 
+    def take(self, run: Trajectory) -> None:
+        """Goes on along a longer run, whose beginning is the one so far."""
+        self.run, self._rounds = run, _rounds(run)
+
+    def _read_off(self, index: int) -> NDArray[np.float64]:
+        """Shape (circles, 4): all circles as an event leaves them; those that met nothing in it fly on in doubles."""
+        if self._read != index:
+            event = self.run.events[index]
+            met = {k for contact in event.contacts for name in contact if (k := self.places[name]) < self.count}
+            time = float(event.time)
+            self._after[:, :2] = self._left + (time - self.since)[:, None] * self.velocity
+            self._after[:, 2:] = self.velocity
+            for k in met:
+                c = self.run.circle(self.run.scene.ids[k], event.time)
+                self._after[k] = float(c.x), float(c.y), float(c.vx), float(c.vy)
+            self._read = index
+        return self._after
+
     def come_to(self, index: int) -> None:
         """Adds what flying to an event and predicting it may cost; positions are those at the event from then on."""
         event = self.run.events[index]
-        state, time = self.run.after(index).array(), float(event.time)
-        self.position = state[:, :2]
+        state, time = self._read_off(index), float(event.time)
+        self.position = state[:, :2].copy()
         for contact in event.contacts:
             size = self.local.unit * self._size(contact, time)
             for k in self.movers(contact):
@@ -280,7 +299,8 @@ class GrownErrors:
         if index >= len(self._rounds):
             raise NoTangentMap(f"event {index} has no tangent map", index)
         event, struck = self.run.events[index], self._rounds[index]
-        after = self.run.after(index).array()[:, 2:]
+        state = self._read_off(index)
+        after = state[:, 2:]
         meeting = [math.hypot(float(hit.vx), float(hit.vy)) for together in struck for hit in together]
         speeds = np.maximum(np.hypot(*self.velocity.T), np.hypot(*after.T))
         speeds = np.maximum(speeds, max(meeting, default=0.0)) if self.in_rounds else speeds
@@ -291,7 +311,7 @@ class GrownErrors:
                 rounding = self.local.unit * float(speeds[k])
                 self._add(k, np.array([[0.0, 0.0, rounding, 0.0], [0.0, 0.0, 0.0, rounding]]))
         for k in [k for contact in event.contacts for k in self.movers(contact)]:
-            self.velocity[k], self.since[k] = after[k], float(event.time)
+            self.velocity[k], self.since[k], self._left[k] = after[k], float(event.time), state[k, :2]
 
     def _through(self, struck: Sequence[Impact], index: int) -> None:
         """Carries all errors through a round; contacts that share a circle push together, some later than others."""

@@ -218,11 +218,16 @@ def reach_of(run: Trajectory, local: LocalError, in_rounds: bool = False) -> Rea
         in_rounds: whether the engine takes the contacts of each instant in the rounds in which the run has them, so
             that no tie is a decision, and errors are carried through it.
     """
-    return _Walk(run, local, in_rounds).walked()
+    return ErrorWalk(run, local, in_rounds).walked()
 
 
-class _Walk:
-    def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool) -> None:
+class ErrorWalk:
+    """Errors carried along a run, event by event; it goes on where a longer run of the same scene is at hand.
+
+    Args: see `reach_of`.
+    """
+
+    def __init__(self, run: Trajectory, local: LocalError, in_rounds: bool = False) -> None:
         self.run, self.local = run, local
         self.grown = GrownErrors(run, local, in_rounds)
         self.names = run.scene.ids
@@ -231,10 +236,20 @@ class _Walk:
         self.near = Nearby(self.grown)
         self.found = Reach(0, None, 0, [], [], [])
         self.linear: int | None = None
+        self.done = 0
+
+    def goes_on(self, run: Trajectory, local: LocalError) -> bool:
+        """Whether what is done is the beginning of a longer run's walk; if so, that run is taken on."""
+        if local != self.local or self.done != len(self.run.events):
+            return False
+        self.run, self.reader = run, RunReader(run)
+        self.grown.take(run)
+        return True
 
     def walked(self) -> Reach:
+        """How far the history is required: see `reach_of`."""
         run = self.run
-        for index, event in enumerate(run.events):
+        for index, event in enumerate(run.events[self.done :], start=self.done):
             limit = self._hindrance(index) or self._decided(index)
             if limit is None:
                 late = self._lateness(index)
@@ -249,6 +264,7 @@ class _Walk:
             else:
                 return self._ended(index, limit)
             self.last |= dict.fromkeys((name for pair in event.contacts for name in pair), index)
+            self.done = index + 1
         return self._ended(len(run.events), self._after_the_last())
 
     def _ended(self, events: int, limit: OutOfReach | None) -> Reach:
@@ -539,7 +555,7 @@ def number_off(
         if not places:
             continue
         then = latest[pair.theirs].time
-        true, told = reference.at(event.time)[pair.body], run.at(then)[pair.body]
+        true, told = reference.circle(pair.body, event.time), run.circle(pair.body, then)
         lag = float(then) - time
         apart = math.hypot(
             float(told.x) - lag * float(told.vx) - float(true.x), float(told.y) - lag * float(told.vy) - float(true.y)

@@ -13,8 +13,10 @@ import pytest
 from truebreak.compare import compare, engine
 from truebreak.compare.alignment.instants import Kind
 from truebreak.compare.candidate import Candidate
+from truebreak.compare.causes import stops
 from truebreak.compare.causes.diagnosis import CauseName
 from truebreak.compare.cli.progress import of_comparison
+from truebreak.compare.foreign.guard import wider_of
 from truebreak.compare.report.sentences import margin_phrase, proof_phrase, verdict_sentence
 from truebreak.floating import PymunkEngine
 from truebreak.scenarios import Circle, Scene, StopReason, catalogue
@@ -220,16 +222,38 @@ def test_a_near_tie_is_no_tie() -> None:
 
 def test_a_width_that_suffices_is_found() -> None:
     scene = catalogue.build("near-tie:k=40")
-    found = one(scene, "interval", causes=True)
+    found = compare(scene, ["interval"], bits=True).candidates[0]
     assert found.diagnosis is not None
     assert found.diagnosis.name is CauseName.WIDTH
     told = found.diagnosis.finding
-    assert "with 136 bits it goes on past event 0, with 135 it does not" in told
-    assert "with 139 it comes to the end, with 138 it does not" in told
-    runs = {bits: engine(f"interval:bits={bits}").run(scene) for bits in (135, 136, 138, 139, 163)}
-    assert [len(run.events) >= 1 for run in runs.values()] == [False, True, True, True, True]
-    quiet = [run.stop.reason is StopReason.QUIET for run in runs.values()]
-    assert quiet == [False, False, False, True, True]
+    assert "with 212 bits it goes on past event 0, with 106 it does not" in told
+    assert "with 212 it comes to the end, with 106 it does not" in told
+    reasons = {bits: engine(f"interval:bits={bits}").run(scene).stop.reason for bits in (106, 212)}
+    assert reasons == {106: StopReason.UNDECIDED, 212: StopReason.QUIET}
+
+
+def test_how_many_bits_lead_to_the_end_is_read_off_a_wide_run_and_confirmed_by_another() -> None:
+    scene = catalogue.build("gas")
+    asked = compare(scene, ["interval"], bits=True, events=150).candidates[0]
+    assert asked.diagnosis is not None
+    match = re.search(r"with (\d+) it comes to the end, of which (\d+) are lost by then", asked.diagnosis.finding)
+    assert match is not None, asked.diagnosis.finding
+    enough, lost = int(match[1]), int(match[2])
+    ends = {bits: engine(f"interval:bits={bits}").run(scene, events=150).stop for bits in (enough, lost - 24)}
+    assert ends[enough].reason is not StopReason.UNDECIDED
+    assert ends[lost - 24].reason is StopReason.UNDECIDED
+    plain = compare(scene, ["interval"], events=150).candidates[0]
+    assert plain.diagnosis is not None
+    assert "--bits finds how many lead to the end" in plain.diagnosis.finding
+
+
+def test_no_width_is_tried_at_a_proved_tie(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[object] = []
+    monkeypatch.setattr(stops, "wider_of", lambda engine: tried.append(engine) or wider_of(engine))
+    found = compare(catalogue.build("rack:rows=3"), ["interval"]).candidates[0]
+    assert found.diagnosis is not None
+    assert found.diagnosis.name is CauseName.TIE
+    assert len(tried) == 1  # whether there is a wider one at all
 
 
 def test_input_and_arithmetic_are_told_by_their_displacements() -> None:

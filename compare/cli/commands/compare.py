@@ -16,8 +16,11 @@ from ..progress import DONE, of_comparison
 )
 @held_against
 @a_file("--save", help="Also save the comparison with its runs, for `truebreak.load_comparison`.")
+@click.option(
+    "--bits", is_flag=True, help="Find how many bits lead to the end where enclosures are too wide to decide."
+)
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 even if engines diverged or are undecided.")
-def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_zero: bool) -> int:
+def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits: bool, exit_zero: bool) -> int:
     """Run a scene in several engines: do they tell the same history?
 
     With --max-seconds the whole comparison ends after about S seconds, of which the reference may take half; what
@@ -46,6 +49,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, exit_
             until=held.until,
             events=held.events,
             reference=held.engine(),
+            bits=bits,
             max_seconds=held.max_seconds,
             progress=progress,
         )
