@@ -352,8 +352,8 @@ def adjustable(name: str) -> bool:
 
 
 def advised(task: Task, name: str) -> tuple[str | None, str]:
-    """The cheapest setting with which an engine tells the whole history of a task, and of scenes beside it, and what it
-    costs; None, and why there is none."""
+    """The cheapest setting with which an engine reproduces the whole history of a task, and of scenes beside it, and
+    what it costs; None, and why there is none."""
     try:
         goal = HistoryGoal(task.events)
         found = advise(scene_from(task.scene), goal, name, perturbed=PERTURBED, budget=BUDGET, why=False)

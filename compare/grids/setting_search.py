@@ -89,7 +89,7 @@ class Instance:
 
 @dataclass(frozen=True)
 class Tried:
-    """One setting, held against the certified run of some of the scenes.
+    """One setting, compared with the certified run of some of the scenes.
 
     Attributes:
         setting: the setting.
@@ -127,7 +127,7 @@ class Advice:
     Attributes:
         scene, goal, engine: what was asked.
         size, perturbed: of the changes of velocities; the seeds of the scenes beside this one.
-        left_out: seeds of those whose certified run is not decided, so that nothing can be held against it.
+        left_out: seeds of those whose certified run is not decided, so that nothing can be compared with it.
         budget, spent: units of work.
         tried: every setting that was tried, cheapest first, up to the one that is right.
         end: how the search ended.
@@ -345,7 +345,7 @@ class _Search:
         first: int | None = None
         hopeless = self._hopeless(rungs)
         for setting in rungs:
-            if hopeless and self.spent + setting.work > ENOUGH:
+            if hopeless and self.spent + setting.work > ENOUGH and self._far_off(tried):
                 return self._none(tried, End.HOPELESS, setting)
             try:
                 told = self._try(setting, first)
@@ -368,6 +368,12 @@ class _Search:
         unit = self.home.needed(finest, HIGH)
         return unit is not None and math.log2(finest.step) > unit + MARGIN
 
+    def _far_off(self, tried: list[Tried]) -> bool:
+        """Whether none of those tried agrees on half of the history: a prediction supposes that errors go with the
+        step, and an engine of higher order comes farther than that."""
+        agreed = [judged.agreed or 0 for one in tried for judged in one.judged.values()]
+        return 2 * max(agreed, default=0) < len(self.home.study.reference.events)
+
     def _end_of(self, rungs: tuple[Setting, ...]) -> End:
         """Whether the ladder goes on beyond the budget."""
         more = ladder(self.engine, RunSize.of(self.home.study.reference), max(4 * self.budget, FAR))
@@ -377,7 +383,7 @@ class _Search:
         """Holds a setting against the scene itself, then against the one on which the last was wrong, then the others.
 
         Args:
-            whole: what is known of it; it is then held against all the others, and not only up to the first failure.
+            whole: what is known of it; it is then compared with all the others, and not only up to the first failure.
 
         Raises:
             _Spent: if the budget does not suffice.
@@ -404,7 +410,7 @@ class _Search:
         return self.goal.judge(near.study, setting.text, setting.engine)
 
     def _pay(self, engine: Engine, steps: int) -> None:
-        """Counts a run at a finer step, by which it is told whether an instant of several contacts is the same.
+        """Counts a run at a finer step, which shows whether an instant of several contacts is the same.
 
         Raises:
             _Spent: if the budget does not suffice.
@@ -518,7 +524,7 @@ def _reach(study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> str 
 
 
 def _needed(near: Instance, setting: Setting) -> str | None:
-    """The step, or the bits, with which half of such runs keep the whole history, foreseen from the certified run."""
+    """The step, or the bits, with which half of such runs keep the whole history, predicted from the certified run."""
     declared, reference = model_of(setting.engine), near.study.reference
     unit = near.needed(setting.engine, MIDDLE)
     if unit is None or declared is None or unit >= declared[1]:

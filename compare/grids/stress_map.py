@@ -75,11 +75,11 @@ SIGNS = {
         "right: the certified history, every meeting of it, and its outcomes; no law known to be broken",
     ),
     MapMark.WRONG: ("X", "wrong: another history, an outcome changed, or a law not kept"),
-    MapMark.UNSETTLED: ("~", "not settled: the runs at hand do not tell"),
+    MapMark.UNSETTLED: ("~", "not settled: the runs at hand do not decide"),
     MapMark.UNDECIDED: ("?", "undecided: it stopped, not knowing, or its counted steps were spent"),
     MapMark.REFUSED: ("-", "refused: it does not take the scene"),
     MapMark.FAILED: ("#", "failed: it ended with an error of its own, and no answer"),
-    MapMark.UNCHECKED: ("!", "unchecked: decided, but the independent checker does not tell"),
+    MapMark.UNCHECKED: ("!", "unchecked: decided, but the independent checker does not say so"),
 }
 
 MARKS = {
@@ -97,7 +97,7 @@ VERIFIED, REFUTED, NOT_DECIDED = 0, 1, 4
 """Exit codes of the checker."""
 
 MOST_TIMES = 16
-"""By how much more bits a certificate is checked, where its own do not tell."""
+"""By how much more bits a certificate is checked, where its own do not decide."""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from truebreak.compare.grids.scene_family import nudged
 from truebreak.compare.grids.setting_ladder import RunSize, ladder
 from truebreak.compare.grids.setting_search import DEFAULT_BUDGET, ENOUGH, Advice, End, advise
 from truebreak.exact import ExactEngine
-from truebreak.floating import PymunkEngine
+from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.files import load_scene
 from truebreak.scenarios.trajectory import Stop, StopReason, Trajectory
@@ -376,3 +376,23 @@ def test_a_wrong_prediction_would_be_seen() -> None:
         again = advise(drawn(seed), HistoryGoal(5), perturbed=1, budget=DEFAULT_BUDGET)
         assert told.end is again.end is End.FOUND
         assert [tried.setting.text for tried in told.tried] == [tried.setting.text for tried in again.tried]
+
+
+class Sharp(PymunkEngine):
+    """An engine of steps whose errors are no larger than those of doubles, whatever its step: of very high order."""
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        told = DoubleEngine().run(scene, **limits)
+        return replace(told, engine=self.name)
+
+
+def test_an_engine_of_high_order_is_not_held_for_hopeless(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By its step it is predicted to be wrong; how far it comes says otherwise, and it is run on."""
+    scene = catalogue.build("gas:n=4").with_changes(events=120)
+    whole = len(ExactEngine().run(scene).events)
+    assert whole == 120
+    monkeypatch.setattr(PymunkEngine, "run", Sharp.run)
+    found = advise(scene, HistoryGoal(), "pymunk:dt=1/64,iterations=1", perturbed=0, why=False)
+    agreed = max(judged.agreed or 0 for one in found.tried for judged in one.judged.values())
+    assert 60 <= agreed < whole, "doubles diverge on the way"
+    assert found.end is not End.HOPELESS
