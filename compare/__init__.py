@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from .alignment.instants import Divergence
     from .candidate import Candidate
     from .comparison import Comparison, compare
-    from .documents.comparison import comparison_json
-    from .documents.trajectory import trajectory_json
     from .engines import ENGINES, engine
+    from .files.documents import comparison_json, trajectory_json
     from .outcomes.outcome import OUTCOMES, Outcome
     from .reduction.minimise import minimise
     from .reduction.smallest import Smallest
@@ -52,11 +51,11 @@ _HOMES = {
     "Outcome": "outcomes.outcome",
     "Smallest": "reduction.smallest",
     "compare": "comparison",
-    "comparison_json": "documents.comparison",
+    "comparison_json": "files.documents",
     "engine": "engines",
     "html_report": "report.html",
     "minimise": "reduction.minimise",
-    "trajectory_json": "documents.trajectory",
+    "trajectory_json": "files.documents",
 }
 """The module of each name: imported when it is asked for, so that `truebreak --help` loads no engine."""
 

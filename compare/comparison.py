@@ -354,8 +354,7 @@ def explained(
     Raises:
         OutOfTime: if the user's seconds are over before anything was tried.
     """
-    from .causes.laboratory import Laboratory, diagnosis_of
-    from .causes.margin import margin_of
+    from .causes.laboratory import Laboratory, diagnosis_of, margin_of
     from .causes.stops import Stopped, diagnosis_of_stop
 
     if candidate.alignment.divergence is not None:

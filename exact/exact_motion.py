@@ -11,7 +11,16 @@ from flint import arb, fmpq
 
 from ..scenarios.lazy import frozen, kept
 from ..scenarios.numbers.nested_roots import Tower
-from ..scenarios.numbers.precision import BITS_PER_DIGIT, bounds_of, certain_double, decimals_of, nearest_double
+from ..scenarios.numbers.precision import (
+    BITS_PER_DIGIT,
+    MOST_BITS,
+    MOST_DIGITS,
+    asked,
+    bounds_of,
+    certain_double,
+    decimals_of,
+    nearest_double,
+)
 from ..scenarios.numbers.quantity import Quantity, QuantityLike
 from ..scenarios.numbers.tower_element import Element
 from ..scenarios.numbers.tower_ring import TowerLimit
@@ -20,6 +29,7 @@ from ..scenarios.work import Work
 from .laws.formulas import advance
 from .numbers import ball
 from .numbers.ball import Known, NestedNumbers, known_ball, reduced
+from .numbers.double_pairs import advanced_pairs, pair_of
 from .numbers.system import N, Undecided, number_system
 from .replay.centred_state import CentredState
 from .replay.contact import Link
@@ -127,9 +137,6 @@ class RunLog:
 
 copyreg.pickle(arb, reduced)
 
-GUARD_BITS = 32
-"""Bits asked for beyond the digits wanted."""
-
 LEAST_BITS = 320
 """Bits computed at the least: most numbers asked for one after another then come of one replay."""
 
@@ -174,10 +181,12 @@ class ExactValue:
         """An enclosure accurate to about `bits` bits, relatively (absolutely, for a value that may be zero).
 
         Raises:
+            SceneError: for bits that are no whole number from 1 to `MOST_BITS`.
             Undecided: where counted work does not suffice for that.
         """
+        bits = asked("ball", bits, MOST_BITS)
         if isinstance(self.near, fmpq):
-            with ball.precision(bits + GUARD_BITS):
+            with ball.precision(bits + ball.GUARD_BITS):
                 return arb(self.near)
         if isinstance(self.near, Element):
             return self.near.ball(bits)
@@ -192,7 +201,7 @@ class ExactValue:
             Undecided: once that has cost all the work that it may.
         """
         log, upto = self.log, self.upto
-        working = log.lost + max(bits + GUARD_BITS, LEAST_BITS)
+        working = log.lost + max(bits + ball.GUARD_BITS, LEAST_BITS)
         allowed = VALUE_WORK + MORE_WORK * log.units(working, upto)
         with ball.precision(working):
             while True:
@@ -248,6 +257,7 @@ class ExactValue:
         "0" is told of what is proved to be zero alone.
 
         Raises:
+            SceneError: for a count that is no whole number from 1 to `MOST_DIGITS`.
             Undecided: where a number beyond all bits that counted work allows for is not proved to be zero.
 
         >>> from truebreak.exact import ExactEngine
@@ -256,12 +266,12 @@ class ExactValue:
         >>> ExactEngine().run(scene).events[0].time.digits(30)
         '2.26794919243112270647255365849'
         """
-        near = self.near
+        count, near = asked("digits", count, MOST_DIGITS), self.near
         if isinstance(near, fmpq):
-            return _fraction_in_decimals(near, count)
+            return ball.fraction_in_decimals(near, count)
         if isinstance(near, Element):
-            return _element_in_decimals(near, count)
-        bits = int(count * BITS_PER_DIGIT) + 2 * GUARD_BITS
+            return ball.element_in_decimals(near, count)
+        bits = int(count * BITS_PER_DIGIT) + 2 * ball.GUARD_BITS
         told = decimals_of(near, count)
         if told is None:
             told = decimals_of(
@@ -276,7 +286,7 @@ class ExactValue:
         if told is None:
             exact = self.exact()
             if exact is not None:
-                return _element_in_decimals(exact, count)
+                return ball.element_in_decimals(exact, count)
             told = decimals_of(self._sharpened(2 * bits, lambda value: decimals_of(value, count) is not None), count)
             assert told is not None
         return told
@@ -344,26 +354,6 @@ def _is_faint(value: arb, bits: int) -> bool:
 def _is_double(value: arb) -> bool:
     """Whether the nearest double is told."""
     return certain_double(value) is not None
-
-
-def _element_in_decimals(value: Element, count: int) -> str:
-    """A number in nested roots in decimals."""
-    fraction, bits = value.fraction(), int(count * BITS_PER_DIGIT) + GUARD_BITS
-    if fraction is not None:
-        return _fraction_in_decimals(fraction, count)
-    while (told := decimals_of(value.ball(bits), count)) is None:  # it is irrational, so no rounding is a tie
-        bits *= 2
-    return told
-
-
-def _fraction_in_decimals(value: fmpq, count: int) -> str:
-    """A fraction in decimals; half a unit of the last is rounded away from zero."""
-    if value.q == 1 and len(str(value.p)) <= count:
-        return str(value.p)
-    with ball.precision(int(count * BITS_PER_DIGIT) + 2 * GUARD_BITS + value.height_bits()):
-        near = arb(value)
-        told = decimals_of(near, count)
-        return told or (near.upper() if value > 0 else near.lower()).str(count, radius=False)
 
 
 # -- The times of a run, each with the formula that computes it again from the log.
@@ -613,7 +603,7 @@ class ExactMotion:
             bodies = (i,)
             near_time = time.rational if time.rational is not None else time.ball(READ_BITS)
 
-        near_x, near_y = _near(x, vx, near_time, t), _near(y, vy, near_time, t)
+        near_x, near_y = ball.flown(x, vx, near_time, t, READ_BITS), ball.flown(y, vy, near_time, t, READ_BITS)
         make = ExactValue
         return (
             make(self.log, upto, bodies, Place(i, 0, time), near_x),
@@ -623,18 +613,48 @@ class ExactMotion:
         )
 
     def sample(self, times: Sequence[float]) -> NDArray[np.float64]:
-        """Shape (times, circles, 4), as doubles; times within the run, ascending."""
+        """Shape (times, circles, 4), as doubles; times within the run, ascending.
+
+        Computed in pairs of doubles, good to some 100 bits; where numbers are too large or small for that, in balls.
+        """
         import numpy as np
 
-        result = np.empty((len(times), len(self.knots), 4))
-        for row, time in enumerate(times):
-            exact, at = Quantity.of(float(time)), fmpq(*float(time).as_integer_ratio())
-            for i in range(len(self.knots)):
-                t, x, y, vx, vy, *_ = self.knots[i][self._knot(i, exact)]
-                values = (_near(x, vx, at, t), _near(y, vy, at, t), vx, vy)
-                result[row, i] = [_double(value) for value in values]
+        at = np.asarray(times, dtype=np.float64)
+        result = np.empty((len(at), len(self.knots), 4))
+        for i in range(len(self.knots)):
+            used, which = np.unique(self._knots_at(i, at), return_inverse=True)
+            pairs = np.array([self._pairs(i, int(k)) for k in used]).reshape(len(used), 5, 2)
+            sizes = np.abs(pairs[:, :, 0])
+            if np.all((sizes == 0) | ((sizes > SMALL) & (sizes < 1 / SMALL))):
+                t, x, y, vx, vy = np.moveaxis(pairs[which], 1, 0)
+                result[:, i, 0], result[:, i, 1] = advanced_pairs(x, vx, t, at), advanced_pairs(y, vy, t, at)
+                result[:, i, 2], result[:, i, 3] = vx[:, 0], vy[:, 0]
+            else:
+                for row, time in enumerate(times):
+                    t, x, y, vx, vy, *_ = self.knots[i][int(used[which[row]])]
+                    then = fmpq(*float(time).as_integer_ratio())
+                    near = (ball.flown(x, vx, then, t, READ_BITS), ball.flown(y, vy, then, t, READ_BITS), vx, vy)
+                    result[row, i] = [_double(value) for value in near]
         return result
 
+    def _knots_at(self, i: int, times: NDArray[np.float64]) -> NDArray[np.int64]:
+        """`_knot` of a circle for many times: only those that are beside an event's need more than doubles."""
+        import numpy as np
+
+        rough, room = np.array(self._rough[i]), np.abs(times) * 2.0**-50
+        found = np.maximum(np.searchsorted(rough, times + room, side="right") - 1, 0)
+        least = np.maximum(np.searchsorted(rough, times - room, side="left") - 1, 0)
+        for row in np.nonzero(found != least)[0]:
+            found[row] = self._knot(i, Quantity.of(float(times[row])))
+        return found
+
+    def _pairs(self, i: int, k: int) -> list[tuple[float, float]]:
+        """The time, place and velocity of a knot, each as two doubles whose sum it is to about 100 bits."""
+        return [pair_of(_ball(number)) for number in self.knots[i][k][:5]]
+
+
+SMALL = 1e-140
+"""Products of numbers no smaller than this, and no larger than its inverse, lose no bits of a pair of doubles."""
 
 ROUGH_BITS = 64
 """Accuracy at which a time is looked for among the knots, as a double."""
@@ -652,25 +672,6 @@ def _exact_near(time: RunTime) -> fmpq | None:
     if isinstance(time, Quantity):
         return time.rational
     return time.near if isinstance(time.near, fmpq) else None
-
-
-def _near(x: Known, v: Known, time: Known, t: Known) -> Known:
-    """x + v (time - t) in the numbers at hand: exact if they all are and share a field, else a ball."""
-    numbers = (x, v, time, t)
-    rational = [number for number in numbers if isinstance(number, fmpq)]
-    if len(rational) == len(numbers):
-        return _advanced(*rational)
-    towers = {id(number.tower): number.tower for number in numbers if isinstance(number, Element)}
-    if len(towers) == 1 and not any(isinstance(number, arb) for number in numbers):
-        (tower,) = towers.values()
-        return _advanced(*(tower.rational(n) if isinstance(n, fmpq) else n for n in numbers if not isinstance(n, arb)))
-    with ball.precision(READ_BITS):
-        return advance(_ball(x), _ball(v), _ball(time) - _ball(t))
-
-
-def _advanced(x: N, v: N, time: N, t: N) -> N:
-    """x + v (time - t)."""
-    return advance(x, v, time - t)
 
 
 def _ball(number: Known) -> arb:

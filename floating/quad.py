@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..exact.laws.formulas import advance
+from ..exact.numbers.double_pairs import quick_two_sum, two_product, two_sum
 from ..exact.numbers.system import NumberSystem
 from ..scenarios.numbers.precision import Double
 from ..scenarios.numbers.quantity import Quantity, Real
@@ -24,8 +25,6 @@ from .plain import EventEngine, Passed
 # The operations are those of T. J. Dekker, *A floating-point technique for extending the available precision*,
 # Numerische Mathematik 18 (1971), in the forms of Y. Hida, X. S. Li and D. H. Bailey, *Algorithms for quad-double
 # precision floating point arithmetic*, ARITH-15 (2001); each is off by a few units of 2**-104, relatively.
-
-SPLITTER = 2.0**27 + 1.0
 
 
 class DoubleDouble:
@@ -54,17 +53,17 @@ class DoubleDouble:
         return DoubleDouble(-self.hi, -self.lo)
 
     def __add__(self, other: DoubleDouble) -> DoubleDouble:
-        high, low = _two_sum(self.hi, other.hi)
-        low_high, low_low = _two_sum(self.lo, other.lo)
-        high, low = _quick_two_sum(high, low + low_high)
-        return DoubleDouble(*_quick_two_sum(high, low + low_low))
+        high, low = two_sum(self.hi, other.hi)
+        low_high, low_low = two_sum(self.lo, other.lo)
+        high, low = quick_two_sum(high, low + low_high)
+        return DoubleDouble(*quick_two_sum(high, low + low_low))
 
     def __sub__(self, other: DoubleDouble) -> DoubleDouble:
         return self + DoubleDouble(-other.hi, -other.lo)
 
     def __mul__(self, other: DoubleDouble) -> DoubleDouble:
-        high, low = _two_product(self.hi, other.hi)
-        return DoubleDouble(*_quick_two_sum(high, low + (self.hi * other.lo + self.lo * other.hi)))
+        high, low = two_product(self.hi, other.hi)
+        return DoubleDouble(*quick_two_sum(high, low + (self.hi * other.lo + self.lo * other.hi)))
 
     def __truediv__(self, other: DoubleDouble) -> DoubleDouble:
         first = self.hi / other.hi
@@ -73,7 +72,7 @@ class DoubleDouble:
         rest = self - other * DoubleDouble(first)
         second = rest.hi / other.hi
         rest = rest - other * DoubleDouble(second)
-        high, low = _quick_two_sum(first, second)
+        high, low = quick_two_sum(first, second)
         return DoubleDouble(high, low) + DoubleDouble(rest.hi / other.hi)
 
     def sqrt(self) -> DoubleDouble:
@@ -81,8 +80,8 @@ class DoubleDouble:
         if self.hi <= 0.0:
             return DoubleDouble(0.0)
         near = sqrt(self.hi)
-        rest = self - DoubleDouble(*_two_product(near, near))
-        return DoubleDouble(*_quick_two_sum(near, rest.hi / (2.0 * near)))
+        rest = self - DoubleDouble(*two_product(near, near))
+        return DoubleDouble(*quick_two_sum(near, rest.hi / (2.0 * near)))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, DoubleDouble) and self.hi == other.hi and self.lo == other.lo
@@ -101,34 +100,6 @@ class DoubleDouble:
 
     def __ge__(self, other: DoubleDouble) -> bool:
         return other <= self
-
-
-def _two_sum(a: float, b: float) -> tuple[float, float]:
-    """a + b as the nearest double and its exact error (Knuth)."""
-    total = a + b
-    part = total - a
-    return total, (a - (total - part)) + (b - part)
-
-
-def _quick_two_sum(a: float, b: float) -> tuple[float, float]:
-    """As `_two_sum`, where |a| >= |b| (Dekker)."""
-    total = a + b
-    return total, b - (total - a)
-
-
-def _two_product(a: float, b: float) -> tuple[float, float]:
-    """a * b as the nearest double and its exact error (Dekker, Veltkamp)."""
-    product = a * b
-    high_a, low_a = _split(a)
-    high_b, low_b = _split(b)
-    return product, ((high_a * high_b - product) + high_a * low_b + low_a * high_b) + low_a * low_b
-
-
-def _split(a: float) -> tuple[float, float]:
-    """A double as two of 26 bits each."""
-    scaled = SPLITTER * a
-    high = scaled - (scaled - a)
-    return high, a - high
 
 
 # -- The event-driven engine in double-double arithmetic: 106 bits, to see how far twice the bits carry.

@@ -5,14 +5,18 @@ from __future__ import annotations
 import hashlib
 import io
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tarfile
+import tomllib
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 
 from truebreak.exact.compiled import predictions
 from truebreak.tools.building import packages, repacked
@@ -115,3 +119,40 @@ def test_an_archive_of_sources_tells_neither_who_packed_it_nor_when() -> None:
     with tarfile.open(fileobj=io.BytesIO(one)) as archive:
         files = {name: archive.extractfile(name) for name in archive.getnames()}
         assert {name: file.read() for name, file in files.items() if file} == {"a": b"a", "b": b"b"}
+
+
+# -- the workflow that would build a release
+
+
+def workflow() -> dict[str, Any]:
+    (path,) = (ROOT / ".github" / "workflows").glob("*.yml")
+    return yaml.safe_load(path.read_text("utf-8"))
+
+
+def test_the_workflow_builds_wheels_for_every_python_and_system_that_is_declared() -> None:
+    jobs = workflow()["jobs"]
+    settings = jobs["wheels"]["steps"][2]["env"]
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["classifiers"]
+    versions = [text.rpartition(" ")[2] for text in declared if text.startswith("Programming Language :: Python :: 3.")]
+    assert settings["CIBW_BUILD"].split() == [f"cp{version.replace('.', '')}-*" for version in versions]
+    systems = jobs["wheels"]["strategy"]["matrix"]["os"]
+    assert {name.partition("-")[0] for name in systems} == {"ubuntu", "macos", "windows"}
+    assert settings["CIBW_ENVIRONMENT_PASS_LINUX"] == "SOURCE_DATE_EPOCH"
+
+
+def test_the_workflow_runs_what_there_is_here() -> None:
+    """Its own commands: targets of the Makefile, the command's words; what others made has a version."""
+    steps = [step for job in workflow()["jobs"].values() for step in job["steps"]]
+    assert all(re.fullmatch(r"[\w-]+/[\w-]+@v\d[\d.]*", step["uses"]) for step in steps if "uses" in step)
+    runs = "\n".join(step["run"] for step in steps if "run" in step)
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    targets = re.findall(r"\bmake (\w+)", runs)
+    assert targets
+    assert all(f"\n{target}:" in makefile for target in targets)
+    said = next(step["env"]["CIBW_TEST_COMMAND"] for step in steps if "cibuildwheel" in step.get("uses", ""))
+    for command in said.split(" && "):
+        name, *words = command.split()
+        assert name == "truebreak"
+        done = subprocess.run([sys.executable, "-m", "truebreak", *words], cwd=ROOT, capture_output=True, check=False)
+        assert done.returncode == 0, done.stderr.decode()
+    assert workflow()["permissions"] == {"contents": "read"}  # it publishes nothing

@@ -11,7 +11,7 @@ import pytest
 
 SHORT_RUN = {
     "compare": "deadline engines scene_argument validation cli.commands.run cli.completion cli.entry cli.options "
-    "cli.progress documents.values.amounts foreign.guard report.listing report.output saved.cache",
+    "cli.progress files.amounts foreign.guard report.listing report.output files.cache",
     "scenarios": "engine errors lazy neighbours numbers.nested_roots numbers.parsing numbers.precision "
     "numbers.quantity numbers.tower_element numbers.tower_ring scene settings things trajectory work "
     "catalogue.article catalogue.gas catalogue.scene_entry catalogue.scene_table",

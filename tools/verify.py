@@ -311,8 +311,8 @@ class Checker:
         if self.zero(question, c, self.age): return 0
         raise Undecided(f"{c}: nothing shows that {question!r} is zero, or what sign it has")
     def look(self, world, c, at, turn, span):  # the gap's sign; whether it stays positive; falls
-        (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = (world.rough(k, at) for k in c)
-        far, off, fast, by = (g + h for g, h in zip(a, b, strict=True))
+        (x, y, vx, vy, r, *a), (u, v, p, q, s, *b) = world.rough(c[0], at), world.rough(c[1], at)
+        far, off, fast, by = a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]
         charge(15_000 + ((far + fast).bit_length() ** 2 >> 10))
         slip = 4 * (far * by + fast * off + off * by)  # by which products with velocities are off
         off, by, x, y = 4 * off * (far + off), 4 * by * (fast + by), u - x, v - y  # and others

@@ -17,13 +17,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .compare.audit.audit import audit_run as audit
     from .compare.comparison import compare as comparison
-    from .compare.documents.values.tables import table
+    from .compare.files.saved import load_comparison, load_run, resume, save_comparison, save_run
+    from .compare.files.tables import table
     from .compare.logdiff.desync import diff
     from .compare.run import run
-    from .compare.saved.comparisons import load_comparison, save_comparison
-    from .compare.saved.going_on import resume
-    from .compare.saved.run_file import load_run
-    from .compare.saved.runs import save_run
     from .compare.scene_argument import scene_from as scene
     from .compare.testing.check import check
     from .compare.testing.golden import same
@@ -70,15 +67,15 @@ _HOMES = {
     "comparison": ("compare.comparison", "compare"),
     "diff": ("compare.logdiff.desync", "diff"),
     "load": ("scenarios.files", "load_scene"),
-    "load_comparison": ("compare.saved.comparisons", "load_comparison"),
-    "load_run": ("compare.saved.run_file", "load_run"),
-    "resume": ("compare.saved.going_on", "resume"),
+    "load_comparison": ("compare.files.saved", "load_comparison"),
+    "load_run": ("compare.files.saved", "load_run"),
+    "resume": ("compare.files.saved", "resume"),
     "run": ("compare.run", "run"),
     "same": ("compare.testing.golden", "same"),
-    "save_comparison": ("compare.saved.comparisons", "save_comparison"),
-    "save_run": ("compare.saved.runs", "save_run"),
+    "save_comparison": ("compare.files.saved", "save_comparison"),
+    "save_run": ("compare.files.saved", "save_run"),
     "scene": ("compare.scene_argument", "scene_from"),
-    "table": ("compare.documents.values.tables", "table"),
+    "table": ("compare.files.tables", "table"),
 }
 """The module of each name, and what it is called there: imported when it is asked for."""
 

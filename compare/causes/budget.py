@@ -131,6 +131,12 @@ class Account:
     groups: int
     lumped: str = ""
 
+    def is_of_rounding(self, margin: float) -> bool:
+        """Whether what rounding adds changes the decision, and what the engine's steps add does not."""
+        rounding = sum(part.size for part in self.contributions if part.cause.entry.rounding)
+        rest = sum(part.size for part in self.contributions if not part.cause.entry.rounding)
+        return not self.lumped and margin * (margin + rounding) <= 0 < margin * (margin + rest)
+
 
 class _Sum:
     """Contributions as they are found."""

@@ -36,9 +36,7 @@ from ...exact.replay.state import Flip, Go, Kick, ReplayState, SeenWall, Step, s
 from ...scenarios.numbers.quantity import Quantity
 from ..audit.transcript import Flight as OwnRow
 from ..audit.transcript import Instant, Transcript
-from .decision import DecidingNumber, OwnFlight, Pairing
-from .reader import FlightBalls, RunReader
-from .rounding import nearest
+from .decision import DecidingNumber, FlightBalls, OwnFlight, Pairing, RunReader, nearest
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
@@ -91,12 +89,13 @@ class Stretch:
     """Contacts that the two runs have in common and that hang together, most often one, or a change without contact.
 
     Attributes:
-        event: the reference's last event in it; of a change without contact, of the body's contact before, or -1.
+        event: the reference's last event in it; of changes without contact, of the body's contact before, or -1.
         bodies: the circles by place; those whose flight changes.
         beside: others whose flights the exact law asks for.
         links: what the exact law does; none where the engine changes a flight without a contact.
         before, after: the engine's own flights.
         at_once: whether the engine has it at one moment.
+        changes: how many changes without contact it holds.
         defects: by kind, and by circle, what is added to (t, x, y, vx, vy).
     """
 
@@ -107,6 +106,7 @@ class Stretch:
     before: Rows
     after: Rows
     at_once: bool = True
+    changes: int = 0
     defects: dict[str, Rows] = field(default_factory=dict[str, Rows])
     _sums: dict[tuple[str, ...], Rows] = field(default_factory=dict[tuple[str, ...], Rows])
 
@@ -197,6 +197,7 @@ class Continuation:
         turned: number of the reference's events before its reversal, if that lies before the decision.
         bits: to which the engine rounds its scene; None: it does not.
         unit: of its numbers, where it takes steps, so that its impulses may be off by more than rounding.
+        until: when the decision comes; what the engine changes in flight up to then leads to it.
 
     Attributes:
         stretches: what leads to the decision, in order.
@@ -215,13 +216,14 @@ class Continuation:
         turned: int | None,
         bits: int | None,
         unit: float | None = None,
+        until: float = 0.0,
     ) -> None:
         motion = motion_of(reference)
         if motion is None:
             raise NoContinuation(f"{reference.engine} keeps no log")
         self.reference, self.own, self.walks, self.decision = reference, own, walks, decision
         self.scene: Scene = reference.scene
-        self._turned, self._unit = turned, unit
+        self._turned, self._unit, self._until = turned, unit, until
         self._log = motion.log.steps
         self._places = {name: k for k, name in enumerate(self.scene.ids)}
         self._moving = [not circle.fixed for circle in self.scene.circles]
@@ -366,7 +368,18 @@ class Continuation:
             for k, after in instant.after.items():
                 changes.setdefault(k, []).append((n, _told(instant.before[k]), _told(after)))
         done: dict[int, int] = {}
+        left: dict[int, int] = {}
         found: list[Stretch] = []
+
+        def drifted(k: int, upto: int) -> None:
+            """What happens to a circle's flight without a contact, before an instant."""
+            mine, begin = changes.get(k, []), done.get(k, 0)
+            end = next((n for n in range(begin, len(mine)) if mine[n][0] >= upto), len(mine))
+            if end > begin:
+                rows = {k: mine[begin][1]}, {k: mine[end - 1][2]}
+                found.append(Stretch(left.get(k, -1), (k,), (), (), *rows, changes=end - begin))
+            done[k] = end
+
         for links, events in groups:
             instants = {order[id(by_event[c])] for c in events}
             if any(link.turns for link in links) and turned is not None:
@@ -377,16 +390,17 @@ class Continuation:
             before, after = Rows(), Rows()
             event = max(link.event for link in links)
             for k in (*bodies, *beside):
-                mine, at = changes.get(k, []), done.get(k, 0)
-                while at < len(mine) and mine[at][0] < first:
-                    found.append(Stretch(event - 1, (k,), (), (), {k: mine[at][1]}, {k: mine[at][2]}))
-                    at += 1
+                drifted(k, first)
+                mine, at = changes.get(k, []), done[k]
                 before[k] = after[k] = mine[at - 1][2] if at else self.first[k]
                 while k in bodies and at < len(mine) and mine[at][0] <= last:
                     after[k] = mine[at][2]
                     at += 1
                 done[k] = at
+            left.update(dict.fromkeys(bodies, event))
             found.append(Stretch(event, bodies, beside, tuple(links), before, after, first == last))
+        for k in {self._places[name] for pairing in self.decision.pairings for name in pairing.anchors}:
+            drifted(k, next((n for n, instant in enumerate(told) if instant.time >= self._until), len(told)))
         return found
 
     # -- the exact law, and what the engine's run adds to it
@@ -418,8 +432,9 @@ class Continuation:
         state, before, after = self._given, stretch.before, stretch.after
         if not stretch.links:
             moved: Rows = {k: _flown(before[k], after[k][0]) for k in stretch.bodies}
-            kind = CORRECTION if stretch.event >= 0 or stretch is not self.stretches[0] else FLIGHTS
-            stretch.defects[kind] = _less({k: after[k] for k in stretch.bodies}, moved)
+            left = _less({k: after[k] for k in stretch.bodies}, moved)
+            begins = stretch is self.stretches[0]
+            stretch.defects[FLIGHTS if begins or self._is_rounding(stretch, left) else CORRECTION] = left
             return
         exact = self._law(state, stretch, before)
         link, *others = stretch.links
@@ -438,15 +453,21 @@ class Continuation:
         stretch.defects[SEVERAL if not link.single else IMPACTS if self._is_rounding(stretch, left) else SOLVER] = left
 
     def _is_rounding(self, stretch: Stretch, left: Rows) -> bool:
-        """Whether what a single impulse misses is rounding; of engines of events the audit tells that."""
+        """Whether what a flight or a single impulse misses is rounding; of engines of events the audit tells that."""
         if self._unit is None:
-            return True
-        rows = [row for k in stretch.bodies for row in (stretch.before[k], stretch.after[k])]
-        speed = max(math.hypot(float(row[3]), float(row[4])) for row in rows)
-        far = max(math.hypot(float(row[1]), float(row[2])) for row in rows)
-        reach = min(float(self._given.bodies[k].r) for k in stretch.bodies)
-        room = ROUNDED * self._unit * speed * (1 + (far / reach if reach else 0.0))
-        return all(math.hypot(float(row[3].mid()), float(row[4].mid())) <= room for row in left.values())
+            return not stretch.changes
+        for k in stretch.bodies:
+            rows = stretch.before[k], stretch.after[k]
+            speed = max(math.hypot(float(row[3]), float(row[4])) for row in rows)
+            far = max(math.hypot(float(row[1]), float(row[2])) + speed * abs(float(row[0])) for row in rows)
+            r = float(self._given.bodies[k].r)
+            unit = ROUNDED * self._unit * max(1, stretch.changes)
+            x, y, vx, vy = (float(number.mid()) for number in left[k][1:])
+            if math.hypot(vx, vy) > unit * speed * (1 + (far / r if r else 0.0)):
+                return False
+            if stretch.changes and math.hypot(x, y) > unit * far:
+                return False
+        return True
 
     # -- values
 
@@ -513,6 +534,13 @@ class Continuation:
                 return None
             if not place:
                 first = dict(flying)
+            for k in stretch.bodies if stretch.changes else ():
+                if stretch.event < 0:
+                    first = {**first, k: flying[k]}
+                if (k, stretch.event) in seen:
+                    seen[k, stretch.event] = flying[k]
+                if k in turned:
+                    turned[k] = flying[k]
             for link in stretch.links:
                 for k in link.pushed:
                     seen[k, link.event] = flying[k]

@@ -1,22 +1,133 @@
-"""The decision at which two histories part: which of two meetings comes first, or whether two circles meet at all."""
+"""The decision at which two histories part: which meeting comes first, or whether two meet; and how a run has it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from fractions import Fraction
+from itertools import combinations, product
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias
 
 from flint import arb
 
+from ...exact.laws import formulas as law
+from ...exact.laws.formulas import advance, pair_approach, pair_discriminant, pair_gap, wall_approach
 from ...exact.numbers import ball
-from ...scenarios.numbers.quantity import Real
-from ..alignment.instants import Kind, instants
+from ...exact.replay.state import SeenWall
+from ...floating.knots import DoubleMotion
+from ...scenarios.errors import SceneError
+from ...scenarios.numbers.quantity import Quantity, Real, real
+from ...scenarios.scene import Scene
+from ...scenarios.things import Circle, Wall
+from ..alignment.instants import DOUBLE_BITS, Kind, instants
+from ..alignment.walk import history
 
 if TYPE_CHECKING:
-    from ...scenarios.trajectory import Contact, Trajectory
+    from ...scenarios.trajectory import Contact, State, Trajectory
     from ..alignment.align import Alignment
     from ..alignment.instants import Divergence
     from ..alignment.walk import Walk
+
+
+# -- the scene as an engine is given it: every number rounded to its bits
+
+
+SINGLE_BITS, PAIR_BITS = 24, 106
+"""Of a single, and of a pair of doubles: formats of which more is known than how many bits they have."""
+
+LEAST_SINGLE = -149
+"""log2 of the least single above zero."""
+
+DIGITS = 1
+"""Decimals that are looked at for each bit: three times as many as it is worth."""
+
+
+def nearest(value: Quantity, bits: int = DOUBLE_BITS) -> Quantity:
+    """The nearest number of so many bits, ties to even.
+
+    Of 53 bits are doubles, of 24 singles, with the exponents that they have. Of 106 is a pair of doubles: the nearest
+    one, and the one nearest to what it leaves.
+
+    Raises:
+        SceneError: beyond the doubles.
+
+    >>> nearest(Quantity.of("1/3"), 2).text(), nearest(Quantity.of("3/8 - 1/10**40"), 1).text()
+    ('3/8', '1/4')
+    """
+    double = _double(value)
+    if bits == DOUBLE_BITS:
+        return Quantity.of(Fraction(double))
+    if bits == PAIR_BITS:
+        high = Quantity.of(Fraction(double))
+        return high + Quantity.of(Fraction(_double(value - high)))
+    exponent = math.frexp(double)[1] - bits
+    spacing = Fraction(2) ** (max(exponent, LEAST_SINGLE) if bits == SINGLE_BITS else exponent)
+    scaled = value / Quantity.of(spacing)
+    below = math.floor(Fraction(scaled.digits(DIGITS * bits)))
+    side = (scaled - Quantity.of(below + Fraction(1, 2))).sign()
+    return Quantity.of((below + (below % 2 if side == 0 else side > 0)) * spacing)
+
+
+def rounded(scene: Scene, bits: int = DOUBLE_BITS) -> Scene:
+    """The scene with every coordinate, radius, velocity and mass replaced by the nearest number of so many bits.
+
+    Raises:
+        SceneError: if the rounded circles overlap, or a number is beyond the doubles.
+
+    >>> scene = Scene([Circle("1/3", 0)])
+    >>> rounded(scene).circles[0].x == scene.circles[0].x, rounded(rounded(scene)) == rounded(scene)
+    (False, True)
+    """
+    return _with_numbers(scene, lambda value: nearest(value, bits))
+
+
+def shifted(scene: Scene, share: Quantity, bits: int = DOUBLE_BITS) -> Scene:
+    """The scene with every number a share of the way to the nearest one of so many bits.
+
+    Raises:
+        SceneError: as `rounded`.
+
+    >>> scene = Scene([Circle("1/3", 0)])
+    >>> shifted(scene, Quantity.of(1)).circles == rounded(scene).circles
+    True
+    """
+    return _with_numbers(scene, lambda value: value + (nearest(value, bits) - value) * share)
+
+
+def wall_numbers(wall: Wall, bits: int) -> tuple[Quantity, Quantity, Quantity, Quantity]:
+    """x0, y0, x1, y1 of a wall, rounded.
+
+    >>> [value.text() for value in wall_numbers(Wall(0, "1/3", 1, "1/3"), 2)]
+    ['0', '3/8', '1', '3/8']
+    """
+    return tuple(nearest(value, bits) for value in (wall.x0, wall.y0, wall.x1, wall.y1))  # pyright: ignore[reportReturnType]
+
+
+def _with_numbers(scene: Scene, changed: Callable[[Quantity], Quantity]) -> Scene:
+    """The scene with every coordinate, radius, velocity and mass changed in one way."""
+    circles = [
+        Circle(
+            *map(changed, (c.x, c.y, c.r, c.vx, c.vy)),
+            m=c.m if isinstance(c.m, str) else changed(c.m),
+            id=c.id,
+            point=c.point,
+        )
+        for c in scene.circles
+    ]
+    walls = [Wall(*map(changed, (w.x0, w.y0, w.x1, w.y1)), id=w.id) for w in scene.walls]
+    return scene.with_changes(circles=circles, walls=walls)
+
+
+def _double(value: Quantity) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        raise SceneError(f"{value.text()[:40]}: is beyond the doubles") from None
+
+
+# -- what was decided
+
 
 FIRST_BITS, MOST_BITS = 256, 1 << 14
 """Precision at which a decision is first looked at, and the most: beyond it is called zero to so many bits."""
@@ -182,3 +293,338 @@ def _at_event(reference: Trajectory, alignment: Alignment, pair: Contact, event:
         if name in alignment.walks:
             anchors[name] = max((m for m in _own_events(reference, name) if m < event), default=None)
     return Pairing(pair.first, pair.second, anchors)
+
+
+# -- how one run has it
+
+
+FlightBalls: TypeAlias = tuple[arb, arb, arb, arb, arb]
+"""t, x, y, vx, vy of a flight, in balls."""
+
+
+class RunReader:
+    """Reads flights and decisions off one run.
+
+    Args:
+        run: the run.
+        walks: how its meetings were matched with the reference's; None for the reference itself.
+        rounds_to: to how many bits it rounds walls and radii; None: not at all.
+        turned_after: number of the reference's events before its reversal, if that lies before the decision.
+        until: when the decision comes: a flight is read as the run has it just before.
+    """
+
+    def __init__(
+        self,
+        run: Trajectory,
+        walks: Mapping[str, Walk] | None = None,
+        rounds_to: int | None = None,
+        turned_after: int | None = None,
+        until: float = 0.0,
+    ) -> None:
+        self.run = run
+        self.scene = run.scene
+        self.places = {str(name): k for k, name in enumerate(run.scene.ids)}
+        self._rounds_to = rounds_to
+        self.turned_after, self._until = turned_after, until
+        self._events = None if walks is None else {name: dict(walked.pairs) for name, walked in walks.items()}
+        self._states: dict[int, State] = {}
+        self._numbers: dict[tuple[str, int | None, bool, int], FlightBalls] = {}
+
+    def follows(self, pairing: Pairing) -> bool:
+        """Whether the run has every meeting that leads to a pairing."""
+        return all(anchor is None or self._event(name, anchor) is not None for name, anchor in pairing.anchors.items())
+
+    def _event(self, name: str, anchor: int) -> int | None:
+        return anchor if self._events is None else self._events.get(name, {}).get(anchor)
+
+    def flight(self, name: str, anchor: int | None, *, turned: bool) -> OwnFlight | None:
+        """A circle as its last meeting left it; None if the run does not have that meeting.
+
+        Args:
+            turned: whether the velocities were negated since.
+        """
+        index = None if anchor is None else self._event(name, anchor)
+        if anchor is not None and index is None:
+            return None
+        reversal = self.run.reversal
+        if turned and reversal is not None:
+            time, key = reversal.time, -2
+        else:
+            time, key = (Quantity.of(0), -1) if index is None else (self.run.events[index].time, index)
+        if key not in self._states:
+            self._states[key] = self.run.at(time) if index is None or key == -2 else self.run.after(index)
+        state = self._states[key][name]
+        if self._until and isinstance(self.run.motion, DoubleMotion):
+            knots = self.run.motion.knots[self.places[name]]
+            last = max((n for n, knot in enumerate(knots) if float(time) < knot[0] < self._until), default=None)
+            if last is not None:
+                return OwnFlight(*map(real, knots[last][:5]))
+        return OwnFlight(time, state.x, state.y, state.vx, state.vy)
+
+    def value(self, decision: DecidingNumber, bits: int = FIRST_BITS) -> arb | None:
+        """The number that decides, as a ball of a sign that is known if it can be; None if the run does not come to it.
+
+        A hit that the other meeting's pair does not have at all leaves an order without a value.
+        """
+        while True:
+            with ball.precision(2 * bits):
+                found = self._value(decision, bits)
+            if found is None or ball.sign_of(found) is not None or bits >= MOST_BITS:
+                return found
+            bits *= 4
+
+    def _value(self, decision: DecidingNumber, bits: int) -> arb | None:
+        if decision.kind == "hit":
+            return self.least_gap(decision.first, bits)
+        assert decision.second is not None
+        one, other = self.hit_time(decision.first, bits), self.hit_time(decision.second, bits)
+        return None if one is None or other is None else other - one
+
+    # -- one pairing
+
+    def numbers(self, pairing: Pairing, name: str, bits: int) -> FlightBalls | None:
+        """t, x, y, vx, vy of one of the two as its flight has them; None if the run does not have that flight."""
+        key = name, pairing.anchors.get(name), self._turned(pairing), bits
+        if key not in self._numbers:
+            flight = self.flight(*key[:2], turned=key[2])
+            if flight is None:
+                return None
+            t, x, y, vx, vy = (real(v).ball(bits) for v in (flight.t, flight.x, flight.y, flight.vx, flight.vy))
+            self._numbers[key] = t, x, y, vx, vy
+        return self._numbers[key]
+
+    def _relative(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb, arb, arb] | None:
+        """t, d, v and R of two circles at the later of their flights' times."""
+        one, other = self.numbers(pairing, pairing.body, bits), self.numbers(pairing, pairing.partner, bits)
+        if one is None or other is None:
+            return None
+        (at, ax, ay, avx, avy), (bt, bx, by, bvx, bvy) = one, other
+        later = at if ball.sign_of(at - bt) in (0, 1) else bt
+        ax, ay = law.advance(ax, avx, later - at), law.advance(ay, avy, later - at)
+        bx, by = law.advance(bx, bvx, later - bt), law.advance(by, bvy, later - bt)
+        reach = self.radius(pairing.body, bits) + self.radius(pairing.partner, bits)
+        return later, bx - ax, by - ay, bvx - avx, bvy - avy, reach
+
+    def _turned(self, pairing: Pairing) -> bool:
+        """Whether the reversal lies between the last meetings and the decision."""
+        reversal = self.run.reversal
+        if reversal is None or self.turned_after is None:
+            return False
+        return all(anchor is None or anchor < self.turned_after for anchor in pairing.anchors.values())
+
+    def _wall(self, pairing: Pairing, bits: int) -> tuple[arb, arb, arb, arb] | None:
+        """t, the gap to a wall, the approach to it, and the length of its normal."""
+        flight = self.numbers(pairing, pairing.body, bits)
+        if flight is None:
+            return None
+        t, x, y, vx, vy = flight
+        x0, y0, nx, ny, _, length = self.line(pairing.body, pairing.partner, bits)
+        gap = law.wall_gap(x, y, x0, y0, nx, ny, self.radius(pairing.body, bits) * length)
+        return t, gap, law.wall_approach(vx, vy, nx, ny), length
+
+    def radius(self, name: str, bits: int) -> arb:
+        """Of a circle, as the run has it."""
+        exact = self.scene.circles[self.places[name]].r
+        return (exact if self._rounds_to is None else nearest(exact, self._rounds_to)).ball(bits)
+
+    def line(self, circle: str, wall: str, bits: int) -> SeenWall[arb]:
+        """A wall as seen from a circle, as the run has it."""
+        place = self.places[circle]
+        exact = self.scene.walls[self.places[wall] - len(self.scene.circles)]
+        near = exact if self._rounds_to is None else Wall(*wall_numbers(exact, self._rounds_to))
+        nx, ny = near.normal
+        if exact.height(self.scene.circles[place].x, self.scene.circles[place].y).sign() < 0:
+            nx, ny = -nx, -ny
+        x0, y0, mx, my = (value.ball(bits) for value in (near.x0, near.y0, nx, ny))
+        square = mx * mx + my * my
+        return SeenWall(x0, y0, mx, my, square, ball.root(square))
+
+    def is_wall(self, pairing: Pairing) -> bool:
+        """Whether the partner is a wall."""
+        return any(w.id == pairing.partner for w in self.scene.walls)
+
+    def hit_time(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
+        """When the two touch in free flight; None if they do not, or if it is not known."""
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            if told is None or ball.sign_of(told[2]) != -1:
+                return None
+            return told[0] + law.wall_hit_time(told[1], told[2])
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        t, dx, dy, vx, vy, reach = relative
+        approach, discriminant = law.pair_approach(dx, dy, vx, vy), law.pair_discriminant(dx, dy, vx, vy, reach)
+        if ball.sign_of(approach) != -1 or ball.sign_of(discriminant) == -1:
+            return None
+        return t + law.pair_hit_time(law.pair_gap(dx, dy, reach), approach, ball.root(discriminant))
+
+    def stay(self, pairing: Pairing) -> tuple[float, float] | None:
+        """From when to when two circles, or a circle and a wall's line, would overlap if neither pushed."""
+        enter = self.hit_time(pairing)
+        if enter is None or self.is_wall(pairing):
+            return None if enter is None else (float(enter), math.inf)
+        relative = self._relative(pairing, FIRST_BITS)
+        assert relative is not None
+        _, dx, dy, vx, vy, reach = relative
+        root = ball.root(law.pair_discriminant(dx, dy, vx, vy, reach))
+        return float(enter), float(enter + (root + root) / (vx * vx + vy * vy))
+
+    def parts(self, pairing: Pairing, bits: int = FIRST_BITS) -> bool:
+        """Whether nothing in their free flights brings the two together: they part, or keep a distance."""
+        if self.is_wall(pairing):
+            wall = self._wall(pairing, bits)
+            if wall is None:
+                return False
+            _, gap, approach, _ = wall
+        else:
+            relative = self._relative(pairing, bits)
+            if relative is None:
+                return False
+            _, dx, dy, vx, vy, reach = relative
+            gap, approach = law.pair_gap(dx, dy, reach), law.pair_approach(dx, dy, vx, vy)
+        return ball.sign_of(approach) == 1 or (ball.sign_of(approach) == 0 and ball.sign_of(gap) == 1)
+
+    def least_gap(self, pairing: Pairing, bits: int = FIRST_BITS) -> arb | None:
+        """The least distance between two surfaces in free flight; negative: how deep they would sink in.
+
+        For a wall, which every approaching circle hits, the speed at which the circle leaves it.
+        """
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            return None if told is None else told[2] / told[3]
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        _, dx, dy, vx, vy, reach = relative
+        if ball.sign_of(law.pair_approach(dx, dy, vx, vy)) in (0, 1):
+            least, is_zero = ball.root(dx * dx + dy * dy) - reach, touches_exactly
+        else:
+            least, is_zero = abs(dx * vy - dy * vx) / ball.root(vx * vx + vy * vy) - reach, grazes_exactly
+        return arb(0) if ball.sign_of(least) is None and self._proves(is_zero, pairing) else least
+
+    def gap_at(self, pairing: Pairing, time: arb, bits: int = FIRST_BITS) -> arb | None:
+        """The distance between two surfaces at a time of their free flight."""
+        if self.is_wall(pairing):
+            told = self._wall(pairing, bits)
+            return None if told is None else (told[1] + told[2] * (time - told[0])) / told[3]
+        relative = self._relative(pairing, bits)
+        if relative is None:
+            return None
+        t, dx, dy, vx, vy, reach = relative
+        x, y = law.advance(dx, vx, time - t), law.advance(dy, vy, time - t)
+        return ball.root(x * x + y * y) - reach
+
+    def _proves(self, is_zero: Callable[[OwnFlight, OwnFlight, Quantity], bool], pairing: Pairing) -> bool:
+        """Whether a zero is proved, where the flights' exact values are short."""
+        names = pairing.body, pairing.partner
+        one, other = (self.flight(n, pairing.anchors.get(n), turned=self._turned(pairing)) for n in names)
+        radii = [c.r for c in self.scene.circles if c.id in names]
+        if self._rounds_to is not None:
+            radii = [nearest(r, self._rounds_to) for r in radii]
+        return one is not None and other is not None and is_zero(one, other, radii[0] + radii[1])
+
+
+# -- zeros that are proved
+
+LONGEST_TEXT = 400
+"""Characters of an exact value that is still calculated with as text: some levels of square roots, which a `Quantity`
+tells from zero in milliseconds. A longer one proves nothing, and is never called zero."""
+
+
+class _Exact(NamedTuple):
+    """A flight in exact numbers."""
+
+    t: Quantity
+    x: Quantity
+    y: Quantity
+    vx: Quantity
+    vy: Quantity
+
+
+def grazes_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
+    """Whether two circles are proved to pass each other at a least distance of exactly zero.
+
+    Args:
+        reach: the sum of their radii.
+    """
+    flights = _exact(one), _exact(other)
+    if flights[0] is None or flights[1] is None:
+        return False
+    return _is_zero(pair_discriminant, *_apart(flights[0], flights[1]), reach)
+
+
+def touches_exactly(one: OwnFlight, other: OwnFlight, reach: Quantity) -> bool:
+    """Whether two circles are proved to touch, neither apart nor overlapping, where the later of their flights begins.
+
+    Args:
+        reach: the sum of their radii.
+    """
+    flights = _exact(one), _exact(other)
+    if flights[0] is None or flights[1] is None:
+        return False
+    dx, dy, _, _ = _apart(flights[0], flights[1])
+    return _is_zero(pair_gap, dx, dy, reach)
+
+
+def exact_zero(reference: Trajectory, event: int) -> str | None:
+    """What is exactly zero among the flights that lead to an event, in words; None if no zero is proved.
+
+    Looked for are grazes, circles that touch without approaching, and circles that fly parallel to a wall.
+    """
+    flights = _flights_before(reference, event)
+    radii = {str(c.id): c.r for c in reference.scene.circles}
+    for (one, a), (other, b) in combinations(flights.items(), 2):
+        dx, dy, vx, vy = _apart(a, b)
+        reach = radii[one] + radii[other]
+        if _is_zero(pair_gap, dx, dy, reach) and _is_zero(pair_approach, dx, dy, vx, vy):
+            return f"{one} and {other} touch and do not approach"
+        if float(pair_approach(dx, dy, vx, vy)) < 0 and _is_zero(pair_discriminant, dx, dy, vx, vy, reach):
+            return f"{one} and {other} graze"
+    for (name, flight), wall in product(flights.items(), reference.scene.walls):
+        moves = flight.vx.sign() or flight.vy.sign()
+        if moves and _is_zero(wall_approach, flight.vx, flight.vy, *wall.normal):
+            return f"{name} flies parallel to {wall.id}"
+    return None
+
+
+def _flights_before(reference: Trajectory, event: int) -> dict[str, _Exact]:
+    """Each circle as its last meeting before an event left it, where its numbers are exact and short."""
+    met = history(reference).meetings
+    flights: dict[str, _Exact] = {}
+    for circle in reference.scene.circles:
+        past = [m.event for m in met.get(str(circle.id), []) if m.event < event]
+        time = reference.events[past[-1]].time if past else Quantity.of(0)
+        state = reference.at(time)[str(circle.id)]
+        flight = _exact(OwnFlight(time, state.x, state.y, state.vx, state.vy))
+        if flight is not None:
+            flights[str(circle.id)] = flight
+    return flights
+
+
+def _exact(flight: OwnFlight) -> _Exact | None:
+    """A flight in exact numbers, where they are short."""
+    values = [short_quantity(value) for value in (flight.t, flight.x, flight.y, flight.vx, flight.vy)]
+    return None if None in values else _Exact(*(q for q in values if q is not None))
+
+
+def short_quantity(value: Real) -> Quantity | None:
+    """A number as a `Quantity`, if it is exact and short."""
+    text = real(value).text()
+    return None if text is None or len(text) > LONGEST_TEXT else Quantity.of(text)
+
+
+def _apart(one: _Exact, other: _Exact) -> tuple[Quantity, Quantity, Quantity, Quantity]:
+    """d and v from one to the other, at the later of the times from which they fly."""
+    later = one.t if (one.t - other.t).sign() >= 0 else other.t
+    ax, ay = advance(one.x, one.vx, later - one.t), advance(one.y, one.vy, later - one.t)
+    bx, by = advance(other.x, other.vx, later - other.t), advance(other.y, other.vy, later - other.t)
+    return bx - ax, by - ay, other.vx - one.vx, other.vy - one.vy
+
+
+def _is_zero(formula: Callable[..., Quantity], *numbers: Quantity) -> bool:
+    """Whether a formula is proved to give zero."""
+    try:
+        return formula(*numbers).sign() == 0
+    except ValueError:
+        return False

@@ -238,7 +238,12 @@ def diagnosed(
             continue
         if value * margin <= 0 and value != margin:
             return _named(made, tuple(_chief(each, families[each]) for each in pushing[:count]))
-    return _named(made, enough[:1]) if enough else made
+    if enough:
+        return _named(made, enough[:1])
+    if pushing and margin is not None and displacement is not None and margin * (margin + displacement) <= 0:
+        large = [name for name in sorted(sizes, key=lambda name: -sizes[name]) if abs(sizes[name]) >= SMALL]
+        return _named(made, tuple(_chief(each, families[each]) for each in large))
+    return made
 
 
 def _not_alone(made: Diagnosis, name: str, rows: Sequence[Experiment]) -> bool:
@@ -263,6 +268,9 @@ def _named(made: Diagnosis, causes: tuple[CauseName, ...]) -> Diagnosis:
         found += rows or [e.result for e in made.shares if e.cause.entry.family == cause.name]
     return replace(made, causes=causes, finding="; ".join(found))
 
+
+SMALL = 0.1
+"""Share from which on a kind is named, where none pushes the decision over without those that act against it."""
 
 NEARLY_ALL = 0.9
 """Share of its family that a kind has to have to be named in its place."""

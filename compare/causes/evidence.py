@@ -16,20 +16,19 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity, real
 from ...scenarios.things import Circle
 from ...scenarios.trajectory import Event
-from ..alignment.align import align
+from ..alignment.align import Span, align
 from ..alignment.walk import history
 from ..audit.residuals import AUDIT_BITS, Laws
 from ..audit.transcript import Transcript
 from ..deadline import NO_TIME
 from ..validation import falls
-from .budget import Account, account_of
-from .continuation import Continuation, NoContinuation
+from .decision import short_quantity
 from .diagnosis import CauseName, Experiment
-from .reader import short_quantity
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene
     from ...scenarios.trajectory import Contact, Trajectory
+    from .budget import Account
     from .decision import OwnFlight
     from .laboratory import Laboratory
 
@@ -61,7 +60,9 @@ def law(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
     laws, parted = lab.candidate.laws, lab.divergence
     if laws is None or laws.kept is not False:
         return []
-    latest = max(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
+    latest, got, expected = lab.last_time, parted.got_time, parted.expected_time
+    if got is not None and (expected is None or got < expected):
+        latest = max(got, parted.time)  # what it has too much is there by then
     if laws.first is not None and falls(laws.first.time, latest, lab.engine.bits):
         return []
     return [Experiment(CauseName["LAW"], laws.finding, None, True)]
@@ -219,8 +220,8 @@ def _given_does(lab: Laboratory) -> bool:
     if lab.given is None or lab.given.digest == lab.study.scene.digest:
         return False
     run = lab.given_run
-    found = align(run, lab.candidate.trajectory, span=lab.span_of(run), bits=lab.engine.bits)
-    parted = found.divergence
+    span = Span(len(run.events), lab.last_time)
+    parted = align(run, lab.candidate.trajectory, span=span, bits=lab.engine.bits).divergence
     return parted is None or parted.time > lab.last_time
 
 
@@ -339,18 +340,11 @@ def shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
 
 
 def _shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
-    assert lab.decision is not None and lab.margin is not None
-    try:
-        run = Continuation(
-            lab.reference, lab.candidate.trajectory, lab.candidate.alignment.walks, lab.decision, lab.turned,
-            lab.bits if lab.engine.rounds_input else None, None if lab.engine.step is None else 2.0**-lab.bits,
-        )  # fmt: skip
-        rounded = lab.engine.rounds_input and (lab.given is None or lab.given.digest != lab.study.scene.digest)
-        account = account_of(run, lab.margin, lab.got, lab.engine.step is not None, rounded)
-    except NoContinuation as why:
+    account = lab.accounted
+    if isinstance(account, str):
         chose = "; rounding before the instant chose" if lab.chosen_before else ""
         own = Experiment(
-            CauseName["ARITHMETIC"], f"its share is not determined: {why}{chose}", None, lab.chosen_before or None
+            CauseName["ARITHMETIC"], f"its share is not determined: {account}{chose}", None, lab.chosen_before or None
         )
         return [*_input_by_run(lab), own]
     if any(row.suffices and row.cause is CauseName["ITERATIONS"] for row in rows):
@@ -358,10 +352,10 @@ def _shares(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:
         parts = tuple(replace(part, cause=named.get(part.cause, part.cause)) for part in account.contributions)
         account = replace(account, contributions=parts)
     lab.account = account
-    return _rows(lab, account, rounded)
+    return _rows(lab, account)
 
 
-def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
+def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
     assert lab.margin is not None
     found: list[Experiment] = []
     total: float = account.displacement
@@ -371,6 +365,9 @@ def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
         if itself is None:
             told = f"{lab.name}'s own flights decide as the exact ones do, by more than rounding"
             return [Experiment(CauseName["ARITHMETIC"], f"not determined: {told}")]
+        total += itself
+    elif lab.got is not None and not lab.changes(lab.got) and abs(float(lab.got.mid())) > 0:
+        itself = -float(lab.got.mid())
         total += itself
     lab.displacement = total
     order = [*CauseName]
@@ -383,12 +380,20 @@ def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
         parts.append(account.own)
     for part in parts:
         flips = lab.as_engine(part.alone) if part.alone is not None else False if _short(lab, part.size) else None
-        asked = part.cause is CauseName["INPUT"] and lab.engine.step is None and flips is not True
-        earlier = _left_before(lab) if asked else None
+        earlier, free = None, ""
+        if part.cause is CauseName["INPUT"] and lab.engine.step is None and part.size:
+            if flips and _several_before(lab):  # off the instant, several contacts are not what they are on it
+                flips, free = (True, "") if _given_does(lab) else (None, "; run freely, it does not")
+            earlier = None if flips else _left_before(lab)
         alone = {True: "alone it changes the decision", False: "alone it does not", None: "not run alone"}[flips]
+        if free:
+            alone = f"by the contacts of the exact run it changes the decision alone{free}"
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
-            flips, told = True, f"{told}; run freely, the exact law on it differs at event {earlier} already"
+            told = f"{told}; run freely, the exact law on it differs at event {earlier} already"
+            flips = True if part.size * total > 0 else None  # what acts against the displacement is not what made it
+        elif free:
+            flips = False
         if part is account.own:
             found.append(
                 Experiment(
@@ -407,15 +412,26 @@ def _rows(lab: Laboratory, account: Account, rounded: bool) -> list[Experiment]:
         if account.lumped and part.cause is account.own.cause:
             told += f"; its kinds are not told apart: {account.lumped}"
         found.append(Experiment(part.cause, told, part.size, flips, part.size / total if total else None))
-    if not rounded and lab.engine.rounds_input:
+    if not lab.input_rounded and lab.engine.rounds_input:
         found.insert(
             0,
             Experiment(CauseName["INPUT"], f"the scene is exact in {lab.numbers}, so no input was rounded", 0.0, False),
         )
     if itself is not None:
         told = f"{lab.name}'s own flights decide as the exact ones do, by {abs(itself):.3g}; its answer differs"
-        found.append(Experiment(CauseName["DECISION"], told, itself, None, itself / total if total else None))
+        cause = CauseName["DECISION"]
+        if lab.engine.step is not None:  # of two meetings within one step it has both at the end of it
+            cause = CauseName["LATENESS" if lab.decision is not None and lab.decision.kind == "order" else "STEPS"]
+            told += ", as it looks at the ends of steps only"
+        size = itself + sum(row.displacement or 0.0 for row in found if row.cause is cause)
+        found = [row for row in found if row.cause is not cause or row.share is None]
+        found.append(Experiment(cause, told, size, None, size / total if total else None))
     return found
+
+
+def _several_before(lab: Laboratory) -> bool:
+    """Whether the exact run has an instant of several contacts that hang together before the divergence."""
+    return any(event.coupled for event in lab.reference.events[: lab.divergence.expected_event])
 
 
 def _audited(lab: Laboratory) -> bool:

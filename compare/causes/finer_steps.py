@@ -43,7 +43,7 @@ def _series(lab: Laboratory) -> Experiment:
         run = lab.run(finer, lab.study.scene, until)
         agrees.append(gone(lab, run, finer.step))
         told.append(f"{finer.step:.3g}")
-        if agrees[-2:] == [True, True]:
+        if agrees[-2:] == [True, True] and not _by_chance(lab):
             break
     if not agrees and finer_of(lab.engine) is None:
         return Experiment(CauseName["STEP"], f"not tried: {lab.name} has no finer step to offer")
@@ -51,22 +51,18 @@ def _series(lab: Laboratory) -> Experiment:
         return Experiment(
             CauseName["STEP"], f"not tried: a finer step takes more than {series_steps(lab.engine):,} steps"
         )
-    within = _within_a_step(lab, lab.engine.step / 2 ** len(agrees))
-    enough = agrees[-1] or within
-    runs = [f"{size} {'agrees' if flag else 'differs'}" for size, flag in zip(told, agrees, strict=True)]
     first = agrees.index(True) if True in agrees else len(agrees)
+    enough = agrees[-1] and (all(agrees[first:]) or not _by_chance(lab))
+    runs = [f"{size} {'agrees' if flag else 'differs'}" for size, flag in zip(told, agrees, strict=True)]
     if first > 1 and all(agrees[first:]):
         runs = [f"{told[0]} to {told[first - 1]} differs", *runs[first:]]
-    if within:
-        runs.append("and the two meetings are nearer than that")
     return Experiment(CauseName["STEP"], f"with a step of {', '.join(runs)}", None, enough)
 
 
-def _within_a_step(lab: Laboratory, size: float) -> bool:
-    """Whether the engine takes as one what the exact motion has one after the other, nearer than a step."""
-    if lab.divergence.kind is not Kind.TIE or lab.margin is None or lab.decision is None:
-        return False
-    return lab.decision.kind == "order" and 0 < abs(float(lab.margin.mid())) < size
+def _by_chance(lab: Laboratory) -> bool:
+    """Whether finer steps that agree may do so by chance: rounding decides, and what is of the step does not."""
+    account = lab.accounted
+    return not isinstance(account, str) and lab.margin is not None and account.is_of_rounding(float(lab.margin.mid()))
 
 
 def iterations(lab: Laboratory, rows: Sequence[Experiment]) -> list[Experiment]:

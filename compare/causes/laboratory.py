@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cached_property
 from importlib import import_module
@@ -16,10 +17,8 @@ from ..alignment.instants import DOUBLE_BITS, Kind
 from ..deadline import OutOfTime, time_to_read
 from ..foreign.guard import run_guarded
 from ..study import SERIES_MORE
-from .decision import DecidingNumber, Pairing, answer, decisions
-from .diagnosis import CAUSES, LAW_RANK, Diagnosis, Experiment, diagnosed
-from .reader import RunReader
-from .rounding import rounded
+from .decision import DecidingNumber, Pairing, RunReader, answer, decisions, rounded
+from .diagnosis import CAUSES, LAW_RANK, Bounds, CauseName, Diagnosis, Experiment, Margin, diagnosed
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine
@@ -28,6 +27,8 @@ if TYPE_CHECKING:
     from ..candidate import Candidate
     from ..study import Study
     from .budget import Account
+    from .diagnosis import Diagnosis
+
 
 Answer = TypeVar("Answer")
 
@@ -58,7 +59,9 @@ class Laboratory:
         turned = self.reference.reversal
         self.turned = None if turned is None or turned.after > divergence.expected_event else turned.after
         self.truth = RunReader(self.reference, turned_after=self.turned)
-        self.own = RunReader(candidate.trajectory, candidate.alignment.walks, self._rounds_to, self.turned)
+        self.own = RunReader(
+            candidate.trajectory, candidate.alignment.walks, self._rounds_to, self.turned, self.first_time
+        )
         self.decision = self._decision()
         self.margin = None if self.decision is None else arb(0) if self.tied else self.truth.value(self.decision)
         self.got = None if self.decision is None else self.own.value(self.decision)
@@ -95,6 +98,12 @@ class Laboratory:
         return [] if self.decision is None else self.decision.pairings
 
     @property
+    def first_time(self) -> float:
+        """When the first of the meetings in question comes, in either run."""
+        parted = self.divergence
+        return min(time for time in (parted.time, parted.expected_time, parted.got_time) if time is not None)
+
+    @property
     def last_time(self) -> float:
         """When the last of the meetings in question comes, in either run."""
         parted = self.divergence
@@ -111,6 +120,29 @@ class Laboratory:
     def run_some(self, scene: Scene, until: float, events: int) -> Trajectory:
         """A run of the reference's engine from another start, for a few events."""
         return run_guarded(self.study.truth, scene, until=until, events=events, progress=None)
+
+    @property
+    def input_rounded(self) -> bool:
+        """Whether the engine is given another scene."""
+        return self.engine.rounds_input and (self.given is None or self.given.digest != self.study.scene.digest)
+
+    @cached_property
+    def accounted(self) -> Account | str:
+        """What the displacement is made of; or why there is no such account."""
+        from .budget import account_of
+        from .continuation import Continuation, NoContinuation
+
+        if self.decision is None or self.margin is None:
+            return "no contact can be named"
+        stepped = self.engine.step is not None
+        try:
+            run = Continuation(
+                self.reference, self.candidate.trajectory, self.candidate.alignment.walks, self.decision, self.turned,
+                self._rounds_to, 2.0**-self.bits if stepped else None, self.first_time,
+            )  # fmt: skip
+            return account_of(run, self.margin, self.got, stepped, self.input_rounded)
+        except NoContinuation as why:
+            return str(why)
 
     @cached_property
     def given_run(self) -> Trajectory:
@@ -162,11 +194,7 @@ class Laboratory:
     @property
     def span(self) -> Span:
         """Up to the divergence."""
-        return self.span_of(self.reference)
-
-    def span_of(self, run: Trajectory) -> Span:
-        """Up to the divergence, in another run of the reference's engine."""
-        return Span(min(self.divergence.expected_event + 1, len(run.events)), self.divergence.time)
+        return Span(min(self.divergence.expected_event + 1, len(self.reference.events)), self.divergence.time)
 
     def until(self, step: float | None) -> float:
         """How far an experiment has to run: past both meetings, by what an error may delay them."""
@@ -227,3 +255,60 @@ def _function(path: str) -> Callable[..., list[Experiment]]:
     module, _, name = path.partition(":")
     function: Any = getattr(import_module(f".{module}", __package__), name)
     return function
+
+
+# -- the margin, beside the engine's error: how close the decision was, and how far off the engine was by then
+
+
+def margin_of(lab: Laboratory, found: Diagnosis) -> Margin:
+    """The margin of a candidate's divergence: as much of it as the user's seconds leave time for.
+
+    A contact below rounding has none: no two flights are close to another decision.
+    """
+    from ..tangent.growth import error_growth
+
+    divergence = lab.divergence
+    gap = distance = None
+    ulps: float | None = None
+    if found.name is CauseName["PHANTOM"]:
+        pass
+    elif lab.decision is not None and lab.margin is not None:
+        if lab.decision.kind == "hit":
+            distance = ball.double_bounds(lab.margin)
+        else:
+            gap = (0.0, 0.0) if lab.tied else ball.double_bounds(lab.margin)
+            ulps = max(abs(gap[0] + gap[1]) / 2, 0.0) / math.ulp(max(abs(divergence.time), math.ulp(0.0)))
+            distance = lab.tried(lambda: _second_gap(lab), None)
+    elif lab.decision is None and lab.tied:
+        gap = distance = (0.0, 0.0)
+    error = lab.tried(lambda: _error(lab), None)
+    growth = lab.tried(lambda: error_growth(lab.reference, divergence.expected_event), None)
+    return Margin(gap, distance, ulps, error, growth, cut=lab.study.watch.over)
+
+
+def _second_gap(lab: Laboratory) -> Bounds | None:
+    """How far the pair that meets second is apart when the first one meets."""
+    assert lab.decision is not None and lab.decision.second is not None
+    if lab.tied:
+        return 0.0, 0.0
+    one, other = lab.decision.first, lab.decision.second
+    with ball.precision(4096):
+        times = lab.truth.hit_time(one), lab.truth.hit_time(other)
+        if times[0] is None or times[1] is None:
+            return None
+        later, time = (other, times[0]) if ball.sign_of(times[1] - times[0]) != -1 else (one, times[1])
+        found = lab.truth.gap_at(later, time)
+    return None if found is None else ball.double_bounds(found)
+
+
+def _error(lab: Laboratory) -> float | None:
+    """The engine's position error at the earlier of the two events, over the circles in question."""
+    run, reference, time = lab.candidate.trajectory, lab.reference, lab.divergence.time
+    last = min(float(run.final_time), float(reference.final_time), time)
+    if not last > 0:
+        return 0.0 if lab.divergence.time == 0 else None
+    at = math.nextafter(last, 0.0)
+    names = {lab.divergence.body, lab.divergence.expected, lab.divergence.got}
+    rows = [k for k, c in enumerate(lab.study.scene.circles) if c.id in names and not c.fixed]
+    mine, theirs = reference.sample([at])[0], run.sample([at])[0]
+    return max((math.dist(mine[k][:2], theirs[k][:2]) for k in rows), default=None)

@@ -12,8 +12,8 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
 from ..foreign.guard import wider_of
+from .decision import exact_zero
 from .diagnosis import CauseName, Diagnosis, Experiment
-from .reader import exact_zero
 
 if TYPE_CHECKING:
     from ...scenarios.engine import Engine

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from .scene_text import text_of
-from .tower import ONE, ZERO, Exact
+from .tower import ONE, ZERO, Exact, text_of
 
 Contact = tuple[int, int]
 Vector = tuple[Exact, Exact]

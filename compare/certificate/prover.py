@@ -12,8 +12,7 @@ from typing import Any, cast
 
 from ...tools.verify import Ball, Checker, Meeting, Undecided, World, enclosed
 from .isometries import Contact, Isometries
-from .scene_text import text_of
-from .tower import Exact
+from .tower import Exact, text_of
 
 DEEP_ROOTS = 7
 """Roots beyond those at hand that an exact zero may take."""
@@ -65,7 +64,7 @@ class Lazy:
 
 
 class Remembering(World):
-    """A world that keeps the last hit and the last meetings, which are asked for to gather an instant and to check it."""
+    """A world that keeps the last hit and the last meetings: an instant is gathered from them, and then checked."""
 
     def __init__(self, *args: Any) -> None:
         super().__init__(*args)
@@ -97,9 +96,9 @@ class Recorded(Remembering):
         super().__init__(*args)
         self.struck: dict[int, list[list[Lazy]]] = {}
 
-    def blow(self, age: int, push: Any, others: Any, s: Any) -> Any:
+    def blow(self, age: int, push: Any, coming: Any, s: Any) -> Any:
         """As in any world."""
-        found: Any = super().blow(age, push, others, s)
+        found: Any = super().blow(age, push, coming, s)
         self.struck.setdefault(age, []).append(found)
         return found
 
@@ -207,6 +206,7 @@ class Prover(Checker):
         """Lists the contacts that meet at an instant, first the one whose meeting is its time, and the grazes."""
         self.age += 1
         self.take(entry, f"instant {self.age}")
+        entry.pop("met", None)  # its place is after the witnesses
         entry["met"] = []
         if self.age == 0:
             for c in self.meets:
@@ -301,22 +301,23 @@ class Prover(Checker):
 
     def settle(self, circles: Set[int]) -> None:
         """As the checker's, of what has not been seen to keep apart while the instant was gathered."""
-        found = {c for i in circles for c in self.of[i]} - self.known.keys() - self.cleared
-        for c in sorted(found & self.meets):
-            self.clear(c, self.age)
+        found = {c for i in circles for c in self.of[i] if c not in self.known}
+        for c in found & self.meets:
+            if c not in self.cleared:
+                self.clear(c, self.age)
 
     # -- witnesses
 
-    def zero(self, question: str, c: Contact, age: int) -> bool:
+    def zero(self, name: str, c: Contact, age: int) -> bool:
         """Whether a number is shown to be zero; a witness that shows it is kept."""
         for asked, d, how, *other in self.zeros:
-            if (asked, tuple(d)) == (question, c) and self.proves(question, c, how, *map(tuple, other)):
+            if (asked, tuple(d)) == (name, c) and self.proves(name, c, how, *map(tuple, other)):
                 return True
-        for witness in self._witnesses(question, c, age):
+        for witness in self._witnesses(name, c, age):
             if witness is None:
                 return True
-            if self.proves(question, c, *witness):
-                self.zeros.append([question, list(c), witness[0], *map(list, witness[1:])])
+            if self.proves(name, c, *witness):
+                self.zeros.append([name, list(c), witness[0], *map(list, witness[1:])])
                 return True
         return False
 

@@ -270,7 +270,7 @@ class HeldAgainst:
 
     def engine(self) -> Engine:
         """The reference."""
-        from ..saved.cache import reference_named
+        from ..files.cache import reference_named
         from ..scene_argument import with_settings
 
         return reference_named(with_settings(self.reference, ties=self.ties, work=self.work), cache=not self.no_cache)

@@ -32,18 +32,6 @@ class Change:
     outcomes: tuple[str, ...]
     sentence: str
 
-    def data(self) -> dict[str, Any]:
-        """As JSON."""
-        return {
-            "from": self.before,
-            "to": self.after,
-            "verdict_changed": self.verdict,
-            "laws_changed": self.laws,
-            "divergence_changed": self.divergence,
-            "outcomes_changed": list(self.outcomes),
-            "sentence": self.sentence,
-        }
-
 
 def changes_of(comparison: Comparison) -> list[Change]:
     """The change from each candidate to the next."""

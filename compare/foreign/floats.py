@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
-from ..documents.values.amounts import no_formula
+from ..files.amounts import no_formula
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

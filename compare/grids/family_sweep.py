@@ -16,9 +16,9 @@ from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
 from ..deadline import uninterrupted
-from ..documents.values.amounts import no_formula, plain
 from ..engines import engine as engine_named
 from ..engines import suggestion
+from ..files.amounts import no_formula, plain
 from ..outcomes.outcome import OUTCOMES
 from ..scene_argument import scene_from
 from ..validation import check_engine

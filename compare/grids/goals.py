@@ -13,8 +13,8 @@ from ..audit.audit import audit_run
 from ..chaos.following import follow
 from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
-from ..documents.values.amounts import plain
 from ..engines import suggestion
+from ..files.amounts import plain
 from ..outcomes.outcome import outcomes_of
 from ..validation import EngineError
 

@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_h
 from ...scenarios.disk import fits
 from ...scenarios.errors import SceneError, cut
 from ..alignment.align import UNKNOWING, not_measured
-from ..audit.audit import audit_run
+from ..audit.audit import Audit, audit_run
 from ..candidate import Candidate
 from ..chaos.following import Followed, follow
 from ..comparison import explained
-from ..documents.laws import laws_brief
-from ..documents.values.amounts import plain
+from ..files.amounts import plain
 from ..outcomes.matched import held
 from ..outcomes.outcome import outcome, outcomes_of
 
@@ -290,6 +289,16 @@ def outcomes_changed(
 
     study, mine = found.study, found.study.longest or run
     return held(found.run, mine, found.alignment, study.span, study.patience(step), tell, expected or tell(run))
+
+
+def laws_brief(audit: Audit | None) -> dict[str, Any] | None:
+    """An audit in a row of many: whether the laws are kept, and what is found, or why it cannot be told.
+
+    >>> from truebreak.compare.audit.audit import Audit
+    >>> laws_brief(Audit(None, "no finer step was run")), laws_brief(Audit(True)), laws_brief(None)
+    ({'kept': None, 'told': 'no finer step was run'}, {'kept': True, 'told': ''}, None)
+    """
+    return None if audit is None else {"kept": audit.kept, "told": audit.finding}
 
 
 def laws_of(run: Trajectory, engine: Engine) -> dict[str, Any] | None:

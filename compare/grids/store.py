@@ -296,9 +296,9 @@ def _text(settings: Mapping[str, Any]) -> str:
 
 def _digest(*texts: str, place: int | str = "") -> str:
     """Of texts and the place where they belong."""
-    return sha256("\n".join((str(place), *texts)).encode()).hexdigest()
+    return sha256("\n".join(map(str, (place, *texts))).encode()).hexdigest()
 
 
 def _short(value: object) -> str:
-    text = json.dumps(value)
+    text = json.dumps(value, default=repr)
     return text if len(text) <= 60 else f"{text[:60]}…"

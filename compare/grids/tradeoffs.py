@@ -18,9 +18,9 @@ from ..bench.computer import UNEVEN, computer
 from ..chaos.growth.accuracy import end_error
 from ..comparison import candidate_of
 from ..deadline import uninterrupted
-from ..documents.values.amounts import double
 from ..engines import ENGINES, offered, suggestion
 from ..engines import engine as engine_named
+from ..files.amounts import double
 from ..outcomes.outcome import outcomes_of
 from ..scene_argument import scene_from
 from ..study import Study

@@ -123,8 +123,7 @@ class Desync:
                 double = f" (it doubles every {1 / bits:.2g} records)" if bits > 2 * rate.record_error else ""
                 yield "growth", f"{_with_error(bits, rate.record_error)} bits a record{double}{by_time}"
             yield "largest difference", f"{_power(found.growing.largest)} ulps"
-            bodies = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
-            yield "bodies that differ", f"{len(found.growing.bodies)} of {bodies}"
+            yield "bodies that differ", f"{len(found.growing.bodies)} of {found.growing.known}"
         if found.reordered is not None and verdict.same:
             yield "order", f"independent events come in another order, first at {found.reordered[0]}"
         if found.contacts[0] != found.contacts[1]:
@@ -245,7 +244,7 @@ def diff(one: str | Path, other: str | Path, *, ignore: Iterable[str] = (), scen
     """Compares two logs of any engine in any world.
 
     Args:
-        ignore: free fields that are not compared, such as wall-clock times.
+        ignore: free fields that are not compared; `time` for clocks of logs with steps.
         scene: what both runs are of, if it is a scene of truebreak: they are then audited, too.
 
     Raises:

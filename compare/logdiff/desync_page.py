@@ -14,7 +14,8 @@ from ..report.curves import plot
 from ..report.listing import laid_out
 from ..report.page import day, download, rendered, versions
 from .desync import Desync, gravest, report_json
-from .log_format import Log, Record
+from .log_format import Record
+from .sides import Side
 
 MOST_STATES = 30_000
 """States that a page carries of each run: some 60 bytes each."""
@@ -91,8 +92,7 @@ def played_logs(one: Desync) -> dict[str, Any] | None:
     """Both runs as data for the player, around the first difference; None where they have no states by time."""
     found, verdict = one.found, one.verdict
     first = verdict.first[0].number if verdict.first else 0
-    names = {theirs: ours for ours, theirs in found.names.items()}
-    sides = [_window(log.name, first, renamed) for log, renamed in ((found.a, {}), (found.b, names))]
+    sides = [_window(side, first) for side in found.again()]
     own = [{body for record in records for body in record.states} for records in sides]
     ids = sorted(own[0] & own[1])
     if not ids or any(len(records) < 2 for records in sides):
@@ -137,17 +137,14 @@ def played_logs(one: Desync) -> dict[str, Any] | None:
     }  # fmt: skip
 
 
-def _window(name: str, first: int, renamed: dict[str, str]) -> list[Record]:
+def _window(side: Side, first: int) -> list[Record]:
     """Records of a log around the first difference."""
     found: list[Record] = []
     states = 0
     least = max(0, first - int(BEFORE * MOST_RECORDS))
-    for record in Log(name):
+    while (record := side.next()) is not None:
         if record.number < least:
             continue
-        if renamed:
-            record.states = {renamed.get(body, body): row for body, row in record.states.items()}
-            record.contacts = [(renamed.get(a, a), renamed.get(b, b)) for a, b in record.contacts]
         states += len(record.states)
         found.append(record)
         if states > MOST_STATES and record.number > first + 20:

@@ -175,23 +175,8 @@ class Unit:
             scales.extend([0.0] * (width - len(scales)))
         return scales
 
-    def bits_off(self, a: float, b: float, key: Any) -> float:
-        """log2 of a difference in ulps at the largest such number; the key is that of its rows, and its place there."""
-        if a == b or (math.isnan(a) and math.isnan(b)):
-            return NEVER
-        off = abs(a - b)
-        if not off < math.inf:
-            return math.inf
-        rows, j = key
-        scales = self._scales(rows, j + 1)
-        scale = scales[j] = max(scales[j], abs(a), abs(b))
-        if rows is None:
-            self.largest = max(self.largest, scale)
-            scale = max(scale, self.largest * LEAST)
-        return math.log2(off) - math.log2(scale) - self._ulp_bits if off > 0 else NEVER
-
     def most_off(self, one: Sequence[float], other: Sequence[float], key: Any) -> tuple[float, int]:
-        """The same for the numbers of two states: the largest, and which number it is of."""
+        """log2 of the largest difference of two rows, in ulps at the largest such number, and which number it is of."""
         worst, place, j = 0.0, 0, -1
         scales = self.scales.get(key)
         if scales is None or len(scales) < len(one):
@@ -431,6 +416,11 @@ class Growing:
                 curve.add(a.number, a.clock or 0.0, shown)
         self.largest = max(self.largest, bits)
         self.off[body] = bits
+
+    @property
+    def known(self) -> int:
+        """How many bodies were compared."""
+        return len(self.same_at | dict.fromkeys(self.bodies))
 
     def contacts_before(self, number: int) -> int:
         """Contacts that there were in both runs before a record, as far as they were counted."""

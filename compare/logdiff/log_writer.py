@@ -43,16 +43,9 @@ class LogWriter:
         self._write({"body": body, "outline": outline})
 
     def step(
-        self,
-        step: int | None,
-        time: float | None = None,
-        *,
-        contacts: Iterable[tuple[str, str]] = (),
-        states: Mapping[str, Sequence[float]] | None = None,
-        hash: str | None = None,
-        input: Any = None,
-        **fields: Any,
-    ) -> None:
+        self, step: int | None, time: float | None = None, *, contacts: Iterable[tuple[str, str]] = (),
+        states: Mapping[str, Sequence[float]] | None = None, hash: str | None = None, input: Any = None, **fields: Any,
+    ) -> None:  # fmt: skip
         """Logs one step or event: pairs in contact, states by body, a hash, what was fed in, and free fields."""
         line: dict[str, Any] = {}
         pairs = [list(pair) for pair in contacts]

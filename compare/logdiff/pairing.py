@@ -46,6 +46,7 @@ def pair(one: str | Path, other: str | Path, ignore: frozenset[str] = frozenset(
     steps = all(side.head[0].step is not None for side in (a, b) if side.head)
     found = Found(a.log, b.log, "step" if steps else "body", growing, names={v: k for k, v in b.rename.items()})
     found.time_unit = unit_of_times(heads)
+    found.columns = a.columns, b.columns
     found.grid = grid(a) and grid(b)
     found.contacts_each = any(r.contacts for head in heads for r in head)
     begun = any(side.log.header.get("contacts") == "begun" for side in (a, b))
@@ -286,11 +287,8 @@ class ByBodies(RecordPairs):
         if one is not None and other is not None:
             if one == other or len(one) != len(other):  # the latter is refused where they are compared
                 return True
-            unit, room = self.growing.unit, min(CLOSE, self.growing.unit.whole / 2)
-            return all(
-                u == v or unit.bits_off(u, v, (None, j)) <= room
-                for j, (u, v) in enumerate(zip(one, other, strict=True))
-            )
+            unit = self.growing.unit
+            return unit.most_off(one, other, None)[0] <= min(CLOSE, unit.whole / 2)
         if p.clock is None or q.clock is None:
             return True
         return abs(q.clock - self.shift - p.clock) <= 2.0 ** (CLOSE - 52) * max(abs(p.clock), 1e-300)
@@ -363,7 +361,7 @@ class ByBodies(RecordPairs):
             if found.times_differ is None:
                 found.times_differ = a, b
         else:
-            bits = unit.bits_off(x, y, ("time", 0))
+            bits, _ = unit.most_off((x,), (y,), "time")
             if bits > NEVER and bits > off:
                 growing.note(a, b, body, "time", x, y, bits, True, before)
 
@@ -445,8 +443,7 @@ def _partners(record: Record) -> dict[str, list[str]]:
 
 def _letters(record: Record) -> int:
     """The lines of a record as one number."""
-    texts = record.texts
-    return hash(texts[0]) if len(texts) == 1 else hash(tuple(texts))
+    return hash(record.texts[0]) if len(record.texts) == 1 else hash(tuple(record.texts))
 
 
 def _exact(x: Part, y: Part, body: str) -> bool:

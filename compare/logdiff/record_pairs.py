@@ -25,6 +25,10 @@ WIDENED = 8
 """Of so many records one is looked at for the largest numbers."""
 
 
+FIELD_LEAP = 16.0
+"""Bits above what states are off by from which a free field that differs is not computed from them."""
+
+
 class RecordPairs:
     """What both ways of pairing share."""
 
@@ -83,8 +87,8 @@ class RecordPairs:
             if looked_at:
                 for row in states.values():
                     growing.unit.widen(row)
-            if found.nans is None and (looked_at or any("NaN" in text for text in a.texts)) and _nan(states):
-                found.nans = a.place()
+            if found.nans is None and (looked_at or any("NaN" in text for text in a.texts)):
+                found.nans = a.place() if any(map(math.isnan, chain.from_iterable(states.values()))) else None
         if a.hash is not None:
             compared["hashes"] += 1
             if found.hash is None:
@@ -101,6 +105,8 @@ class RecordPairs:
         """Keeps the first record of which states are compared."""
         if self.found.first_states is None or a.number < self.found.first_states:
             self.found.first_states = a.number
+            for row in a.states.values():
+                self.growing.unit.widen(row)
 
     def states(self, a: Record, b: Record, body: str, touching: bool, before: float) -> float:
         """Compares one body's states, if both have one; by how many bits they are off."""
@@ -124,7 +130,7 @@ class RecordPairs:
             found.explained += 1
             growing.same(body, a.number)
             return NEVER
-        if found.pairs % WIDENED == 1 or not growing.early:
+        if found.pairs % WIDENED == 1:
             growing.unit.widen(one)
         off = growing.differs(a, b, body, (one, other), touching, before)
         if off == NEVER and found.nans is None:
@@ -194,6 +200,10 @@ class RecordPairs:
                     self.growing.differs(a, b, own, rows, False, before, key=name, name=name)
             elif not _alike(x, y) and name not in found.fields and len(found.fields) < MOST_FIELDS:
                 found.fields[name] = a, x, y
+                off = abs(x - y) / max(abs(x), abs(y)) if type(x) is type(y) is float else 1.0
+                size = 52 + math.log2(off) if off > 0 else 52.0
+                if found.field_leap is None and size > max(self.growing.largest, 0.0) + FIELD_LEAP:
+                    found.field_leap = name, a
 
     def repeated(self, side: int, line: int) -> None:
         """Keeps a line that is there twice."""
@@ -310,11 +320,6 @@ class BySteps(RecordPairs):
         own = [[q if p == body else p for p, q in r.contacts if body in (p, q)] for r in (a, b)]
         partners = [" + ".join(sorted(names)) or None for names in own]
         self.meet((a, b), body, (partners[0], partners[1]))
-
-
-def _nan(states: dict[str, list[float]]) -> bool:
-    """Whether a number of a state is none: letters of what is packed may look like it."""
-    return any(map(math.isnan, chain.from_iterable(states.values())))
 
 
 def _alike(x: Any, y: Any) -> bool:

@@ -74,6 +74,7 @@ class Found:
         zeros: the first record at which a zero has another sign.
         explained: how many states differ by no more than the digits that one log leaves out.
         fields_alone: free fields that one log has at a record and the other has not: whose, and the record.
+        field_leap: the first free field that differs by far more than states did by then, and where.
         alone: how many records of each log had none to be compared with; `alone_first`: the first of them.
         clock: how much later the clock of the second is, where it is otherwise the same.
         names: bodies of the first by what they are called in the second, where that differs.
@@ -85,6 +86,7 @@ class Found:
         nans: first record with a number that is none, in both logs alike.
         context: records around the first difference, by log.
         final: last state of each body, by log.
+        columns: which numbers of a state each log has that the other has, too; None for all.
     """
 
     a: Log
@@ -107,6 +109,7 @@ class Found:
     missing: list[tuple[str, str]] = field(default_factory=list)
     missing_count: int = 0
     repeated: list[tuple[str, int]] = field(default_factory=list)
+    field_leap: tuple[str, Record] | None = None
     alone: list[int] = field(default_factory=lambda: [0, 0])
     alone_first: list[Record | None] = field(default_factory=lambda: [None, None])
     clock: float | None = None
@@ -126,6 +129,16 @@ class Found:
     grid: bool = False
     last_common: Record | None = None
     longer: str | None = None
+    columns: tuple[list[int] | None, ...] = (None, None)
+
+    def again(self) -> Iterator[Side]:
+        """Both logs, to be read once more in the same words."""
+        back = {theirs: ours for ours, theirs in self.names.items()}
+        for log, rename, columns in zip((self.a, self.b), ({}, back), self.columns, strict=True):
+            side = Side(Log(log.name))
+            side.rename, side.columns = rename, columns
+            side.translate()
+            yield side
 
 
 class Side:

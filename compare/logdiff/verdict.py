@@ -11,7 +11,7 @@ from .growing import NEVER, Difference, Digits, Rate, Unit, rate_of
 
 if TYPE_CHECKING:
     from .log_format import Record
-    from .sides import Found
+    from .sides import Found, Meeting
 
 
 class Named(Enum):
@@ -149,12 +149,8 @@ def _as_before(found: Found) -> str:
     return "the same but for the digits that one log leaves out" if found.explained else "the same to the last bit"
 
 
-def _event(record: Record) -> int:
-    return record.step if record.step is not None else record.number
-
-
-def _k(d: Difference) -> int:
-    return d.step if d.step is not None else d.number
+def _event(at: Record | Difference | Meeting) -> int:
+    return at.step if at.step is not None else at.number
 
 
 def _without_states(found: Found) -> Answer:
@@ -226,7 +222,7 @@ def _partners_alone(found: Found) -> Answer:
     """Where bodies meet others, and no number differed before."""
     meeting = found.meeting
     assert meeting is not None
-    k = meeting.step if meeting.step is not None else meeting.number
+    k = _event(meeting)
     told = f"{meeting.body} meets {meeting.a or 'nobody'} in the one and {meeting.b or 'nobody'} in the other"
     if found.by == "step":
         if found.compared["states"]:
@@ -303,7 +299,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     """Where numbers differ."""
     top = first[0]
     if found.names and found.uneven is not None and found.uneven[1].number == found.first_states:
-        return Named.OPEN, _k(top), (
+        return Named.OPEN, _event(top), (
             f"{_size(top)}; but ids differ, and {found.uneven[2]} starts like none in the other log; name bodies alike"
         )  # fmt: skip
     unit = _unit_of(found, top)
@@ -314,7 +310,7 @@ def _with_states(found: Found, first: tuple[Difference, ...], rate: Rate | None)
     if top.name == TIME and found.grid:
         return (
             Named.OPEN,
-            _k(top),
+            _event(top),
             f"{size}; times of steps do not tell how far apart the runs were by then: log states",
         )
     start = _start(found, first, limits, size)
@@ -356,41 +352,34 @@ def _size(d: Difference) -> str:
 
 def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size: str) -> Answer | None:
     """Where the first records differ already; None if they do not."""
-    growing, top = found.growing, first[0]
-    known = len(growing.same_at | dict.fromkeys(growing.bodies))
+    growing, top, k = found.growing, first[0], _event(first[0])
+    bodies, most = _many(found, first), len(first) * 2 > growing.known
     if top.number == found.first_states and all(d.fresh for d in first) and not top.touching:
+        size = f"{size}, in the first record that both have"
         if top.bits >= limits.start[1]:
-            return Named.START, _k(top), f"{size}, in the first record that both have ({_many(first, known)})"
+            return Named.START, k, f"{size} ({bodies})"
         if top.bits > limits.start[0]:
-            return (
-                Named.OPEN,
-                _k(top),
-                f"{size}, in the first record that both have: another start, or one computed otherwise?",
-            )
-        return _small(found, first, _k(top), f"{size}, in the first record that both have")
+            return Named.OPEN, k, f"{size}: another start, or one computed otherwise?"
+        return _small(found, first, k, size)
     begun = min([top.number, *(pair[0].number for pair in (found.hash, found.input) if pair is not None)])
     early = found.first_states is not None and begun <= found.first_states + 1
     stride = _stride(found) or 1
-    if early and stride > NEAR_START and top.gap >= 1 and top.bits >= limits.free[0] and len(first) * 2 > known:
-        return Named.OPEN, _k(top), (
-            f"{size}, in {_many(first, known)}, and nothing is logged of the {stride} steps between the start and "
-            "there: another start, or a change since? Log states of every step"
+    if early and most and top.bits >= limits.free[0] and stride > NEAR_START and top.gap >= 1:
+        return Named.OPEN, k, (
+            f"{size}, in {bodies}, and nothing is logged of the {stride} steps between the start and there: another "
+            "start, or a change since? Log states of every step"
         )  # fmt: skip
-    if early and top.bits >= limits.free[0] and len(first) * 2 > known:
+    if early and most and top.bits >= limits.free[0]:
         if top.bits < limits.free[1]:
-            return Named.OPEN, _k(top), f"{size}, in the first step ({_many(first, known)}): a setting, or rounding?"
-        return (
-            Named.START,
-            _k(top),
-            f"{size}, in the first step ({_many(first, known)}): another setting, step or build",
-        )
+            return Named.OPEN, k, f"{size}, in the first step ({bodies}): a setting, or rounding?"
+        return Named.START, k, f"{size}, in the first step ({bodies}): another setting, step or build"
     if early and top.bits >= limits.touching[1] and not growing.same_again:
-        return Named.START, _k(top), f"{size}, and no body is the same in any record after the first"
+        return Named.START, k, f"{size}, and no body is the same in any record after the first"
     since_start = top.gap > 1 and top.number - top.gap == found.first_states and begun == top.number
     if since_start and not top.placed and found.touched_told and top.bits >= limits.touching[1]:
         if not growing.same_again:
-            return Named.START, _k(top), f"{size}, and no body is the same in any record after the first"
-        return Named.OPEN, _k(top), (
+            return Named.START, k, f"{size}, and no body is the same in any record after the first"
+        return Named.OPEN, k, (
             f"{size}, and nothing is logged of {top.body} between the start and there, so that it may have been "
             "acted on at any time: log states of every step"
         )  # fmt: skip
@@ -398,11 +387,13 @@ def _start(found: Found, first: tuple[Difference, ...], limits: Thresholds, size
         top = next(d for d in first if d.fresh and not d.placed)
         if top.bits < limits.touching[1]:
             return None
-        if top.number < max(3, known) and all(d.fresh for d in first if d.body in found.final[0] or not found.final[0]):
-            return Named.START, _k(top), (
+        if top.number < max(3, growing.known) and all(
+            d.fresh for d in first if d.body in found.final[0] or not found.final[0]
+        ):
+            return Named.START, _event(top), (
                 f"{size}, and that is the first that is logged of {top.body}: it came there at another time or place"
             )  # fmt: skip
-        return Named.OPEN, _k(top), (
+        return Named.OPEN, _event(top), (
             f"{size}, and nothing is logged of {top.body} before: it may have started elsewhere, or been moved since; "
             "log states at the start"
         )  # fmt: skip
@@ -415,7 +406,7 @@ def _onset(found: Found, top: Difference) -> tuple[int, int]:
     if earlier:
         record = min(earlier, key=lambda r: r.number)
         return _event(record), top.number - record.number + 1
-    return _k(top), max(1, top.gap)
+    return _event(top), max(1, top.gap)
 
 
 def _allowance(found: Found, gap: int, rate: Rate | None) -> float | None:
@@ -462,17 +453,12 @@ def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -
         later = []  # that the start was another explains what leaps there are: contacts that come a step earlier
     if later:
         leap = min(later, key=lambda d: d.number)
-        told = (
-            f"{leap.body} leaps from {_bits(leap.before)} to {_bits(leap.bits)} at {_place(leap)}, "
-            f"where rounding had brought nothing"
-        )
+        leapt = f"{leap.body} leaps from {_bits(leap.before)} to {_bits(leap.bits)} at {_place(leap)}"
+        told = f"{leapt}, where rounding had brought nothing"
         limits = FLOATS if growing.unit.bits <= 24 else DOUBLES
         if leap in free and leap.bits >= limits.free[1] + 4:
-            return (
-                Named.CHANGED,
-                _k(leap),
-                f"runs were off by rounding before, but {told}, and it touches nothing there",
-            )
+            why = f"runs were off by rounding before, but {told}, and it touches nothing there"
+            return Named.CHANGED, _event(leap), why
         return Named.OPEN, onset, f"{size}; but {told} near enough to decide that: a near tie, or a change"
     if found.by == "body" and found.meeting is not None:
         chance = max(found.meeting_off, 0.0) + math.log2(found.onsets_then + 1)
@@ -482,11 +468,13 @@ def _small(found: Found, first: tuple[Difference, ...], onset: int, size: str) -
                 f"{size}; but {m.body} meets {m.a or 'nobody'} instead of {m.b or 'nobody'} at event {m.number}, when "
                 f"nothing was off by more than {_bits(found.meeting_off)}: a near tie, or a change"
             )  # fmt: skip
-    known = len(growing.same_at | dict.fromkeys(growing.bodies))
+    odd = ("the input", found.input[0]) if found.input is not None else found.field_leap
+    if odd is not None:
+        return Named.OPEN, onset, f"{size}; but {odd[0]} differs by more than that, first at {odd[1].place()}"
     late = growing.contacts_before(top.number) >= SETTLED
-    if late and len(first) >= 3 and len(first) * 2 >= known:
+    if late and len(first) >= 3 and len(first) * 2 >= growing.known:
         return Named.OPEN, onset, (
-            f"{size}: of the size of rounding, but in {_many(first, known)} at once, after all contacts before came "
+            f"{size}: of the size of rounding, but in {_many(found, first)} at once, after all contacts before came "
             "out the same to the last bit: a cache or a setting that was lost, rather than arithmetic"
         )  # fmt: skip
     return Named.GREW, onset, size
@@ -510,13 +498,9 @@ def _coarse(found: Found, first: tuple[Difference, ...], coarse: Digits) -> Answ
     if not abs(top.a - top.b) < COARSE * last and gap <= 1 and (_stride(found) or 1) == 1 and last < 1e-5 * scale:
         if found.first_states == top.number:
             return Named.START, onset, f"{_size(top)}, in the first record that both have"
-        known = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
-        if found.first_states == top.number - 1 and len(first) * 2 > known:
-            return (
-                Named.START,
-                onset,
-                f"{_size(top)}, in the first step ({_many(first, known)}): another setting or step",
-            )
+        if found.first_states == top.number - 1 and len(first) * 2 > found.growing.known:
+            why = f"{_size(top)}, in the first step ({_many(found, first)}): another setting or step"
+            return Named.START, onset, why
         return Named.CHANGED, onset, (
             f"{top.name} of {top.body} is {top.a!r} and {top.b!r}, {abs(top.a - top.b) / last:.3g} of the last digit "
             "that is logged, and was the same to all digits before"
@@ -533,18 +517,17 @@ COARSE = 2.0**12
 
 def _spread(found: Found, first: tuple[Difference, ...]) -> str:
     """Where the first difference is."""
-    known = len(found.growing.same_at | dict.fromkeys(found.growing.bodies))
-    if len(first) * 2 > known > 2:
-        return f"everywhere at once ({_many(first, known)})"
+    if len(first) * 2 > found.growing.known > 2:
+        return f"everywhere at once ({_many(found, first)})"
     if len(first) == 1:
         return "in one body, in contact" if first[0].touching else "in one body, in contact with nothing"
     if len(first) == 2 and all(d.touching for d in first):
         return f"in one contact ({first[0].body} and {first[1].body})"
-    return f"in {_many(first, known)}"
+    return f"in {_many(found, first)}"
 
 
-def _many(first: tuple[Difference, ...], known: int) -> str:
-    return f"{len(first)} of {known} bodies"
+def _many(found: Found, first: tuple[Difference, ...]) -> str:
+    return f"{len(first)} of {found.growing.known} bodies"
 
 
 def _bits(bits: float) -> str:

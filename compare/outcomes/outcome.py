@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 from ...floating.pymunk_run import time_to_enter
 from ...scenarios.trajectory import StopReason
 from ..alignment.walk import history
-from ..documents.values.amounts import plain
+from ..files.amounts import plain
 
 if TYPE_CHECKING:
     from ...scenarios.numbers.quantity import Quantity

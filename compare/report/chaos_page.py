@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
 
-from ..documents.chaos import chaos_json
+from ..files.documents import chaos_json
 from .curves import Band, Curve, plot
 from .listing import laid_out
 from .output import console, counted, grid, say

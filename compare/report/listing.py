@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, SupportsFloat
 from ...exact.numbers.system import Undecided
 from ...scenarios.errors import printable
 from ...scenarios.numbers.quantity import real
-from ..documents.values.amounts import bounds, double
+from ..files.amounts import bounds, double
 from .output import TextTable, console, counted, grid, say
 
 if TYPE_CHECKING:
@@ -71,7 +71,7 @@ def print_catalogue(as_json: bool) -> None:
 
     entries = [catalogue.entry(name) for name in catalogue.names()]
     if as_json:
-        from ..documents.values.amounts import plain
+        from ..files.amounts import plain
 
         print_json({"scenes": [plain(catalogue_row(entry)) for entry in entries]})
         return

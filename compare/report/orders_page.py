@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 from ...scenarios.pictures import scene_picture
-from ..documents.orders import choices_phrase, orders_json, orders_sentence, velocities_phrase
+from ..files.documents import orders_json
 from ..outcomes.outcome import pattern
 from ..outcomes.permitted import PermittedPatterns, Relation
 from .listing import laid_out
+from .orders_text import choices_phrase, orders_sentence, velocities_phrase
 from .output import counted
 from .page import Download, download, file_name, provenance_of, rendered, scene_file, stem_of
 from .player import Played, played

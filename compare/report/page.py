@@ -25,8 +25,8 @@ from ...scenarios.errors import SceneError
 from ...scenarios.files import dump_json, dump_toml
 from ...scenarios.pictures import STYLE
 from ...scenarios.trajectory import StopReason
-from ..documents.comparison import comparison_json
 from ..engines import ENGINES
+from ..files.documents import comparison_json
 from .listing import laid_out
 from .picture import engine_css
 

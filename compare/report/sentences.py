@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...scenarios.trajectory import StopReason
@@ -347,20 +348,42 @@ def account_rows(candidate: Candidate) -> list[tuple[str, str, str, str, str]]:
     if found is None:
         return []
     words = {True: "changes it", False: "no", None: "-"}
+    parts = [e.displacement if e.share is not None else None for e in found.experiments]
+    adds = adding_up(parts, found.displacement) if found.closed and found.displacement else parts
     rows = [
         (
             e.cause.value,
-            _signed(e.displacement),
+            add if isinstance(add, str) else _signed(e.displacement),
             "-" if e.share is None else f"{round(e.share, 2) + 0.0:.0%}",
             words[e.suffices],
             e.result,
         )
-        for e in found.experiments
+        for e, add in zip(found.experiments, adds, strict=True)
     ]
     if found.closed and found.displacement is not None:
         told = f"the engine's value less the exact one; {counted(found.runs, 'continuation')} by the exact law"
         rows.append(("all of it", _signed(found.displacement), "100%", "-", told))
     return rows
+
+
+def adding_up(parts: Sequence[float | None], total: float) -> list[str | None]:
+    """Parts of a total, rounded to the place of its third digit so that they add up as they are shown.
+
+    What is less than that place is shown to three digits of its own.
+
+    >>> adding_up([-0.23361, 0.10631, 0.07108, None, 1e-9], -0.05622)
+    ['-0.2336', '+0.1063', '+0.0711', None, '+1e-09']
+    """
+    place = math.floor(math.log10(abs(total))) - 2
+    whole = [0 if part is None else round(part / 10.0**place) for part in parts]
+    left = round(total / 10.0**place) - sum(whole)
+    largest = sorted((k for k, n in enumerate(whole) if n), key=lambda k: -abs(whole[k]))
+    for k in largest[: abs(left)]:
+        whole[k] += 1 if left > 0 else -1
+    return [
+        None if part is None else f"{n * 10.0**place:+.{len(str(abs(n)))}g}" if n else _signed(part)
+        for part, n in zip(parts, whole, strict=True)
+    ]
 
 
 def _signed(value: float | None) -> str:

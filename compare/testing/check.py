@@ -23,12 +23,12 @@ from ..comparison import Comparison, compare
 from ..deadline import OutOfTime, time_limit
 from ..engines import ENGINES
 from ..engines import engine as engine_named
+from ..files.cache import cached
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..outcomes.permitted import Relation, permitted_patterns
 from ..report.sentences import divergence_phrase, listed, margin_phrase, middle, short, until_phrase, verdict_sentence
 from ..report.sentences import off as off_by
-from ..saved.cache import cached
 from ..scene_argument import scene_from
 from ..study import Study
 from ..validation import check_engine, check_trajectory, unsupported

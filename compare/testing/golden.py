@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ...scenarios.trajectory import Trajectory
-from ..documents.trajectory import trajectory_json
+from ..files.documents import trajectory_json
 from ..logdiff.desync import Desync, diff
 from ..logdiff.log_format import FORMAT
 from ..writing import write_whole

@@ -13,8 +13,7 @@ from ...exact.replay.contact import Touch
 from ...exact.simulation.policies import Ask, pushing_contacts
 from ..alignment.align import UNKNOWING, Span, align
 from ..alignment.instants import Kind
-from ..causes.decision import decisions
-from ..causes.reader import RunReader
+from ..causes.decision import RunReader, decisions
 from ..foreign.guard import run_guarded
 from ..foreign.log_engine import LogEngine
 from ..orders.guided import Guided

@@ -17,8 +17,7 @@ from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import real
 from ...scenarios.settings import positive_count
 from ...scenarios.trajectory import StopReason
-from ..causes.decision import DecidingNumber, Pairing
-from ..causes.reader import RunReader
+from ..causes.decision import DecidingNumber, Pairing, RunReader
 from ..report.output import counted
 from ..tangent.impacts import NoTangentMap
 from .errors_grown import GrownErrors

@@ -10,11 +10,13 @@ from flint import arb, fmpq, fmpz
 
 from ...scenarios.numbers import precision as working
 from ...scenarios.numbers.nested_roots import Tower
+from ...scenarios.numbers.precision import BITS_PER_DIGIT, decimals_of
 from ...scenarios.numbers.quantity import Quantity, rational_root
 from ...scenarios.numbers.tower_element import Element
 from ...scenarios.numbers.tower_ring import TowerLimit
 from ...scenarios.work import Work
-from .system import Undecided
+from ..laws.formulas import advance
+from .system import N, Undecided
 
 # -- Balls: midpoint and radius that enclose the exact value, through `flint.arb`.
 
@@ -311,3 +313,48 @@ class NestedNumbers:
     def bounds(self, value: Element) -> tuple[float, float]:
         """See `NumberSystem.bounds`."""
         return double_bounds(value.ball(BOUND_BITS))
+
+
+# -- What is computed of numbers at hand, and written in decimals.
+
+GUARD_BITS = 32
+"""Bits asked for beyond the digits wanted."""
+
+
+def flown(x: Known, v: Known, time: Known, t: Known, bits: int) -> Known:
+    """x + v (time - t) in the numbers at hand: exact if they all are and share a field, else a ball of so many bits."""
+    numbers = (x, v, time, t)
+    rational = [number for number in numbers if isinstance(number, fmpq)]
+    if len(rational) == len(numbers):
+        return _advanced(*rational)
+    towers = {id(number.tower): number.tower for number in numbers if isinstance(number, Element)}
+    if len(towers) == 1 and not any(isinstance(number, arb) for number in numbers):
+        (tower,) = towers.values()
+        return _advanced(*(tower.rational(n) if isinstance(n, fmpq) else n for n in numbers if not isinstance(n, arb)))
+    with precision(bits):
+        return advance(known_ball(x, bits), known_ball(v, bits), known_ball(time, bits) - known_ball(t, bits))
+
+
+def _advanced(x: N, v: N, time: N, t: N) -> N:
+    """x + v (time - t)."""
+    return advance(x, v, time - t)
+
+
+def element_in_decimals(value: Element, count: int) -> str:
+    """A number in nested roots in decimals."""
+    fraction, bits = value.fraction(), int(count * BITS_PER_DIGIT) + GUARD_BITS
+    if fraction is not None:
+        return fraction_in_decimals(fraction, count)
+    while (told := decimals_of(value.ball(bits), count)) is None:  # it is irrational, so no rounding is a tie
+        bits *= 2
+    return told
+
+
+def fraction_in_decimals(value: fmpq, count: int) -> str:
+    """A fraction in decimals; half a unit of the last is rounded away from zero."""
+    if value.q == 1 and len(str(value.p)) <= count:
+        return str(value.p)
+    with precision(int(count * BITS_PER_DIGIT) + 2 * GUARD_BITS + value.height_bits()):
+        near = arb(value)
+        told = decimals_of(near, count)
+        return told or (near.upper() if value > 0 else near.lower()).str(count, radius=False)

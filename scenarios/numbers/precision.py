@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import os
 from math import inf, isfinite, isnan, nextafter
+from operator import index
 from threading import Lock, get_ident
 from types import TracebackType
+from typing import SupportsIndex
 from weakref import ReferenceType, ref
 
 from flint import arb, ctx, fmpq
 
-from ..errors import Disturbed
+from ..errors import Disturbed, SceneError
 
 # -- What exact numbers take from their surroundings: flint's working precision, which is one for the whole process
 # and which no other file touches, and doubles that are rounded to the nearest.
@@ -300,12 +302,36 @@ def _nearest_to_ends(value: arb) -> tuple[float, float, arb, arb]:
         return float(low), float(high), low, high
 
 
+MOST_DIGITS, MOST_BITS = 1_000_000, 4_000_000
+"""What may be asked for of one number: beyond that its replay takes more memory and time than anyone wants to give."""
+
+
+def asked(what: str, count: object, most: int) -> int:
+    """How many digits or bits are asked for, as a whole number.
+
+    Raises:
+        SceneError: where it is none from 1 to the most.
+
+    >>> asked("digits", 30, MOST_DIGITS)
+    30
+    >>> asked("digits", 10**9, MOST_DIGITS)
+    Traceback (most recent call last):
+      ...
+    truebreak.scenarios.errors.SceneError: digits(1000000000): must be a whole number from 1 to 1,000,000
+    """
+    whole = None if isinstance(count, bool) or not isinstance(count, SupportsIndex) else index(count)
+    if whole is None or not 1 <= whole <= most:
+        raise SceneError(f"{what}({str(count)[:60]}): must be a whole number from 1 to {most:,}")
+    return whole
+
+
 def digits_of(value: arb, count: int) -> str:
     """The digits of a ball that are sure (the last may be off by one), at most so many; "" if none is.
 
     >>> digits_of(arb("0.123456 +/- 1e-4"), 10), digits_of(arb(2), 10), digits_of(arb("1 +/- 2"), 10)
     ('0.123', '2.000000000', '')
     """
+    count = asked("digits", count, MOST_DIGITS)
     with at_bits(int(count * BITS_PER_DIGIT) + GUARD_BITS):
         text = value.str(count, radius=False)
     known = value.is_zero() or (value.is_finite() and text.partition("e")[0].strip("-0."))

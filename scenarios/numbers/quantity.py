@@ -12,7 +12,17 @@ from flint import arb, fmpq
 from ..errors import SceneError, shortened
 from ..lazy import kept
 from .parsing import converted
-from .precision import BITS_PER_DIGIT, Double, at_bits, bounds_of, certain_double, digits_of, nearest_double
+from .precision import (
+    BITS_PER_DIGIT,
+    MOST_DIGITS,
+    Double,
+    asked,
+    at_bits,
+    bounds_of,
+    certain_double,
+    digits_of,
+    nearest_double,
+)
 
 if TYPE_CHECKING:
     from .tower_element import AnyTower, Element
@@ -429,6 +439,7 @@ class Quantity(Expression):
         >>> Quantity.of("sqrt(2)").digits(20), Quantity.of("2/3 - 1").digits(5)
         ('1.4142135623730950488', '-0.33333')
         """
+        count = asked("digits", count, MOST_DIGITS)
         bits = int(count * BITS_PER_DIGIT) + FIRST_BITS
         value = self.ball(bits)
         while value.rel_accuracy_bits() < count * BITS_PER_DIGIT + 2 and self.sign():

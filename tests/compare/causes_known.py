@@ -44,6 +44,7 @@ from refuting import (
     LATENESS,
     LAW,
     MISSED,
+    OF_ARITHMETIC,
     OVERLAP,
     PHANTOM,
     POSITIONS,
@@ -519,6 +520,110 @@ def of_ties() -> Iterator[Case]:
                    frozenset({INPUT}), 4, frozenset({TIE, LAW, ARITHMETIC, FLIGHTS, IMPACTS}))  # fmt: skip
 
 
+# -- engines with several faults: known is the one without which the engine comes to the reference's history
+
+
+def without(name: str, scene: Scene, engine: Any, repaired: dict[str, Any], events: int, *never: str) -> Case | None:
+    """A case of an engine with several faults, of which just one kind decides; None where that is not so.
+
+    Args:
+        repaired: for each kind of fault, the engine without it.
+        never: further kinds that must not be said to be enough.
+    """
+
+    def agrees(made: Any) -> bool:
+        return compare(scene, [made], events=events, causes=False).candidates[0].verdict == "agree"
+
+    if agrees(engine):
+        return None
+    enough = {kind for kind, other in repaired.items() if agrees(other)}
+    if ARITHMETIC in enough and all(agrees(replace(engine, step=engine.step / 2**k)) for k in (3, 4)):
+        return None  # finer steps pass, by chance or not
+    if len(enough) != 1:
+        return None
+    (kind,) = enough
+    main = {STEP: OF_STEP, ARITHMETIC: OF_ARITHMETIC}.get(kind, frozenset({kind}))
+    wrong = {INPUT, LAW, TIE, PHANTOM, ITERATIONS, STEP, ARITHMETIC, FLIGHTS, IMPACTS}
+    return Case(name, scene, engine, main, events, frozenset(wrong - main) | {*never})
+
+
+def slanted(offset: Fraction, speed: int = 1) -> Scene:
+    """A disc flies past another at a slant, so that every step rounds its place: least gap offset - 2, about."""
+    c, s = SLOPE
+    start = [c * -8 - s * offset, s * -8 + c * offset]
+    circles = [Circle(str(start[0]), str(start[1]), 1, str(speed * c), str(speed * s), id="a"), Circle(0, 0, id="b")]
+    return Scene(circles, name=f"slanted, {float(offset - 2):.3g}")
+
+
+def of_several_faults() -> Iterator[Case]:
+    """Engines of steps that round to few bits as well, push apart, or iterate too little: one of these decides."""
+    tried: list[tuple[str, Scene, Steps, dict[str, Any], int]] = []
+    for bits, step, margin in (
+        (12, 1 / 256, Fraction(-1, 2**8)), (16, 1 / 512, Fraction(1, 2**13)), (14, 1 / 512, Fraction(-1, 2**11)),
+        (24, 1 / 4, Fraction(-1, 2**6)), (24, 1 / 2, Fraction(-1, 2**5)), (20, 1 / 8, Fraction(-1, 2**9)),
+    ):  # fmt: skip
+        scene = rounded_scene(slanted(2 + margin), bits)
+        made = Steps(step, bits, rounds=True)
+        exact, fine = replace(made, rounds=False), replace(made, step=step / 256)
+        tried.append(
+            (f"{scene.name}, steps of {step:.3g}, {bits} bits", scene, made, {ARITHMETIC: exact, STEP: fine}, 2)
+        )
+    for parts, step, margin in ((1.0, 1 / 16, 40), (4.0, 1 / 64, -60), (8.0, 1 / 64, 90), (2.0, 1 / 32, -120)):
+        for sign in (1, -1):
+            scene = relay(24, sign * margin * 2**10, far=16)
+            made = Steps(step, parts=parts)
+            repaired = {POSITIONS: replace(made, parts=0.0)}
+            tried.append((f"{scene.name}, steps of {step:.3g}, pushed apart by {parts}", scene, made, repaired, 3))
+    for name, scene, made, repaired, events in tried:
+        known = without(name, scene, made, repaired, events)
+        if known is None:
+            continue
+        if POSITIONS in known.main:  # a finer step pushes less
+            known = replace(known, main=OF_STEP, never=known.never - {STEP})
+        yield known
+
+
+def of_mixed_contacts() -> Iterator[Case]:
+    """Contacts that are missed or invented where another error comes too, and laws beside rounding."""
+    rounding = frozenset({INPUT, ARITHMETIC, FLIGHTS, IMPACTS})
+    for seed in (31, 32, 33, 34, 35, 36):
+        scene = catalogue.build(f"gas:n=4,seed={seed}")
+        ids = {str(c.id) for c in scene.circles}
+        pairs = history(scene, (), 30)
+        event = next(k for k, pair in enumerate(pairs) if k > 8 and set(pair) <= ids)
+        yield Case(
+            f"gas of 4, seed {seed}: event {event} missed", scene, Made((Skip(event),)),
+            frozenset({MISSED, LAW}), event + 6, rounding | {TIE, PHANTOM},
+        )  # fmt: skip
+        event = next(k for k, pair in enumerate(pairs) if k > 1 and set(pair) <= ids)
+        off = WAY[0] / 2**10, WAY[1] / 2**10
+        faults = Invent(event, Fraction(0), *pairs[event], Fraction(1, 2**50)), Kick(event + 3, pairs[event][0], off)
+        yield Case(
+            f"gas of 4, seed {seed}: an impulse of 2**-50, then a real one that is off", scene, Made(faults),
+            frozenset({PHANTOM}), event + 6, rounding | {TIE, MISSED, LAW},
+        )  # fmt: skip
+        lossy = Made((Rounded(16), Always(Fraction(99, 100))), 16)
+        yield Case(f"gas of 4, seed {seed}: restitution 0.99 in 16 bits", scene, lossy, frozenset({LAW}), 80, rounding)
+
+
+def of_other_ties() -> Iterator[Case]:
+    """Ties that the rounding of the input splits, and lasting contacts that it opens."""
+    for mass, bits in (("3", 16), ("5", 20), ("7", 24), ("3/2", 30), ("10", 53), ("1/3", 53)):
+        yield Case(
+            f"triple, mass {mass}: split by {bits} bits", triple(mass), RoundedExact(bits), frozenset({INPUT}), 4,
+            frozenset({TIE, LAW, ARITHMETIC, FLIGHTS, IMPACTS}),
+        )  # fmt: skip
+    for mass in ("3", "5", "7"):
+        yield Case(
+            f"triple, mass {mass}: in another order", triple(mass), OtherPolicy(), frozenset({TIE}), 4, AIMED | {INPUT}
+        )
+    for depth, bits in ((12, 11), (26, 24), (40, 24), (60, 53)):
+        circles = [Circle(0, f"2-1/2**{depth}", vx=1, id="b"), Circle(4, 2, id="d")]
+        scene = Scene(circles, [Wall(0, 3, 1, 3, id="w")], name=f"struck 2**-{depth} below its centre")
+        yield Case(f"{scene.name}, {bits} bits", scene, RoundedExact(bits), frozenset({INPUT}), 8,
+                   frozenset({LAW, PHANTOM, TIE, ARITHMETIC, FLIGHTS, IMPACTS}))  # fmt: skip
+
+
 FAMILIES: dict[str, Callable[[], Iterator[Case]]] = {
     "input": of_input,
     "one kind": of_one_kind,
@@ -532,6 +637,9 @@ FAMILIES: dict[str, Callable[[], Iterator[Case]]] = {
     "not of steps": of_steps_but_not_by_them,
     "own engines": of_arithmetic,
     "ties": of_ties,
+    "several faults": of_several_faults,
+    "mixed contacts": of_mixed_contacts,
+    "other ties": of_other_ties,
 }
 
 

@@ -309,16 +309,26 @@ MOST = 200_000
 """Steps of one run of this engine: what loses energy goes slower and slower, and never comes to an end."""
 
 
+def short(value: float, bits: int) -> float:
+    """The nearest number of so many bits."""
+    share, exponent = math.frexp(value)
+    return math.ldexp(round(share * 2.0**bits), exponent - bits)
+
+
 @dataclass(frozen=True)
 class Steps(RecordedEngine):
     """An engine of steps of its own: all fly, then whatever overlaps and comes nearer is pushed.
 
-    With a number of iterations, each brings half of what is left of an impulse.
+    With a number of iterations, each brings half of what is left of an impulse. It may push those that it has hit
+    apart, by a share of their overlap or by a length, and round places and speeds after each step.
     """
 
     step: float = 1 / 64
     bits: int = 53
     iterations: int | None = None
+    parts: float = 0.0
+    apart: float = 0.0
+    rounds: bool = False
     name = "steps"
     step_microseconds = 20.0  # what a step costs here: series of finer steps go as far as that allows
     scene_keys = frozenset({"wall"})
@@ -358,12 +368,20 @@ class Steps(RecordedEngine):
                         v[i] = [v[i][0] + w[i] * by * dx, v[i][1] + w[i] * by * dy]
                         v[j] = [v[j][0] - w[j] * by * dx, v[j][1] - w[j] * by * dy]
                         hits.append((scene.ids[i], scene.ids[j]))
+                        if self.parts or self.apart:
+                            far = math.hypot(dx, dy)
+                            by = (self.apart + self.parts * (r[i] + r[j] - far)) / far / (w[i] + w[j])
+                            p[i] = [p[i][0] - w[i] * by * dx, p[i][1] - w[i] * by * dy]
+                            p[j] = [p[j][0] + w[j] * by * dx, p[j][1] + w[j] * by * dy]
                 for k, sides in enumerate(walls):
                     x0, y0, nx, ny = sides[i]
                     speed = nx * v[i][0] + ny * v[i][1]
                     if nx * (p[i][0] - x0) + ny * (p[i][1] - y0) < r[i] and speed < 0:
                         v[i] = [v[i][0] - 2 * part * speed * nx, v[i][1] - 2 * part * speed * ny]
                         hits.append((scene.ids[i], scene.ids[count + k]))
+            if self.rounds:
+                p = [[short(x, self.bits) for x in row] for row in p]
+                v = [[short(x, self.bits) for x in row] for row in v]
             if hits:
                 moved = {scene.ids[k]: (*p[k], *v[k]) for k in range(count) if w[k]}
                 recording.hits(done * self.step, hits, moved)

@@ -25,7 +25,7 @@ from refuting import FLIGHTS, IMPACTS, INPUT
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import catalogue
 
-SLOW = {"steps", "not of steps", "own engines"}
+SLOW = {"steps", "not of steps", "own engines", "several faults"}
 """Families in which engines of steps are run at many steps."""
 
 

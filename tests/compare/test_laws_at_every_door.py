@@ -17,9 +17,9 @@ from truebreak.compare import compare
 from truebreak.compare import minimise as smallest
 from truebreak.compare.comparison import studied
 from truebreak.compare.deadline import Clock
-from truebreak.compare.documents.schemas import schema
-from truebreak.compare.documents.sweep import sweep_json
 from truebreak.compare.engines import engine as engine_named
+from truebreak.compare.files.documents import sweep_json
+from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.family_sweep import SweepJob, plan
 from truebreak.compare.grids.goals import Digits, HistoryGoal, OutcomeGoal
 from truebreak.compare.grids.stress_families import MapPlace

@@ -7,7 +7,7 @@ import math
 import pytest
 from flint import arb, ctx
 
-from truebreak.compare.documents.values.definitions import definitions
+from truebreak.compare.files.exact_text import definitions
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Quantity, Scene, catalogue
 

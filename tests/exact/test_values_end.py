@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction as Q
+from typing import Any
 
 import pytest
 from flint import arb
@@ -11,7 +12,7 @@ from truebreak.exact import ExactEngine
 from truebreak.exact import exact_motion as values
 from truebreak.exact.exact_motion import Constant, ExactValue, RunLog
 from truebreak.exact.numbers.system import Undecided
-from truebreak.scenarios import Circle, Quantity, Scene, Wall, catalogue
+from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.numbers.precision import decimals_of
 
 ENGINE = ExactEngine()
@@ -156,3 +157,20 @@ def test_the_work_of_a_number_is_bounded_by_what_its_first_replay_costs() -> Non
     log = ENGINE.run(catalogue.build("gas:n=3"), events=5).motion.log
     assert values.VALUE_WORK + values.MORE_WORK * log.units(320, 10) < 10**7
     assert log.units(10**6, 10) > 1000 * log.units(256, 10)
+
+
+@pytest.mark.parametrize("count", [0, -1, True, 1.5, "3", None, 2**70, float("nan")])
+def test_what_is_asked_of_a_number_is_a_whole_number_within_bounds(count: Any) -> None:
+    """Of any number, a billion digits would take more memory than there is; what is no number is no count."""
+    run = ExactEngine().run(catalogue.build("gas:n=3"), events=30)
+    numbers = [
+        run.events[-1].time,
+        run.final.circles[0].x,
+        ExactEngine().run(Scene([Circle(0, 0, vx=1), Circle(4, 0)])).events[0].time,
+    ]
+    for number in (*numbers, Quantity.of("sqrt(2)"), Quantity.of(3)):
+        with pytest.raises(SceneError, match=r"digits\(.*: must be a whole number from 1 to 1,000,000"):
+            number.digits(count)
+    for number in numbers:
+        with pytest.raises(SceneError, match=r"ball\(.*: must be a whole number from 1 to 4,000,000"):
+            number.ball(count)

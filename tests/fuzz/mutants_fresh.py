@@ -569,9 +569,16 @@ SYMMETRY = (
     ),
     Mutant(
         "among_not_asked", LOG,
-        "        if images != {*b.among}:\n",
+        "        if len(a.among) != len(b.among) or images != set(map(self._data.one_of, b.among)):\n",
         "        if len(a.among) != len(b.among):\n",
         "rounds of as many contacts match",
+    ),
+    Mutant(
+        "walls_all_one", ISOMETRY,
+        "        if self.alone or isinstance(link, Pair):\n",
+        "        if isinstance(link, AtWall):\n            return AtWall(link.circle, 0)\n"
+        "        if isinstance(link, Pair):\n",
+        "any two walls are one",
     ),
     Mutant(
         "similar_is_enough", ISOMETRY,

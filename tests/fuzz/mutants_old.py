@@ -12,8 +12,8 @@ OLD: tuple[Mutant, ...] = (
         "w01_entry_ahead",
         GATHERING,
         "        front: list[Arrival[N]] = []\n",
-        """        entry = next((a for a in timed if a.link[1] < 0), None)
-        if entry is not None and not any(a.link[1] >= 0 and entry.link[0] in a.link for a in timed):
+        """        entry = next((a for a in timed if not a.link.pushes), None)
+        if entry is not None and not any(a.link.pushes and entry.link[0] in a.link for a in timed):
             for rival in timed:
                 if rival is not entry:
                     self.queue.put_back(rival)
@@ -27,7 +27,7 @@ OLD: tuple[Mutant, ...] = (
         GATHERING,
         "decision = meetings.order(rival, first)",
         """decision = meetings.order(rival, first)
-            if rival.link[1] < 0 and first.link[1] < 0:
+            if not (rival.link.pushes or first.link.pushes):
                 decision = decision._replace(sign=1)""",
         "two entries are never compared",
     ),
@@ -68,7 +68,7 @@ OLD: tuple[Mutant, ...] = (
         """                if settled is not None:
                     self.queue.put_back(settled)
             settled = [a for a in self.queue._heap if a.link in {r.link for r in rivals if r.time is None}]
-            entries = [a for a in settled if a.link[1] < 0 and a.time is not None and self.queue.fresh(a)]
+            entries = [a for a in settled if not a.link.pushes and a.time is not None and self.queue.fresh(a)]
             if entries:
                 self.queue._heap.remove(entries[0])
                 __import__("heapq").heapify(self.queue._heap)
@@ -110,7 +110,7 @@ OLD: tuple[Mutant, ...] = (
         "w11_tied_entry_lost",
         GATHERING,
         "                chosen.append(rival)\n",
-        """                if rival.link[1] >= 0 or first.link[1] >= 0:
+        """                if rival.link.pushes or first.link.pushes:
                     chosen.append(rival)
 """,
         "of two entries at one instant the second is lost",
@@ -120,7 +120,7 @@ OLD: tuple[Mutant, ...] = (
         GATHERING,
         "                chosen.append(rival)\n",
         """                chosen.append(rival)
-                if rival.link[1] < 0 and first.link[1] < 0:
+                if not (rival.link.pushes or first.link.pushes):
                     chosen, ties = [], []
                     break
 """,

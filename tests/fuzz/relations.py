@@ -198,6 +198,8 @@ def there_and_back(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
     if back.stop.reason.name in (*GAVE_UP, "EVENTS") or any(len(event.contacts) > 1 for event in back.events):
         return False
     with _precision(BITS):
+        if back.events and not back.events[-1].time.ball(BITS) < _ball(2 * half):
+            return False  # what touches at time 0, and parts, comes back to touch at that very time
         for one, start in zip(back.final.circles, scene.circles, strict=True):
             for key, value in (("x", start.x), ("y", start.y), ("vx", -start.vx), ("vy", -start.vy)):
                 same(getattr(one, key).ball(BITS), _ball(value), f"there and back: {one.id}.{key}")

@@ -110,9 +110,9 @@ def advise(
     beside it, so that one that is right by luck is found out. Every cheaper one was run, and is wrong.
     Where none is right, double and quad are run too.
     """
-    from ...documents.advice import advice_json, print_advice
     from ...grids.setting_search import End
     from ...grids.setting_search import advise as search
+    from ...report.advice_text import advice_json, print_advice
     from ...report.listing import print_json
     from ...scene_argument import scene_from
     from ...writing import check_folder, write_whole

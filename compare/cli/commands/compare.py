@@ -29,8 +29,8 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits:
     from ...certificate.attached import with_certificates
     from ...certificate.certified import check_engine
     from ...comparison import compare as compare_engines
-    from ...documents.comparison import comparison_json
     from ...engines import split_engines
+    from ...files.documents import comparison_json
     from ...report.listing import print_json
     from ...report.terminal import print_comparison
     from ...writing import check_writable, write_whole
@@ -61,7 +61,7 @@ def compare(scene: str, engines: str, held: HeldAgainst, save: str | None, bits:
 
         write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
     if save is not None:
-        from ...saved.comparisons import save_comparison
+        from ...files.saved import save_comparison
 
         save_comparison(comparison, save)
     if held.as_json:

@@ -35,7 +35,7 @@ Exit codes:
 
 @click.command(epilog=EPILOG)
 @click.argument("logs", metavar="A B [C ...]", nargs=-1, required=True, shell_complete=completion.files)
-@click.option("--ignore", metavar="NAME,...", help="Free fields that are not compared, such as wall-clock times.")
+@click.option("--ignore", metavar="NAME,...", help="Free fields that are not compared; time: nor are clocks.")
 @click.option("--scene", metavar="SCENE", shell_complete=completion.scenes, help="What the runs are of: audits them.")
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 where logs differ, too.")
 @JSON

@@ -79,7 +79,7 @@ def judge(
     verdict changed, or whether the law is kept.
     """
     from ...comparison import compare
-    from ...documents.comparison import comparison_json
+    from ...files.documents import comparison_json
     from ...foreign.change import changes_of
     from ...report.listing import print_json
     from ...report.output import console, say
@@ -114,8 +114,7 @@ def judge(
 
         write_whole(held.html, html_report(comparison, command=command_of(click.get_current_context())))
     if held.as_json:
-        data = comparison_json(comparison)
-        print_json({**data, "changes": [change.data() for change in changes]} if changes else data)
+        print_json(comparison_json(comparison, changes))
     else:
         print_comparison(comparison)
         out = console()

@@ -40,10 +40,11 @@ def orders(
     With --max-seconds the search ends after S seconds, and the outcomes that it has by then are listed.
     """
     from ....scenarios.errors import SceneError
-    from ...documents.orders import orders_json, print_orders
     from ...engines import engine
+    from ...files.documents import orders_json
     from ...orders.all_orders import DEFAULT_CAP, DEFAULT_SAMPLES, Runner, search_orders
     from ...report.listing import print_json
+    from ...report.orders_text import print_orders
     from ...scene_argument import scene_from, with_settings
     from ...validation import check_until
     from ...writing import check_writable, write_whole

@@ -73,8 +73,8 @@ def run(
     What comes of --resume is what one run from the beginning would have given, but for the counts of its plan.
     """
     from ...deadline import time_limit
+    from ...files.cache import reference_named
     from ...foreign.guard import is_own, run_guarded
-    from ...saved.cache import reference_named
     from ...scene_argument import changed, with_settings
     from ...validation import check_trajectory, check_until
     from ..progress import goal_of, showing_progress
@@ -85,7 +85,7 @@ def run(
         goal = goal_of(loaded, until, events)
     else:
         refuse_beside("--resume", ("scene", "engine_text", "reverse_after", "tie_policy", "symmetric"))
-        from ...saved.going_on import GoingOn, load_run
+        from ...files.saved import GoingOn, load_run
 
         chosen = GoingOn.after(load_run(resume), resume, ties=ties, work=work)
         loaded = chosen.earlier.scene
@@ -96,14 +96,14 @@ def run(
 
         check_certifiable(chosen.name, certificate)
     if save is not None:
-        from ...saved.runs import check_savable
+        from ...files.saved import check_savable
 
         check_savable(chosen.name, loaded, save)
     with showing_progress(f"{loaded.name} in {chosen.name}", goal) as progress, time_limit(max_seconds) as watch:
         told = run_guarded(chosen, loaded, until=until, events=events, progress=watch.watched(progress))
         trajectory = told if is_own(chosen) else check_trajectory(told, loaded, chosen.name, chosen.bits)
     if save is not None:
-        from ...saved.runs import save_run
+        from ...files.saved import save_run
 
         save_run(trajectory, save)
     if certificate is not None:
@@ -111,7 +111,7 @@ def run(
 
         write_certificate(trajectory, certificate)
     if as_json:
-        from ...documents.trajectory import trajectory_json
+        from ...files.documents import trajectory_json
         from ...report.listing import print_json
 
         print_json(trajectory_json(trajectory, exact=exact, watch=watch))

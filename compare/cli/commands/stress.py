@@ -77,12 +77,12 @@ def stress(
     certified run of each of them, and that run is proved again by the checker of certificates, which shares nothing
     with the engines.
     """
-    from ...documents.stress import print_stress, stress_json
     from ...engines import split_engines
     from ...grids.grid import carry_out
     from ...grids.store import Store
     from ...grids.stress_map import DEFAULT_ENGINES, ladders, place_of, stress_plan
     from ...report.listing import print_json
+    from ...report.stress_text import print_stress, stress_json
     from ...writing import check_writable, write_whole
 
     if listed:

@@ -115,14 +115,15 @@ def sweep(
     Each scene runs in a worker process; each engine only until it diverges. Rows go into the store as soon
     as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.
     """
-    from ...documents.sweep import print_sweep, sweep_json
     from ...engines import split_engines
+    from ...files.documents import sweep_json
     from ...grids.family_sweep import csv_parts, plan
     from ...grids.grid import carry_out
     from ...grids.store import Store, merged
     from ...grids.survival import summaries, uncertainty
     from ...report.listing import print_json
     from ...report.pictures.sweep_plots import survival_svg
+    from ...report.sweep_text import print_sweep
     from ...writing import check_writable, write_whole
 
     for file in (csv_file, svg, html):
@@ -192,10 +193,13 @@ def write_page(
 
 def came_to_nothing(rows: Store) -> int:
     """Says on stderr which attempts came to nothing; the exit code is 4 if a scene has no rows for that."""
+    from ....scenarios.errors import printable
+
     undone = {scene for scene, _, _ in rows.failures(undone=True)}
     for index, attempt, note in rows.failures():
         after = "" if index in undone else "; another attempt was done"
-        click.echo(f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}", err=True)
+        told = f"truebreak: scene {index}, attempt {attempt}, came to nothing: {note}{after}"
+        click.echo(printable(" ".join(told.split())), err=True)
     return ExitCode.UNDECIDED if undone else DONE
 
 

@@ -6,7 +6,6 @@ worlds are a small solver in Python, an event-driven gas, pymunk, and a chain of
 
 from __future__ import annotations
 
-import copy
 import heapq
 import itertools
 import json
@@ -22,10 +21,12 @@ from desync_sketch import (
     Hook,
     Log,
     absent,
+    bare,
     csv_of,
     dice,
     each,
     first,
+    floats,
     forget,
     hash_lines,
     hash_of,
@@ -40,18 +41,20 @@ from desync_sketch import (
     plain,
     played,
     renamed,
+    rounded,
     rows,
     shove,
     shown,
     shuffled,
-    single,
     sleeps,
     sloppy,
     stale,
     styled,
+    swapped,
     through_text,
     turned,
     ulp,
+    untimed,
     value,
     when,
     woken,
@@ -461,45 +464,6 @@ def _events(seed: int, nudge: str, bias: float, mass: float, count: int = 220, n
 def events(seed: int = 1, nudge: str = "", bias: float = 0.0, mass: float = 1.0) -> Lines:
     """A log of events."""
     return json.loads(_events(seed, nudge, bias, mass))
-
-
-def bare(lines: Lines) -> Lines:
-    """Events without states."""
-    return [lines[0], *({k: v for k, v in line.items() if k != "states"} for line in lines[1:])]
-
-
-def untimed(lines: Lines) -> Lines:
-    """Events by their number alone."""
-    return [lines[0], *({"step": k, "contact": line["contact"]} for k, line in enumerate(lines[1:]))]
-
-
-def floats(lines: Lines, keys: tuple[str, ...] = ("time", "states")) -> Lines:
-    """Times, and states, to 24 bits."""
-    found = copy.deepcopy(lines)
-    for line in found[1:]:
-        if "time" in keys:
-            line["time"] = single(line["time"])
-        if "states" in keys:
-            line["states"] = {i: [*map(single, row)] for i, row in line["states"].items()}
-    return found
-
-
-def rounded(lines: Lines) -> Lines:
-    """Times with four decimals, and no states."""
-    return [lines[0], *({**line, "time": round(line["time"], 4)} for line in bare(lines)[1:])]
-
-
-def swapped(lines: Lines) -> Lines:
-    """Neighbours that share no body change places."""
-    found, k = [lines[0]], 1
-    while k < len(lines):
-        if k + 1 < len(lines) and not {*lines[k]["contact"]} & {*lines[k + 1]["contact"]}:
-            found += [lines[k + 1], lines[k]]
-            k += 2
-        else:
-            found.append(lines[k])
-            k += 1
-    return found
 
 
 def event_pairs() -> Iterator[Trial]:

@@ -403,3 +403,42 @@ def shuffled(line: dict[str, Any]) -> dict[str, Any]:
     items = list(line["states"].items())
     rng.shuffle(items)
     return {**line, "states": dict(items)}
+
+
+def bare(lines: Lines) -> Lines:
+    """Events without states."""
+    return [lines[0], *({k: v for k, v in line.items() if k != "states"} for line in lines[1:])]
+
+
+def untimed(lines: Lines) -> Lines:
+    """Events by their number alone."""
+    return [lines[0], *({"step": k, "contact": line["contact"]} for k, line in enumerate(lines[1:]))]
+
+
+def floats(lines: Lines, keys: tuple[str, ...] = ("time", "states")) -> Lines:
+    """Times, and states, to 24 bits."""
+    found = copy.deepcopy(lines)
+    for line in found[1:]:
+        if "time" in keys:
+            line["time"] = single(line["time"])
+        if "states" in keys:
+            line["states"] = {i: [*map(single, row)] for i, row in line["states"].items()}
+    return found
+
+
+def rounded(lines: Lines) -> Lines:
+    """Times with four decimals, and no states."""
+    return [lines[0], *({**line, "time": round(line["time"], 4)} for line in bare(lines)[1:])]
+
+
+def swapped(lines: Lines) -> Lines:
+    """Neighbours that share no body change places."""
+    found, k = [lines[0]], 1
+    while k < len(lines):
+        if k + 1 < len(lines) and not {*lines[k]["contact"]} & {*lines[k + 1]["contact"]}:
+            found += [lines[k + 1], lines[k]]
+            k += 2
+        else:
+            found.append(lines[k])
+            k += 1
+    return found

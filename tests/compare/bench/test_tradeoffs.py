@@ -29,8 +29,8 @@ from truebreak.compare.bench.speed_report import (
     rows_of,
 )
 from truebreak.compare.cli.entry import main
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES
+from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.row import Row, row_schema
 from truebreak.compare.grids.store import Store
 from truebreak.compare.grids.tradeoffs import (

@@ -268,14 +268,10 @@ def beyond_the_end_of_a_horizon() -> Told:
 
 
 def bare(*rows: tuple[str | int, ...], bits: int = 160, **values: Any) -> Told:
-    """A certificate of circles, each told by x, y, vx, vy and perhaps r and one over its mass, of which nothing is told."""
+    """A certificate of which nothing is told; a circle is x, y, vx, vy and perhaps r and one over its mass."""
     keys = ("x", "y", "vx", "vy", "r", "w")
-    circles = [
-        {"id": str(k), **dict(zip(keys, map(str, (*row, 1, 1)[:6]), strict=False))} for k, row in enumerate(rows)
-    ]
-    for row, told_row in zip(rows, circles, strict=True):
-        if len(row) == 5:
-            told_row["w"] = "1"
+    numbers = (dict(zip(keys, map(str, (*row, 1, 1)[:6]), strict=True)) for row in rows)
+    circles = [{"id": str(k), **row} for k, row in enumerate(numbers)]
     scene = {"tie_policy": "simultaneous", "circles": circles, **values.pop("scene", {})}
     final = {"time": "0", "circles": [["0"] * 4 for _ in rows]}
     parts = {"roots": [], "isometries": [], "end": STOPPED, "final": final, "bits": bits}
@@ -326,7 +322,7 @@ def hardly_closing_by_its_image() -> Told:
 
 
 def not_closing_as_before_the_round() -> Told:
-    """A blow from the left sends two circles, mirror images, at one more each, by very little; before it all were at rest."""
+    """A blow sends two circles, mirror images, at one more each, by very little; before it those were at rest."""
     t = 10**70
     c, s = f"{t * t - 1}/{t * t + 1}", f"{2 * t}/{t * t + 1}"
     third = (f"6/5-{mul(c, 8, 5)}+{mul(s, 6, 5)}", f"8/5+{mul(c, 6, 5)}+{mul(s, 8, 5)}")
@@ -403,7 +399,7 @@ def beyond_a_horizon() -> Told:
 
 
 def lasting_though_pushed() -> Told:
-    """Two rest side by side; one is struck, and leaves; that both are struck at one time later on is no single round."""
+    """Two rest side by side; one is struck, and leaves; that both are struck at one time later on is not one round."""
     circles = [Circle(0, 0), Circle(2, 0), Circle(2, -9, vy=1), Circle(-60, 0, vx=1), Circle(-58, 51, vx=1)]
     both = {"exact": "58", "met": [[0, 3], [1, 4]], "rounds": [[[0, 3], [1, 4]]]}
     return of(Scene(circles), {"exact": "7", "met": [[1, 2]], "rounds": [[[1, 2]]]}, both, end=STOPPED)
@@ -422,7 +418,7 @@ def two_points_meet() -> Told:
 
 
 def struck_out_with_what_it_hit() -> Told:
-    """Of two rows alike, the striker of one is struck from behind at the very time at which it strikes, and so strikes a
+    """Of two rows alike, the striker of one is struck from behind at the time at which it strikes, and so strikes a
     little harder; what it has struck is said to meet the next when its copy does."""
     v, d = f"{1 << 40}*r1", small(140)
     start = f"12+{1 << 43}*r1"
@@ -499,8 +495,8 @@ def after_a_horizon_by_the_way_back() -> Told:
 
 
 def by_a_rim_that_is_crossed_twice() -> Told:
-    """A centre crosses a rim twice within a very short time; what touched when it entered is said to come when it does so
-    on the way back, which is not when it left."""
+    """A centre crosses a rim twice within a very short time; what touched when it entered is said to come when
+    it enters on the way back, which is when it left."""
     fast = f"{1 << 300}*r1"
     pocket = {"id": "p", "x": "0", "y": "49", "r": "1"}
     cert = bare((0, 50, 1, f"-{E}"), (0, 0, fast, 0), (2, 0, f"{fast}+1", 0), bits=400)
@@ -511,7 +507,7 @@ def by_a_rim_that_is_crossed_twice() -> Told:
 
 
 def the_same_order_back() -> Told:
-    """Two copies of a heavy disc struck from both sides, from the left first; on the way back from the left first again,
+    """Two copies of a heavy disc struck from both sides, the left one first; on the way back it is so again,
     which does not undo it. What comes then is no way back, though the copies stay tied."""
 
     def copy(y: int) -> list[Circle]:
@@ -525,3 +521,25 @@ def the_same_order_back() -> Told:
     assert last["met"] == [[0, 6], [3, 6]]
     last["zeros"] = [["gap", [3, 6], "back"]]
     return cert
+
+
+def met_at_a_reversal() -> Told:
+    """A centre comes to a rim just when the run is reversed; it is said to meet it at the reversal too."""
+    scene = Scene([Circle(0, 0, vx=1), Circle(50, 50)], pockets=[Pocket(9, 0, 1)], reverse_at=8)
+    rim = {"met": [[0, -1]]}
+    return of(scene, {"exact": "8", **rim, "enter": [[0, -1]]}, {"turn": True, **rim}, end=STOPPED)
+
+
+def unshown(cert: Told) -> Told:
+    """A certificate without witnesses."""
+    for part in (*cert["instants"], cert["end"]):
+        part.pop("zeros", None)
+    return cert
+
+
+def hardly_a_hit() -> Told:
+    """Two that hit by very little are not said to."""
+    cert = told(Scene([Circle(0, 0, vx=1), Circle(9, 3), Circle(40, 0)]), events=1)
+    cert["scene"] |= {"roots": ["2"]}
+    cert["scene"]["circles"][1]["y"] = f"2+1*r1-{isqrt(2 * 10**140) + 1}/{10**70}"
+    return unshown({**cert, "bits": 160})

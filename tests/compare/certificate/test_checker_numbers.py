@@ -7,13 +7,13 @@ from fractions import Fraction
 from math import isqrt
 from operator import add, mul, sub, truediv
 from random import Random
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
-from truebreak.compare.certificate.scene_text import text_of
-from truebreak.compare.certificate.tower import WORK, Exact
-from truebreak.tools.verify import UNTOLD, Ball, Declined, Form, Undecided, cost, enclosed, number
+from truebreak.compare.certificate.tower import WORK, Exact, text_of
+from truebreak.tools.verify import UNTOLD, Ball, Checker, Declined, Form, Undecided, cost, enclosed, number
 
 
 @pytest.fixture(autouse=True)
@@ -169,3 +169,76 @@ def test_a_ball_with_fewer_bits_encloses_what_it_did_before() -> None:
         assert Fraction(ball.m + ball.r, 1 << drop) <= less.m + less.r
     assert Ball(0, 0, 40).at(3).sign() == 0
     assert Ball(1, 0, 40).at(3).sign() is None
+
+
+class Drawn:
+    """Two flights in whole numbers, each known to some units, and a time that is; and what they truly are.
+
+    Args:
+        wall: whether the second is a wall, a place and a normal; else the two are circles, or the second is a pocket.
+        told: how much of the errors is told.
+    """
+
+    def __init__(self, draw: Random, wall: bool, told: int) -> None:
+        self.wall, self.told, self.sides = wall, told, {(0, 1): 1} if wall else {}
+        size = draw.choice([30, 300])
+        self.numbers = [[draw.randrange(-size, size) for _ in range(4)] + [draw.randrange(9)] for _ in "ab"]
+        self.radii = [[draw.choice([0, 0, 1, 2]) for _ in range(5)] for _ in "ab"]
+        self.span, self.off = Ball(draw.randrange(0, 9), draw.choice([0, 1]), 0), draw.choice([0, 1])
+        self.true = [
+            [m + Fraction(draw.randrange(-8 * r, 8 * r + 1), 8) for m, r in zip(*rows, strict=True)]
+            for rows in zip(self.numbers, self.radii, strict=True)
+        ]
+        self.duration = self.span.m + Fraction(draw.randrange(-8 * self.span.r, 8 * self.span.r + 1), 8)
+
+    def rough(self, k: int, _: int) -> tuple[int, ...]:
+        """As `World.rough`."""
+        m, r = self.numbers[k], [self.told * x for x in self.radii[k]]
+        far, fast = abs(m[0]) + abs(m[1]) + abs(m[4]), abs(m[2]) + abs(m[3])
+        return (*m, far, r[0] + r[1] + r[4], fast, r[2] + r[3])
+
+    def wait(self, *_: int) -> Ball:
+        """How long it is."""
+        return self.span
+
+    def law(self, turn: int) -> tuple[Fraction, Fraction, Fraction]:
+        """Gap, closing and speed as they are, from an instant on, or back."""
+        (x, y, vx, vy, r), (u, v, p, q, s) = self.true
+        if self.wall:
+            return 2 * (p * (x - u) + q * (y - v) - r * s), turn * (vx * p + vy * q), Fraction(0)
+        dx, dy, wx, wy = u - x, v - y, p - vx, q - vy
+        return dx * dx + dy * dy - (r + s) ** 2, turn * (dx * wx + dy * wy), wx * wx + wy * wy
+
+
+def belied(seed: str, told: int) -> int:
+    """How often what a look says of two flights is not so."""
+    draw, wrong, said = Random(seed), 0, 0
+    checker = SimpleNamespace(n=0)
+    for _ in range(20_000):
+        wall, turn = draw.random() < 0.3, draw.choice([1, -1])
+        drawn, checker.n = Drawn(draw, wall, told), 1 if wall else 2
+        ends = [0, 1] if draw.random() < 0.7 else [0]
+        sign, safe, falls = Checker.look(cast(Any, checker), drawn, (0, 1), 0, turn, ends)
+        gap, closing, speed = drawn.law(turn)
+        until = drawn.duration if len(ends) == 2 else None
+        lowest = gap if closing >= 0 or until == 0 else _lowest(gap, closing, speed, until)
+        said += sign == 1 and safe
+        wrong += sign is not None and sign != (gap > 0) - (gap < 0)
+        wrong += bool(sign == 1 and safe and lowest <= 0)
+        wrong += bool(falls and not safe and not (closing < 0 and closing * closing > speed * gap))
+    assert said > 1_000
+    return wrong
+
+
+def _lowest(gap: Fraction, closing: Fraction, speed: Fraction, until: Fraction | None) -> Fraction:
+    """The least gap from now on, or up to a time; it falls now."""
+    if speed == 0:
+        return Fraction(-1) if until is None else gap + 2 * closing * until
+    at = -closing / speed
+    at = at if until is None or at < until else until
+    return gap + 2 * closing * at + speed * at * at
+
+
+@pytest.mark.parametrize("seed", ["look 1", "look 2"])
+def test_what_a_look_at_two_flights_says_is_so(seed: str) -> None:
+    assert belied(seed, 1) == 0 < belied(seed, 0)

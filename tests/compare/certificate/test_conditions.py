@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from collections.abc import Callable
@@ -457,6 +458,23 @@ CONDITIONS: dict[str, tuple[Changes, Changes | None, Callable[[], Told]]] = {
         ("if (how !== 'back' && how >= c.isometries.length) malformed(", "if (0) malformed("),
         lambda: forged.entries(forged.of_no_sense(), {"zeros": [["gap", [0, 1], 7]]}),
     ),
+    "an isometry maps one to one": (
+        ('refuse(len({*images.values()}) < len(told["map"]), ', "refuse(0, "),
+        ("if (this.map.size !== given.map.length) refute(", "if (0) refute("),
+        lambda: forged.no_isometry(map=[[0, 1], [0, 0]]),
+    ),
+    "nothing meets at a reversal": (
+        ("len(met) * (1 + turn)", "len(met)"), ("if (turn && e.met) refute(", "if (0) refute("), forged.met_at_a_reversal,
+    ),
+    "what is not shown is not decided": (
+        ('raise Undecided(f"{c}: nothing shows', 'return 0\n        raise Undecided(f"{c}: nothing shows'),
+        [("undecided(`no witness shows it: ${what}`);", ""), ("if (!answers.length) undecided(what);", "")],
+        lambda: forged.unshown(forged.nearly_alike()),
+    ),
+    "whether two keep apart is decided": (
+        ('raise Undecided(f"whether {c} meet before it")', "return"), ("    undecided(what);\n  }\n\n  /** Ends", "  }\n\n  /** Ends"),
+        forged.hardly_a_hit,
+    ),
     "an image is that of the other": (
         ("self.image(images, c) == other", "1"), (" && g.contact(c)?.key === other.c.key;", ";"), forged.nearly_alike,
     ),
@@ -479,6 +497,77 @@ def test_no_condition_is_idle(name: str, tmp_path: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
     refused_by_both(cert, tmp_path / "forged.json")
+
+
+ELSEWHERE = {
+    "its {key} is not of its shape": "test_bad_files",
+    "units of work; --work=N": "test_cost",
+    "bytes; --work=N": "test_cost",
+    "a product has too many terms": "test_cost",
+    "numbers of unlike bits meet": "test_checker_numbers",
+    "a number that may be zero divides": "test_checker_numbers",
+    "it has over {ROOTS} roots": "test_bad_files",
+    "it has too many circles": "test_bad_files",
+    "its end is of other circles": "test_bad_files",
+    "an isometry maps otherwise": "each of the zeros that it is asked of stands above",
+    "meet before it or overlap": "what it refutes would not be decided in the next lines",
+    "a number: {text[:40]}": "DECIMALS",
+    "the reversal is first": "the line before it stands above",
+    "a key comes twice": "test_bad_files",
+    "a number of over 15 digits": "test_bad_files",
+    "it is no regular file": "test_bad_files",
+    "it is longer than {BYTES} bytes": "test_bad_files",
+    "the format is not {FORMAT}": "test_bad_files",
+    "(Undecided if sign is None else fault)(text)": "it is how all are asked",
+    # and of the second one
+    "the scene has no thing": "test_agreement",
+    "undecided(`${name}: whether ${what}`)": "each of the zeros stands above",
+    "refute(`${name}: it is not so that ${what}`)": "each of the zeros stands above",
+    "which is another kind": "there is no circle by that number then",
+    "does not approach, and is said to push": "the list of those that approach stands above",
+    "a contact pushes twice in a round": "there is one impulse for each contact then",
+    "it is ${block[0].c.name} that pushes": "`if (!simultaneous)` stands above",
+    "whether ${contacts[a].name} pushes": "a sign that is not known is not positive",
+    "is as told`)": "a sign that is not known is not zero",
+    "whether the impulses are determined": "without a quotient there is none",
+    "?? stuck()": "without a quotient there is none",
+    "known(law, what)": "a sign that is not known",
+    "overlaps where its flight starts": "pockets and their gaps stand above",
+    "meet, which is not told": "what it refutes would not be decided in the next lines",
+    "the first instant is a reversal": "no reversal is due at the first instant",
+    "does not hit`)": "a time without a root is none",
+    "when ${name} hits`)": "a time without a root is none",
+    "is not as its decimal says": "DECIMALS",
+    "at gap zero all the time": "the line before it stands above",
+    "is at gap zero and parts": "the line before it stands above",
+    "is on the rim and not told": "test_forgeries",
+    "the scene: whether ${what}": "each of the demands stands above",
+    "no scene: it is not so that ${what}": "each of the demands stands above",
+}
+"""What else either checker raises, and where that is tried."""
+
+RAISES = re.compile(r"\b(?:refuse|demand|refute|malformed|undecided|stuck)\(|\braise ")
+FOLLOWS = ("run", "rounds", "isometry", "back", "witness", "end", "scene")
+"""Modules of the second checker that follow a run; what the others refuse is no certificate (test_bad_files)."""
+
+
+@pytest.mark.parametrize("name", ["verify.py", *(f"{module}.mjs" for module in FOLLOWS)])
+def test_each_condition_of_the_programs_has_its_forgery(name: str) -> None:
+    first = name == "verify.py"
+    text = SOURCE if first else (TOOLS / "second" / name).read_text(encoding="utf-8")
+    changes = [one if first else other for one, other, _ in CONDITIONS.values()]
+    tried = [condition for change in changes if change is not None for condition in conditions_in(change)]
+    tried += [str(row[0 if first else 1]) for row in DECIMALS.values()]
+    spans = [found.span() for part in [*tried, *ELSEWHERE] for found in re.finditer(re.escape(part), text)]
+    end = 0
+    for line in text.splitlines(keepends=True):
+        start, end = end, end + len(line)
+        if RAISES.search(line) and not line.startswith(("def ", "import ", "export const")):
+            assert any(a < end and b > start for a, b in spans), f"no forgery is kept out by this alone: {line}"
+
+
+def test_nothing_is_said_to_be_tried_that_is_not_there() -> None:
+    assert [part for part in ELSEWHERE if part not in SOURCE and part not in SECOND] == []
 
 
 DECIMALS = {

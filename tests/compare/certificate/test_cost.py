@@ -13,9 +13,15 @@ from typing import Any
 import pytest
 
 from certificate.checkers import NODE, TOOLS
+from certificate.samples import built
+from truebreak.compare.certificate import certificate_json, certificate_of, prover
+from truebreak.tools import verify
 
 Told = dict[str, Any]
 SECONDS, A_MEGABYTE, MEGABYTES = 20, 40, 500
+
+WRITING = 1.1
+"""How many times the work of a check a certificate may cost to be written."""
 
 MEASURED = """
 import resource, subprocess, sys
@@ -232,3 +238,34 @@ def test_no_file_costs_more_than_its_size_allows(made: Callable[[], Told], progr
     assert sentence.startswith(("verified: ", "refuted: ", "declined: ", "not decided: ", "no certificate: ")), sentence
     assert seconds <= SECONDS + A_MEGABYTE * path.stat().st_size / 1e6, sentence
     assert size <= MEGABYTES * 1000, sentence
+
+
+class Forgetful(set[Any]):
+    """A set in which nothing stays."""
+
+    def add(self, _: Any) -> None:
+        """Nothing."""
+
+
+def written_over_checked(folder: Path) -> float:
+    """How many times the counted work of a check the checker's own program does when a certificate is written."""
+    run = built("gas", 600)
+    verify.cost.work = 0
+    told = certificate_of(run)
+    written, path = verify.cost.work, folder / "gas.json"
+    path.write_text(certificate_json(told), encoding="utf-8")
+    assert verify.verdict(path)[0] == 0
+    return written / verify.cost.work
+
+
+def test_writing_does_the_work_of_checking_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of what is asked for to gather an instant, nothing is asked once more; a writer that forgets it does far more."""
+    assert written_over_checked(tmp_path) <= WRITING
+    gather = prover.Prover.instant
+
+    def forgetful(self: prover.Prover, entry: dict[str, Any]) -> None:
+        self.cleared = Forgetful()
+        gather(self, entry)
+
+    monkeypatch.setattr(prover.Prover, "instant", forgetful)
+    assert written_over_checked(tmp_path) > WRITING

@@ -10,7 +10,7 @@ from command_line import said
 
 from certificate.samples import built
 from truebreak.compare.certificate import certificate_json, certificate_of
-from truebreak.compare.certificate.same_scene import difference
+from truebreak.compare.certificate.certified import difference
 from truebreak.exact import ExactEngine
 from truebreak.scenarios import Circle, Pocket, Scene, Wall
 

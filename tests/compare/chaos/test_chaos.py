@@ -20,9 +20,9 @@ from truebreak.compare.chaos.hazard.errors import TOSS, ErrorCurve, ErrorModel, 
 from truebreak.compare.chaos.horizon import EventTime, Forecaster, Horizon
 from truebreak.compare.chaos.levels import LEVELS
 from truebreak.compare.cli import main
-from truebreak.compare.documents.chaos import chaos_json
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import engine
+from truebreak.compare.files.documents import chaos_json
+from truebreak.compare.files.schema import schema
 from truebreak.compare.report.chaos_page import horizon_rows, sentences
 from truebreak.compare.tangent.impacts import impacts
 from truebreak.exact import ExactEngine
@@ -263,7 +263,7 @@ def test_a_prefix_with_a_map_is_measured() -> None:
 )
 def test_the_json_is_what_its_schema_says(scene: str, engines: list[str], events: int) -> None:
     data = json.loads(json.dumps(chaos_json(chaos(catalogue.build(scene), engines, events=events)), allow_nan=False))
-    jsonschema.Draft202012Validator(schema("chaos-1")).validate(data)
+    jsonschema.Draft202012Validator(schema("chaos-2")).validate(data)
     assert next(iter(data["lyapunov"])) == "value"
     assert data["exact"] == [name for name in engines if name == "exact"]
 

@@ -16,7 +16,7 @@ from counted import wait_for_work
 
 from truebreak.compare.cli import main
 from truebreak.compare.engines import engine, split_engines
-from truebreak.compare.saved import cache as certified_cache
+from truebreak.compare.files import cache as certified_cache
 from truebreak.scenarios import SceneError, catalogue
 
 COMMAND = [sys.executable, "-P", "-m", "truebreak.compare.cli"]

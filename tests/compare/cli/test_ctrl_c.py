@@ -21,8 +21,8 @@ from test_interruption import ENDLESS, assert_beginning, endless, finished, pati
 
 from truebreak.compare import compare, trajectory_json
 from truebreak.compare.deadline import uninterrupted
+from truebreak.compare.files.saved import load_run
 from truebreak.compare.grids.store import Store
-from truebreak.compare.saved.run_file import load_run
 from truebreak.exact import ExactEngine
 from truebreak.exact.exact_engine import DEFAULT_WORK
 from truebreak.scenarios import SceneError, StopReason, catalogue

@@ -19,7 +19,7 @@ from ended import ended_at
 
 from truebreak.compare import compare, engine, trajectory_json
 from truebreak.compare.deadline import Clock, OutOfTime, time_limit
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.orders.all_orders import all_orders, search_orders
 from truebreak.exact import ExactEngine
 from truebreak.exact.simulation.decider import History, Noted
@@ -113,7 +113,7 @@ def test_a_comparison_out_of_time_goes_over_what_there_is(tmp_path: Path) -> Non
         return said.returncode == 1 and json.loads(said.stdout)["reference"]["events"] > 100
 
     told = json.loads(patiently(*words, enough=enough)[0].stdout)
-    jsonschema.Draft202012Validator(schema("comparison-4")).validate(told)
+    jsonschema.Draft202012Validator(schema("comparison-5")).validate(told)
     assert told["reference"]["stop"]["reason"] == "budget"
     interval, double = told["candidates"]
     assert interval["stop"]["reason"] == "budget"
@@ -134,7 +134,7 @@ def test_orders_out_of_time_are_those_found() -> None:
     said, seconds = patiently(*words, enough=lambda said: bool(json.loads(said.stdout)["outcomes"]))
     assert (said.returncode, said.stderr) == (4, "")
     told = json.loads(said.stdout)
-    jsonschema.Draft202012Validator(schema("orders-1")).validate(told)
+    jsonschema.Draft202012Validator(schema("orders-2")).validate(told)
     assert told["stop"] == {"reason": "budget", "message": f"the budget is spent: {seconds} seconds (--max-seconds)"}
     assert told["complete"] is False
     assert {outcome["stop"]["reason"] for outcome in told["outcomes"]} == {"events"}

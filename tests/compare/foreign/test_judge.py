@@ -12,7 +12,7 @@ from command_line import said
 from logs import lines_of, triples, without_limits, written
 
 from truebreak.compare import compare
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign import LogEngine
 from truebreak.compare.foreign import log_engine as log_module
 from truebreak.compare.foreign.floats import floats_csv, floats_json
@@ -48,7 +48,7 @@ def test_the_json_is_that_of_compare(gas: Trajectory, tmp_path: Path, capsys: py
     code, out, _ = said(capsys, "judge", "gas", path, "--events", "50", "--json")
     assert code == 0
     data = json.loads(out)
-    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data)
+    jsonschema.Draft202012Validator(schema("comparison-5")).validate(data)
     assert data["verdict"] == "agree"
     assert data["candidates"][0]["engine"] == path
 
@@ -124,7 +124,7 @@ def test_two_logs_say_whether_a_change_changed_a_verdict(
     code, out, _ = said(capsys, "judge", "gas", old, dropped, "--events", "50", "--json")
     assert code == 1
     data = json.loads(out)
-    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data)
+    jsonschema.Draft202012Validator(schema("comparison-5")).validate(data)
     (change,) = data["changes"]
     assert change["verdict_changed"]
     assert change["divergence_changed"]

@@ -14,9 +14,9 @@ from logs import lines_of, written
 
 from truebreak.compare import compare
 from truebreak.compare.audit.audit import audit_run
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.saved import comparison_of, saved_comparison
+from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign import LogEngine
-from truebreak.compare.saved.comparisons import comparison_of, saved_comparison
 from truebreak.scenarios import catalogue
 
 SCENES = ("gas:seed=3", "gas:n=3", "sizes", "tennis")
@@ -45,7 +45,7 @@ def test_a_log_of_another_restitution_exits_with_1(
     path = log_of(Events(restitution), name, 3, tmp_path / "log.jsonl")
     code, out, _ = said(capsys, "judge", name, path, "--events", "3", "--json")
     data = json.loads(out)
-    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data)
+    jsonschema.Draft202012Validator(schema("comparison-5")).validate(data)
     assert (code, data["verdict"]) == (1, "agree")
     (laws,) = [candidate["laws"] for candidate in data["candidates"]]
     assert laws["kept"] is False
@@ -53,7 +53,7 @@ def test_a_log_of_another_restitution_exits_with_1(
     assert laws["fit"]["value"] == pytest.approx(restitution, rel=1e-9)
     assert laws["fit"]["explained"] == laws["fit"]["of"] == laws["impacts"]
     assert laws["first"] == laws["violations"][0]
-    assert laws["first"]["size"] > laws["first"]["room"] > 0
+    assert laws["first"]["size"] > laws["first"]["bound"] > 0
     right = log_of(Events(), name, 3, tmp_path / "right.jsonl")
     assert said(capsys, "judge", name, right, "--events", "3")[0] == 0
 
@@ -80,7 +80,7 @@ def test_a_change_of_the_law_is_told(turned: bool, tmp_path: Path, capsys: pytes
     logs = (new, old) if turned else (old, new)
     code, out, _ = said(capsys, "judge", "gas:n=3", *logs, "--events", "3", "--json")
     data = json.loads(out)
-    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data)
+    jsonschema.Draft202012Validator(schema("comparison-5")).validate(data)
     (change,) = data["changes"]
     assert (code, change["laws_changed"], change["verdict_changed"]) == (1, True, False)
     assert f"{new} does not keep the law: restitution 0.999 fits 3 of 3 impacts" in change["sentence"]

@@ -13,7 +13,7 @@ import pytest
 
 from truebreak.compare import compare, study
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.row import Row, row_schema
 from truebreak.compare.grids.suite_file import (
     COLUMNS,

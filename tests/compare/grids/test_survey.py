@@ -10,8 +10,8 @@ import jsonschema
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import ENGINES, engine
+from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.engine_survey import (
     SCENES,
     SURVEYED,

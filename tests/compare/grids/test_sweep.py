@@ -16,7 +16,7 @@ import pytest
 
 from truebreak.compare import compare
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, sweep
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.scene_family import Perturbed, displaced, family, shard_of, varied

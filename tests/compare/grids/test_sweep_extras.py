@@ -16,7 +16,7 @@ import jsonschema
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.grids import executors
 from truebreak.compare.grids.executors import do, executor_named
 from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, SweepWarning, sweep

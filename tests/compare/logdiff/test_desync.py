@@ -25,7 +25,7 @@ from desync_trials import (
 )
 from desync_worlds import NONE, Fault, PymunkWorld, run
 
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.schema import schema
 from truebreak.compare.logdiff import pairing
 from truebreak.compare.logdiff.desync import diff, report_json
 from truebreak.compare.logdiff.desync_page import desync_html
@@ -393,3 +393,16 @@ def test_pages_of_strange_ids_and_endless_numbers(compared: Any) -> None:
     found = compared(lines, lines.replace("1e308]}}\n{", "1e307]}}\n{"))
     assert "ud800" in desync_html([found]).encode().decode()
     json.dumps(report_json([found]), allow_nan=False)
+
+
+@pytest.mark.parametrize("drawn", [0.75, 5, "heads"])
+def test_a_field_that_differs_by_far_more_than_the_states_is_not_of_their_rounding(drawn: Any, compared: Any) -> None:
+    told = [{**line, "rng": 0.25, "energy": 1 / 3} for line in drift()]
+    other = [
+        {**line, "energy": math.nextafter(1 / 3, 1), "states": {
+            i: [math.nextafter(x, 99) for x in row] for i, row in line["states"].items()}}
+        for line in told
+    ]  # fmt: skip
+    assert compared(told, other).verdict.name is Named.GREW
+    found = compared(told, [{**line, "rng": drawn} if line["step"] > 19 else line for line in other])
+    assert found.verdict.name is Named.OPEN and "rng differs by more than that, first at step 20" in found.line

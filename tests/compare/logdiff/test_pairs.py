@@ -14,7 +14,22 @@ from truebreak.compare.logdiff.verdict import Named
 PYTHON = [*stepped_pairs(), *event_pairs()]
 """Those whose worlds are in Python alone: the same on every machine."""
 
-QUICK = PYTHON[::5]
+MENDED = {
+    "15 digits in one log", "a body gone for five steps, in a gas of 3D", "denormals are flushed to zero",
+    "a spin that is noise of 1e-17", "velocities alone left out in one log", "another step; times and states",
+    "a start moved; the other log begins at step 30", "a shove at step 50; the other log printed by %.15g",
+    "another step; the other log printed by %.15g", "a shove at step 50; the other log has x and vx",
+    "times in floats in one log", "times with 4 decimals in both, and an ulp",
+    "a sleeping body is not logged in one log",
+    "one start moved by an ulp, times in floats, without states",
+}  # fmt: skip
+"""Those that were named wrongly, or refused, once."""
+
+QUICK = [trial for k, trial in enumerate(PYTHON) if k % 6 == 0 or trial.what in MENDED]
+
+
+def test_those_that_were_wrong_once_are_among_the_quick_ones() -> None:
+    assert {trial.what for trial in QUICK} >= MENDED
 
 
 def told(trial: Trial) -> str:

@@ -15,8 +15,8 @@ from command_line import said
 from truebreak.compare import compare
 from truebreak.compare.comparison import Comparison, studied
 from truebreak.compare.deadline import Clock
-from truebreak.compare.documents.comparison import comparison_json
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.documents import comparison_json
+from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign import LogEngine, Recording
 from truebreak.compare.foreign.change import changes_of
 from truebreak.compare.grids.family_sweep import SweepJob
@@ -203,7 +203,7 @@ def test_every_report_says_up_to_where(tmp_path: Path, capsys: pytest.CaptureFix
     assert changed_text(log).startswith(f"log, {told}: changed: collisions")
     assert changed_text(log).endswith("; what lies beyond is not settled")
     data = comparison_json(found)
-    jsonschema.Draft202012Validator(schema("comparison-4")).validate(data)
+    jsonschema.Draft202012Validator(schema("comparison-5")).validate(data)
     (mine,) = data["candidates"]
     assert (mine["outcomes_until"], mine["outcomes_expected"]["collisions"]) == (log.until, 111)
     page = html_report(found).replace("\N{NO-BREAK SPACE}", " ")

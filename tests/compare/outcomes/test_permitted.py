@@ -11,8 +11,8 @@ import pytest
 
 from truebreak.compare import compare
 from truebreak.compare.certificate.attached import with_certificates
-from truebreak.compare.documents.comparison import comparison_json
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.documents import comparison_json
+from truebreak.compare.files.schema import schema
 from truebreak.compare.orders.all_orders import all_orders
 from truebreak.compare.outcomes.outcome import pattern
 from truebreak.compare.outcomes.permitted import NEARBY, Relation, nearby, permitted_patterns
@@ -239,7 +239,7 @@ def test_a_nearby_scene_has_a_certificate_of_its_own() -> None:
     witness = found.witness(told)
     assert witness is not None and witness.certificate is not None and witness.certificate.checked
     document = comparison_json(comparison)
-    jsonschema.Draft202012Validator(schema("comparison-4")).validate(document)
+    jsonschema.Draft202012Validator(schema("comparison-5")).validate(document)
     attached = document["candidates"][0]["pattern"]["witness_certificate"]
     assert attached["independently_checked"] and attached["certificate"]["scene"]["circles"]
     assert "certified, and independently checked" in str(pattern_phrase(comparison, comparison["double"]))

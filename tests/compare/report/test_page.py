@@ -19,8 +19,8 @@ from tags import saved, tags
 from truebreak.compare import compare, html_report
 from truebreak.compare.chaos.chaos import chaos
 from truebreak.compare.chaos.foreseen import foreseen
-from truebreak.compare.documents.comparison import comparison_json
-from truebreak.compare.documents.schemas import schema
+from truebreak.compare.files.documents import comparison_json
+from truebreak.compare.files.schema import schema
 from truebreak.compare.report import page as page_provenance
 from truebreak.compare.report.chaos_page import chaos_html
 from truebreak.compare.report.html import SAME, UNTOLD, changed, kept, settled, value_text
@@ -79,7 +79,7 @@ def test_nothing_is_foreseen_beyond_a_tie_or_without_an_exact_reference() -> Non
 
 
 def test_pages_of_chaos_and_of_orders_carry_their_results() -> None:
-    for kind, name in (("chaos", "chaos-1"), ("orders", "orders-1"), ("some-orders", "orders-1")):
+    for kind, name in (("chaos", "chaos-2"), ("orders", "orders-2"), ("some-orders", "orders-2")):
         data = json.loads(saved(page(kind), f"{name.partition('-')[0]}.json"))
         jsonschema.validate(data, schema(name))
         assert loads_toml(saved(page(kind), ".toml")).digest == data["scene"]["digest"]
@@ -114,7 +114,7 @@ def test_the_scene_is_saved_whole() -> None:
         for part in (told["reference"], *told["candidates"]):
             assert part.pop("seconds") > 0
         assert json.loads(text) == json.loads(json.dumps(told))
-        jsonschema.validate(json.loads(text), schema("comparison-4"))
+        jsonschema.validate(json.loads(text), schema("comparison-5"))
         again = loads_toml(saved(page(kind), ".toml"))
         assert again.digest == comparison(kind).scene.digest
 

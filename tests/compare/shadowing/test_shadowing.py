@@ -11,8 +11,8 @@ import pytest
 from flint import arb
 
 from truebreak.compare.cli import main
-from truebreak.compare.documents.schemas import schema
 from truebreak.compare.engines import engine
+from truebreak.compare.files.schema import schema
 from truebreak.compare.report.shadow_text import at_most
 from truebreak.compare.shadowing.obstacle import Obstacle, distance, margin
 from truebreak.compare.shadowing.pseudo_orbit import FixedOrder, recorded, refined, segments, shortest
@@ -261,7 +261,7 @@ def test_the_command_proves_and_writes_the_start(capsys: pytest.CaptureFixture[s
 def test_json_is_what_its_schema_says(line: str, capsys: pytest.CaptureFixture[str]) -> None:
     code = call(["shadow", *line.split(), "--json"])
     told = json.loads(capsys.readouterr().out)
-    jsonschema.Draft202012Validator(schema("shadow-1")).validate(told)
+    jsonschema.Draft202012Validator(schema("shadow-2")).validate(told)
     assert (told["proof"] is None) == (told["obstacle"] is not None) == (code == 4)
 
 

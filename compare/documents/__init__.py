@@ -1,1 +1,0 @@
-"""What is printed as JSON, and its schemas."""

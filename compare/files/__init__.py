@@ -1,0 +1,1 @@
+"""JSON of results and its schemas, saved runs and comparisons, tables; runs that are kept."""
