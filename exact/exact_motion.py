@@ -192,7 +192,7 @@ class ExactValue:
             return self.near.ball(bits)
         if self.near.rel_accuracy_bits() >= bits:
             return self.near
-        return self._sharpened(bits, lambda value: _is_accurate(value, bits) or _is_faint(value, bits))
+        return self._sharpened(bits, lambda value: ball.is_accurate(value, bits) or ball.is_faint(value, bits))
 
     def _sharpened(self, bits: int, enough: Callable[[arb], bool]) -> arb:
         """The enclosure of a replay with so many bits, or with twice as many, and so on, until it is enough.
@@ -235,7 +235,7 @@ class ExactValue:
                 double = certain_double(self.near.ball(bits))
         if double is None:
             value = self._sharpened(
-                2 * DOUBLE_BITS, lambda value: _is_double(value) or _is_accurate(value, HALF_WAY_BITS)
+                2 * DOUBLE_BITS, lambda value: _is_double(value) or ball.is_accurate(value, HALF_WAY_BITS)
             )
             double = certain_double(value)
         if double is None:
@@ -278,7 +278,9 @@ class ExactValue:
                 self._sharpened(
                     bits,
                     lambda value: (
-                        decimals_of(value, count) is not None or _is_faint(value, bits) or _is_accurate(value, 2 * bits)
+                        decimals_of(value, count) is not None
+                        or ball.is_faint(value, bits)
+                        or ball.is_accurate(value, 2 * bits)
                     ),
                 ),
                 count,
@@ -336,19 +338,6 @@ VALUE_WORK = 3_000_000
 
 MORE_WORK = 40
 """Besides, so many times the work of its first replay: enough for five times twice the bits."""
-
-LOWEST_DOUBLE = 1100
-"""Bits below which an unsigned value rounds to the double zero whatever its sign."""
-
-
-def _is_accurate(value: arb, bits: int) -> bool:
-    """Whether so many bits of a number are told; of zero all are."""
-    return value.rel_accuracy_bits() >= bits or value.is_zero()
-
-
-def _is_faint(value: arb, bits: int) -> bool:
-    """Whether a number may be zero, and is told to so many bits beyond those of all doubles."""
-    return value.contains(0) and bool(value.abs_upper() < arb(2) ** -(bits + LOWEST_DOUBLE))
 
 
 def _is_double(value: arb) -> bool:

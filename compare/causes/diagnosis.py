@@ -238,12 +238,12 @@ def diagnosed(
             continue
         if value * margin <= 0 and value != margin:
             return _named(made, tuple(_chief(each, families[each]) for each in pushing[:count]))
-    if enough:
+    if enough and sizes.get(enough[0].name, 1.0) > 0:  # what acts against the displacement is not what made it
         return _named(made, enough[:1])
     if pushing and margin is not None and displacement is not None and margin * (margin + displacement) <= 0:
         large = [name for name in sorted(sizes, key=lambda name: -sizes[name]) if abs(sizes[name]) >= SMALL]
         return _named(made, tuple(_chief(each, families[each]) for each in large))
-    return made
+    return _named(made, enough[:1]) if enough else made
 
 
 def _not_alone(made: Diagnosis, name: str, rows: Sequence[Experiment]) -> bool:

@@ -391,7 +391,7 @@ def _rows(lab: Laboratory, account: Account) -> list[Experiment]:
         told = f"{_what(lab, part.cause)} adds {part.size:.3g} to the margin; {alone}"
         if earlier is not None:
             told = f"{told}; run freely, the exact law on it differs at event {earlier} already"
-            flips = True if part.size * total > 0 else None  # what acts against the displacement is not what made it
+            flips = True
         elif free:
             flips = False
         if part is account.own:

@@ -223,7 +223,7 @@ CLASSES = (
     "compare.audit.audit:Audit",
     "compare.audit.audit:Violation",
     "compare.audit.fits:Fit",
-    "compare.audit.halving:Defect",
+    "compare.audit.audit:Defect",
     "compare.candidate:Candidate",
     "compare.causes.diagnosis:CauseName",
     "compare.causes.diagnosis:Diagnosis",

@@ -59,7 +59,7 @@ FORMS = {
     "phantoms horizon",
     "compare.audit.audit:Violation": "kind event time bodies size bound=room",
     "compare.audit.fits:Fit": "description=what kind value spread explained of",
-    "compare.audit.halving:Defect": "kind size order finest step of_step",
+    "compare.audit.audit:Defect": "kind size order finest step of_step",
     "compare.causes.diagnosis:Diagnosis": "names=causes displacement closed continuations=runs evidence=finding "
     "sufficient experiments",
     "compare.causes.diagnosis:Experiment": "cause suffices displacement share result",

@@ -43,15 +43,53 @@ an engine? [Is it floating point, or my bug?](docs/floating-point-or-bug.md) Rep
 """
 
 TREES = {
-    "Start": ("README", "docs/tutorial", "docs/how-to", "docs/floating-point-or-bug"),
-    "Use": ("docs/scenes", "docs/engines", "docs/comparison", "docs/chaos", "docs/sweep", "docs/your-engine",
-            "docs/pytest", "docs/python", "docs/command-line", "docs/json"),
-    "Look up": ("catalogue/index", "docs/truths", "docs/certificates", "api/index"),
-    "Why it is true": ("laws/index", "docs/how-it-is-exact", "docs/symmetry-and-ties", "docs/error-bound",
-                       "docs/policies", "docs/touching", "docs/fuzz"),
-    "The house": ("docs/architecture", "CONTRIBUTING", "CHANGELOG", "SECURITY", "docs/index"),
-}  # fmt: skip
-"""The pages in order; those of docs/ that are not named here follow under `Use`."""
+    "Tutorials": ("README", "docs/tutorial"),
+    "How-to": (
+        "docs/how-to",
+        "docs/floating-point-or-bug",
+        "docs/desync",
+        "docs/your-engine",
+        "docs/pytest",
+        "docs/python",
+        "docs/suites",
+        "docs/sweep",
+        "docs/advice",
+    ),
+    "Reference": (
+        "catalogue/index",
+        "docs/scenes",
+        "docs/engines",
+        "docs/command-line",
+        "docs/json",
+        "docs/log-format",
+        "docs/policies",
+        "docs/survey",
+        "docs/tradeoffs",
+        "docs/stress",
+        "docs/statistics",
+        "docs/truths",
+        "docs/desync-trials",
+        "docs/other-engines",
+        "docs/figures",
+        "api/index",
+    ),
+    "Explanation": (
+        "docs/comparison",
+        "docs/audit",
+        "docs/chaos",
+        "docs/shadowing",
+        "docs/how-it-is-exact",
+        "docs/symmetry-and-ties",
+        "docs/touching",
+        "docs/error-bound",
+        "docs/certificates",
+        "docs/fuzz",
+        "docs/architecture",
+        "laws/index",
+    ),
+    "The project": ("CONTRIBUTING", "CHANGELOG", "SECURITY", "docs/index"),
+}
+"""The pages in order; those of docs/ that are not named here follow under `How-to`."""
 
 
 def assemble(source: Path, *, short: bool, jobs: int) -> None:
@@ -108,7 +146,7 @@ def _trees(source: Path) -> str:
     ]
     blocks = []
     for caption, names in TREES.items():
-        every = [*names, *(others if caption == "Use" else [])]
+        every = [*names, *(others if caption == "How-to" else [])]
         blocks.append("\n".join(["", "```{toctree}", f":caption: {caption}", ":hidden:", "", *every, "```", ""]))
     return "".join(blocks)
 

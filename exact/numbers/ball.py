@@ -71,6 +71,20 @@ def is_sharp(value: arb) -> bool:
     return value.rel_accuracy_bits() > SHARP_BITS
 
 
+LOWEST_DOUBLE = 1100
+"""Bits below which an unsigned value rounds to the double zero whatever its sign."""
+
+
+def is_accurate(value: arb, bits: int) -> bool:
+    """Whether so many bits of a number are told; of zero all are."""
+    return value.rel_accuracy_bits() >= bits or value.is_zero()
+
+
+def is_faint(value: arb, bits: int) -> bool:
+    """Whether a number may be zero, and is told to so many bits beyond those of all doubles."""
+    return value.contains(0) and bool(value.abs_upper() < arb(2) ** -(bits + LOWEST_DOUBLE))
+
+
 def as_double(value: arb) -> float:
     """The double of a ball's middle; not a number, which meets no condition, where the ball is too wide for it.
 

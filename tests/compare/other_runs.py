@@ -167,14 +167,11 @@ class Runs:
         engine = self.engine
         for _ in self.finer:
             engine = engine.finer()
-        for _ in range(2):  # two that pass may do so by chance, where rounding decides
+        for _ in range(
+            2
+        ):  # two that pass may do so by chance, where rounding decides; what cannot be run refutes nothing
             engine = engine.finer()
-            if (
-                engine is None
-                or dear(engine) * max(self.at.time, self.at.expected_time or 0.0) / engine.step > MOST_STEPS
-            ):
-                break
-            if self.does(engine) != PASSES:
+            if engine is None or dear(engine) * self.at.time / engine.step > MOST_STEPS or self.does(engine) != PASSES:
                 return None
         return self.finer[-2][0]
 

@@ -420,6 +420,8 @@ def _finished(draft: Draft, row: frozenset[str], draw: Random) -> Draft:
         other = draft.moved(c, s, 0, 160, mirror=draw.random() < 0.5)
         start = len(draft.bodies)
         draft.bodies = [replace(b, half=1) for b in draft.bodies] + [replace(b, half=2) for b in other.bodies]
+        if draw.random() < 0.25 and (odd := draw.choice(draft.bodies[start:])).m != "oo":
+            odd.m *= 2  # as alike as can be, but for one mass
         walls = other.walls if draw.random() < 0.7 else []
         pockets = other.pockets if draw.random() < 0.7 else []
         draft.walls, draft.pockets = draft.walls + walls, draft.pockets + pockets

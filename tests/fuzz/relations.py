@@ -17,6 +17,7 @@ from fuzz.maps import BITS, MAPS, Map, _ball, _precision, check_cut, check_inter
 from truebreak.exact import ExactEngine
 from truebreak.exact.certified import certified_decider as bits_of_a_run
 from truebreak.exact.numbers.system import Undecided
+from truebreak.exact.replay import refinable
 from truebreak.exact.simulation import cells as grid
 from truebreak.floating import IntervalEngine
 from truebreak.scenarios import Circle, Quantity, Trajectory
@@ -25,6 +26,8 @@ FEW_CELLS = 3
 """Circles from which on there are cells in a scene with a crowd."""
 DEEP_BITS = BITS + 3000
 """Bits of a number that is 10**-700 times as large as the one that it is compared with."""
+FORM_WORK = 60_000
+"""Work for a question in the relation of forms, for which they need little."""
 MOST_BACK = 200
 """Events of a run there and back: a point in a wedge may have thousands more just after the last one asked for."""
 LITTLE_WORK = (3_000, 30_000)
@@ -49,6 +52,16 @@ def midpoints_from(bits: int) -> Iterator[None]:
         yield
     finally:
         bits_of_a_run.LONG_BITS = before
+
+
+@contextmanager
+def field_up_to(bits: int) -> Iterator[None]:
+    """Circles leave the scene's field with the first blow after which their numbers have more bits."""
+    before, refinable.FIELD_BITS = refinable.FIELD_BITS, bits
+    try:
+        yield
+    finally:
+        refinable.FIELD_BITS = before
 
 
 def again(case: Case, engine: Any) -> Trajectory:
@@ -169,6 +182,13 @@ def beside_deep_numbers(run: Trajectory, mix: Mixed, draw: Random, engine: Any) 
     return the_same(run, other, "beside deep numbers")
 
 
+def by_form(run: Trajectory, mix: Mixed, _: Random, engine: Any) -> bool:
+    """Out of the field from the first blow on, so that ties are proved by the form of the past: the same."""
+    with field_up_to(0):
+        less = ExactEngine(work=FORM_WORK) if isinstance(engine, ExactEngine) else engine
+        return the_same(run, again(mix.case, less), "by form")
+
+
 def prefix(run: Trajectory, mix: Mixed, draw: Random, engine: Any) -> bool:
     """A run to fewer events has the first of them."""
     scene = mix.case.scene
@@ -258,6 +278,7 @@ RELATIONS: dict[str, Relation] = {
     "cells": without_cells,
     "midpoints": with_midpoints,
     "deep": beside_deep_numbers,
+    "form": by_form,
     "prefix": prefix,
     "back": there_and_back,
     "work": little_work,
@@ -275,6 +296,7 @@ def check_relations(run: Trajectory, mix: Mixed, seed: int, engine: Any) -> froz
     """
     others = [name for name in RELATIONS if name not in EVERY]
     wanted = [*(name for name in EVERY if name in mix.row), others[seed % len(others)]]
+    wanted += ["form"] if "form" not in wanted else []
     found = set[str]()
     for name in wanted:
         if RELATIONS[name](run, mix, Random(f"{name}:{seed}"), engine):

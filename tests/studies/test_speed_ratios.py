@@ -142,7 +142,7 @@ def test_unknown_figures_are_refused_with_a_suggestion(capsys: pytest.CaptureFix
     assert "did you mean 'gas-double'" in capsys.readouterr().err
 
 
-def test_the_readme_s_table_has_no_figure_that_is_not_measured(root: Path) -> None:
+def test_the_table_of_figures_has_none_that_is_not_measured(root: Path) -> None:
     """As many rows as figures, but for one of the two crowds' first events."""
-    table = (root / "README.md").read_text("utf-8").partition("| figure | compiled |")[2].partition("\n\n")[0]
+    table = (root / "docs" / "figures.md").read_text("utf-8").partition("| figure | compiled |")[2].partition("\n\n")[0]
     assert len(table.splitlines()) - 2 == len(BENCHMARKS) - 1

@@ -76,8 +76,8 @@ def hostile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setattr(isolation, "_warned", set())
     yield
     sys.modules.pop("hostile_engines", None)
-    with pytest.raises(ChildProcessError):  # none is left, alive or dead
-        os.waitpid(-1, os.WNOHANG)
+    for child in Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text("ascii").split():
+        assert b"multiprocessing" in Path(f"/proc/{child}/cmdline").read_bytes()  # none of theirs is left
 
 
 # -- judge: the reference may be anybody's
@@ -143,7 +143,11 @@ def test_survey_outlives_what_it_surveys(
     deed: str, more: tuple[str, ...], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Its first run of each engine, which warms it up and is told nowhere, too."""
-    rows = [surveys.Surveyed(f"hostile_engines:{deed}", "math", "", "harm", "", ("",)), surveys.SURVEYED[0]]
+    offered = Path("hostile-1.dist-info")  # as of a package that is installed: it is run in a worker process
+    offered.mkdir()
+    (offered / "METADATA").write_text("Metadata-Version: 2.1\nName: hostile\nVersion: 1\n", "utf-8")
+    (offered / "entry_points.txt").write_text(f"[truebreak.engines]\nhostile = hostile_engines:{deed}\n", "utf-8")
+    rows = [surveys.Surveyed("hostile", "math", "", "harm", "", ("",)), surveys.SURVEYED[0]]
     monkeypatch.setattr(surveys, "SURVEYED", tuple(rows))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", EngineWarning)
@@ -157,4 +161,4 @@ def test_survey_outlives_what_it_surveys(
         assert first["verdict"] == second["verdict"]
     else:
         assert first["verdict"] == ("undecided" if deed == "Hangs" else "failed")
-        assert ENDS[deed] in (first["note"] or first["ended"])
+        assert ENDS[deed] in f"{first['ended']} {first['note']}"
