@@ -103,7 +103,7 @@ class Comparison:
 
     def _repr_html_(self) -> str:
         """One row an engine, and a picture of where the first of them parts, or of the scene, for a notebook."""
-        from .report.picture import notebook_picture
+        from .picture import notebook_picture
 
         rows: list[tuple[object, ...]] = [(self.reference.engine, "reference", len(self.reference.events), "", "")]
         for candidate in self.candidates:

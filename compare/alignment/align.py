@@ -12,8 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-import numpy as np
-
 from ...exact.numbers import ball
 from ...scenarios.numbers.quantity import real
 from ...scenarios.trajectory import StopReason
@@ -429,6 +427,8 @@ def separation(
     Args:
         at: other times at which it is measured too, such as a divergence, as far as they lie in between.
     """
+    import numpy as np
+
     last = WITHIN * min(end, float(reference.final_time), float(candidate.final_time))
     times = [last * k / (samples - 1) for k in range(samples)] if last > 0 else [0.0]
     if at:

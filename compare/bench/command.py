@@ -70,14 +70,14 @@ def run(
     if then is not None and compared is not None:
         check_scenes(asked, then, compared)
     if svg is not None:
-        from ..report.picture import svg_path
+        from ..picture import svg_path
 
         check_writable(svg_path(svg))
     with _showing() as show:
         report = measure(scenes=scenes, engines=engines, store=store or ":memory:", progress=show,
                          processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1))  # fmt: skip
     if svg is not None:
-        from ..report.picture import svg_path
+        from ..picture import svg_path
         from ..report.pictures.tradeoff_plot import tradeoff_plot
 
         write_whole(svg_path(svg), tradeoff_plot(report.tradeoffs))

@@ -106,7 +106,7 @@ def zero(stopped: Stopped) -> list[Experiment]:
 
 WORK = 8
 """Runs as long as the engine's own that the bits may be doubled for, counted in events times the length of numbers."""
-LEAST_WORK = 64
+LEAST_WORK = 256
 """The same in events, where its own run is short."""
 SHORT_BITS = 512
 """Bits up to which an operation costs about the same, whatever their number."""

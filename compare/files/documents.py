@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from ..chaos.growth.blocks import Rate
     from ..chaos.growth.spectrum import Spectrum
     from ..chaos.horizon import Horizon
+    from ..cli.commands.foreign import Change
     from ..comparison import Comparison
-    from ..foreign.change import Change
     from ..grids.survival import Summary, Uncertainty
     from ..orders.all_orders import Leaf, OrderTree
     from ..outcomes.permitted import PermittedPatterns, Relation
@@ -73,7 +73,7 @@ FORMS = {
     "seconds? rests_on",
     "compare.outcomes.permitted:PermittedPatterns": "by_policy all_orders=orders complete orders_followed=followed "
     "realisable nearby_tried=tried",
-    "compare.foreign.change:Change": "from=before to=after verdict_changed=verdict laws_changed=laws "
+    "compare.cli.commands.foreign:Change": "from=before to=after verdict_changed=verdict laws_changed=laws "
     "divergence_changed=divergence outcomes_changed=outcomes sentence",
     "compare.files.documents:PatternRow": "relation policy witness witness_certificate?",
     "compare.files.documents:Reference": "engine parameters events stop certified assumptions outcomes return_error "

@@ -12,9 +12,9 @@ from markupsafe import Markup
 from ...scenarios.pictures import PICTURED_CIRCLES, scene_picture
 from ..chaos.foreseen import foreseen
 from ..outcomes.outcome import room_of, same_outcome
+from ..picture import divergence_picture
 from .orders_page import gallery
 from .page import COMPARED, minimise_command, provenance, rendered
-from .picture import divergence_picture
 from .player import recording
 from .plot import NARROW, WIDE, horizon_bands, separation_plot
 from .sentences import (

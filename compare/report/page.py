@@ -27,8 +27,8 @@ from ...scenarios.pictures import STYLE
 from ...scenarios.trajectory import StopReason
 from ..engines import ENGINES
 from ..files.documents import comparison_json
+from ..picture import engine_css
 from .listing import laid_out
-from .picture import engine_css
 
 if TYPE_CHECKING:
     from ...scenarios.scene import Scene

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING
 
-from .picture import engine_style
+from ..picture import engine_style
 
 if TYPE_CHECKING:
     from ..chaos.foreseen import Foreseen

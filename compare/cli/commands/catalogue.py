@@ -30,7 +30,7 @@ def show(scene: str, plot: str | None, as_json: bool) -> int:
     loaded = scene_from(scene)
     if plot is not None:
         from ....scenarios.pictures import scene_picture
-        from ...report.picture import svg_path
+        from ...picture import svg_path
         from ...writing import write_whole
 
         write_whole(svg_path(plot), scene_picture(loaded, standalone=True))

@@ -1,19 +1,199 @@
-"""The commands for engines that are not truebreak's own: `judge` and `export`."""
+"""`truebreak judge` and `truebreak export`: logs of any engine, and the scene in doubles that such an engine starts from."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+import csv
+import io
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from ....scenarios.errors import SceneError
+from ....scenarios.numbers.quantity import Quantity
+from ...files.amounts import no_formula
 from .. import completion
 from ..options import SCENE, SCENE_HELP, HeldAgainst, Whole, a_file, examples, held_against
 from ..progress import DONE, of_comparison
 
 if TYPE_CHECKING:
     from ....scenarios.scene import Scene
+    from ....scenarios.things import Circle, Pocket, Wall
+    from ...candidate import Candidate
+    from ...comparison import Comparison
     from ...foreign.log_engine import LogEngine
+
+FLOATS_SCHEMA = "truebreak/floats-1"
+
+CIRCLE, WALL, POCKET = ("x", "y", "r", "vx", "vy", "m"), ("x0", "y0", "x1", "y1"), ("x", "y", "r")
+
+
+def floats_json(scene: Scene) -> dict[str, Any]:
+    """The scene in the nearest doubles; each thing has an `error` for each number: the exact one less the double.
+
+    A fixed circle has mass null. Times are doubles too.
+
+    Raises:
+        SceneError: for a number beyond the doubles.
+
+    >>> from truebreak.scenarios import Circle, Scene
+    >>> floats_json(Scene([Circle("1/3", 0)]))["circles"][0]["error"]["x"]
+    1.850371707708594e-17
+    """
+    data: dict[str, Any] = {
+        "schema": FLOATS_SCHEMA,
+        "scene": {"name": scene.name, "digest": scene.digest, "tie_policy": str(scene.tie_policy)},
+        "circles": [_thing(c, CIRCLE) for c in scene.circles],
+        "walls": [_thing(w, WALL) for w in scene.walls],
+        "pockets": [_thing(p, POCKET) for p in scene.pockets],
+    }
+    for key in ("until", "reverse_at"):
+        if getattr(scene, key) is not None:
+            data[key], data[f"{key}_error"] = double_and_error(getattr(scene, key), key)
+    for key in ("events", "reverse_after"):
+        if getattr(scene, key) is not None:
+            data[key] = getattr(scene, key)
+    return data
+
+
+def floats_csv(scene: Scene) -> str:
+    """The same, a row for each thing: `circle,ID,x,y,r,vx,vy,m`, `wall,ID,x0,y0,x1,y1`, `pocket,ID,x,y,r`.
+
+    The errors follow in the same order. The mass of a fixed circle is `inf`, its error 0.
+
+    Raises:
+        SceneError: for a number beyond the doubles, and for an id that a spreadsheet would take for a formula.
+    """
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    for kind, things, keys in (("circle", scene.circles, CIRCLE), ("wall", scene.walls, WALL),
+                               ("pocket", scene.pockets, POCKET)):  # fmt: skip
+        for thing in things:
+            if no_formula(thing.id) != thing.id:
+                told = f"{kind} {thing.id!r}: a spreadsheet takes an id that begins so for a formula"
+                raise SceneError(f"{told}; leave out --csv, or write another id")
+            pairs = [_pair(thing, key) for key in keys]
+            writer.writerow([kind, thing.id, *(repr(d) for d, _ in pairs), *(repr(e) for _, e in pairs)])
+    return out.getvalue()
+
+
+def _thing(thing: Circle | Wall | Pocket, keys: tuple[str, ...]) -> dict[str, Any]:
+    pairs = {key: _pair(thing, key) for key in keys}
+    row: dict[str, Any] = {"id": thing.id, **{key: _finite(double) for key, (double, _) in pairs.items()}}
+    return {**row, "error": {key: error for key, (_, error) in pairs.items()}}
+
+
+def _pair(thing: Circle | Wall | Pocket, key: str) -> tuple[float, float]:
+    value = getattr(thing, key)
+    return double_and_error(value, f"{thing.id!r}: {key}") if isinstance(value, Quantity) else (math.inf, 0.0)
+
+
+def _finite(double: float) -> float | None:
+    return double if math.isfinite(double) else None
+
+
+def double_and_error(value: Quantity, label: str) -> tuple[float, float]:
+    """The nearest double, and the exact value less it, as a double.
+
+    Raises:
+        SceneError: beyond the doubles.
+    """
+    try:
+        double = float(value)
+        return double, float(value - Quantity.of(double))
+    except OverflowError:
+        raise SceneError(f"{label} is beyond the doubles; scale the scene down") from None
+
+
+# ----------------------------------------
+# Whether a change of an engine changed a verdict, or a law kept: two runs, each judged against the reference.
+
+
+@dataclass(frozen=True)
+class Change:
+    """What became of the verdict from one candidate to another.
+
+    Attributes:
+        before, after: the names of the two.
+        verdict: whether the verdict is another.
+        laws: whether one is known to break a law, and the other is not.
+        divergence: whether the first divergence is another: its event, its circle, or whom that meets.
+        outcomes: the outcomes that differ between the two; none where the two are told over different times.
+        sentence: all of that in words.
+    """
+
+    before: str
+    after: str
+    verdict: bool
+    laws: bool
+    divergence: bool
+    outcomes: tuple[str, ...]
+    sentence: str
+
+
+def changes_of(comparison: Comparison) -> list[Change]:
+    """The change from each candidate to the next."""
+    listed = comparison.candidates
+    return [change(before, after) for before, after in pairwise(listed)]
+
+
+def change(before: Candidate, after: Candidate) -> Change:
+    """What became of the verdict, and of the laws kept, from one candidate to another."""
+    verdict = before.verdict != after.verdict
+    divergence = _place(before) != _place(after)
+    laws = before.lawless != after.lawless
+    agrees = before.verdict == after.verdict == "agree"
+    names = sorted(
+        name
+        for name in before.outcomes.keys() | after.outcomes.keys()
+        if not agrees and before.until == after.until and before.outcomes.get(name) != after.outcomes.get(name)
+    )
+    if verdict:
+        told = f"The change changed the verdict: {_told(before)}, {_told(after)}."
+    elif divergence:
+        told = f"The change left the verdict, but not the first divergence: {_told(before)}, {_told(after)}."
+    elif laws:
+        told = "The change left the verdict, but not the law."
+    else:
+        where = f" at event {after.alignment.divergence.event}" if after.alignment.divergence else ""
+        told = f"The change changed no verdict: {before.engine} and {after.engine} both {_verb(after)}{where}."
+    if laws:
+        told += f" {_kept(before)}; {_kept(after)}."
+    return Change(before.engine, after.engine, verdict, laws, divergence, tuple(names), told)
+
+
+def _kept(candidate: Candidate) -> str:
+    """What its audit says, without the first step where a description of all is at hand."""
+    found = candidate.laws
+    if found is None:
+        return f"{candidate.engine} was not audited"
+    if found.kept is False:
+        return f"{candidate.engine} does not keep the law: {found.finding}"
+    return f"{candidate.engine} {found.sentence}" if found.kept else f"{candidate.engine}: {found.sentence}"
+
+
+def _place(candidate: Candidate) -> tuple[Any, ...] | None:
+    first = candidate.alignment.divergence
+    return None if first is None else (first.event, first.body, first.expected, first.got, first.kind)
+
+
+VERBS = {"agree": "agree", "diverged": "diverge", "unsettled": "are not settled", "undecided": "are undecided"}
+
+
+def _verb(candidate: Candidate) -> str:
+    return VERBS[candidate.verdict]
+
+
+def _told(candidate: Candidate) -> str:
+    first = candidate.alignment.divergence
+    word = {"agree": "agrees", "unsettled": "is not settled", "undecided": "is undecided"}.get(candidate.verdict)
+    return f"{candidate.engine} {word}" if first is None else f"{candidate.engine} diverges at event {first.event}"
+
+
+# ----------------------------------------
+# The commands for engines that are not truebreak's own: `judge` and `export`.
 
 LOG_HELP = f"""{SCENE_HELP}
 
@@ -80,7 +260,6 @@ def judge(
     """
     from ...comparison import compare
     from ...files.documents import comparison_json
-    from ...foreign.change import changes_of
     from ...report.listing import print_json
     from ...report.output import console, say
     from ...report.terminal import print_comparison
@@ -173,7 +352,6 @@ def export(scene: str, floats: bool, as_csv: bool, out: str | None) -> int:
     """
     from ....scenarios.errors import SceneError
     from ....scenarios.files import dump_json
-    from ...foreign.floats import floats_csv, floats_json
     from ...report.listing import laid_out
     from ...scene_argument import scene_from
     from ...writing import write_whole

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
+from ...picture import REFERENCE, plain_css
 from ..curves import Curve, plot
-from ..picture import REFERENCE, plain_css
 
 if TYPE_CHECKING:
     from ...grids.row import Row

@@ -9,7 +9,7 @@ from html import escape
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from ..picture import REFERENCE, engine_style
+from ...picture import REFERENCE, engine_style
 
 if TYPE_CHECKING:
     from ...grids.row import Row

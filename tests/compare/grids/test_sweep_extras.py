@@ -23,7 +23,7 @@ from truebreak.compare.grids.family_sweep import COLUMNS, SweepJob, SweepWarning
 from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.store import Store
 from truebreak.compare.grids.survival import ChangedShare, proportion, slope, summaries, uncertainty
-from truebreak.compare.report.picture import engine_style
+from truebreak.compare.picture import engine_style
 from truebreak.compare.report.pictures.sweep_figures import (
     plot_changed,
     plot_law,

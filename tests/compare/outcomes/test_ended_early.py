@@ -13,12 +13,12 @@ import pytest
 from command_line import said
 
 from truebreak.compare import compare
+from truebreak.compare.cli.commands.foreign import changes_of
 from truebreak.compare.comparison import Comparison, studied
 from truebreak.compare.deadline import Clock
 from truebreak.compare.files.documents import comparison_json
 from truebreak.compare.files.schema import schema
 from truebreak.compare.foreign import LogEngine, Recording
-from truebreak.compare.foreign.change import changes_of
 from truebreak.compare.grids.family_sweep import SweepJob
 from truebreak.compare.grids.goals import OutcomeGoal
 from truebreak.compare.grids.row import compared

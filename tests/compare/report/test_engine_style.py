@@ -10,7 +10,7 @@ from itertools import combinations
 import pytest
 from pages import comparison, page
 
-from truebreak.compare.report.picture import engine_style
+from truebreak.compare.picture import engine_style
 
 
 def lab(colour: str) -> tuple[float, float, float]:

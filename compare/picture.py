@@ -6,11 +6,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...scenarios.pictures import HEIGHT, WIDTH, DrawnDisc, View, draw, scene_picture, view_of
+from ..scenarios.pictures import HEIGHT, WIDTH, DrawnDisc, View, draw, scene_picture, view_of
 
 if TYPE_CHECKING:
-    from ...scenarios.trajectory import Trajectory
-    from ..candidate import Candidate
+    from ..scenarios.trajectory import Trajectory
+    from .candidate import Candidate
 
 REFERENCE_HUE, APART = 211.0, 24.0
 """The reference's blue, and how far from it the hue of an engine stays, in degrees."""
@@ -154,7 +154,7 @@ def svg_path(name: str) -> Path:
     Raises:
         SceneError: unless it ends in .svg.
     """
-    from ...scenarios.errors import SceneError
+    from ..scenarios.errors import SceneError
 
     if not name.lower().endswith(".svg"):
         raise SceneError(f"--plot {name!r}: pictures are SVG; give a file name that ends in .svg")
