@@ -44,7 +44,7 @@ docs: .venv/ready
 # Tests that touch each dependency: for other versions of them, and of Python, than those of .venv.
 TOUCHING = tests/exact/laws/test_laws.py tests/exact/literal/test_symbolic.py tests/exact/replay/test_ball_state.py \
     tests/exact/test_exact_values.py tests/floating/test_pymunk_engine.py tests/compare/chaos/test_chaos.py \
-    tests/compare/cli/test_cli.py tests/compare/cli/test_command_line.py tests/compare/ensemble/test_sweep_extras.py \
+    tests/compare/cli/test_cli.py tests/compare/cli/test_command_line.py tests/compare/grids/test_sweep_extras.py \
     tests/compare/report/test_page.py tests/compare/report/test_terminal.py tests/compare/report/test_widget.py \
     tests/test_face.py tests/test_notebook.py tests/test_site.py
 

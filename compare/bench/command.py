@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import json
-import time as clock
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Any
 
 import click
 
@@ -15,11 +13,11 @@ from ..cli import completion
 from ..cli.options import Whole, a_file
 from ..cli.progress import DONE, ExitCode, duration, showing
 from ..engines import split_engines
+from ..grids.grid import Done
+from ..grids.tradeoffs import LEAST_PROCESSES, MOST_PROCESSES, SUBJECTS, digest_of, steady, subjects, tradeoffs
 from ..writing import check_writable, write_whole
-from .computer import calibration, computer, idleness
-from .speed_report import Against, Report, against, check_scenes, idleness_of, load, rows_of, tables, worst
-from .subjects import SUBJECTS, digest_of, subjects
-from .tradeoff import LEAST_PROCESSES, MOST_PROCESSES, tradeoffs
+from .computer import Took, calibration, idleness
+from .speed_report import Against, Report, against, check_scenes, load, tables
 
 TRADEOFFS = "tradeoffs"
 """What is measured, by name: it may be left out."""
@@ -30,30 +28,26 @@ def measure(
     scenes: Sequence[str] = (),
     engines: Sequence[str] = (),
     processes: tuple[int, int] = (LEAST_PROCESSES, MOST_PROCESSES),
-    kept: dict[str, Any] | None = None,
-    progress: Callable[[str, int, int], None] | None = None,
+    store: str = ":memory:",
+    progress: Callable[[Done], None] | None = None,
 ) -> Report:
     """Measures the table of run time against error.
 
     Args:
         scenes, engines: some of the table's; none means all.
         processes: the fewest and the most for each row.
-        kept: an earlier report, whose scenes are taken over instead of measured.
-        progress: called with the name of each row, how many are done, and how many there are, before it starts.
+        store: the file that keeps the rows; what is in it already is not measured again.
+        progress: called after each row.
 
     Raises:
-        SceneError: for an unknown name.
+        SceneError: for an unknown name, and a store of another machine or table.
     """
-    old = () if kept is None else rows_of(kept)
-    there = {row.scene for row in old}
-    asked = [subject for subject in subjects(scenes) if subject.name not in there]
     loops = calibration()
-    fresh = tradeoffs(asked, engines, processes=processes, progress=progress)
-    loops += [*(t for row in fresh for t in row.loop), *calibration()]
-    order = [subject.name for subject in SUBJECTS]
-    rows = sorted([*old, *fresh], key=lambda row: order.index(row.scene))
-    now = idleness([t for row in fresh for t in row.took], loops, [r.name for r in fresh if r.took and not r.steady])
-    return Report(tuple(rows), now if kept is None else worst([now, idleness_of(kept)]))
+    rows = tradeoffs(subjects(scenes), engines, processes=processes, store=store, progress=progress)
+    samples = [row.samples for row in rows if row.samples is not None]
+    loops += [*(Took(*took) for sample in samples for took in sample["loops"]), *calibration()]
+    runs = [Took(*took) for sample in samples for took in sample["runs"]]
+    return Report(tuple(rows), idleness(runs, loops, [row.name for row in rows if row.samples and not steady(row)]))
 
 
 def run(
@@ -63,7 +57,7 @@ def run(
     engines: Sequence[str] = (),
     processes: int = LEAST_PROCESSES,
     compared: str | None = None,
-    keep: str | None = None,
+    store: str | None = None,
     svg: str | None = None,
 ) -> tuple[Report, Against | None]:
     """Measures, and prints the report on stdout: tables, or one JSON object. Progress goes to stderr.
@@ -72,14 +66,15 @@ def run(
         SceneError: for an unknown name, a file that cannot be used, and one of other scenes or another version.
     """
     then = None if compared is None else load(compared, "--against")
-    kept = None if keep is None else load(keep, "--keep")
-    _check_files({s.name: digest_of(s) for s in subjects(scenes)}, then, compared, kept, keep)
+    asked = {subject.name: digest_of(subject) for subject in subjects(scenes)}
+    if then is not None and compared is not None:
+        check_scenes(asked, then, compared)
     if svg is not None:
         from ..picture import svg_path
 
         check_writable(svg_path(svg))
     with _showing() as show:
-        report = measure(scenes=scenes, engines=engines, kept=kept, progress=show,
+        report = measure(scenes=scenes, engines=engines, store=store or ":memory:", progress=show,
                          processes=(processes, max(processes, MOST_PROCESSES) if processes > 1 else 1))  # fmt: skip
     if svg is not None:
         from ..picture import svg_path
@@ -89,29 +84,6 @@ def run(
     held = None if then is None else against(report, then)
     _print(report, held, as_json)
     return report, held
-
-
-def _check_files(
-    asked: dict[str, str | None],
-    then: dict[str, Any] | None,
-    compared: str | None,
-    kept: dict[str, Any] | None,
-    keep: str | None,
-) -> None:
-    """Refuses files of other scenes before anything is measured.
-
-    Raises:
-        SceneError: naming the file, the first difference and the remedy.
-    """
-    if then is not None and compared is not None:
-        check_scenes(asked, then, compared)
-    if kept is not None:
-        there = {row["scene"]: row["digest"] for row in kept["tradeoffs"]}
-        strange = sorted(name for name, digest in there.items() if name not in asked or asked[name] != digest)
-        if strange:
-            raise SceneError(f"--keep {keep!r}: has the scene {strange[0]!r}, which is not asked for, or is another")
-        if kept["machine"] != computer():
-            raise SceneError(f"--keep {keep!r}: was measured on another machine; measure all on one")
 
 
 def _print(report: Report, held: Against | None, as_json: bool) -> None:
@@ -185,7 +157,7 @@ def _name(context: click.Context, parameter: click.Parameter, value: str) -> str
 )
 @a_file("--svg", help="Also write the plot of time against digits.")
 @a_file("--against", "compared", help="Compare the ratios with those of an earlier --json.")
-@a_file("--keep", help="Take the scenes of an earlier --json over.")
+@a_file("--store", help="Keep the rows in this SQLite file, and measure none that it has.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def command(
     scenes: list[str],
@@ -193,7 +165,7 @@ def command(
     processes: int,
     svg: str | None,
     compared: str | None,
-    keep: str | None,
+    store: str | None,
     as_json: bool,
 ) -> int:
     """Measure run time against error: ten scenes, every engine, several settings.
@@ -202,7 +174,7 @@ def command(
     Python that shows whether the machine was idle; memory is the peak of that process while it ran, above what it held
     before.
     """
-    _, held = run(as_json=as_json, scenes=scenes, engines=engines, processes=processes, compared=compared, keep=keep,
+    _, held = run(as_json=as_json, scenes=scenes, engines=engines, processes=processes, compared=compared, store=store,
                   svg=svg)  # fmt: skip
     if held is not None and not held.changes:
         return ExitCode.UNDECIDED
@@ -212,18 +184,15 @@ def command(
 
 
 @contextmanager
-def _showing() -> Iterator[Callable[[str, int, int], None]]:
-    """A line on stderr: what is measured, how many are done, their rate and the time left."""
-    began = clock.monotonic()
+def _showing() -> Iterator[Callable[[Done], None]]:
+    """A line on stderr: how many are done, their rate and the time left, and what was measured last."""
     with showing("measuring") as show:
 
-        def told(name: str, done: int, total: int) -> None:
+        def told(done: Done) -> None:
             if show is None:
-                click.echo(f"measuring {name} ({done} of {total} done)", err=True)
-                return
-            seconds, text = clock.monotonic() - began, f"measuring {name}: {done} of {total} done"
-            if done:
-                text += f", {60 * done / seconds:.0f} a minute, {duration(seconds / done * (total - done))} left"
-            show(text)
+                click.echo(f"measured {done.label} ({done.there} of {done.wanted} done)", err=True)
+            else:
+                left = "" if done.left is None else f", {duration(done.left)} left"
+                show(f"measuring: {done.there} of {done.wanted} done{left}; last: {done.label}")
 
         yield told

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Iterator
+from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...scenarios.errors import SceneError
+from ..grids.row import Row, row_of
+from ..grids.tradeoffs import COLUMNS, SUBJECTS, digits_shown
 from .computer import Idleness, computer
-from .subjects import SUBJECTS
-from .tradeoff import Tradeoff, told_digits
 
 if TYPE_CHECKING:
     from ..report.output import TextTable
 
-SCHEMA = "truebreak/bench-3"
+SCHEMA = "truebreak/bench-4"
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Report:
         idleness: whether the machine was idle.
     """
 
-    tradeoffs: tuple[Tradeoff, ...]
+    tradeoffs: tuple[Row, ...]
     idleness: Idleness
 
     def data(self) -> dict[str, Any]:
@@ -42,7 +42,7 @@ class Report:
             "version": version("truebreak"),
             "machine": computer(),
             "idle": {"idle": idle.idle, "wall": idle.wall, "uneven": idle.uneven, "unsteady": list(idle.unsteady)},
-            "tradeoffs": [row.data() for row in self.tradeoffs],
+            "tradeoffs": [row.data(COLUMNS) for row in self.tradeoffs],
         }
 
 
@@ -70,25 +70,17 @@ def load(path: str, option: str) -> dict[str, Any]:
     try:
         rows, told = rows_of(data), idleness_of(data)
         ratios = [row.ratio for row in rows if row.refused is None]
-        assert all(0 < value < math.inf for value in (*ratios, told.wall, told.uneven))
+        assert all(value is not None and 0 < value < math.inf for value in (*ratios, told.wall, told.uneven))
         assert len({row.name for row in rows}) == len(rows)
         assert isinstance(data["machine"], dict)
-    except (KeyError, TypeError, ValueError, AttributeError, AssertionError):
+    except (KeyError, TypeError, ValueError, AttributeError, AssertionError, SceneError):
         raise SceneError(f"{where}: is damaged; measure it again") from None
     return data
 
 
-def rows_of(data: dict[str, Any]) -> tuple[Tradeoff, ...]:
+def rows_of(data: dict[str, Any]) -> tuple[Row, ...]:
     """The rows of a report's JSON."""
-    known = {item.name for item in fields(Tradeoff)} - {"took", "loop"}
-    rows: list[Tradeoff] = []
-    for row in data["tradeoffs"]:
-        told = {key: row[key] for key in known}
-        told["digits"] = math.inf if told["digits"] == "all" else told["digits"]
-        told["error"] = math.inf if told["error"] is None else float(told["error"])
-        told["changed"] = None if told["changed"] is None else tuple(told["changed"])
-        rows.append(Tradeoff(**told))
-    return tuple(rows)
+    return tuple(row_of(row, "a row") for row in data["tradeoffs"])
 
 
 def idleness_of(data: dict[str, Any]) -> Idleness:
@@ -113,16 +105,6 @@ def check_scenes(told: dict[str, str | None], data: dict[str, Any], path: str) -
     for name, digest in told.items():
         if digest != then[name]:
             raise SceneError(f"--against {path!r}: its scene {name!r} is another one; measure it again")
-
-
-def worst(parts: Sequence[Idleness]) -> Idleness:
-    """Of several measurements, the least idle.
-
-    >>> worst([Idleness(1.0, 1.2), Idleness(1.1, 1.0, ("a",))])
-    Idleness(wall=1.1, uneven=1.2, unsteady=('a',))
-    """
-    rows = tuple(name for part in parts for name in part.unsteady)
-    return Idleness(max(part.wall for part in parts), max(part.uneven for part in parts), rows)
 
 
 WITHIN = 0.15
@@ -203,8 +185,8 @@ class Against:
 
 def against(report: Report, data: dict[str, Any]) -> Against:
     """A report compared with the JSON of an earlier one, of the same scenes."""
-    mine = {row.name: row.ratio for row in report.tradeoffs if row.refused is None}
-    theirs = {row.name: row.ratio for row in rows_of(data) if row.refused is None}
+    mine = {row.name: row.ratio for row in report.tradeoffs if row.refused is None and row.ratio}
+    theirs = {row.name: row.ratio for row in rows_of(data) if row.refused is None and row.ratio}
     changes = [RatioChange(name, theirs[name], mine[name]) for name in mine if theirs.get(name)]
     return Against(
         tuple(sorted(changes, key=lambda change: -change.share)),
@@ -221,7 +203,7 @@ def tables(report: Report) -> Iterator[TextTable]:
         yield _scene(scene, list(rows))
 
 
-def _scene(name: str, rows: list[Tradeoff]) -> TextTable:
+def _scene(name: str, rows: list[Row]) -> TextTable:
     spec = next((f" ({subject.spec})" for subject in SUBJECTS if subject.name == name), "")
     from ..report.output import grid
 
@@ -232,14 +214,14 @@ def _scene(name: str, rows: list[Tradeoff]) -> TextTable:
         if row.refused is not None:
             table.add_row("", row.engine, "", "", "", "", "", row.refused, "")
             continue
-        digits = told_digits(row.digits)
+        digits = digits_shown(row.digits)
         table.add_row(
             "*" if row.front else "",
             row.engine,
-            f"{row.ratio:.3g}",
-            f"{row.seconds:.3g}",
-            f"{row.agreed:,}",
-            f"{row.error:.2g}" if math.isfinite(row.error) else "infinite",
+            f"{row.ratio or 0:.3g}",
+            f"{row.seconds or 0:.3g}",
+            f"{row.agreed or 0:,}",
+            "infinite" if row.error is None else f"{row.error:.2g}",
             "" if digits is None else str(digits),
             _outcomes(row),
             "" if row.memory is None else f"{row.memory / 2**20:.1f} MiB",
@@ -247,7 +229,7 @@ def _scene(name: str, rows: list[Tradeoff]) -> TextTable:
     return table
 
 
-def _outcomes(row: Tradeoff) -> str:
+def _outcomes(row: Row) -> str:
     if row.changed is None:
         return str(row.verdict)
     return f"wrong: {', '.join(row.changed)}" if row.changed else "right"

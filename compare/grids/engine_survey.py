@@ -257,6 +257,11 @@ def scene_digest(label: str) -> str:
     return scene_from(SCENES[label].scene).digest
 
 
+def limit_of(scene: str) -> int | None:
+    """How many events of a scene of the survey are followed."""
+    return next((task.events for task in SCENES.values() if task.scene == scene), None)
+
+
 @lru_cache
 def warmed(name: str, max_seconds: float | None) -> None:
     """Lets an engine play a scene of two discs: it is then loaded, and what it compiles is compiled."""
@@ -347,8 +352,8 @@ def adjustable(name: str) -> bool:
 
 
 def advised(task: Task, name: str) -> tuple[str | None, str]:
-    """The cheapest setting with which an engine tells the whole history of a task, and of scenes beside it, and what it
-    costs; None, and why there is none."""
+    """The cheapest setting with which an engine reproduces the whole history of a task, and of scenes beside it, and
+    what it costs; None, and why there is none."""
     try:
         goal = HistoryGoal(task.events)
         found = advise(scene_from(task.scene), goal, name, perturbed=PERTURBED, budget=BUDGET, why=False)
@@ -413,11 +418,17 @@ def survey(
     return Survey(versions, entries_of(row for row in rows if row.index in wanted), missing, plan.max_seconds)
 
 
+def name_of(row: Row) -> str:
+    """The engine of a row, without the settings."""
+    text = row.engine
+    return next((one.name for one in SURVEYED if text == one.name or text.startswith(f"{one.name}:")), text)
+
+
 def entries_of(rows: Iterable[Row]) -> tuple[SurveyEntry, ...]:
     """The entries of rows, in the order of the scenes and the engines; of rows that come twice the later ones."""
     found: dict[tuple[str, str], dict[str, Row]] = {}
     for row in rows:
-        found.setdefault((row.scene, row.engine.partition(":")[0]), {})[row.engine] = row
+        found.setdefault((row.scene, name_of(row)), {})[row.engine] = row
     return tuple(
         SurveyEntry(label, one.name, tuple(found[task.scene, one.name].values()))
         for label, task in SCENES.items()
@@ -451,7 +462,7 @@ def read_survey(paths: Sequence[str]) -> Survey:
         seconds = data["max_seconds"]
         mine: dict[tuple[str, str], list[Row]] = {}
         for row in rows:
-            mine.setdefault((row.scene, row.engine.partition(":")[0]), []).append(row)
+            mine.setdefault((row.scene, name_of(row)), []).append(row)
         found |= mine
     return Survey(versions, entries_of(_all(found.values())), tuple(sorted(missing)), seconds)
 

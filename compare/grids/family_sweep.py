@@ -15,9 +15,6 @@ from typing import TYPE_CHECKING, Any
 from ...exact.exact_engine import ExactEngine
 from ...scenarios.errors import SceneError
 from ...scenarios.numbers.quantity import Quantity
-from ..alignment.align import separation
-from ..candidate import Candidate
-from ..comparison import explained
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
 from ..engines import suggestion
@@ -26,7 +23,7 @@ from ..outcomes.outcome import OUTCOMES
 from ..scene_argument import scene_from
 from ..validation import check_engine
 from .grid import OnDone, carry_out
-from .row import Row, divergence_of, followed, laws_of, outcomes_changed, reference_of, versions
+from .row import Row, diagnosed, divergence_of, followed, laws_of, outcomes_changed, reference_of, versions
 from .scene_family import Perturbed, SceneFamily, family, shard_of
 from .store import Store
 
@@ -169,9 +166,7 @@ class Forecast:
 
 def _why(found: Followed, label: str, engine: Engine) -> dict[str, Any]:
     """The cause, the margin and the engine's error, by the experiments of `compare`."""
-    apart = separation(found.study.reference, found.run, float(found.study.reference.final_time))
-    candidate = Candidate(label, found.run, found.alignment, apart, {}, (), stepped=engine.step is not None)
-    candidate = explained(found.study, candidate, engine, None)
+    candidate = diagnosed(found, label, engine)
     margin = candidate.margin
     return {
         "cause": None if candidate.diagnosis is None else candidate.diagnosis.name.value,
@@ -341,38 +336,38 @@ class SweepWarning(UserWarning):
 # -- the rows as a table
 
 
+PART = 500
+"""Rows of a table that are in memory at once."""
+
+
 def csv_parts(rows: Iterable[Row], keys: Sequence[str]) -> Iterator[str]:
-    """The rows of a sweep as CSV, a line at a time, each varied parameter in a column of its own; equal rows give
+    """The rows of a sweep as CSV, some lines at a time, each varied parameter in a column of its own; equal rows give
     equal bytes.
 
-    >>> lines = list(csv_parts([Row(3, "gas:n=5", "double", parameters={"n": "5"}, changed=["collisions"])], ["n"]))
-    >>> lines[1].split(",")[:4]
+    >>> text = "".join(csv_parts([Row(3, "gas:n=5", "double", parameters={"n": "5"}, changed=["collisions"])], ["n"]))
+    >>> text.splitlines()[1].split(",")[:4]
     ['3', 'gas:n=5', '', '5']
     """
-    heads: list[str] = []
-    for column in COLUMNS:
-        heads += [*keys] if column == "parameters" else [column]
-    yield _line(heads)
-    for row in rows.objects() if isinstance(rows, Store) else (one.data() for one in rows):
-        cells: list[Any] = []
-        for column in COLUMNS:
-            value = row.get(column)
-            if column == "parameters":
-                cells += [no_formula((value or {}).get(key, "")) for key in keys]
-            else:
-                cells.append(_cell(value))
-        yield _line(cells)
-
-
-def _line(cells: Sequence[Any]) -> str:
     out = io.StringIO()
-    csv.writer(out, lineterminator="\n").writerow(cells)
-    return out.getvalue()
+    writer = csv.writer(out, lineterminator="\n")
+    first, rest = COLUMNS[: COLUMNS.index("parameters")], COLUMNS[COLUMNS.index("parameters") + 1 :]
+    writer.writerow([*first, *keys, *rest])
+    objects = rows.objects() if isinstance(rows, Store) else (row.data() for row in rows)
+    for number, row in enumerate(objects, 1):
+        varied = row.get("parameters") or {}
+        cells = [_cell(row.get(column)) for column in first]
+        cells += [no_formula(varied.get(key, "")) for key in keys]
+        writer.writerow(cells + [_cell(row.get(column)) for column in rest])
+        if number % PART == 0:
+            yield out.getvalue()
+            out.seek(0)
+            out.truncate()
+    yield out.getvalue()
 
 
 def _cell(value: Any) -> Any:
-    if value is None:
-        return ""
+    if value is None or type(value) is int:
+        return value
     if isinstance(value, float):
         return repr(value)
     return json.dumps(value, separators=(",", ":")) if isinstance(value, dict | list) else no_formula(value)

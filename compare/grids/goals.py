@@ -1,4 +1,4 @@
-"""What is to be right: the history or its beginning, an outcome, or digits at the end; each held against the truth."""
+"""What is to be right: the history or its beginning, an outcome, or digits at the end."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Judged:
-    """One run held against the certified run.
+    """One run compared with the certified run.
 
     Attributes:
         right: whether what was asked for is right, and known to be, and no law is known to be broken.
@@ -207,7 +207,7 @@ def parted(divergence: Divergence) -> str:
 def _unknown(run: Trajectory, verdict: str) -> str:
     """What is said of a run that does not settle the matter."""
     if verdict == "unsettled":
-        return "not settled: the runs at hand do not tell"
+        return "not settled: the runs at hand do not decide"
     return f"stops at t = {float(run.final_time):.6g}: {run.stop.message}"
 
 

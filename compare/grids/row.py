@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any, Literal, get_args, get_origin, get_type_h
 
 from ...scenarios.disk import fits
 from ...scenarios.errors import SceneError, cut
-from ..alignment.align import UNKNOWING
+from ..alignment.align import UNKNOWING, not_measured
 from ..audit.audit import Audit, audit_run
+from ..candidate import Candidate
 from ..chaos.horizon import Followed, follow
+from ..comparison import explained
 from ..files.amounts import plain
 from ..outcomes.matched import held
 from ..outcomes.outcome import outcome, outcomes_of
@@ -24,7 +26,6 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.trajectory import Trajectory
     from ..alignment.align import Alignment
-    from ..candidate import Candidate
     from ..study import Study
 
 VerdictWord = Literal["agree", "diverged", "unsettled", "undecided", "refused", "failed"]
@@ -56,7 +57,7 @@ class Row:
         kind: first divergence: `different`, `missing` or `extra`.
         cause: why it diverged or stopped, by experiment; null: it agrees, or causes were not asked for.
         margin: how close the decision was in the reference: bounds of the distance.
-        error: error of the engine's places by then.
+        error: error of the engine's places by then; in a table of run time against error, its largest.
         changed: outcomes that differ from the reference's; null: not asked for, or not settled.
         until: where the engine's run ends before the span does; null: it covers all of it.
         drift: energy gained by the end of the run, as a share of that at its start.
@@ -73,8 +74,15 @@ class Row:
         right: whether what was asked for is right, and known to be.
         units: counted work of the run, in units of about a microsecond.
         steps: time steps of the run.
-        seconds: seconds of the run on the wall.
+        seconds: seconds of the run on the wall; in a table of run time against error, of the processor.
         times: processor time of the run alone over that of the reference made beside it.
+        digits: decimal digits that are right at the end; 1000 for all of them; null: it did not get there.
+        loops: processor time of the fastest run in the time of a fixed loop of Python's.
+        ratio: that over the exact engine's.
+        spread: how far the two fastest processes are apart, as a ratio; null of a single one.
+        memory: bytes of the peak while it ran, above what its process held before.
+        front: whether no other row of the scene is at once as fast and as right (Pareto's front).
+        samples: what each run, and each loop in turns with them, took on the wall and of the processor.
         work: what the reference counted, its plan.
         versions: what computed the row.
         note: a remark, such as why it was refused.
@@ -119,6 +127,13 @@ class Row:
     steps: int | None = None
     seconds: float | None = None
     times: float | None = None
+    digits: float | None = None
+    loops: float | None = None
+    ratio: float | None = None
+    spread: float | None = None
+    memory: int | None = None
+    front: bool | None = None
+    samples: dict[str, Any] | None = None
     work: dict[str, Any] | None = None
     versions: str | None = None
     note: str | None = None
@@ -132,6 +147,16 @@ class Row:
     def agrees(self) -> bool:
         """Whether it agrees, and is not known to break a law."""
         return self.verdict == "agree" and not self.lawless
+
+    @property
+    def refused(self) -> str | None:
+        """Why it was not run; None if it was."""
+        return self.note if self.verdict == "refused" else None
+
+    @property
+    def name(self) -> str:
+        """Scene and engine, in words."""
+        return f"{self.scene}, {self.engine}"
 
     @property
     def pair(self) -> tuple[str, str]:
@@ -226,6 +251,7 @@ def reference_of(run: Trajectory) -> dict[str, Any]:
             "stop": run.stop.reason.name.lower()}  # fmt: skip
 
 
+@cache
 def versions() -> str:
     """What computes rows."""
     return ", ".join(f"{name} {version(name)}" for name in ("truebreak", "python-flint", "pymunk"))
@@ -241,15 +267,28 @@ def followed(run: Trajectory, engine: Engine, foreseen: int | None = None) -> Fo
     return follow(run, engine, len(run.events) if whole else foreseen)
 
 
-def outcomes_changed(found: Followed, run: Trajectory, step: float | None, names: Sequence[str] | None) -> Any:
-    """The outcomes that differ, of those named (None: of all), and whether they are those of the whole span."""
+def diagnosed(found: Followed, label: str, engine: Engine) -> Candidate:
+    """An engine that was followed, with the cause and the margin of its divergence, by the experiments of `compare`."""
+    apart, stepped = not_measured(found.study.reference), engine.step is not None
+    candidate = Candidate(label, found.run, found.alignment, apart, {}, (), stepped=stepped)
+    return explained(found.study, candidate, engine, None)
+
+
+def outcomes_changed(
+    found: Followed, run: Trajectory, step: float | None, names: Sequence[str] | None, expected: Any = None
+) -> Any:
+    """The outcomes that differ, of those named (None: of all), and whether they are those of the whole span.
+
+    Args:
+        expected: the outcomes of the reference, if they are known.
+    """
     chosen = None if names is None else {name: outcome(name) for name in names}
 
     def tell(mine: Trajectory) -> Mapping[str, Any]:
         return outcomes_of(mine) if chosen is None else {name: value(mine) for name, value in chosen.items()}
 
     study, mine = found.study, found.study.longest or run
-    return held(found.run, mine, found.alignment, study.span, study.patience(step), tell, tell(run))
+    return held(found.run, mine, found.alignment, study.span, study.patience(step), tell, expected or tell(run))
 
 
 def laws_brief(audit: Audit | None) -> dict[str, Any] | None:

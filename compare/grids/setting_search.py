@@ -15,15 +15,14 @@ from ...scenarios.numbers.quantity import Quantity
 from ...scenarios.settings import positive_time
 from ...scenarios.trajectory import StopReason
 from ..alignment.align import UNKNOWING
-from ..chaos.horizon import LEVELS, Forecaster
-from ..comparison import candidate_of, explained
+from ..chaos.horizon import LEVELS, Forecaster, follow
 from ..engines import engine as engine_named
-from ..outcomes.outcome import outcomes_of
 from ..study import Study
 from ..tangent.hazard import ErrorModel, model_of
 from ..tangent.impacts import NoTangentMap, impacts
 from ..validation import check_until, checked_number, unsupported
 from .goals import HistoryGoal
+from .row import diagnosed
 from .scene_family import nudged
 from .setting_ladder import RunSize, Setting, cost, ladder
 
@@ -31,7 +30,12 @@ if TYPE_CHECKING:
     from ...scenarios.engine import Engine
     from ...scenarios.numbers.quantity import QuantityLike
     from ...scenarios.scene import Scene
-    from .goals import Goal, Judged
+    from ..tangent.hazard import ErrorCurve
+    from .row import diagnosed
+from .goals import Goal, Judged
+
+LOW, MIDDLE, HIGH = range(3)
+"""Of `LEVELS`: where one run in twenty has diverged, a half, and all but one in twenty."""
 
 
 class End(Enum):
@@ -41,6 +45,7 @@ class End(Enum):
     BUDGET = "the budget is spent"
     LADDER = "no costlier setting is to be had"
     REFERENCE = "the certified run itself is not decided"
+    HOPELESS = "what is left is predicted to be wrong"
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,25 @@ class Instance:
 
     seed: int | None
     study: Study = field(repr=False)
+    curves: dict[ErrorModel, ErrorCurve | None] = field(default_factory=dict, repr=False, compare=False)
+
+    def needed(self, engine: Engine, level: int) -> float | None:
+        """log2 of the unit of error with which a share of an engine's runs keeps the whole history of this scene.
+
+        None where nothing is predicted.
+        """
+        declared, reference = model_of(engine), self.study.reference
+        if declared is None or not reference.events:
+            return None
+        model = declared[0]
+        if model not in self.curves:
+            try:
+                self.curves[model] = Forecaster(reference, impacts(reference, len(reference.events))).curve(model)
+            except NoTangentMap:
+                self.curves[model] = None
+        curve = self.curves[model]
+        unit = -math.inf if curve is None else curve.unit_at(LEVELS[model.name][level])
+        return None if math.isinf(unit) else unit
 
     @property
     def label(self) -> str:
@@ -63,7 +87,7 @@ class Instance:
 
 @dataclass(frozen=True)
 class Tried:
-    """One setting, held against the certified run of some of the scenes.
+    """One setting, compared with the certified run of some of the scenes.
 
     Attributes:
         setting: the setting.
@@ -101,14 +125,16 @@ class Advice:
     Attributes:
         scene, goal, engine: what was asked.
         size, perturbed: of the changes of velocities; the seeds of the scenes beside this one.
-        left_out: seeds of those whose certified run is not decided, so that nothing can be held against it.
+        left_out: seeds of those whose certified run is not decided, so that nothing can be compared with it.
         budget, spent: units of work.
         tried: every setting that was tried, cheapest first, up to the one that is right.
         end: how the search ended.
         beyond: costlier settings, tried after that.
         cost: of the setting that is right.
         why: where none is, why.
-        next: where the budget ended the search, the setting that it did not suffice for.
+        next: where the budget ended the search, the setting that it did not suffice for; where a prediction did, the
+            next one.
+        instead: where none is right, truebreak's own engines of doubles and of pairs of doubles, up to one that is.
         instances: the scenes, as far as they were needed.
     """
 
@@ -126,6 +152,7 @@ class Advice:
     cost: Cost | None = None
     why: tuple[str, ...] = ()
     next: Setting | None = None
+    instead: tuple[Tried, ...] = ()
     instances: tuple[Instance, ...] = field(default=(), repr=False)
 
     @property
@@ -162,6 +189,14 @@ DEFAULT_BUDGET = 30_000_000
 FAR = 10**9
 """Work up to which a ladder is followed to see whether it ends."""
 
+ENOUGH = 400_000
+"""Units of work of the settings that are run where all are predicted to be wrong: enough to see how far they come."""
+
+MARGIN = 8
+"""By how many halvings a step has to be too large, beside what one run in twenty needs, to be predicted to be wrong."""
+
+INSTEAD = ("double", "quad")
+
 BEYOND = 3
 """Costlier settings that are looked at once one is right, to tell luck from convergence."""
 
@@ -188,14 +223,15 @@ def advise(
     perturbed: int = DEFAULT_PERTURBED,
     size: QuantityLike = DEFAULT_SIZE,
     seed: int = 1,
-    budget: int = DEFAULT_BUDGET,
+    budget: int | None = None,
     why: bool = True,
     progress: OnSearch | None = None,
 ) -> Advice:
     """Searches an engine's settings, from the cheapest up, for the first that is right.
 
     Every cheaper one is tried, and wrong on the scene or on one of those beside it: nothing is left out by supposing
-    that what costs more is better.
+    that what costs more is better. Where the growth of errors along the certified run predicts that no setting of the
+    ladder keeps the history, only the cheap ones are run, unless a budget is given.
 
     Args:
         goal: what is to be right; by default every event.
@@ -204,7 +240,8 @@ def advise(
         perturbed: how many scenes beside this one: velocities differ, by shares of up to `size` of them, drawn from
             `seed`, `seed` + 1, ...
         budget: the most units of work (about a microsecond each) that all runs of the engine may cost together. Each
-            run is counted before it is begun, by its setting and by the length of the certified run.
+            run is counted before it is begun, by its setting and by the length of the certified run. None:
+            `DEFAULT_BUDGET`, and no run of what is predicted to be wrong once `ENOUGH` is spent.
         why: whether to find out what stands in the way where no setting is right, by further runs beside the budget.
         progress: called before each run.
 
@@ -221,7 +258,7 @@ def advise(
     return _Search(scene, goal, engine, until, share, range(seed, seed + perturbed), budget, why, progress).advice()
 
 
-def _checked(size: QuantityLike, perturbed: int, budget: int) -> Quantity:
+def _checked(size: QuantityLike, perturbed: int, budget: int | None) -> Quantity:
     """The size, if all three are in range."""
     try:
         share = Quantity.of(size)
@@ -231,7 +268,7 @@ def _checked(size: QuantityLike, perturbed: int, budget: int) -> Quantity:
         raise SceneError(f"--size {share.brief()}: is a share of each velocity; write one above 0 and below 1")
     if perturbed < 0:
         raise SceneError(f"--perturbed {perturbed}: must be a whole number from 0")
-    if budget < 1:
+    if budget is not None and budget < 1:
         raise SceneError(f"--budget {budget}: nothing can be tried with that; write a whole number from 1")
     return share
 
@@ -251,12 +288,13 @@ class _Search:
         until: QuantityLike | None,
         size: Quantity,
         seeds: range,
-        budget: int,
+        budget: int | None,
         why: bool,
         progress: OnSearch | None,
     ) -> None:
         self.scene, self.goal, self.engine, self.until = scene, goal, engine, until
-        self.size, self.seeds, self.budget, self.why, self.progress = size, seeds, budget, why, progress
+        self.size, self.seeds, self.why, self.progress = size, seeds, why, progress
+        self.budget, self.predicts = DEFAULT_BUDGET if budget is None else budget, budget is None
         self.spent, self.left_out = 0, list[int]()
         self.exact = ExactEngine()
         chosen = engine_named(engine)
@@ -303,7 +341,10 @@ class _Search:
         rungs = ladder(self.engine, RunSize.of(run), self.budget)
         tried: list[Tried] = []
         first: int | None = None
+        hopeless = self._hopeless(rungs)
         for setting in rungs:
+            if hopeless and self.spent + setting.work > ENOUGH and self._far_off(tried):
+                return self._none(tried, End.HOPELESS, setting)
             try:
                 told = self._try(setting, first)
             except _Spent:
@@ -314,6 +355,23 @@ class _Search:
             first = told.wrong[0]
         return self._none(tried, self._end_of(rungs), None)
 
+    def _hopeless(self, rungs: tuple[Setting, ...]) -> bool:
+        """Whether every setting is predicted to be wrong: even the finest step is far coarser than nineteen runs in
+        twenty can do with to keep the whole history."""
+        finest = rungs[-1].engine if rungs else None
+        if not self.predicts or not isinstance(self.goal, HistoryGoal) or finest is None or finest.step is None:
+            return False
+        if sum(setting.work for setting in rungs) <= ENOUGH:
+            return False
+        unit = self.home.needed(finest, HIGH)
+        return unit is not None and math.log2(finest.step) > unit + MARGIN
+
+    def _far_off(self, tried: list[Tried]) -> bool:
+        """Whether none of those tried agrees on half of the history: a prediction supposes that errors go with the
+        step, and an engine of higher order comes farther than that."""
+        agreed = [judged.agreed or 0 for one in tried for judged in one.judged.values()]
+        return 2 * max(agreed, default=0) < len(self.home.study.reference.events)
+
     def _end_of(self, rungs: tuple[Setting, ...]) -> End:
         """Whether the ladder goes on beyond the budget."""
         more = ladder(self.engine, RunSize.of(self.home.study.reference), max(4 * self.budget, FAR))
@@ -323,7 +381,7 @@ class _Search:
         """Holds a setting against the scene itself, then against the one on which the last was wrong, then the others.
 
         Args:
-            whole: what is known of it; it is then held against all the others, and not only up to the first failure.
+            whole: what is known of it; it is then compared with all the others, and not only up to the first failure.
 
         Raises:
             _Spent: if the budget does not suffice.
@@ -350,7 +408,7 @@ class _Search:
         return self.goal.judge(near.study, setting.text, setting.engine)
 
     def _pay(self, engine: Engine, steps: int) -> None:
-        """Counts a run at a finer step, by which it is told whether an instant of several contacts is the same.
+        """Counts a run at a finer step, which shows whether an instant of several contacts is the same.
 
         Raises:
             _Spent: if the budget does not suffice.
@@ -380,8 +438,26 @@ class _Search:
         seed = tried[-1].wrong[0] if tried else None
         near = next(one for one in (self.home, *(self._beside or ())) if one.seed == seed)
         free = replace(near.study, pay=None)
-        why = reasons(near.label, free, [(t.setting, t.judged.get(seed)) for t in tried]) if self.why else ()
-        return self._told(tuple(tried), end, why=why, after=after)
+        why = reasons(near, free, [(t.setting, t.judged.get(seed)) for t in tried]) if self.why else ()
+        found = self._told(tuple(tried), end, why=why, after=after)
+        return replace(found, instead=self._instead() if self.why else ())
+
+    def _instead(self) -> tuple[Tried, ...]:
+        """Engines of truebreak's own, up to one that is right; they cost less than a few steps of another's."""
+        found: list[Tried] = []
+        spent, self.spent, size = self.spent, 0, RunSize.of(self.home.study.reference)
+        for name in INSTEAD:
+            chosen = engine_named(name)
+            if self.engine.partition(":")[0] == name or unsupported(chosen, self.scene) is not None:
+                continue
+            try:
+                found.append(self._try(Setting(name, chosen, cost(chosen, size)[1]), None))
+            except _Spent:
+                break
+            if found[-1].right:
+                break
+        self.spent = spent
+        return tuple(found)
 
     def _told(
         self, tried: tuple[Tried, ...], end: End, why: tuple[str, ...] = (), after: Setting | None = None
@@ -412,19 +488,19 @@ SHOWN = 4
 """Settings whose reach is shown."""
 
 
-def reasons(where: str, study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> tuple[str, ...]:
+def reasons(near: Instance, study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> tuple[str, ...]:
     """Sentences, the most telling first.
 
     Args:
-        where: the scene on which the last setting was wrong, in words.
-        study: its certified run.
+        near: the scene on which the last setting was wrong.
+        study: its certified run, for which nothing is paid.
         tried: each setting, and what came out on that scene; None where it was not tried there.
     """
     if not tried:
         return ("The budget does not suffice for one run of the cheapest setting.",)
     setting, judged = tried[-1]
-    last = None if judged is None else f"The last tried, {setting.text}, on {where}: {judged.told}."
-    sentences = (last, _reach(study, tried), _needed(study, setting), _cause(study, tried))
+    last = None if judged is None else f"The last tried, {setting.text}, on {near.label}: {judged.told}."
+    sentences = (last, _reach(study, tried), _needed(near, setting), _cause(study, tried))
     return tuple(sentence for sentence in sentences if sentence)
 
 
@@ -445,17 +521,11 @@ def _reach(study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> str 
     )
 
 
-def _needed(study: Study, setting: Setting) -> str | None:
-    """The step, or the bits, with which half of such runs keep the whole history, foreseen from the certified run."""
-    declared, reference = model_of(setting.engine), study.reference
-    if declared is None or not reference.events:
-        return None
-    try:
-        curve = Forecaster(reference, impacts(reference, len(reference.events))).curve(declared[0])
-    except NoTangentMap:
-        return None
-    unit = curve.unit_at(LEVELS[declared[0].name][1])
-    if unit >= declared[1] or math.isinf(unit):
+def _needed(near: Instance, setting: Setting) -> str | None:
+    """The step, or the bits, with which half of such runs keep the whole history, predicted from the certified run."""
+    declared, reference = model_of(setting.engine), near.study.reference
+    unit = near.needed(setting.engine, MIDDLE)
+    if unit is None or declared is None or unit >= declared[1]:
         return None
     rate = "Errors grow along the certified run so that it would take"
     if declared[0] is ErrorModel.STEPPED:
@@ -470,10 +540,10 @@ def _cause(study: Study, tried: Sequence[tuple[Setting, Judged | None]]) -> str 
     if not cheap:
         return None
     setting = cheap[-1]
-    found = candidate_of(study, setting.text, setting.engine, outcomes_of(study.reference), None, None)
+    found = follow(study.reference, setting.engine)
     if found.alignment.divergence is None:
         return None
-    diagnosis = explained(study, found, setting.engine, None).diagnosis
+    diagnosis = diagnosed(found, setting.text, setting.engine).diagnosis
     if diagnosis is None:
         return None
-    return f"Why {setting.text} leaves the history at event {found.alignment.divergence.event}: {diagnosis}."
+    return f"Why {setting.text} diverges at event {found.alignment.divergence.event}: {diagnosis}."

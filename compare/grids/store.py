@@ -200,10 +200,12 @@ class Store(Sequence[Row]):
     def __getitem__(self, place: slice) -> list[Row]: ...
     def __getitem__(self, place: int | slice) -> Row | list[Row]:
         many = range(len(self))[place]
-        wanted = many if isinstance(many, range) else (many,)
-        order = "SELECT row FROM rows ORDER BY job, place LIMIT 1 OFFSET ?"
-        rows = [self._row(self.sql(order, k)[0][0]) for k in wanted]
-        return rows if isinstance(place, slice) else rows[0]
+        asked = "SELECT row FROM rows ORDER BY job, place LIMIT ? OFFSET ?"
+        if isinstance(many, int):
+            return self._row(self.sql(asked, 1, many)[0][0])
+        if many.step != 1:
+            return [self[number] for number in many]
+        return [self._row(text) for (text,) in self.sql(asked, len(many), many.start)]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Sequence) and len(self) == len(other) and all(map(Row.__eq__, self, other))

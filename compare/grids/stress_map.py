@@ -21,6 +21,7 @@ from ..certificate import certificate_json, certificate_of
 from ..certificate.certified import Certified
 from ..deadline import uninterrupted
 from ..engines import engine as engine_named
+from ..outcomes.outcome import outcomes_of
 from ..validation import EngineError, check_engine
 from .grid import several
 from .row import Row, divergence_of, followed, laws_of, outcomes_changed, reference_of, unknowing, versions
@@ -74,11 +75,11 @@ SIGNS = {
         "right: the certified history, every meeting of it, and its outcomes; no law known to be broken",
     ),
     MapMark.WRONG: ("X", "wrong: another history, an outcome changed, or a law not kept"),
-    MapMark.UNSETTLED: ("~", "not settled: the runs at hand do not tell"),
+    MapMark.UNSETTLED: ("~", "not settled: the runs at hand do not decide"),
     MapMark.UNDECIDED: ("?", "undecided: it stopped, not knowing, or its counted steps were spent"),
     MapMark.REFUSED: ("-", "refused: it does not take the scene"),
     MapMark.FAILED: ("#", "failed: it ended with an error of its own, and no answer"),
-    MapMark.UNCHECKED: ("!", "unchecked: decided, but the independent checker does not tell"),
+    MapMark.UNCHECKED: ("!", "unchecked: decided, but the independent checker does not say so"),
 }
 
 MARKS = {
@@ -96,7 +97,7 @@ VERIFIED, REFUTED, NOT_DECIDED = 0, 1, 4
 """Exit codes of the checker."""
 
 MOST_TIMES = 16
-"""By how much more bits a certificate is checked, where its own do not tell."""
+"""By how much more bits a certificate is checked, where its own do not decide."""
 
 
 @dataclass(frozen=True)
@@ -207,10 +208,11 @@ class StressJob:
         row = Row(self.index, scene.name, "exact", "agree", parameters=varies, **reference_of(run))
         exact = replace(row, mark=found.mark.value, closed_form=found.closed_form, note=found.told,
                         verdict="undecided" if unknowing(run) else "agree", agreed=len(run.events))  # fmt: skip
-        return [exact, *(_compared(replace(row, engine=label), run) for label in self.engines)]
+        expected = outcomes_of(run)
+        return [exact, *(_compared(replace(row, engine=label), run, expected) for label in self.engines)]
 
 
-def _compared(row: Row, run: Trajectory) -> Row:
+def _compared(row: Row, run: Trajectory, expected: Mapping[str, Any]) -> Row:
     """The row of one engine. What is right otherwise is wrong where a law is not kept, and `laws` says which.
 
     An engine that hands back what can be no history, such as an event before the start, is wrong too. What it raises,
@@ -228,7 +230,7 @@ def _compared(row: Row, run: Trajectory) -> Row:
     row = replace(row, **divergence_of(found.alignment))
     if found.unable:
         return replace(row, verdict="refused", mark=MapMark.REFUSED.value, note=found.run.stop.message)
-    changed = list(outcomes_changed(found, run, engine.step, None).changed)
+    changed = list(outcomes_changed(found, run, engine.step, None, expected).changed)
     mark = mark_of(found, changed=bool(changed))
     laws = laws_of(found.run, engine) if mark is MapMark.RIGHT else None
     if laws is not None and laws["kept"] is False:

@@ -212,7 +212,7 @@ def proportion(count: int, total: int) -> tuple[float, float]:
 
 
 def fitted(points: Sequence[tuple[float, float]]) -> Law | None:
-    """The line through (foreseen, seen) times; None for fewer than three, or where all are foreseen alike.
+    """The line through (predicted, seen) times; None for fewer than three, or where all are predicted alike.
 
     >>> fitted([(1.0, 3.0), (2.0, 5.0), (3.0, 7.0)])
     Law(slope=2.0, intercept=1.0, correlation=1.0, scenes=3)

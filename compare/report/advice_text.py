@@ -1,4 +1,4 @@
-"""Advice as the JSON object `truebreak/advice-1`, and for people."""
+"""Advice as the JSON object `truebreak/advice-2`, and for people."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..grids.setting_search import End
 if TYPE_CHECKING:
     from ..grids.setting_search import Advice, Tried
 
-ADVICE_SCHEMA = "truebreak/advice-1"
+ADVICE_SCHEMA = "truebreak/advice-2"
 
 SHOWN = 4
 """Settings of one kind that are named in a sentence; the JSON has all."""
@@ -44,6 +44,7 @@ def advice_json(advice: Advice) -> dict[str, Any]:
         "lucky": [tried.setting.text for tried in advice.lucky],
         "worse": [tried.setting.text for tried in advice.worse],
         "why": list(advice.why),
+        "instead": [_tried(tried) for tried in advice.instead],
         "size": str(advice.size),
         "left_out": list(advice.left_out),
         "tried": [_tried(tried) for tried in advice.tried],
@@ -66,7 +67,7 @@ def sentences(advice: Advice) -> list[str]:
     """What was found, one sentence each; the first leads."""
     where = _where(advice)
     if advice.named is None:
-        return [_none(advice, where), *advice.why, *_luck(advice), *_left_out(advice)]
+        return [_none(advice, where), *_instead(advice), *advice.why, *_luck(advice), *_left_out(advice)]
     told = [f"{advice.named.setting.text} is the cheapest setting that gets {advice.goal}, on {where}."]
     return [*told, *_unseen(advice.named), _cost(advice), _cheaper(advice), *_luck(advice), *_left_out(advice)]
 
@@ -110,12 +111,28 @@ def _none(advice: Advice, where: str) -> str:
             tried = f"none of its {len(advice.tried)} settings" if len(advice.tried) > 1 else "its one setting does not"
             verb = f"{tried} gets" if len(advice.tried) > 1 else f"{tried} get"
             return f"{advice.engine}: {verb} {advice.goal}, on {where}."
+        case End.HOPELESS:
+            return (
+                f"No setting of {advice.engine} is predicted to get {advice.goal}, on {where}: {len(advice.tried)} "
+                "tried, all wrong; --budget N runs the finer ones too."
+            )
         case _:
             after = "" if advice.next is None else f", which do not suffice for {advice.next.text}"
             return (
                 f"No setting of {advice.engine} within the budget gets {advice.goal}, on {where}: "
                 f"{len(advice.tried)} tried, {advice.spent:,} of {advice.budget:,} units spent{after}."
             )
+
+
+def _instead(advice: Advice) -> list[str]:
+    """What truebreak's own engines come to, where no setting of the one that was asked for is right."""
+    right = [tried for tried in advice.instead if tried.right]
+    wrong = [f"{tried.setting.text} is not ({_listed_scenes(tried)})" for tried in advice.instead if not tried.right]
+    if right:
+        (tried,) = right
+        return [f"{tried.setting.text} is right there, on {tried.of} of {tried.of}" +
+                (f"; {'; '.join(wrong)}." if wrong else ".")]  # fmt: skip
+    return [f"{'; '.join(wrong)}."] if wrong else []
 
 
 def _cost(advice: Advice) -> str:

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from truebreak.compare.bench.speed_report import idleness_of, load, rows_of
-from truebreak.compare.bench.subjects import SUBJECTS
-from truebreak.compare.bench.tradeoff import Tradeoff, told_digits
+from truebreak.compare.grids.row import Row
+from truebreak.compare.grids.tradeoffs import SUBJECTS, digits_shown
 from truebreak.compare.report.pictures.tradeoff_plot import tradeoff_plot
 from truebreak.scenarios.errors import SceneError
 
@@ -43,7 +43,7 @@ def page(data: dict[str, Any]) -> str:
     return "\n".join([*parts, ""])
 
 
-def section(name: str, spec: str, rows: Sequence[Tradeoff]) -> list[str]:
+def section(name: str, spec: str, rows: Sequence[Row]) -> list[str]:
     """One scene: a table of what ran, and why the rest did not."""
     ran, refused = ([row for row in rows if (row.refused is None) is kept] for kept in (True, False))
     lines = [f"## {name}", "", f"`{spec}`, {rows[0].events:,} events."]
@@ -54,15 +54,15 @@ def section(name: str, spec: str, rows: Sequence[Tradeoff]) -> list[str]:
     return lines
 
 
-def _line(row: Tradeoff) -> str:
-    digits = told_digits(row.digits)
+def _line(row: Row) -> str:
+    digits = digits_shown(row.digits)
     cells = (
         "*" if row.front else "",
         f"`{row.engine}`",
         f"{row.ratio:.3g}",
         f"{row.seconds:.3g}",
         f"{row.agreed:,}",
-        f"{row.error:.2g}",
+        "inf" if row.error is None else f"{row.error:.2g}",
         "" if digits is None else str(digits),
         str(row.verdict) if row.changed is None else f"{len(row.changed)} wrong" if row.changed else "right",
         "" if row.memory is None else f"{row.memory / 2**20:.1f}",

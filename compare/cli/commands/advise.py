@@ -35,7 +35,8 @@ Examples:
 \b
 Exit codes:
   0 found   1 no setting that there is is right   2 usage, or bad scene
-  4 none within the budget, or the certified run is undecided
+  4 none within the budget, or none that is predicted to be right, or the
+    certified run is undecided
   130 interrupted
 """
 
@@ -77,7 +78,8 @@ def _default_budget() -> str:
     cls=WithDefault,
     told=_default_budget,
     metavar="N",
-    help="The most that all runs may cost together, in counted units of about a microsecond",
+    help="The most that all runs may cost together, in counted units of about a microsecond; given, settings that are "
+    "predicted to be wrong are run too",
 )
 @click.option(
     "--scenes",
@@ -106,8 +108,9 @@ def advise(
 
     Settings are tried from the cheapest up (pymunk: step and iterations; interval: bits) on the scene and on K scenes
     beside it, so that one that is right by luck is found out. Every cheaper one was run, and is wrong.
+    Where none is right, double and quad are run too.
     """
-    from ...grids.setting_search import DEFAULT_BUDGET, End
+    from ...grids.setting_search import End
     from ...grids.setting_search import advise as search
     from ...report.advice_text import advice_json, print_advice
     from ...report.listing import print_json
@@ -131,7 +134,7 @@ def advise(
             perturbed=perturbed,
             size=size,
             seed=seed,
-            budget=DEFAULT_BUDGET if budget is None else budget,
+            budget=budget,
             progress=progress,
         )
     if folder is not None:

@@ -9,7 +9,7 @@ import click
 
 from ..options import JSON, Whole, WithDefault, a_file, isolating, some_engines
 from ..progress import DONE, ExitCode
-from .sweep import came_to_nothing, showing_done
+from .sweep import HTML, came_to_nothing, showing_done, write_page
 
 if TYPE_CHECKING:
     from ...grids.row import Row
@@ -48,6 +48,7 @@ def _default_engines() -> str:
 @click.option("--short", is_flag=True, help="Only four of each family's own levels.")
 @a_file("--store", help="Keep the rows in this SQLite file, and resume from it.")
 @a_file("--svg", help="Also write the map as a picture.")
+@HTML
 @click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
 @click.option("--list", "listed", is_flag=True, help="List the families.")
 @click.option("--show", type=Whole(), metavar="K", help="Print the scene of one place (TOML), and run nothing.")
@@ -62,6 +63,7 @@ def stress(
     short: bool,
     store: str | None,
     svg: str | None,
+    html: str | None,
     jobs: int | None,
     listed: bool,
     show: int | None,
@@ -78,7 +80,7 @@ def stress(
     from ...engines import split_engines
     from ...grids.grid import carry_out
     from ...grids.store import Store
-    from ...grids.stress_map import DEFAULT_ENGINES, ladders, stress_plan
+    from ...grids.stress_map import DEFAULT_ENGINES, ladders, place_of, stress_plan
     from ...report.listing import print_json
     from ...report.stress_text import print_stress, stress_json
     from ...writing import check_writable, write_whole
@@ -87,7 +89,7 @@ def stress(
         _list()
         return DONE
     if show is not None:
-        if short or as_json or any(value is not None for value in (engines, levels, store, svg)):
+        if short or as_json or any(value is not None for value in (engines, levels, store, svg, html)):
             raise click.UsageError("--show prints one scene and runs nothing; give --side and --seed alone with it")
         _show(families, show, side, seed)
         return DONE
@@ -96,7 +98,7 @@ def stress(
     asked = stress_plan(
         families, DEFAULT_ENGINES if engines is None else split_engines(engines), levels=levels, short=short
     )
-    for path in filter(None, (store, svg)):
+    for path in filter(None, (store, svg, html)):
         check_writable(path)
     rows = Store(store or ":memory:", asked.settings)
     with showing_done("stress", "places") as progress:
@@ -107,6 +109,9 @@ def stress(
         from ...report.pictures.heat_map import heat_map
 
         write_whole(svg, heat_map(asked.families, told, "Where each engine's answer turns wrong"))
+    if html is not None:
+        shown = {row.scene: place_of(row).show for row in rows}
+        write_page(html, "Stress: where engines turn wrong", rows, False, {}, commands=shown)
     if as_json:
         print_json(stress_json(rows.settings, rows, told))
     else:

@@ -9,7 +9,7 @@ import click
 from .. import completion
 from ..options import JSON, Seconds, Whole, a_file, isolating, some_engines
 from ..progress import DONE, ExitCode
-from .sweep import came_to_nothing, showing_done
+from .sweep import HTML, REPORTS, came_to_nothing, check_reports, showing_done, write_page
 
 JOBS = click.option("--jobs", type=Whole(1), metavar="N", help="Worker processes; else one for each processor.")
 
@@ -63,6 +63,8 @@ Examples:
 @click.option("--max-seconds", type=Seconds(), metavar="S", help="What one engine on one scene may take.")
 @a_file("--store", help="Keep the rows in this SQLite file, and resume from it.")
 @JOBS
+@HTML
+@REPORTS
 @isolating
 @JSON
 @click.option("--exit-zero", is_flag=True, help="Exit with 0 whatever diverged, breaks a law, or changed.")
@@ -73,10 +75,12 @@ def suite(
     max_seconds: float | None,
     store: str | None,
     jobs: int | None,
+    html: str | None,
+    reports: bool,
     as_json: bool,
     exit_zero: bool,
 ) -> int:
-    """Compare engines with the certified runs of many scenes, in one report.
+    """Compare engines with certified runs of many scenes.
 
     With --against, it says too what changed since an earlier one.
     """
@@ -85,15 +89,23 @@ def suite(
     from ...grids.suite_file import read_report, read_suite, run_suite, since, suite_json
     from ...report.grid_tables import print_suite
     from ...report.listing import print_json
+    from ...writing import check_writable
 
     if only_changes and against is None:
         raise SceneError("--only-changes: changed since what? add --against EARLIER.json")
+    check_reports(html, reports)
+    if html is not None:
+        check_writable(html)
     asked = replace(read_suite(file), max_seconds=max_seconds)
     earlier = None if against is None else read_report(against)[1]
     rows = Store(store or ":memory:", asked.settings)
     with showing_done(asked.name, "scenes") as progress:
         report = run_suite(asked, store=rows, jobs=jobs, progress=progress)
     changes = None if earlier is None else since(earlier, report)
+    if html is not None:
+        limits = {number: (task.until, task.events) for number, task in enumerate(asked.tasks)}
+        since_then = None if changes is None else {(one.scene, one.engine): one.sentence for one in changes}
+        write_page(html, asked.name, rows, reports, limits, changes=since_then)
     if as_json:
         print_json(suite_json(report, changes))
     else:
@@ -118,6 +130,8 @@ def suite(
 @a_file("--store", help="Keep the rows in this SQLite file, and make none that it has.")
 @JOBS
 @a_file("--from", "recorded", multiple=True, help="Run nothing: show what --json has written.")
+@HTML
+@REPORTS
 @a_file("--page", help="Write the survey as a page in Markdown.")
 @isolating
 @JSON
@@ -130,6 +144,8 @@ def survey(
     store: str | None,
     jobs: int | None,
     recorded: tuple[str, ...],
+    html: str | None,
+    reports: bool,
     page: str | None,
     as_json: bool,
 ) -> int:
@@ -138,15 +154,17 @@ def survey(
     Each engine is run as it comes, and, where it diverges, at finer settings, the best of which is shown; then at the
     cheapest setting that `truebreak advise` finds. It exits with 0 whatever diverged: this is a survey, not a check.
     """
-    from ...grids.engine_survey import read_survey, survey_json
+    from ...grids.engine_survey import limit_of, read_survey, survey_json
     from ...grids.engine_survey import survey as run_survey
     from ...report.grid_tables import print_survey
     from ...report.listing import print_json
     from ...report.survey_page import page_text
     from ...writing import check_writable, write_whole
 
-    if page is not None:
-        check_writable(page)
+    check_reports(html, reports)
+    for file in (page, html):
+        if file is not None:
+            check_writable(file)
     names = [name.strip() for name in engines.split(",") if name.strip()]
     labels = [label.strip() for label in scenes.split(";") if label.strip()]
     if recorded:
@@ -157,6 +175,10 @@ def survey(
         with showing_done("survey", "rows") as progress:
             found = run_survey(names, labels, store=store or ":memory:", jobs=jobs, progress=progress,
                                causes=not no_causes, advice=not no_advice, max_seconds=max_seconds)  # fmt: skip
+    if html is not None:
+        tried = found.report.rows
+        limits = {row.index: (None, limit_of(row.scene)) for row in tried}
+        write_page(html, "Survey of engines", tried, reports, limits)
     if page is not None:
         write_whole(page, page_text(found))
     if as_json:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,13 @@ if TYPE_CHECKING:
     from concurrent.futures import Executor
 
     from ...grids.grid import Done
+    from ...grids.row import Row
     from ...grids.store import Store
+
+HTML = a_file("--html", help="Write one page: scenes by engines, to filter and sort.")
+REPORTS = click.option(
+    "--reports", is_flag=True, help="With --html: a report of each row that does not agree, beside it."
+)
 
 EPILOG = f"""
 {SCENE_HELP}
@@ -77,6 +83,8 @@ ended it.
     help="Workers of a Dask cluster, in place of processes here.",
 )
 @a_file("--svg", help="Draw how long each engine's histories stay true, as one SVG file.")
+@HTML
+@REPORTS
 @click.option("--yes", is_flag=True, help="Run a sweep of more than 100,000 scenes without being asked.")
 @isolating
 @JSON
@@ -97,10 +105,12 @@ def sweep(
     jobs: int | None,
     executor_text: str | None,
     svg: str | None,
+    html: str | None,
+    reports: bool,
     yes: bool,
     as_json: bool,
 ) -> int:
-    """Compare engines with the certified runs of a whole family of scenes.
+    """Compare engines on a whole family of scenes.
 
     Each scene runs in a worker process; each engine only until it diverges. Rows go into the store as soon
     as they are there. Without a SCENE, stores are read and nothing is run; several, such as shards, make one table.
@@ -116,9 +126,10 @@ def sweep(
     from ...report.sweep_text import print_sweep
     from ...writing import check_writable, write_whole
 
-    for file in (csv_file, svg):
+    for file in (csv_file, svg, html):
         if file not in (None, "-"):
             check_writable(file)
+    check_reports(html, reports)
     if executor_text is not None and (jobs is not None or scene is None):
         raise click.UsageError("--executor brings its own workers, to run a SCENE: leave --jobs out, and give a SCENE")
     if csv_file == "-" and as_json:
@@ -144,15 +155,40 @@ def sweep(
         sys.stdout.writelines(csv_parts(rows, keys))
     elif csv_file is not None:
         write_whole(csv_file, csv_parts(rows, keys))
-    told = summaries(rows) if svg is not None or as_json or csv_file != "-" else []
+    told = summaries(rows) if svg is not None or html is not None or as_json or csv_file != "-" else []
     if svg is not None:
         write_whole(svg, survival_svg(told))
+    if html is not None:
+        limits = {row.index: (None, settings["events"]) for row in rows} if reports else {}
+        title = " ".join([settings["scene"], *settings["vary"]])
+        write_page(html, title, rows, reports, limits, pictures=[survival_svg(told)])
     unsure = {name: uncertainty(rows, name) for name in settings["outcomes"] if _displaced(settings)}
     if as_json:
         print_json(sweep_json(settings, rows.scenes, told, rows.failures(), unsure))
     elif csv_file != "-":
         print_sweep(settings, rows.scenes, told, unsure)
     return came_to_nothing(rows)
+
+
+def check_reports(html: str | None, reports: bool) -> None:
+    """Refuses reports without the page that links to them.
+
+    Raises:
+        UsageError: then.
+    """
+    if reports and html is None:
+        raise click.UsageError("--reports are written beside a page: add --html FILE")
+
+
+def write_page(
+    file: str, title: str, rows: Iterable[Row], reports: bool, limits: Mapping[int, tuple[Any, Any]], **more: Any
+) -> None:
+    """Writes the page of a grid, and the reports beside it if they are asked for."""
+    from ...report.grid_page import grid_page, write_reports
+    from ...writing import write_whole
+
+    links = write_reports(rows, file, limits) if reports else None
+    write_whole(file, grid_page(title, rows, links=links, **more))
 
 
 def came_to_nothing(rows: Store) -> int:

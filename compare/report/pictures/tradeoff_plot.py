@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from ...picture import REFERENCE, engine_style
 
 if TYPE_CHECKING:
-    from ...bench.tradeoff import Tradeoff
+    from ...grids.row import Row
 
 COLUMNS, WIDTH, HEIGHT = 2, 430, 250
 """Panels in a row, and the size of one, in pixels."""
@@ -68,11 +68,11 @@ class _Panel:
         return self.y0 + HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * share
 
 
-def tradeoff_plot(rows: Sequence[Tradeoff]) -> str:
+def tradeoff_plot(rows: Sequence[Row]) -> str:
     """The plot; empty panels are left out. Rows that did not get to the end have no digits, and no point.
 
-    >>> from truebreak.compare.bench.tradeoff import Tradeoff
-    >>> tradeoff_plot([Tradeoff("gas", "", "double", ratio=0.3, digits=14.0)]).count('class="mark"')
+    >>> from truebreak.compare.grids.row import Row
+    >>> tradeoff_plot([Row(0, "gas", "double", "agree", ratio=0.3, digits=14.0)]).count('class="mark"')
     2
     """
     scenes = [(name, list(mine)) for name, mine in groupby(rows, key=lambda row: row.scene)]
@@ -92,7 +92,7 @@ def tradeoff_plot(rows: Sequence[Tradeoff]) -> str:
         *legend,
     ]
     for place, (name, mine) in enumerate(drawn):
-        ratios = [math.log10(row.ratio) for row in mine]
+        ratios = [math.log10(row.ratio or 1.0) for row in mine]
         low = math.floor(min(ratios))
         panel = _Panel(
             WIDTH * (place % COLUMNS),
@@ -104,11 +104,11 @@ def tradeoff_plot(rows: Sequence[Tradeoff]) -> str:
     return "\n".join([*parts, "</svg>\n"])
 
 
-def _has_point(row: Tradeoff) -> bool:
-    return row.refused is None and row.digits is not None and row.ratio > 0
+def _has_point(row: Row) -> bool:
+    return row.refused is None and row.digits is not None and bool(row.ratio)
 
 
-def _family(row: Tradeoff) -> str:
+def _family(row: Row) -> str:
     return row.engine.partition(":")[0]
 
 
@@ -160,14 +160,14 @@ def _axes(panel: _Panel, name: str) -> list[str]:
     return parts
 
 
-def _points(panel: _Panel, rows: Sequence[Tradeoff], families: Sequence[str]) -> list[str]:
-    places = {row: (panel.x(row.ratio), panel.y(row.digits or 0.0)) for row in rows}
-    front = sorted(places[row] for row in rows if row.front)
+def _points(panel: _Panel, rows: Sequence[Row], families: Sequence[str]) -> list[str]:
+    places = {row.engine: (panel.x(row.ratio or 0.0), panel.y(row.digits or 0.0)) for row in rows}
+    front = sorted(places[row.engine] for row in rows if row.front)
     parts = []
     if len(front) > 1:
         line = " ".join(f"{x:.1f},{y:.1f}" for x, y in front)
         parts.append(f'<polyline class="front" points="{line}"/>')
     for row in rows:
         told = f"{row.engine}: {row.ratio:.3g} of exact"
-        parts.append(_mark(places[row], _look(_family(row), families), row.front, told))
+        parts.append(_mark(places[row.engine], _look(_family(row), families), bool(row.front), told))
     return parts

@@ -151,7 +151,8 @@ def test_survey_outlives_what_it_surveys(
     monkeypatch.setattr(surveys, "SURVEYED", tuple(rows))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", EngineWarning)
-        code, out, err = said(capsys, "survey", "--scenes", "cradle, apart", "--json", *more, *limited(deed))
+        words = ("survey", "--scenes", "cradle, apart", "--jobs", "1", "--json", *more, *limited(deed))
+        code, out, err = said(capsys, *words)
     assert code == 0, err
     first, second = json.loads(out)["rows"]
     assert second["verdict"] in ("agree", "diverged")

@@ -20,10 +20,10 @@ from truebreak.compare.files.schema import schema
 from truebreak.compare.grids.goals import Digits, Goal, HistoryGoal, OutcomeGoal, difference
 from truebreak.compare.grids.scene_family import nudged
 from truebreak.compare.grids.setting_ladder import RunSize, ladder
-from truebreak.compare.grids.setting_search import Advice, End, advise
+from truebreak.compare.grids.setting_search import DEFAULT_BUDGET, ENOUGH, Advice, End, advise
 from truebreak.compare.report.advice_text import advice_json, sentences
 from truebreak.exact import ExactEngine
-from truebreak.floating import PymunkEngine
+from truebreak.floating import DoubleEngine, PymunkEngine
 from truebreak.scenarios import Circle, Quantity, Scene, SceneError, Wall, catalogue
 from truebreak.scenarios.files import load_scene
 from truebreak.scenarios.trajectory import Stop, StopReason, Trajectory
@@ -218,7 +218,7 @@ def test_a_certified_run_that_is_not_decided_gives_no_advice(monkeypatch: pytest
     assert told.tried == ()
     assert told.why == ("The certified run of the scene itself stops: undecided: for this test.",)
     assert told.named is told.cheaper is None
-    jsonschema.Draft202012Validator(schema("advice-1")).validate(advice_json(told))
+    jsonschema.Draft202012Validator(schema("advice-2")).validate(advice_json(told))
 
 
 def test_scenes_beside_it_without_a_certified_run_are_left_out_and_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -318,7 +318,7 @@ def test_the_command_prints_json_of_its_schema_and_writes_the_scenes(
         main([*words, "--scenes", str(tmp_path)])
     assert stop.value.code == 0
     data = json.loads(capsys.readouterr().out)
-    jsonschema.Draft202012Validator(schema("advice-1")).validate(data)
+    jsonschema.Draft202012Validator(schema("advice-2")).validate(data)
     assert data["setting"]["may_fail"] == pytest.approx(1 - 0.05 ** (1 / 3))
     assert [near["seed"] for near in data["perturbed"]] == [11, 12]
     for near in data["perturbed"]:
@@ -332,6 +332,67 @@ def test_where_none_is_right_the_json_is_of_the_schema_too(capsys: pytest.Captur
         main(["advise", "gas:n=4", "--events", "90", "--budget", "20000", "--perturbed", "1", "--json"])
     assert stop.value.code == 4
     data = json.loads(capsys.readouterr().out)
-    jsonschema.Draft202012Validator(schema("advice-1")).validate(data)
+    jsonschema.Draft202012Validator(schema("advice-2")).validate(data)
     assert data["setting"] is data["cheaper"] is None
     assert data["why"]
+
+
+def test_where_all_is_predicted_to_be_wrong_only_the_cheap_settings_are_run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its work is bounded by count, and truebreak's own engines are looked at in its place; a budget runs the rest."""
+    scene, steps = catalogue.build("gas:n=4").with_changes(events=60), list[int]()
+    real = PymunkEngine.run
+
+    def counted(self: PymunkEngine, scene: Scene, **limits: Any) -> Trajectory:
+        run = real(self, scene, **limits)
+        steps.append(math.ceil(float(run.final_time) / self.dt))
+        return run
+
+    monkeypatch.setattr(PymunkEngine, "run", counted)
+    found = advise(scene, HistoryGoal(), perturbed=2, why=False)
+    assert found.end is End.HOPELESS
+    assert found.spent <= ENOUGH
+    assert sum(steps) <= 4 * ENOUGH, "a run goes no further than it takes to see it diverge"
+    assert found.next is not None and found.next.work + found.spent > ENOUGH
+    monkeypatch.setattr(PymunkEngine, "run", real)
+    with pytest.raises(SystemExit) as stop:
+        main(["advise", "gas:n=4", "--events", "60", "--perturbed", "2"])
+    assert stop.value.code == 4
+    told = " ".join(capsys.readouterr().out.split())
+    assert "No setting of pymunk is predicted to get the first 60 events right" in told
+    assert "double is right there, on 3 of 3." in told
+    assert is_right(scene, HistoryGoal(60), "double")
+    data = advice_json(advise(scene, HistoryGoal(60), perturbed=2))
+    jsonschema.Draft202012Validator(schema("advice-2")).validate(data)
+    assert [(one["engine"], one["right"]) for one in data["instead"]] == [("double", True)]
+    assert advise(scene, HistoryGoal(60), perturbed=1, budget=2 * ENOUGH, why=False).spent > ENOUGH
+
+
+def test_a_wrong_prediction_would_be_seen() -> None:
+    """Where a setting is right, the search ends with it, and none of those before it was left out as hopeless."""
+    for seed in range(6):
+        told = advise(drawn(seed), HistoryGoal(5), perturbed=1)
+        again = advise(drawn(seed), HistoryGoal(5), perturbed=1, budget=DEFAULT_BUDGET)
+        assert told.end is again.end is End.FOUND
+        assert [tried.setting.text for tried in told.tried] == [tried.setting.text for tried in again.tried]
+
+
+class Sharp(PymunkEngine):
+    """An engine of steps whose errors are no larger than those of doubles, whatever its step: of very high order."""
+
+    def run(self, scene: Scene, **limits: Any) -> Trajectory:
+        told = DoubleEngine().run(scene, **limits)
+        return replace(told, engine=self.name)
+
+
+def test_an_engine_of_high_order_is_not_held_for_hopeless(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By its step it is predicted to be wrong; how far it comes says otherwise, and it is run on."""
+    scene = catalogue.build("gas:n=4").with_changes(events=120)
+    whole = len(ExactEngine().run(scene).events)
+    assert whole == 120
+    monkeypatch.setattr(PymunkEngine, "run", Sharp.run)
+    found = advise(scene, HistoryGoal(), "pymunk:dt=1/64,iterations=1", perturbed=0, why=False)
+    agreed = max(judged.agreed or 0 for one in found.tried for judged in one.judged.values())
+    assert 60 <= agreed < whole, "doubles diverge on the way"
+    assert found.end is not End.HOPELESS

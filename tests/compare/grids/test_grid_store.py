@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -19,10 +20,13 @@ import numpy as np
 import pytest
 
 from truebreak.compare.cli import main
-from truebreak.compare.grids.family_sweep import csv_parts, plan, sweep
+from truebreak.compare.grids.family_sweep import SweepJob, csv_parts, plan, sweep
 from truebreak.compare.grids.grid import Done
 from truebreak.compare.grids.grid import carry_out as run
+from truebreak.compare.grids.row import Row
 from truebreak.compare.grids.store import Store, merged
+from truebreak.exact import ExactEngine
+from truebreak.floating import DoubleEngine
 from truebreak.scenarios import SceneError
 
 
@@ -325,3 +329,74 @@ def test_a_sweep_that_is_killed_twice_has_the_same_table(tmp_path: Path) -> None
 @pytest.mark.slow
 def test_a_sweep_that_is_killed_20_times_has_the_same_table(tmp_path: Path) -> None:
     killed_again_and_again(tmp_path, 20, 80)
+
+
+# -- how much is handed out, held and run
+
+
+class Crowd(Executor):
+    """So many workers that each waits until all have a job."""
+
+    def __init__(self, workers: int) -> None:
+        self.workers, self.waiting = workers, list[tuple[Future[Any], Any]]()
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        self.waiting.append((future, fn(*args)))
+        if len(self.waiting) == self.workers:
+            for one, result in self.waiting:
+                one.set_result(result)
+            self.waiting.clear()
+        return future
+
+
+def test_an_executor_of_the_caller_s_is_kept_busy_whatever_its_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would wait for ever for the last of its workers to be given a job."""
+    monkeypatch.setattr(SweepJob, "rows", lambda job: [Row(job.index, job.scene, "double", "agree")])
+    rows = sweep("gas:n=3", ["seed=1..2000"], executor=Crowd(1000))
+    assert [row.index for row in rows] == list(range(2000))
+
+
+def test_no_rows_are_held_while_a_sweep_runs(monkeypatch: pytest.MonkeyPatch, thread: Executor) -> None:
+    held: list[int] = []
+
+    def count(done: Done) -> None:
+        if done.there % 500 == 0:
+            held.append(sum(type(one) is Row for one in gc.get_objects()))
+
+    monkeypatch.setattr(SweepJob, "rows", lambda job: [Row(job.index, job.scene, "double", "agree", settings={})])
+    gc.collect()
+    before = sum(type(one) is Row for one in gc.get_objects())
+    asked = plan("gas:n=3", ["seed=1..3000"])
+    store = Store(":memory:", asked.settings)
+    run(asked, store, executor=thread, jobs=4, progress=count)
+    assert len(held) == 6
+    assert max(held) - before < 100
+    total = 0
+    for row in store:
+        total += row.index
+    assert total == 3000 * 2999 // 2
+
+
+def test_a_scene_is_run_once_by_the_exact_engine_and_once_by_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And once more at most where what comes at the end has to be settled; forecasts are made if they are asked for."""
+    runs: dict[str, int] = {}
+
+    def counted(kind: type) -> None:
+        real = kind.run
+
+        def run_counted(self: Any, scene: Any, **limits: Any) -> Any:
+            runs[kind.__name__] = runs.get(kind.__name__, 0) + 1
+            return real(self, scene, **limits)
+
+        monkeypatch.setattr(kind, "run", run_counted)
+
+    counted(ExactEngine)
+    counted(DoubleEngine)
+    asked: list[Any] = []
+    monkeypatch.setattr("truebreak.compare.grids.family_sweep.Forecast", asked.append)
+    for spec in ("gas:seed=2", "gas:n=3,seed=2", "pinball", "rack:rows=3,gap=1/50"):
+        runs.clear()
+        SweepJob(0, spec, {}, ("double",), 80).rows()
+        assert runs["ExactEngine"] <= 2 and runs["DoubleEngine"] <= 2, (spec, runs)
+    assert asked == []

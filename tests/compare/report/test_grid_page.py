@@ -1,0 +1,148 @@
+"""The page of a grid in a real browser: filters, sorting, a row's figures; nothing overflows; a thousand rows."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from browser import Browser, found
+
+from truebreak.compare.cli import main
+from truebreak.compare.grids.row import Row
+from truebreak.compare.report.grid_page import grid_page
+
+HERE = pytest.mark.skipif(found() is None, reason="no chromium here: apt-get install chromium")
+
+EVIL = "</script><img src=x onerror=alert(1)>"
+
+
+def rows(scenes: int) -> list[Row]:
+    """Two engines: one that diverges at event k of scene k, but for every third, and one that agrees."""
+    told: list[Row] = []
+    for k in range(scenes):
+        name = f"gas:n=3,seed={k}"
+        left = {} if k % 3 == 0 else {"event": k, "body": "c1", "expected": "top", "got": "c2", "kind": "different"}
+        verdict = "agree" if k % 3 == 0 else "diverged"
+        told.append(Row(k, name, "single", verdict, agreed=k, events=scenes, laws={"kept": True, "told": ""}, **left))
+        told.append(Row(k, name, "pymunk:dt=1/64", "agree", agreed=scenes, events=scenes))
+    return told
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Path:
+    return tmp_path / "page.html"
+
+
+def shown(browser: Browser) -> list[str]:
+    return browser.ask("[...document.querySelectorAll('#grid tbody th')].map(head => head.textContent)")
+
+
+@HERE
+def test_scenes_are_filtered_and_sorted(browser: Browser, page: Path) -> None:
+    page.write_text(grid_page("Gases", rows(30)), "utf-8")
+    browser.open(page)
+    assert shown(browser) == [f"gas:n=3,seed={k}" for k in range(30)]
+    browser.ask("(text.value = 'seed=2', text.dispatchEvent(new Event('input')), 0)")
+    assert shown(browser) == [f"gas:n=3,seed={k}" for k in (2, *range(20, 30))]
+    browser.ask("(state.value = 'diverged', state.dispatchEvent(new Event('input')), 0)")
+    assert shown(browser) == [f"gas:n=3,seed={k}" for k in (2, *range(20, 30)) if k % 3]
+    assert browser.ask("count.textContent") == "8 of 30 scenes"
+    for expected in (1, -1):
+        browser.click("#grid thead button[data-engine=single]")
+        assert shown(browser) == [f"gas:n=3,seed={k}" for k in (2, *range(20, 30)) if k % 3][::expected]
+    assert browser.ask("document.querySelectorAll('th[aria-sort]').length") == 1
+
+
+@HERE
+def test_a_row_is_one_click_away(browser: Browser, page: Path) -> None:
+    told = rows(4)
+    page.write_text(grid_page("Gases", told, links={told[2].pair: "page-reports/1-single.html"}), "utf-8")
+    browser.open(page)
+    browser.click("tbody tr:nth-child(2) td button")
+    text = browser.ask("document.querySelector('dialog[open]').innerText")
+    assert "event\n1" in text and "expected\ntop" in text
+    assert browser.ask("document.querySelector('dialog a').getAttribute('href')") == "page-reports/1-single.html"
+    browser.click("dialog form button")
+    browser.click("tbody tr:nth-child(3) td button")
+    text = browser.ask("document.querySelector('dialog[open]').innerText")
+    assert "truebreak compare gas:n=3,seed=2 --engines single --html report.html" in text
+
+
+@HERE
+@pytest.mark.parametrize("width", [1280, 390, 320])
+def test_nothing_overflows(browser: Browser, page: Path, width: int) -> None:
+    long = Row(99, "gas:" + ",".join(f"n{k}=1/3" for k in range(30)), "pymunk:max_steps=300000,iterations=10", "failed")
+    page.write_text(grid_page("Gases", [*rows(9), long], changes={long.pair: "is new"}), "utf-8")
+    browser.size(width)
+    browser.open(page)
+    assert browser.ask("document.documentElement.scrollWidth") <= width
+    browser.click("tbody tr:last-child td button")
+    left, right = browser.ask("(b => [b.left, b.right])(document.querySelector('dialog').getBoundingClientRect())")
+    assert left >= 0 and right <= width
+
+
+@HERE
+def test_a_thousand_rows_are_drawn_within_a_few_of_ten(browser: Browser, page: Path) -> None:
+    """By a ratio of two drawings in one run: the time goes with the rows, and not with their square."""
+
+    def drawn(scenes: int) -> float:
+        page.write_text(grid_page("Gases", rows(scenes)), "utf-8")
+        browser.open(page)
+        turns = "Array.from({length: 9}, () => { const b = performance.now(); draw(); return performance.now() - b; })"
+        return sorted(browser.ask(f"{turns}.sort((a, b) => a - b)"))[4]
+
+    few, many = drawn(100), drawn(1000)
+    assert many <= 60 * max(few, 0.5)
+
+
+@HERE
+def test_what_a_scene_is_called_runs_nowhere(browser: Browser, page: Path) -> None:
+    page.write_text(grid_page(EVIL, [Row(0, EVIL, EVIL, "diverged", note=EVIL)], changes={(EVIL, EVIL): EVIL}), "utf-8")
+    browser.open(page)
+    browser.click("tbody td button")
+    assert browser.ask("document.querySelectorAll('img').length") == 0
+    assert shown(browser) == [EVIL]
+
+
+class Outside(HTMLParser):
+    """What a page loads from elsewhere."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found += [str(value) for key, value in attrs if key == "src" or (tag == "link" and key == "href")]
+
+
+def test_the_page_needs_nothing_else_and_says_its_figures() -> None:
+    text = grid_page("Gases", rows(30))
+    reader = Outside()
+    reader.feed(text)
+    assert reader.found == []
+    assert "<td>10: 33.3% (17.3% to 52.8%)</td>" in text, "Clopper and Pearson, for 10 of 30"
+    assert "<td>30: 100.0% (88.4% to 100.0%)</td>" in text
+    assert "<td>not reached</td>" in text
+
+
+def test_a_suite_writes_its_page_and_the_reports_beside_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(
+        'engines = ["double"]\ncauses = false\n[[scene]]\nname = "lee"\n[[scene]]\nname = "near-tie"\n'
+    )
+    words = ["suite", "s.toml", "--jobs", "1", "--exit-zero"]
+    for more in (["--html", "p.html", "--reports"], ["--json"]):
+        with pytest.raises(SystemExit) as stop:
+            main([*words, *more])
+        assert not stop.value.code
+    assert '"link":"p-reports/1-double.html"' in Path("p.html").read_text("utf-8")
+    assert [path.name for path in Path("p-reports").iterdir()] == ["1-double.html"]
+    for odd, said in ((["--reports"], "add --html FILE"), (["--html", "nowhere/p.html"], "there is no folder")):
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as stop:
+            main([*words, *odd])
+        assert stop.value.code == 2
+        assert said in capsys.readouterr().err
